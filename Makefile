@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+# The front door. Each target sets up what it needs first (scripts/bootstrap.py), at once if nothing is missing.
+
+PYTHON ?= python3
+SIM    ?= icarus
+VENV   := .venv/bin/python
+SETUP   = $(PYTHON) -ES scripts/bootstrap.py
+
+ifneq ($(value SIM),icarus)
+ifneq ($(value SIM),verilator)
+$(error unknown simulator SIM=$(value SIM): use icarus or verilator)
+endif
+endif
+
+# Options of `make run`, from make's command line only. A value is never expanded by make and reaches the
+# command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI
+$(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
+unexport $(OPTIONS)
+MAKEOVERRIDES :=
+given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
+
+.PHONY: help setup run test lint lock clean distclean
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-18s%s\n", $$1, $$2}'
+
+setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
+	@$(SETUP) $(sort icarus $(SIM))
+
+run: ## the main job [TRAJECTORY=name|all|file.csv OUT=dir SIM= DATAPATH= WIDTH= WAVES=1 D1= D2= PHI=]
+	@$(SETUP) $(SIM)
+	@$(VENV) -m scripts.run --sim $(SIM) \
+	  $(call given,TRAJECTORY,--trajectory="$$CGA_TRAJECTORY") $(call given,OUT,--out="$$CGA_OUT") \
+	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
+	  $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI") \
+	  $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
+
+test: ## all tests [SIM=icarus|verilator]
+	@$(SETUP) $(sort icarus $(SIM))
+	@SIM=$(SIM) $(VENV) -m pytest -n auto
+
+lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff on the Python
+	@$(SETUP) icarus
+	@$(VENV) -m scripts.lint
+
+lock: ## write requirements.lock anew from pyproject.toml (needs uv)
+	uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
+	  --no-emit-find-links --custom-compile-command "make lock" --output-file requirements.lock pyproject.toml
+
+clean: ## remove build/ and caches
+	rm -rf build .pytest_cache .ruff_cache .hypothesis
+	@find . \( -path ./.venv -o -path ./.git \) -prune -o -type d -name __pycache__ -prune -exec rm -rf {} +
+
+distclean: clean ## clean, and remove .venv
+	rm -rf .venv

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""make lint: every Verilog module as its own top in Verilator -Wall and Icarus -Wall, then ruff.
+
+A module that has a parameter of PARAMETER_SETS is looked at once for each value. Any message is a finding,
+and the exit status is then 1. Verilator's waivers, if there are any, stand in lint.vlt in the RTL folder;
+each one matches a text and gives its reason.
+"""
+
+import argparse
+import itertools
+import os
+import re
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from scripts.env import ROOT, environment
+
+# parameter: values it is linted at. A module is linted at every combination of those it has.
+PARAMETER_SETS = {"W": (32, 18)}
+# module: sets of its own, where the table above is not enough or not legal for it
+MODULE_SETS = {}
+
+PREFIX = "ik_"
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
+MODULE = re.compile(r"^\s*module\s+(\w+)", re.M)
+PARAMETER = re.compile(r"\bparameter\b[^;)]*?\b{}\s*=")
+
+
+def sources(rtl: Path) -> list[Path]:
+    return sorted([*rtl.glob("*.v"), *rtl.glob("*/*.v")])
+
+
+def folders(rtl: Path) -> list[Path]:
+    return [rtl, *sorted(p for p in rtl.iterdir() if p.is_dir())]
+
+
+def parameter_sets(name: str, text: str) -> list[dict]:
+    """The parameter sets a module is linted at; at least the one with its defaults."""
+    if name in MODULE_SETS:
+        return MODULE_SETS[name]
+    has = [p for p in PARAMETER_SETS if re.search(PARAMETER.pattern.format(p), text)]
+    combinations = itertools.product(*(PARAMETER_SETS[p] for p in has))
+    return [dict(zip(has, values, strict=True)) for values in combinations]
+
+
+def commands(source: Path, rtl: Path, parameters: dict) -> list[list[str]]:
+    name = source.stem
+    places = folders(rtl)
+    waivers = [str(rtl / "lint.vlt")] if (rtl / "lint.vlt").exists() else []
+    verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", *waivers]
+    verilator += [word for d in places for word in (f"-I{d}", "-y", str(d))]
+    verilator += [f"-G{k}={v}" for k, v in parameters.items()] + ["--top-module", name, str(source)]
+    icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", name]
+    icarus += [word for d in places for word in ("-I", str(d), "-y", str(d))]
+    icarus += [f"-P{name}.{k}={v}" for k, v in parameters.items()] + [str(source)]
+    return [verilator, icarus]
+
+
+def run(command: list[str], env: dict) -> str:
+    """What a tool has to say; empty if it is content."""
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    # Verilator sums up in lines such as "- Verilator: Walltime ..." on success
+    said = [line for line in (done.stdout + done.stderr).splitlines() if line and not line.startswith("- ")]
+    if done.returncode and not said:
+        said = [f"{command[0]} ended with status {done.returncode}"]
+    return "\n".join(said)
+
+
+def lint_module(source: Path, rtl: Path, env: dict) -> tuple[str, str]:
+    """One line about the module, and its findings."""
+    start = time.monotonic()
+    name = source.stem
+    text = COMMENT.sub(" ", source.read_text(encoding="utf-8"))
+    findings = []
+    modules = MODULE.findall(text)
+    if modules != [name]:
+        findings.append(f"{source}: holds {modules or 'no module'}, must hold the one module {name}")
+    if not name.startswith(PREFIX):
+        findings.append(f"{source}: a module's name starts with {PREFIX}")
+    sets = parameter_sets(name, text)
+    for parameters in sets if not findings else []:
+        for command in commands(source, rtl, parameters):
+            findings += [said for said in [run(command, env)] if said]
+    at = ", ".join(" ".join(f"{k}={v}" for k, v in p.items()) or "defaults" for p in sets)
+    line = f"{'FAIL' if findings else 'ok  '} {name:<28} {at:<16} {time.monotonic() - start:5.1f} s"
+    # a file that several runs complain about in the same words is quoted once
+    return line, "\n".join(dict.fromkeys(findings))
+
+
+def main(arguments=None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m scripts.lint", description=__doc__.split("\n")[0])
+    parser.add_argument("modules", nargs="*", metavar="MODULE", help="only these modules, and no Python")
+    parser.add_argument("--rtl", type=Path, default=ROOT / "rtl", metavar="DIR", help="where the Verilog is")
+    parser.add_argument("--no-python", action="store_true", help="leave out ruff")
+    options = parser.parse_args(arguments)
+
+    rtl = options.rtl.resolve()
+    found = sources(rtl) if rtl.is_dir() else []
+    unknown = set(options.modules) - {s.stem for s in found}
+    if unknown or not found:
+        what = f"no module {', '.join(sorted(unknown))}" if unknown else "no Verilog"
+        print(f"lint: {what} in {options.rtl}", file=sys.stderr)
+        return 2
+    if options.modules:
+        found = [s for s in found if s.stem in options.modules]
+
+    env = environment()
+    failed = 0
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for line, findings in pool.map(lambda source: lint_module(source, rtl, env), found):
+            print(line, flush=True)
+            if findings:
+                print(findings, flush=True)
+                failed += 1
+    print(f"{len(found) - failed} of {len(found)} Verilog modules without a finding", flush=True)
+
+    if not (options.no_python or options.modules):
+        ruff = subprocess.run(["ruff", "check", "--quiet", str(ROOT)], env=env, cwd=ROOT, check=False)
+        print("ok   Python (ruff)" if ruff.returncode == 0 else "FAIL Python (ruff)", flush=True)
+        failed += ruff.returncode != 0
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
