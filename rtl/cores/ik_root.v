@@ -1,0 +1,57 @@
+// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 where n < 0; n signed NW bits, q signed QW bits, never negative.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Behavioural. neg is valid with q and says that n was negative.
+// Latency: LAT clocks, those of a pipelined radix-2 square root: one row a result bit, output.
+`default_nettype none
+
+module ik_root #(
+    parameter integer NW  = 32,  // width of the radicand
+    parameter integer SH  = 30,  // 2 F(q) - F(n)
+    parameter integer QW  = 32,  // width of the root
+    parameter integer LAT = 32   // clocks
+) (
+    input  wire                 clk,
+    input  wire signed [NW-1:0] n,
+    output wire signed [QW-1:0] q,
+    output wire                 neg
+);
+
+  localparam integer XW = (NW + SH > 2 * QW) ? (NW + SH) : (2 * QW);
+
+  // One result bit after the other, highest first: keep it where the square still fits.
+  function [QW-1:0] root(input [XW-1:0] v);
+    reg [QW-1:0] r;
+    reg [XW-1:0] rest;   // v - r^2
+    reg [XW-1:0] trial;  // (r + bit)^2 - r^2 = (2 r + bit) bit
+    integer i;
+    begin
+      r = {QW{1'b0}};
+      rest = v;
+      for (i = QW - 2; i >= 0; i = i - 1) begin
+        trial = ({{(XW - QW) {1'b0}}, r} << (i + 1)) | ({{(XW - 1) {1'b0}}, 1'b1} << (2 * i));
+        if (rest >= trial) begin
+          rest = rest - trial;
+          r[i] = 1'b1;
+        end
+      end
+      root = r;
+    end
+  endfunction
+
+  wire negative = n[NW-1];
+  wire [XW-1:0] radicand = {{(XW - NW) {1'b0}}, n} << SH;
+  wire [QW-1:0] floor = negative ? {QW{1'b0}} : root(radicand);
+
+  ik_delay #(
+      .W(QW + 1),
+      .N(LAT)
+  ) u_latency (
+      .clk(clk),
+      .d  ({negative, floor}),
+      .q  ({neg, q})
+  );
+
+endmodule
+
+`default_nettype wire

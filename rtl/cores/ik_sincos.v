@@ -1,0 +1,67 @@
+// Each iteration rounds down with 6 guard bits, the result half up: sin and cos of phi/2, signed Q2.(W-2).
+// SPDX-License-Identifier: Apache-2.0
+//
+// phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: inside the CORDIC's range of convergence
+// without folding quadrants. The gain of the rotations is taken out in advance.
+// Latency: W + 1 clocks (LAT_SINCOS): one iteration a bit, rounding.
+`default_nettype none
+
+module ik_sincos #(
+    parameter integer W = 32  // word length, 16 to 40
+) (
+    input  wire                clk,
+    input  wire signed [W-1:0] phi,
+    output reg  signed [W-1:0] sin_h,
+    output reg  signed [W-1:0] cos_h
+);
+
+  `include "ik_sincos_table.vh"
+
+  localparam integer XW = W + SINCOS_GUARD;
+  localparam integer DROP = TABLE_BITS - XW;  // table bits below those of the angle
+  localparam integer DROP_GAIN = DROP + 2;  // x and y have two integer bits, the table has none
+
+  localparam [TABLE_BITS-1:0] GAIN_W = (GAIN + (48'd1 << (DROP_GAIN - 1))) >> DROP_GAIN;
+
+  // Vector and angle left to turn, after i iterations
+  wire signed [XW-1:0] x[0:W];
+  wire signed [XW-1:0] y[0:W];
+  wire signed [XW-1:0] z[0:W];
+  assign x[0] = GAIN_W[XW-1:0];
+  assign y[0] = {XW{1'b0}};
+  assign z[0] = {phi, {SINCOS_GUARD{1'b0}}};
+
+  genvar i;
+  generate
+    for (i = 0; i < W; i = i + 1) begin : g_turn
+      localparam [TABLE_BITS-1:0] ATAN = (atan_turn(i) + (48'd1 << (DROP - 1))) >> DROP;
+      localparam signed [XW-1:0] ANGLE = ATAN[XW-1:0];
+      reg signed [XW-1:0] x_q;
+      reg signed [XW-1:0] y_q;
+      reg signed [XW-1:0] z_q;
+      wire right = z[i][XW-1];
+      always @(posedge clk) begin
+        x_q <= right ? (x[i] + (y[i] >>> i)) : (x[i] - (y[i] >>> i));
+        y_q <= right ? (y[i] - (x[i] >>> i)) : (y[i] + (x[i] >>> i));
+        z_q <= right ? (z[i] + ANGLE) : (z[i] - ANGLE);
+      end
+      assign x[i+1] = x_q;
+      assign y[i+1] = y_q;
+      assign z[i+1] = z_q;
+    end
+  endgenerate
+
+  localparam signed [XW-1:0] HALF = {{(XW - 1) {1'b0}}, 1'b1} << (SINCOS_GUARD - 1);
+  wire signed [XW-1:0] x_round = x[W] + HALF;
+  wire signed [XW-1:0] y_round = y[W] + HALF;
+  always @(posedge clk) begin
+    cos_h <= x_round[XW-1:SINCOS_GUARD];
+    sin_h <= y_round[XW-1:SINCOS_GUARD];
+  end
+
+  // what the rounding drops
+  wire unused = &{1'b0, x_round[SINCOS_GUARD-1:0], y_round[SINCOS_GUARD-1:0]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,92 @@
+// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2); no rounding of its own.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The inverse kinematics core with AXI4-Stream ports: one datapath between credit logic and an output FIFO.
+//
+// A target is admitted only when the FIFO has a place reserved for its result, so the datapath runs free, and whatever
+// the receiver does, nothing is lost, repeated or reordered. tready does not depend on tvalid, nor tvalid on tready.
+// Without stalls one target enters and one result leaves in every clock.
+// Latency: T_OUT of the datapath, and 2 clocks of the FIFO.
+`default_nettype none
+
+module ik_axis #(
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer TAG_W = 8    // width of the tag
+) (
+    input  wire               clk,
+    input  wire               rst,  // synchronous, active high: forgets all targets
+    // x, y, z, phi, d1, d2, lowest bits first: Q2.(W-2), phi one turn = 2^W
+    input  wire [    6*W-1:0] s_axis_tdata,
+    input  wire [  TAG_W-1:0] s_axis_tuser,
+    input  wire               s_axis_tvalid,
+    output wire               s_axis_tready,
+    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first: Q2.(W-2)
+    output wire [    6*W-1:0] m_axis_tdata,
+    output wire [TAG_W+8-1:0] m_axis_tuser,  // tag; above it too_far, too_near, on_axis, at_shoulder, bad_length,
+    output wire               m_axis_tvalid, // saturated, 0, 0
+    input  wire               m_axis_tready
+);
+
+  `include "ik_paper_nodes.vh"
+
+  function integer clog2(input integer n);
+    begin
+      clog2 = 0;
+      while ((1 << clog2) < n) clog2 = clog2 + 1;
+    end
+  endfunction
+
+  // A place is taken from the admission of a target to the departure of its result: pipeline, FIFO, output register.
+  localparam integer LOG2 = clog2(T_OUT + 3);
+
+  // ---- credits: places in the FIFO that nobody has reserved ----
+
+  reg [LOG2:0] credits;
+  wire admit = s_axis_tvalid && s_axis_tready;
+  wire leave = m_axis_tvalid && m_axis_tready;
+  always @(posedge clk) begin
+    if (rst) credits <= {1'b1, {LOG2{1'b0}}};
+    else if (admit && !leave) credits <= credits - 1'b1;
+    else if (leave && !admit) credits <= credits + 1'b1;
+  end
+  assign s_axis_tready = !rst && (credits != 0);
+
+  // ---- the datapath ----
+
+  wire core_valid;
+  wire [TAG_W-1:0] core_tag;
+  wire [7:0] core_flags;
+  wire [6*W-1:0] core_data;
+  ik_paper #(
+      .W    (W),
+      .TAG_W(TAG_W)
+  ) u_core (
+      .clk      (clk),
+      .rst      (rst),
+      .in_valid (admit),
+      .in_tag   (s_axis_tuser),
+      .in_data  (s_axis_tdata),
+      .out_valid(core_valid),
+      .out_tag  (core_tag),
+      .out_flags(core_flags),
+      .out_data (core_data)
+  );
+
+  // ---- results wait for their receiver ----
+
+  ik_fifo #(
+      .W   (6 * W + 8 + TAG_W),
+      .LOG2(LOG2)
+  ) u_fifo (
+      .clk    (clk),
+      .rst    (rst),
+      .wr_en  (core_valid),
+      .wr_data({core_flags, core_tag, core_data}),
+      .m_valid(m_axis_tvalid),
+      .m_ready(m_axis_tready),
+      .m_data ({m_axis_tuser, m_axis_tdata})
+  );
+
+endmodule
+
+`default_nettype wire

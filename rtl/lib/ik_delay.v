@@ -1,0 +1,36 @@
+// No rounding, any format: q is d, N clocks later.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Balances a short path against a long one. No reset and no enable, so that it maps to shift-register primitives.
+// Latency: N clocks, 0 included.
+`default_nettype none
+
+module ik_delay #(
+    parameter integer W = 32,  // width of the word
+    parameter integer N = 1    // clocks
+) (
+    input  wire         clk,
+    input  wire [W-1:0] d,
+    output wire [W-1:0] q
+);
+
+  generate
+    if (N < 0) begin : g_illegal
+      ik_delay_needs_N_of_at_least_0 u_stop ();
+    end else if (N == 0) begin : g_wire
+      wire unused = clk;
+      assign q = d;
+    end else if (N == 1) begin : g_one
+      reg [W-1:0] line;
+      always @(posedge clk) line <= d;
+      assign q = line;
+    end else begin : g_line
+      reg [W*N-1:0] line;  // newest word in the low bits
+      always @(posedge clk) line <= {line[W*(N-1)-1:0], d};
+      assign q = line[W*N-1:W*(N-1)];
+    end
+  endgenerate
+
+endmodule
+
+`default_nettype wire

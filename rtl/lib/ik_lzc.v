@@ -1,0 +1,41 @@
+// Exact: count = how far N signed words of W bits can be shifted left together without overflow; 0 if all are 0.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Latency: 2 clocks (LAT_LZC).
+`default_nettype none
+
+module ik_lzc #(
+    parameter integer W = 32,  // width of a word, at most 64
+    parameter integer N = 3    // words
+) (
+    input  wire           clk,
+    input  wire [N*W-1:0] d,    // word 0 in the low bits
+    output reg  [    5:0] count
+);
+
+  // A bit of mag is set where any word differs from its sign: the highest such bit is where the room ends.
+  reg [W-2:0] any;
+  integer k;
+  always @* begin
+    any = {(W - 1) {1'b0}};
+    for (k = 0; k < N; k = k + 1) any = any | (d[k*W+:W-1] ^ {(W - 1) {d[k*W+W-1]}});
+  end
+  reg [W-2:0] mag;
+  reg empty;
+  always @(posedge clk) begin
+    mag   <= any;
+    empty <= (d == {(N * W) {1'b0}});
+  end
+
+  integer room;
+  integer i;
+  always @* begin
+    room = W - 1;
+    for (i = 0; i < W - 1; i = i + 1) if (mag[i]) room = W - 2 - i;
+  end
+  always @(posedge clk) count <= empty ? 6'd0 : room[5:0];
+  wire unused = &{1'b0, room[31:6]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,45 @@
+// Exact: shifts N signed words of W bits left together until the largest fills its word. Result: mantissas in [-1, 1).
+// SPDX-License-Identifier: Apache-2.0
+//
+// The scale that is taken out is 2^count. The all-zero vector, which has no direction, becomes (1/2, 0, ..).
+// Latency: 3 clocks (LAT_NORM).
+`default_nettype none
+
+module ik_norm #(
+    parameter integer W = 32,  // width of a word
+    parameter integer N = 3    // words
+) (
+    input  wire           clk,
+    input  wire [N*W-1:0] d,     // word 0 in the low bits
+    output reg  [N*W-1:0] q,
+    output reg  [    5:0] count
+);
+
+  wire [5:0] room;
+  ik_lzc #(
+      .W(W),
+      .N(N)
+  ) u_lzc (
+      .clk  (clk),
+      .d    (d),
+      .count(room)
+  );
+
+  // The words beside the count; (1/2, 0, ..) has room 0 by ik_lzc's rule for zero.
+  localparam [N*W-1:0] UP = {{(N * W - 1) {1'b0}}, 1'b1} << (W - 2);
+  reg [N*W-1:0] d_1;
+  reg [N*W-1:0] d_2;
+  always @(posedge clk) begin
+    d_1 <= (d == {(N * W) {1'b0}}) ? UP : d;
+    d_2 <= d_1;
+  end
+
+  integer k;
+  always @(posedge clk) begin
+    for (k = 0; k < N; k = k + 1) q[k*W+:W] <= d_2[k*W+:W] << room;
+    count <= room;
+  end
+
+endmodule
+
+`default_nettype wire

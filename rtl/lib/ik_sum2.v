@@ -1,0 +1,38 @@
+// Rounds half up and saturates: q = sat(floor((+-a +- b) / 2^SH + 1/2)), a and b signed IW bits, q signed OW bits.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Latency: 2 clocks (LAT_SUM2). ovf is valid with q and says that q was saturated.
+`default_nettype none
+
+module ik_sum2 #(
+    parameter integer IW    = 40,  // width of a and b, which have one format
+    parameter integer SH    = 8,   // fraction bits dropped
+    parameter integer OW    = 32,  // width of q
+    parameter integer SUB_B = 0    // 1: a - b
+) (
+    input  wire                 clk,
+    input  wire signed [IW-1:0] a,
+    input  wire signed [IW-1:0] b,
+    output reg  signed [OW-1:0] q,
+    output reg                  ovf
+);
+
+  // A bit for the sum and one for the rounding; at least one more than q, so that there is a range to check.
+  localparam integer RW = (IW + 2 > OW + SH) ? (IW + 2) : (OW + SH + 1);
+  localparam [RW-1:0] HALF = (SH > 0) ? ({{(RW - 1) {1'b0}}, 1'b1} << (SH - 1)) : {RW{1'b0}};
+
+  wire signed [RW-1:0] a_x = {{(RW - IW) {a[IW-1]}}, a};
+  wire signed [RW-1:0] b_x = {{(RW - IW) {b[IW-1]}}, b};
+  reg signed  [RW-1:0] sum;
+  always @(posedge clk) sum <= (SUB_B != 0) ? (a_x - b_x) : (a_x + b_x);
+
+  wire signed [RW-1:0] rounded = $signed(sum + HALF) >>> SH;
+  wire fits = (rounded[RW-1:OW-1] == {(RW - OW + 1) {rounded[RW-1]}});
+  always @(posedge clk) begin
+    q   <= fits ? rounded[OW-1:0] : {rounded[RW-1], {(OW - 1) {~rounded[RW-1]}}};
+    ovf <= ~fits;
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,114 @@
+// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, roots and quotient floor.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Section 3.3: the elbow quaternion Qe = qe_w + qe_i i (14).
+`default_nettype none
+
+module ik_elbow_q #(
+    parameter integer W = 32  // word length, 16 to 32
+) (
+    input  wire                clk,
+    input  wire signed [W-1:0] d_1,         // T_D_1
+    input  wire signed [W-1:0] d_2,
+    input  wire signed [W-1:0] p_a_x,       // the target in the arms' unit, T_P_A_X
+    input  wire signed [W-1:0] p_a_y,
+    input  wire signed [W-1:0] p_a_z,
+    input  wire                clamp,       // T_CLAMP
+    input  wire                fold,        // T_FOLD
+    input  wire signed [W-1:0] p_e_x,       // T_P_E_X
+    input  wire signed [W-1:0] p_e_y,
+    input  wire signed [W-1:0] p_e_z,
+    output wire signed [W-1:0] qe_w,        // T_QE_W
+    output reg  signed [W-1:0] qe_i,        // T_QE_I
+    output reg                 sat_elbow_q  // T_SAT_ELBOW_Q
+);
+
+  `include "ik_paper_nodes.vh"
+
+  localparam integer WW = W + GUARD;  // a product before its rounding
+
+  // ---- (14) p_e^2 - p_e p_w = p_e (p_e - p_w) ----
+
+  wire signed [W-1:0] p_a_x_e;
+  wire signed [W-1:0] p_a_y_e;
+  wire signed [W-1:0] p_a_z_e;
+  ik_delay #(.W(3*W), .N(T_P_E_X-T_P_A_X)) u_p_a_e (
+      .clk(clk), .d({p_a_z, p_a_y, p_a_x}), .q({p_a_z_e, p_a_y_e, p_a_x_e})
+  );
+  wire signed [W-1:0] f_x;  // p_e - p_w
+  wire signed [W-1:0] f_y;
+  wire signed [W-1:0] f_z;
+  localparam integer SH_F = F_P_A_X - F_F_X;
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1)) u_f_x (
+      .clk(clk), .a({p_e_x, 1'b0}), .b({p_a_x_e[W-1], p_a_x_e}), .q(f_x), .ovf()
+  );
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1)) u_f_y (
+      .clk(clk), .a({p_e_y, 1'b0}), .b({p_a_y_e[W-1], p_a_y_e}), .q(f_y), .ovf()
+  );
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1)) u_f_z (
+      .clk(clk), .a({p_e_z, 1'b0}), .b({p_a_z_e[W-1], p_a_z_e}), .q(f_z), .ovf()
+  );
+
+  wire signed [W-1:0] p_e_x_f;
+  wire signed [W-1:0] p_e_y_f;
+  wire signed [W-1:0] p_e_z_f;
+  ik_delay #(.W(3*W), .N(T_F_X-T_P_E_X)) u_p_e_f (
+      .clk(clk), .d({p_e_z, p_e_y, p_e_x}), .q({p_e_z_f, p_e_y_f, p_e_x_f})
+  );
+  wire signed [WW-1:0] t_x;
+  wire signed [WW-1:0] t_y;
+  wire signed [WW-1:0] t_z;
+  wire signed [W-1:0] t_e;
+  wire ovf_t_e;
+  localparam integer SH_T = F_P_E_X + F_F_X - F_T_X;
+  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW)) u_t_x (.clk(clk), .a(p_e_x_f), .b(f_x), .q(t_x));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW)) u_t_y (.clk(clk), .a(p_e_y_f), .b(f_y), .q(t_y));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW)) u_t_z (.clk(clk), .a(p_e_z_f), .b(f_z), .q(t_z));
+  ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (
+      .clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf(ovf_t_e)
+  );
+
+  // ---- (14) c4 = (p_e^2 - p_e p_w) / (d1 d2) ----
+
+  wire signed [W-1:0] d_12;
+  wire signed [W-1:0] d_12_t;
+  wire signed [W-1:0] c4_quo;
+  ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
+  ik_delay #(.W(W), .N(T_T_E-T_D_12)) u_d_12_t (.clk(clk), .d(d_12), .q(d_12_t));
+  ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV)) u_c4_quo (
+      .clk(clk), .n(t_e), .d(d_12_t), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
+  );
+
+  // A clamped arm is straight (-1) or folded (+1).
+  wire clamp_t;
+  wire clamp_quo;
+  wire fold_quo;
+  ik_delay #(.W(1), .N(T_T_E-T_CLAMP)) u_clamp_t (.clk(clk), .d(clamp), .q(clamp_t));
+  ik_delay #(.W(1), .N(T_C4_QUO-T_T_E)) u_clamp_quo (.clk(clk), .d(clamp_t), .q(clamp_quo));
+  ik_delay #(.W(1), .N(T_C4_QUO-T_FOLD)) u_fold_quo (.clk(clk), .d(fold), .q(fold_quo));
+  localparam signed [W-1:0] ONE = {2'b01, {(W - 2) {1'b0}}};
+  reg signed [W-1:0] c4;
+  always @(posedge clk) c4 <= !clamp_quo ? c4_quo : fold_quo ? ONE : -ONE;
+
+  // ---- (14) qe_w = sqrt((1 + c4)/2), qe_i = -sqrt((1 - c4)/2) ----
+
+  wire [W-1:0] h4_p;
+  wire [W-1:0] h4_m;
+  wire signed [W-1:0] qe_abs;
+  localparam integer SH_ROOT = 2 * F_QE_W - (W - 1);
+  ik_half #(.W(W)) u_h4_p (.clk(clk), .c(c4), .q(h4_p));
+  ik_half #(.W(W), .MINUS(1)) u_h4_m (.clk(clk), .c(c4), .q(h4_m));
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT)) u_qe_w (
+      .clk(clk), .n({1'b0, h4_p}), .q(qe_w), .neg()
+  );
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT)) u_qe_abs (
+      .clk(clk), .n({1'b0, h4_m}), .q(qe_abs), .neg()
+  );
+  always @(posedge clk) begin
+    qe_i        <= -qe_abs;
+    sat_elbow_q <= ovf_t_e && !clamp_t;
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,190 @@
+// Comparisons exact; scaling exact but for the last place of arms with d1 + d2 >= 2, whose dropped bit is or-ed in.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the paper's equations need before they can be used on any input word at all:
+// - which targets have no elbow: too far, too near, at the shoulder, arms without length. These are clamped: they pass
+//   as targets of an ordinary arm, and three nodes further down are set from outside (p_e, c4 and the side for (17));
+// - units of length in which the words are full. Kinematics is scale-free: the arms are brought to
+//   1/2 <= d1 + d2 < 1, the target has a unit of its own, 2^scale_j finer, and so has its horizontal direction (b).
+//
+// Inputs at clock 0; an output OUT at clock T_OUT of ik_paper_nodes.vh.
+`default_nettype none
+
+module ik_guard #(
+    parameter integer W = 32  // word length, 16 to 32
+) (
+    input  wire                clk,
+    // the target, Q2.(W-2)
+    input  wire signed [W-1:0] x,
+    input  wire signed [W-1:0] y,
+    input  wire signed [W-1:0] z,
+    input  wire signed [W-1:0] d1,
+    input  wire signed [W-1:0] d2,
+    // the target in its own unit, and its horizontal direction in a unit of its own, Q1.(W-1)
+    output wire signed [W-1:0] p_w_x,
+    output wire signed [W-1:0] p_w_y,
+    output wire signed [W-1:0] p_w_z,
+    output wire signed [W-1:0] b_x,
+    output wire signed [W-1:0] b_y,
+    // the arms, and the target in the same unit, Q1.(W-1)
+    output reg  signed [W-1:0] d_1,
+    output reg  signed [W-1:0] d_2,
+    output reg  signed [W-1:0] p_a_x,
+    output reg  signed [W-1:0] p_a_y,
+    output reg  signed [W-1:0] p_a_z,
+    output reg         [  5:0] scale_j,      // p_w = 2^scale_j p_a
+    // decisions
+    output reg                 too_far,
+    output reg                 too_near,
+    output reg                 on_axis,
+    output reg                 at_shoulder,
+    output reg                 bad_length,
+    output reg                 clamp,        // there is no elbow: straight or folded arm
+    output reg                 fold,         // clamped and folded
+    output reg                 away          // clamped with the upper arm away from the target
+);
+
+  `include "ik_paper_nodes.vh"
+
+  localparam integer XW = 2 * W + 2;  // an exact sum of squares
+
+  // ---- lengths and places that have no equation ----
+
+  always @(posedge clk) begin
+    bad_length  <= (d1 <= 0) || (d2 <= 0);
+    on_axis     <= (x == 0) && (y == 0);
+    at_shoulder <= (x == 0) && (y == 0) && (z == 0);
+  end
+
+  // ---- reach: d1 + d2 and d1 - d2 against |p|, in exact squares ----
+
+  wire signed [W:0] d1_x = {d1[W-1], d1};
+  wire signed [W:0] d2_x = {d2[W-1], d2};
+  reg signed  [W:0] r_raw;
+  reg signed  [W:0] d_raw;
+  always @(posedge clk) begin
+    r_raw <= d1_x + d2_x;
+    d_raw <= d1_x - d2_x;
+  end
+
+  wire signed [XW-1:0] x_sq;
+  wire signed [XW-1:0] y_sq;
+  wire signed [XW-1:0] z_sq;
+  wire signed [XW-1:0] r_sq;
+  wire signed [XW-1:0] d_sq;
+  wire signed [W:0] x_x = {x[W-1], x};
+  wire signed [W:0] y_x = {y[W-1], y};
+  wire signed [W:0] z_x = {z[W-1], z};
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_x_sq (.clk(clk), .a(x_x), .b(x_x), .q(x_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_y_sq (.clk(clk), .a(y_x), .b(y_x), .q(y_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_z_sq (.clk(clk), .a(z_x), .b(z_x), .q(z_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_r_sq (.clk(clk), .a(r_raw), .b(r_raw), .q(r_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_d_sq (.clk(clk), .a(d_raw), .b(d_raw), .q(d_sq));
+
+  reg signed  [XW-1:0] xy_sq;
+  reg signed  [XW-1:0] s_raw;
+  wire signed [XW-1:0] z_sq_s;
+  ik_delay #(.W(XW), .N(T_XY_SQ - T_Z_SQ)) u_z_sq_s (.clk(clk), .d(z_sq), .q(z_sq_s));
+  always @(posedge clk) begin
+    xy_sq <= x_sq + y_sq;
+    s_raw <= xy_sq + z_sq_s;
+  end
+
+  wire signed [XW-1:0] r_sq_s;
+  wire signed [XW-1:0] d_sq_s;
+  wire bad_length_s;
+  ik_delay #(.W(XW), .N(T_S_RAW - T_R_SQ)) u_r_sq_s (.clk(clk), .d(r_sq), .q(r_sq_s));
+  ik_delay #(.W(XW), .N(T_S_RAW - T_D_SQ)) u_d_sq_s (.clk(clk), .d(d_sq), .q(d_sq_s));
+  ik_delay #(.W(1), .N(T_S_RAW - T_BAD_LENGTH)) u_bad_length_s (.clk(clk), .d(bad_length), .q(bad_length_s));
+  always @(posedge clk) begin
+    too_far  <= (s_raw > r_sq_s) && !bad_length_s;
+    too_near <= (s_raw < d_sq_s) && !bad_length_s;
+  end
+
+  // ---- what to do with a target that has no elbow ----
+
+  wire bad_length_c;
+  wire at_shoulder_c;
+  wire d_raw_negative_c;
+  ik_delay #(.W(3), .N(T_TOO_FAR - T_BAD_LENGTH)) u_decisions_c (
+      .clk(clk),
+      .d  ({bad_length, at_shoulder, d_raw[W]}),
+      .q  ({bad_length_c, at_shoulder_c, d_raw_negative_c})
+  );
+  always @(posedge clk) begin
+    clamp <= too_far || too_near || at_shoulder_c || bad_length_c;
+    fold  <= (too_near || at_shoulder_c) && !bad_length_c;
+    away  <= too_near && d_raw_negative_c;
+  end
+
+  // ---- the target in its own unit; at the shoulder it is taken to be straight up ----
+
+  wire [5:0] lz_p;
+  ik_norm #(.W(W), .N(3)) u_norm_p (.clk(clk), .d({y, x, z}), .q({p_w_y, p_w_x, p_w_z}), .count(lz_p));
+
+  // ---- its horizontal direction; on the axis azimuth 0 is taken ----
+
+  wire [5:0] lz_b;
+  ik_norm #(.W(W), .N(2)) u_norm_b (.clk(clk), .d({y, x}), .q({b_y, b_x}), .count(lz_b));
+
+  // ---- the arms in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit ----
+
+  wire [5:0] lz_r;
+  ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r));
+
+  wire signed [W:0] d1_r;
+  wire signed [W:0] d2_r;
+  wire signed [W:0] x_r;
+  wire signed [W:0] y_r;
+  wire signed [W:0] z_r;
+  ik_delay #(.W(5*(W+1)), .N(T_LZ_R)) u_raw_r (
+      .clk(clk),
+      .d  ({z_x, y_x, x_x, d2_x, d1_x}),
+      .q  ({z_r, y_r, x_r, d2_r, d1_r})
+  );
+
+  wire signed [W:0] d_1_sh;
+  wire signed [W:0] d_2_sh;
+  wire signed [W:0] p_a_x_sh;
+  wire signed [W:0] p_a_y_sh;
+  wire signed [W:0] p_a_z_sh;
+  ik_shift #(.W(W+1)) u_d_1_sh (.clk(clk), .d(d1_r), .count(lz_r), .q(d_1_sh));
+  ik_shift #(.W(W+1)) u_d_2_sh (.clk(clk), .d(d2_r), .count(lz_r), .q(d_2_sh));
+  ik_shift #(.W(W+1)) u_p_a_x_sh (.clk(clk), .d(x_r), .count(lz_r), .q(p_a_x_sh));
+  ik_shift #(.W(W+1)) u_p_a_y_sh (.clk(clk), .d(y_r), .count(lz_r), .q(p_a_y_sh));
+  ik_shift #(.W(W+1)) u_p_a_z_sh (.clk(clk), .d(z_r), .count(lz_r), .q(p_a_z_sh));
+
+  wire signed [W:0] d_1_c;
+  wire signed [W:0] d_2_c;
+  wire signed [W:0] p_a_x_c;
+  wire signed [W:0] p_a_y_c;
+  wire signed [W:0] p_a_z_c;
+  ik_delay #(.W(5*(W+1)), .N(T_CLAMP - T_D_1_SH)) u_scaled_c (
+      .clk(clk),
+      .d  ({p_a_z_sh, p_a_y_sh, p_a_x_sh, d_2_sh, d_1_sh}),
+      .q  ({p_a_z_c, p_a_y_c, p_a_x_c, d_2_c, d_1_c})
+  );
+
+  // A bit is dropped only where d1 + d2 >= 2; or-ed in, it keeps the shortest length from becoming 0.
+  localparam signed [W-1:0] QUARTER = {3'b001, {(W - 3) {1'b0}}};
+  always @(posedge clk) begin
+    d_1   <= clamp ? QUARTER : {d_1_c[W:2], d_1_c[1] | d_1_c[0]};
+    d_2   <= clamp ? QUARTER : {d_2_c[W:2], d_2_c[1] | d_2_c[0]};
+    p_a_x <= clamp ? {W{1'b0}} : {p_a_x_c[W:2], p_a_x_c[1] | p_a_x_c[0]};
+    p_a_y <= clamp ? {W{1'b0}} : {p_a_y_c[W:2], p_a_y_c[1] | p_a_y_c[0]};
+    p_a_z <= clamp ? {W{1'b0}} : {p_a_z_c[W:2], p_a_z_c[1] | p_a_z_c[0]};
+  end
+
+  // ---- how much finer the target's unit is than the arms' ----
+
+  wire [5:0] lz_p_c;
+  wire [5:0] lz_r_c;
+  ik_delay #(.W(6), .N(T_CLAMP - T_LZ_P)) u_lz_p_c (.clk(clk), .d(lz_p), .q(lz_p_c));
+  ik_delay #(.W(6), .N(T_CLAMP - T_LZ_R)) u_lz_r_c (.clk(clk), .d(lz_r), .q(lz_r_c));
+  always @(posedge clk) scale_j <= clamp ? 6'd2 : (lz_p_c - lz_r_c + 6'd1);
+
+  wire unused = &{1'b0, lz_b};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,208 @@
+// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2); rounding and format of each node: ik_paper_nodes.vh.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The paper's dataflow, equations (10) to (19): a target enters and a result leaves in every clock. There is no enable
+// and no reset but that of the valid bits: the pipeline runs free, and valid and tag travel with the data.
+// Latency: T_OUT clocks.
+`default_nettype none
+
+module ik_paper #(
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer TAG_W = 8    // width of the tag
+) (
+    input  wire             clk,
+    input  wire             rst,        // synchronous: forgets the targets in flight
+    input  wire             in_valid,
+    input  wire [TAG_W-1:0] in_tag,
+    input  wire [  6*W-1:0] in_data,    // x, y, z, phi, d1, d2, lowest bits first
+    output wire             out_valid,
+    output wire [TAG_W-1:0] out_tag,
+    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, saturated, 0, 0
+    output wire [  6*W-1:0] out_data    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
+);
+
+  `include "ik_paper_nodes.vh"
+
+  generate
+    if (W < 16 || W > 32) begin : g_illegal
+      ik_paper_needs_W_of_16_to_32 u_stop ();
+    end
+  endgenerate
+
+  // ---- valid and tag ----
+
+  reg [T_OUT-1:0] valid;  // newest in bit 0
+  always @(posedge clk) begin
+    if (rst) valid <= {T_OUT{1'b0}};
+    else valid <= {valid[T_OUT-2:0], in_valid};
+  end
+  assign out_valid = valid[T_OUT-1];
+
+  ik_delay #(.W(TAG_W), .N(T_OUT)) u_tag (.clk(clk), .d(in_tag), .q(out_tag));
+
+  // ---- outside the equations' domain, and scale ----
+
+  wire signed [W-1:0] x = in_data[0*W+:W];
+  wire signed [W-1:0] y = in_data[1*W+:W];
+  wire signed [W-1:0] z = in_data[2*W+:W];
+  wire signed [W-1:0] phi = in_data[3*W+:W];
+  wire signed [W-1:0] d1 = in_data[4*W+:W];
+  wire signed [W-1:0] d2 = in_data[5*W+:W];
+
+  wire signed [W-1:0] p_w_x;
+  wire signed [W-1:0] p_w_y;
+  wire signed [W-1:0] p_w_z;
+  wire signed [W-1:0] b_x;
+  wire signed [W-1:0] b_y;
+  wire signed [W-1:0] d_1;
+  wire signed [W-1:0] d_2;
+  wire signed [W-1:0] p_a_x;
+  wire signed [W-1:0] p_a_y;
+  wire signed [W-1:0] p_a_z;
+  wire [5:0] scale_j;
+  wire too_far;
+  wire too_near;
+  wire on_axis;
+  wire at_shoulder;
+  wire bad_length;
+  wire clamp;
+  wire fold;
+  wire away;
+  ik_guard #(.W(W)) u_guard (
+      .clk(clk),
+      .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
+      .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
+      .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .scale_j(scale_j),
+      .too_far(too_far), .too_near(too_near), .on_axis(on_axis), .at_shoulder(at_shoulder), .bad_length(bad_length),
+      .clamp(clamp), .fold(fold), .away(away)
+  );
+
+  // ---- 3.1 swivel plane ----
+
+  wire signed [W-1:0] s;
+  wire signed [W-1:0] l_sw;
+  wire signed [W-1:0] pi_swivel_x;
+  wire signed [W-1:0] pi_swivel_y;
+  wire signed [W-1:0] pi_swivel_z;
+  wire sat_swivel;
+  ik_swivel #(.W(W)) u_swivel (
+      .clk(clk),
+      .phi(phi), .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
+      .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
+      .sat_swivel(sat_swivel)
+  );
+
+  // The target waits for its swivel plane; 3.2 and 3.5 use both.
+  wire signed [W-1:0] p_w_x_pi;
+  wire signed [W-1:0] p_w_y_pi;
+  wire signed [W-1:0] p_w_z_pi;
+  ik_delay #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_pi (
+      .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_pi, p_w_y_pi, p_w_x_pi})
+  );
+
+  // ---- 3.2 elbow point ----
+
+  wire signed [W-1:0] pp_1_m;
+  wire signed [W-1:0] pp_2_m;
+  wire signed [W-1:0] pp_3_m;
+  wire flat;
+  wire back;
+  wire signed [W-1:0] p_e_x;
+  wire signed [W-1:0] p_e_y;
+  wire signed [W-1:0] p_e_z;
+  wire signed [W-1:0] d_e;
+  wire sat_elbow;
+  ik_elbow #(.W(W)) u_elbow (
+      .clk(clk),
+      .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
+      .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
+      .p_w_x_pi(p_w_x_pi), .p_w_y_pi(p_w_y_pi), .p_w_z_pi(p_w_z_pi),
+      .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),
+      .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z), .d_e(d_e), .sat_elbow(sat_elbow)
+  );
+
+  // ---- 3.3 elbow quaternion ----
+
+  wire signed [W-1:0] qe_w;
+  wire signed [W-1:0] qe_i;
+  wire sat_elbow_q;
+  ik_elbow_q #(.W(W)) u_elbow_q (
+      .clk(clk),
+      .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .fold(fold),
+      .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
+      .qe_w(qe_w), .qe_i(qe_i), .sat_elbow_q(sat_elbow_q)
+  );
+
+  // ---- 3.4 rotate to the elbow position ----
+
+  wire signed [W-1:0] q12_i;
+  wire signed [W-1:0] q12_j;
+  wire signed [W-1:0] q12_k;
+  wire sat_to_elbow;
+  ik_to_elbow #(.W(W)) u_to_elbow (
+      .clk(clk),
+      .d_e(d_e), .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
+      .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k), .sat_to_elbow(sat_to_elbow)
+  );
+
+  // ---- 3.5 rotate to the wrist location ----
+
+  wire signed [W-1:0] qs_w;
+  wire signed [W-1:0] qs_i;
+  wire signed [W-1:0] qs_j;
+  wire signed [W-1:0] qs_k;
+  wire sat_to_wrist;
+  ik_to_wrist #(.W(W)) u_to_wrist (
+      .clk(clk),
+      .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
+      .p_w_x_pi(p_w_x_pi), .p_w_y_pi(p_w_y_pi), .p_w_z_pi(p_w_z_pi),
+      .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),
+      .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k),
+      .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k), .sat_to_wrist(sat_to_wrist)
+  );
+
+  // ---- all results leave together ----
+
+  wire signed [W-1:0] qs_k_out;
+  wire signed [W-1:0] qe_w_out;
+  wire signed [W-1:0] qe_i_out;
+  ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_out (.clk(clk), .d(qs_k), .q(qs_k_out));
+  ik_delay #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_out (.clk(clk), .d(qe_w), .q(qe_w_out));
+  ik_delay #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
+  assign out_data = {qe_i_out, qe_w_out, qs_k_out, qs_j, qs_i, qs_w};
+
+  wire sat_swivel_q;
+  wire sat_elbow_s;
+  wire sat_elbow_q_s;
+  wire sat_to_elbow_s;
+  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_SWIVEL)) u_sat_swivel (.clk(clk), .d(sat_swivel), .q(sat_swivel_q));
+  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_ELBOW)) u_sat_elbow (.clk(clk), .d(sat_elbow), .q(sat_elbow_s));
+  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_ELBOW_Q)) u_sat_elbow_q (.clk(clk), .d(sat_elbow_q), .q(sat_elbow_q_s));
+  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_TO_ELBOW)) u_sat_to_elbow (
+      .clk(clk), .d(sat_to_elbow), .q(sat_to_elbow_s)
+  );
+  reg saturated;
+  always @(posedge clk) begin
+    saturated <= sat_swivel_q | sat_elbow_s | sat_elbow_q_s | sat_to_elbow_s | sat_to_wrist;
+  end
+
+  wire too_far_out;
+  wire too_near_out;
+  wire on_axis_out;
+  wire at_shoulder_out;
+  wire bad_length_out;
+  wire saturated_out;
+  ik_delay #(.W(2), .N(T_OUT-T_TOO_FAR)) u_reach_out (
+      .clk(clk), .d({too_near, too_far}), .q({too_near_out, too_far_out})
+  );
+  ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_place_out (
+      .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_out, at_shoulder_out, on_axis_out})
+  );
+  ik_delay #(.W(1), .N(T_OUT-T_SATURATED)) u_saturated_out (.clk(clk), .d(saturated), .q(saturated_out));
+  assign out_flags = {
+    2'b00, saturated_out, bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out
+  };
+
+endmodule
+
+`default_nettype wire

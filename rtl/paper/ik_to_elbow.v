@@ -1,0 +1,148 @@
+// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Section 3.4: Q12 (15), the half turn about the middle line L_m that takes the z axis to the elbow.
+//
+// L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) has a free length:
+// - elbow below the shoulder: d1 dropped, and one factor (p_ex, p_ey) scaled up to (u_x, u_y). On the z axis u is
+//   (1/2, 0) and L_m is (d1, 0, 0), where (15) says 0/0;
+// - elbow above: divided by d1 - p_ez, which is about to cancel; p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez) leaves
+//   (p_ex, p_ey, d1 + p_ez). On the z axis this is (0, 0, 2 d1), where (15) says 0/0.
+`default_nettype none
+
+module ik_to_elbow #(
+    parameter integer W = 32  // word length, 16 to 32
+) (
+    input  wire                clk,
+    input  wire signed [W-1:0] d_e,          // length of the upper arm in the unit of p_e, T_D_E
+    input  wire signed [W-1:0] p_e_x,        // T_P_E_X
+    input  wire signed [W-1:0] p_e_y,
+    input  wire signed [W-1:0] p_e_z,
+    output wire signed [W-1:0] q12_i,        // T_Q12_I
+    output wire signed [W-1:0] q12_j,
+    output wire signed [W-1:0] q12_k,
+    output reg                 sat_to_elbow  // T_SAT_TO_ELBOW
+);
+
+  `include "ik_paper_nodes.vh"
+
+  localparam integer WW = W + GUARD;  // a product before its rounding
+
+  // ---- (15) h = d1 - p_ez below, d1 + p_ez above the shoulder ----
+
+  wire signed [W-1:0] d_e_p;
+  wire signed [W-1:0] h;
+  ik_delay #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_p (.clk(clk), .d(d_e), .q(d_e_p));
+  reg signed [W-1:0] abs_z;
+  reg signed [W-1:0] d_e_q;
+  reg signed [W-1:0] h_q;
+  always @(posedge clk) begin
+    abs_z <= p_e_z[W-1] ? -p_e_z : p_e_z;
+    d_e_q <= d_e_p;
+    h_q   <= d_e_q + abs_z;
+  end
+  assign h = h_q;
+
+  // ---- (15) the direction of (p_ex, p_ey), with full words however close to the axis ----
+
+  wire signed [W-1:0] u_x;
+  wire signed [W-1:0] u_y;
+  wire [5:0] lz_u;
+  ik_norm #(.W(W), .N(2)) u_norm_u (.clk(clk), .d({p_e_y, p_e_x}), .q({u_y, u_x}), .count(lz_u));
+
+  // ---- (15) elbow below: u (d1 - p_ez), u . (p_ex, p_ey) ----
+
+  wire signed [W-1:0] h_u;
+  wire signed [W-1:0] p_e_x_u;
+  wire signed [W-1:0] p_e_y_u;
+  wire signed [W-1:0] p_e_z_u;
+  ik_delay #(.W(W), .N(T_U_X-T_H)) u_h_u (.clk(clk), .d(h), .q(h_u));
+  ik_delay #(.W(3*W), .N(T_U_X-T_P_E_X)) u_p_e_u (
+      .clk(clk), .d({p_e_z, p_e_y, p_e_x}), .q({p_e_z_u, p_e_y_u, p_e_x_u})
+  );
+  wire signed [W-1:0] uh_x;
+  wire signed [W-1:0] uh_y;
+  wire signed [WW-1:0] uu_x;
+  wire signed [WW-1:0] uu_y;
+  wire signed [W-1:0] uu;
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_H-F_UH_X), .OW(W)) u_uh_x (.clk(clk), .a(u_x), .b(h_u), .q(uh_x));
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_H-F_UH_Y), .OW(W)) u_uh_y (.clk(clk), .a(u_y), .b(h_u), .q(uh_y));
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_P_E_X-F_UU_X), .OW(WW)) u_uu_x (.clk(clk), .a(u_x), .b(p_e_x_u), .q(uu_x));
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_P_E_Y-F_UU_Y), .OW(WW)) u_uu_y (.clk(clk), .a(u_y), .b(p_e_y_u), .q(uu_y));
+  ik_sum2 #(.IW(WW), .SH(F_UU_X-F_UU), .OW(W)) u_uu (.clk(clk), .a(uu_x), .b(uu_y), .q(uu), .ovf());
+
+  // ---- (15) the form that does not cancel; x and y are ready before z ----
+
+  wire signed [W-1:0] p_e_x_uh;
+  wire signed [W-1:0] p_e_y_uh;
+  wire p_e_z_below_uh;
+  wire signed [W-1:0] h_uu;
+  wire p_e_z_below_uu;
+  ik_delay #(.W(2*W+1), .N(T_UH_X-T_U_X)) u_p_e_uh (
+      .clk(clk), .d({p_e_z_u[W-1], p_e_y_u, p_e_x_u}), .q({p_e_z_below_uh, p_e_y_uh, p_e_x_uh})
+  );
+  ik_delay #(.W(1), .N(T_UU-T_UH_X)) u_below_uu (.clk(clk), .d(p_e_z_below_uh), .q(p_e_z_below_uu));
+  ik_delay #(.W(W), .N(T_UU-T_U_X)) u_h_uu (.clk(clk), .d(h_u), .q(h_uu));
+  reg signed [W-1:0] m_x;
+  reg signed [W-1:0] m_y;
+  reg signed [W-1:0] m_z;
+  always @(posedge clk) begin
+    m_x <= p_e_z_below_uh ? uh_x : p_e_x_uh;
+    m_y <= p_e_z_below_uh ? uh_y : p_e_y_uh;
+    m_z <= p_e_z_below_uu ? uu : h_uu;
+  end
+
+  wire signed [W-1:0] m_x_z;
+  wire signed [W-1:0] m_y_z;
+  ik_delay #(.W(2*W), .N(T_M_Z-T_M_X)) u_m_z (.clk(clk), .d({m_y, m_x}), .q({m_y_z, m_x_z}));
+
+  // ---- (15) L_m in a unit of length of its own, tmp2 = L_m^2, |L_m| ----
+
+  wire signed [W-1:0] l_m_x;
+  wire signed [W-1:0] l_m_y;
+  wire signed [W-1:0] l_m_z;
+  wire [5:0] lz_m;
+  ik_norm #(.W(W), .N(3)) u_norm_m (.clk(clk), .d({m_y_z, m_x_z, m_z}), .q({l_m_y, l_m_x, l_m_z}), .count(lz_m));
+
+  wire signed [WW-1:0] tmp2_x;
+  wire signed [WW-1:0] tmp2_y;
+  wire signed [WW-1:0] tmp2_z;
+  wire signed [W-1:0] tmp2;
+  wire signed [W-1:0] l_m;
+  localparam integer SH_TMP2 = 2 * F_L_M_X - F_TMP2_X;
+  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW)) u_tmp2_x (.clk(clk), .a(l_m_x), .b(l_m_x), .q(tmp2_x));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW)) u_tmp2_y (.clk(clk), .a(l_m_y), .b(l_m_y), .q(tmp2_y));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW)) u_tmp2_z (.clk(clk), .a(l_m_z), .b(l_m_z), .q(tmp2_z));
+  ik_sum3 #(.IW(WW), .SH(F_TMP2_X-F_TMP2), .OW(W)) u_tmp2 (
+      .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
+  );
+  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT)) u_l_m (.clk(clk), .n(tmp2), .q(l_m), .neg());
+
+  // ---- (15) q12 = L_m / |L_m| ----
+
+  wire signed [W-1:0] l_m_x_q;
+  wire signed [W-1:0] l_m_y_q;
+  wire signed [W-1:0] l_m_z_q;
+  wire ovf_i;
+  wire ovf_j;
+  wire ovf_k;
+  localparam integer SH_Q = F_Q12_I - F_L_M_X + F_L_M;
+  ik_delay #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_q (
+      .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_q, l_m_y_q, l_m_x_q})
+  );
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV)) u_q12_i (
+      .clk(clk), .n(l_m_x_q), .d(l_m), .q(q12_i), .ovf(ovf_i)
+  );
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV)) u_q12_j (
+      .clk(clk), .n(l_m_y_q), .d(l_m), .q(q12_j), .ovf(ovf_j)
+  );
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV)) u_q12_k (
+      .clk(clk), .n(l_m_z_q), .d(l_m), .q(q12_k), .ovf(ovf_k)
+  );
+  always @(posedge clk) sat_to_elbow <= ovf_i | ovf_j | ovf_k;
+
+  wire unused = &{1'b0, lz_u, lz_m, p_e_z_u[W-2:0]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,10 @@
+// Writes a VCD when the simulation is started with +waves=FILE: the core and its sections, not the insides of lines.
+// SPDX-License-Identifier: Apache-2.0
+module ik_waves;
+  reg [8*1024-1:0] file;
+  initial
+    if ($value$plusargs("waves=%s", file)) begin
+      $dumpfile(file);
+      $dumpvars(3, ik_axis);
+    end
+endmodule

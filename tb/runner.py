@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds a module of ``rtl/`` with Icarus or Verilator and runs cocotb tests on it, through cocotb-test.
+
+Every set of toplevel, parameters and options has a folder of its own under ``build/sim``, kept between runs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import io
+import logging
+import os
+from pathlib import Path
+
+from cocotb_test.simulator import run
+
+from scripts.env import ROOT, simulator, use_environment
+
+BUILD = ROOT / "build" / "sim"
+RTL_FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper")
+
+VERILATOR_ARGS = [
+    "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
+    "-Wno-fatal",  # `make lint` is where warnings are looked at
+    "--x-initial", "unique",  # registers start at random, as they do in a chip
+    "--timescale", "1ns/1ps",
+]  # fmt: skip
+MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
+TRACE_DEPTH = 3
+"""Levels of hierarchy in a waveform: the core and its sections, not the insides of delay lines."""
+
+
+def sources(rtl: Path = ROOT) -> list[Path]:
+    """All Verilog sources, under ``rtl`` or another root laid out alike."""
+    return [path for folder in RTL_FOLDERS for path in sorted((rtl / folder).glob("*.v"))]
+
+
+@contextlib.contextmanager
+def _alone(folder: Path):
+    """One process at a time in a build folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / ".lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def simulate(
+    toplevel: str,
+    module: str,
+    *,
+    parameters: dict[str, int] | None = None,
+    sim: str | None = None,
+    env: dict[str, str] | None = None,
+    seed: int | None = None,
+    waves: Path | None = None,
+    root: Path = ROOT,
+    name: str = "",
+    log: Path | None = None,
+) -> Path:
+    """Runs the cocotb tests of ``module`` on ``toplevel``; returns the results file.
+
+    ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
+    ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` tells its build apart.
+    Raises ``SystemExit`` when a test fails or the build does, as cocotb-test does.
+    """
+    use_environment()
+    sim = simulator(sim)
+    parameters = parameters or {}
+    parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
+    if waves and sim == "verilator":
+        parts.append("waves")
+    folder = BUILD / sim / "-".join(parts)
+    options: dict = {
+        "toplevel": toplevel,
+        "module": module,
+        "verilog_sources": [str(p) for p in sources(root)],
+        "includes": [str(root / folder) for folder in RTL_FOLDERS],
+        "parameters": parameters,
+        "sim_build": str(folder),
+        "extra_env": {"COCOTB_ANSI_OUTPUT": "0", **(env or {})},
+        "seed": seed,
+        "waves": False,
+        "timescale": "1ns/1ps",
+    }
+    if sim == "icarus":
+        options["toplevel"] = [toplevel, "ik_waves"] if toplevel == "ik_axis" else toplevel
+        options["verilog_sources"].append(str(ROOT / "tb" / "ik_waves.v"))
+        options["plus_args"] = [f"+waves={waves}"] if waves else []
+    else:
+        options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", "--trace-depth", str(TRACE_DEPTH)] if waves else [])
+        options["timescale"] = None
+        options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS]
+        options["plus_args"] = ["--trace", "--trace-file", str(waves)] if waves else []
+    with _alone(folder):
+        run(simulator=sim, compile_only=True, **options)
+    return Path(run(simulator=sim, **options))
