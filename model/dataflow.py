@@ -34,6 +34,14 @@ import numpy as np
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""
 
+EXACT = (0.0, 0.0)
+HALF_UP = (-0.5, 0.5)
+FLOOR = (-1.0, 0.0)
+JAM = (-1.0, 1.0)
+CORDIC = (-2.0, 2.0)
+"""What each rounding rule adds, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded ulps
+each in both coordinates, the angle left over is below one ulp, and the result is rounded."""
+
 WIDTHS = range(16, 33)
 """Word lengths that the datapath is built for."""
 
@@ -97,7 +105,7 @@ class Node:
 
     ``time`` counts clocks from the clock in which the target stands at the input; ``value`` is whatever the domain
     computes with (an array over targets).  ``after`` is a node that the operation waits for without using it, to
-    leave together with its neighbours.
+    leave together with its neighbours.  ``error`` is the range, in ulps, of the rounding that the operation adds.
     """
 
     name: str
@@ -110,6 +118,7 @@ class Node:
     time: int
     value: Any = field(repr=False, default=None)
     after: Node | None = None
+    error: tuple[float, float] = (0.0, 0.0)
 
     def __neg__(self) -> Negated:
         return Negated(self)
@@ -174,29 +183,34 @@ class Domain(ABC):
 
     # ---- making nodes --------------------------------------------------------------------------------------------
 
-    def make(self, name, op, operands: tuple[Node, ...], fmt: Format, latency: str | None, value, after=None) -> Node:
+    def make(
+        self, name, op, operands: tuple[Node, ...], fmt: Format, latency: str | None, value, after=None, error=EXACT
+    ) -> Node:
         """Records a node that is ready ``latency`` after the last of its operands (and of ``after``)."""
         if name in self.nodes:
             raise ValueError(f"node {name} is made twice")
         start = max((n.time for n in (*operands, after) if n), default=0)
         time = start + (self.latency[latency] if latency else 0)
-        node = Node(name, self._section, self._equation, op, operands, fmt, latency, time, value, after)
+        node = Node(name, self._section, self._equation, op, operands, fmt, latency, time, value, after, error)
         self.nodes[name] = node
         return node
 
     # ---- operations ----------------------------------------------------------------------------------------------
 
-    def op(self, name, operands, fmt, latency, bits: Callable, real: Callable | None = None) -> Node:
+    def op(self, name, operands, fmt, latency, bits: Callable, real: Callable | None = None, error=EXACT) -> Node:
         """A choice, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
 
         ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.
         """
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
-        return self.make(name, "choose", operands, fmt, latency, self.apply(name, operands, fmt, bits, real))
+        value = self.apply(name, operands, fmt, bits, real)
+        return self.make(name, "choose", operands, fmt, latency, value, error=error)
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
         """a * b * 2^scale, rounded half up."""
-        return self.make(name, "mul", (a, b), fmt, "mul", self.product(name, a, b, fmt, scale))
+        dropped = a.format.frac + b.format.frac - scale > fmt.frac
+        value = self.product(name, a, b, fmt, scale)
+        return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if dropped else EXACT)
 
     def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None) -> Node:
         """Sum of two or three terms of one format, rounded half up and saturated."""
@@ -204,15 +218,17 @@ class Domain(ABC):
         nodes = tuple(t.node if isinstance(t, Negated) else t for t in terms)
         if len({n.format.frac for n in nodes}) != 1:
             raise ValueError(f"{name}: terms are not aligned: {[(n.name, n.format.frac) for n in nodes]}")
-        return self.make(name, "sum", nodes, fmt, f"sum{len(nodes)}", self.total(name, signs, nodes, fmt), after)
+        error = HALF_UP if nodes[0].format.frac > fmt.frac else EXACT
+        value = self.total(name, signs, nodes, fmt)
+        return self.make(name, "sum", nodes, fmt, f"sum{len(nodes)}", value, after, error)
 
     def div(self, name: str, n: Node, d: Node, fmt: Format) -> Node:
         """floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
-        return self.make(name, "div", (n, d), fmt, "div", self.quotient(name, n, d, fmt))
+        return self.make(name, "div", (n, d), fmt, "div", self.quotient(name, n, d, fmt), error=FLOOR)
 
     def root(self, name: str, n: Node, fmt: Format) -> Node:
         """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
-        return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt))
+        return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt), error=FLOOR)
 
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
         """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""
@@ -353,10 +369,12 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
         d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: _wrap(a << n, w + 1))
-        d.op(name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: np.where(c, quarter, _jam_half(a)))
+        half = lambda a, c: np.where(c, quarter, _jam_half(a))  # noqa: E731
+        d.op(name, (f"{name}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
     for axis, raw in (("x", x), ("y", y), ("z", z)):
         d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: _wrap(a << n, w + 1))
-        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", lambda a, c: np.where(c, 0, _jam_half(a)))
+        half = lambda a, c: np.where(c, 0, _jam_half(a))  # noqa: E731
+        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
     # How much finer the target's own unit is than the arms': p_w = 2^j p_a.
     d.op("scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1))
 
@@ -408,13 +426,13 @@ def elbow(d: Domain) -> None:
     the arms') is one more common factor; p_e comes out in the arms' unit.
     """
     n = d.nodes
-    w = d.width
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
     d.op("d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, lambda a, b: a + b)
     d.op("d_dif", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a - b, lambda a, b: a - b)
-    d.op("d_dif_j", ("d_dif", "scale_j"), d.word(1), "shift", lambda a, j: (a << j) >> 1, lambda a, j: a * 2.0**j)
-    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, lambda a, j: a * 2.0**-j)
+    finer, coarser = lambda a, j: a * 2.0**j, lambda a, j: a * 2.0**-j
+    d.op("d_dif_j", ("d_dif", "scale_j"), d.word(1), "shift", lambda a, j: (a << j) >> 1, finer, FLOOR)
+    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, coarser, FLOOR)
     d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
     k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2))
 
@@ -460,14 +478,15 @@ def elbow(d: Domain) -> None:
         d.op(
             f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
             lambda q, t, c, a: np.where(c, np.where(a, -(t >> 2), t >> 2), q),
-            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q),
+            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), JAM,
         )  # fmt: skip
     # (15) needs the length of the upper arm in the scale of p_e.
     d.op(
         "d_e", ("d_1", "l_sw", "clamp"), d.word(1), "mux",
-        lambda a, b, c: np.where(c, b >> 1, a >> 1), lambda a, b, c: np.where(c, b / 2, a),
+        lambda a, b, c: np.where(c, b >> 1, a >> 1), lambda a, b, c: np.where(c, b / 2, a), FLOOR,
     )  # fmt: skip
-    d.saturated("sat_elbow", "k_e", "inf_pp", "pp_sq", "pp_pm", "tmp1", *(f"e_{a}_{k}" for k in ("num", "quo") for a in "xyz"))
+    quotients = [f"e_{a}_{kind}" for kind in ("num", "quo") for a in "xyz"]
+    d.saturated("sat_elbow", "k_e", "inf_pp", "pp_sq", "pp_pm", "tmp1", *quotients)
 
 
 def elbow_quaternion(d: Domain) -> None:
@@ -480,6 +499,7 @@ def elbow_quaternion(d: Domain) -> None:
         d.op(
             f"f_{a}", (f"p_e_{a}", f"p_a_{a}"), d.word(1), "sum2",
             lambda e, p: np.clip(((e << 1) - p + 1) >> 1, -(1 << (w - 1)), (1 << (w - 1)) - 1), lambda e, p: e - p,
+            HALF_UP,
         )  # fmt: skip
         d.mul(f"t_{a}", n[f"p_e_{a}"], n[f"f_{a}"], d.wide(1))
     t_e = d.sum("t_e", n["t_x"], n["t_y"], n["t_z"], fmt=d.word(-1))

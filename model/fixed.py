@@ -12,7 +12,7 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from model.dataflow import INPUTS, OUTPUTS, Domain, Format, Node, paper
+from model.dataflow import CORDIC, INPUTS, OUTPUTS, Domain, Format, Node, paper
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
@@ -125,7 +125,8 @@ class Bits(Domain):
     def sincos(self, sin, cos, phi):
         values = cordic(phi.value, self.width)
         return tuple(
-            self.make(n, "sincos", (phi,), self.word(1), "sincos", v) for n, v in zip((sin, cos), values, strict=True)
+            self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC)
+            for n, v in zip((sin, cos), values, strict=True)
         )
 
 

@@ -17,7 +17,9 @@ from model.dataflow import GUARD, OUTPUTS, SECTIONS, WIDTHS, Latency, Node
 from model.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 
 ROOT = Path(__file__).resolve().parent.parent
-NOTE = "// SPDX-License-Identifier: Apache-2.0\n// Written by `python -m scripts.gen_headers` from {source}; do not edit.\n"
+NOTE = """// SPDX-License-Identifier: Apache-2.0
+// Written by `python -m scripts.gen_headers` from {source}; do not edit.
+"""
 
 
 def _traced() -> dict[int, Bits]:
@@ -61,7 +63,8 @@ def nodes_header() -> str:
         if not node.latency:
             time = "0"
         elif node.operands and any(o.latency for o in node.operands):
-            time = f"{_start((*node.operands, *([node.after] if node.after else [])), traced)} + LAT_{node.latency.upper()}"
+            waits_for = (*node.operands, node.after) if node.after else node.operands
+            time = f"{_start(waits_for, traced)} + LAT_{node.latency.upper()}"
         else:
             time = f"LAT_{node.latency.upper()}"
         parts = [f"T_{name} = {time}"]

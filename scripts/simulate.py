@@ -70,7 +70,8 @@ def simulate(
         place = Path(folder)
         np.savez(place / "jobs.npz", **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
-        command = [sys.executable, "-m", "scripts.simulate", simulator, str(width), folder, str(waves or ""), str(root), name]
+        arguments = [simulator, str(width), folder, str(waves or ""), str(root), name]
+        command = [sys.executable, "-m", "scripts.simulate", *arguments]
         with open(log, "w") as out:
             process = subprocess.Popen(command, cwd=ROOT, env=environment(), stdout=out, stderr=subprocess.STDOUT)
             try:

@@ -82,10 +82,11 @@ class Scoreboard:
         self.differences: list[Difference] = []
 
     def expect(self, answer: fixed.Answer) -> None:
-        """Appends the model's nodes for further targets."""
-        for node in answer.bits.nodes.values():
+        """Appends the model's values of the watched nodes for further targets."""
+        for name, values in self.expected.items():
+            node = answer.bits.nodes[name]
             mask = (1 << node.format.width) - 1
-            self.expected[node.name] += [int(v) & mask for v in node.value.tolist()]
+            values += [int(v) & mask for v in node.value.tolist()]
 
     def admitted(self, clock: int, target: int) -> None:
         """Target number ``target`` was admitted in clock ``clock``."""

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import io
-import logging
 import os
 from pathlib import Path
 

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layer 1 of the reference: 5D conformal geometric algebra, section 2 of the paper.
+
+The algebra is kingdon's Cl(4,1) on the orthogonal basis e1, e2, e3, e4 = e+, e5 = e-. The paper's null
+vectors are e_inf = e- + e+ and e_0 = (e- - e+)/2, so that e_0^2 = e_inf^2 = 0 and e_0 . e_inf = -1. The PP_14
+.. PP_35 of the paper's (12) are coefficients on this same orthogonal basis: read them as `mv.e14` ..
+`mv.e35`.
+
+Every function takes coefficients of any one kind: numbers, numpy arrays of N values (results are then arrays
+of N), or sympy expressions. Lengths may have any unit; angles are in radians. A coefficient multiplies from
+the right and as a multivector, `mv * scalar(c)`: numpy would take a multivector on its right apart.
+"""
+
+import numpy as np
+import sympy
+from kingdon import Algebra
+
+# Table 2: the paper's blades in the paper's order, index 1 first.
+BLADES = (
+    "1",
+    "e1",
+    "e2",
+    "e3",
+    "einf",
+    "e0",
+    "e1^e2",
+    "e1^e3",
+    "e1^einf",
+    "e1^e0",
+    "e2^e3",
+    "e2^einf",
+    "e2^e0",
+    "e3^einf",
+    "e3^e0",
+    "einf^e0",
+    "e1^e2^e3",
+    "e1^e2^einf",
+    "e1^e2^e0",
+    "e1^e3^einf",
+    "e1^e3^e0",
+    "e1^einf^e0",
+    "e2^e3^einf",
+    "e2^e3^e0",
+    "e2^einf^e0",
+    "e3^einf^e0",
+    "e1^e2^e3^einf",
+    "e1^e2^e3^e0",
+    "e1^e2^einf^e0",
+    "e1^e3^einf^e0",
+    "e2^e3^einf^e0",
+    "e1^e2^e3^einf^e0",
+)
+
+
+def _expand(value):
+    """Kingdon's filter for symbolic coefficients: exact rationals (0.5 is 1/2), expanded so zeros show."""
+    return sympy.expand(sympy.nsimplify(value, rational=True)) if isinstance(value, sympy.Expr) else value
+
+
+ALGEBRA = Algebra(4, 1, simp_func=_expand)
+_VECTOR_KEYS = tuple(ALGEBRA.canon2bin[name] for name in ("e1", "e2", "e3", "e4", "e5"))
+
+
+def _functions(value):
+    """The library whose sqrt, cos and sin fit `value`."""
+    return sympy if isinstance(value, sympy.Expr) else np
+
+
+def scalar(value):
+    """The multivector of grade 0 with this value."""
+    return ALGEBRA.multivector(keys=(0,), values=[value])
+
+
+def vector(x=0, y=0, z=0, inf=0, zero=0):
+    """The grade-1 multivector x e1 + y e2 + z e3 + inf e_inf + zero e_0."""
+    # One division, last, is exact for symbols too: zero / 2 alone would be the floating-point 0.5.
+    plus, minus = (2 * inf - zero) / 2, (2 * inf + zero) / 2
+    return ALGEBRA.multivector(keys=_VECTOR_KEYS, values=[x, y, z, plus, minus])
+
+
+e1 = vector(x=1)
+e2 = vector(y=1)
+e3 = vector(z=1)
+e_inf = vector(inf=1)
+e_0 = vector(zero=1)
+
+PSEUDOSCALAR = e1 ^ e2 ^ e3 ^ e_inf ^ e_0  # index 32 of table 2
+PSEUDOSCALAR_INVERSE = -PSEUDOSCALAR  # its square is -1
+
+i = e3 ^ e2  # (1)
+j = e1 ^ e3  # (2)
+k = e2 ^ e1  # (3)
+
+
+def coefficients(mv):
+    """The 32 coefficients of a multivector on the blades of table 2.
+
+    Returns a dict from blade name to coefficient, in the order of table 2; absent blades are 0.
+    """
+    return {blade: coefficient(mv, blade) for blade in BLADES}
+
+
+def coefficient(mv, blade):
+    """The coefficient of a multivector on one blade, named as in BLADES. KeyError if table 2 has it not."""
+    if blade not in BLADES:
+        raise KeyError(f"{blade!r} is not a blade of table 2")
+    factors = [] if blade == "1" else blade.split("^")
+    euclidean = "e" + "".join(name[1] for name in factors if name in ("e1", "e2", "e3"))
+    plus, minus = getattr(mv, euclidean + "4"), getattr(mv, euclidean + "5")
+    # e+ = e_inf/2 - e_0 and e- = e_inf/2 + e_0, hence e+ ^ e- = e_inf ^ e_0.
+    if "einf" in factors and "e0" in factors:
+        value = getattr(mv, euclidean + "45")
+    elif "einf" in factors:
+        value = (plus + minus) / 2
+    elif "e0" in factors:
+        value = minus - plus
+    else:
+        value = getattr(mv, euclidean)
+    return _expand(value)
+
+
+def dual(mv):
+    """The paper's star: X* = X I^-1. It turns the direct representation into the standard one.
+
+    With this sign the dual of a direct line, e_0 ^ x ^ e_inf, is the quaternion unit of the rotation that is
+    right-handed about x. Since I^2 = -1, a second dual gives back -X: the same entity, which is homogeneous.
+    """
+    return mv * PSEUDOSCALAR_INVERSE
+
+
+# Table 1, standard representation.
+
+
+def point(x, y, z):
+    """P = x + x^2/2 e_inf + e_0."""
+    return vector(x, y, z, inf=(x * x + y * y + z * z) / 2, zero=1)
+
+
+def sphere(centre, radius):
+    """s = P - r^2/2 e_inf, from its centre point P and its radius."""
+    return centre - e_inf * scalar(radius * radius / 2)
+
+
+def plane(n_x, n_y, n_z, d):
+    """pi = n + d e_inf, from its unit normal n and its distance d from the origin along n."""
+    return vector(n_x, n_y, n_z, inf=d)
+
+
+def circle(s_1, s_2):
+    """z = s1 ^ s2, the intersection of two spheres (or of a sphere and a plane)."""
+    return s_1 ^ s_2
+
+
+def line(pi_1, pi_2):
+    """l = pi1 ^ pi2, the intersection of two planes."""
+    return pi_1 ^ pi_2
+
+
+def point_pair(s_1, s_2, s_3):
+    """Pp = s1 ^ s2 ^ s3, the intersection of three spheres (or planes, one sphere at least)."""
+    return s_1 ^ s_2 ^ s_3
+
+
+# Table 1, direct representation: outer products of points on the entity. (The table gives none for the
+# point.)
+
+
+def sphere_direct(x_1, x_2, x_3, x_4):
+    """s* = x1 ^ x2 ^ x3 ^ x4."""
+    return x_1 ^ x_2 ^ x_3 ^ x_4
+
+
+def plane_direct(x_1, x_2, x_3):
+    """pi* = x1 ^ x2 ^ x3 ^ e_inf."""
+    return x_1 ^ x_2 ^ x_3 ^ e_inf
+
+
+def circle_direct(x_1, x_2, x_3):
+    """z* = x1 ^ x2 ^ x3."""
+    return x_1 ^ x_2 ^ x_3
+
+
+def line_direct(x_1, x_2):
+    """l* = x1 ^ x2 ^ e_inf."""
+    return x_1 ^ x_2 ^ e_inf
+
+
+def point_pair_direct(x_1, x_2):
+    """Pp* = x1 ^ x2."""
+    return x_1 ^ x_2
+
+
+# Metric.
+
+
+def inner(o_1, o_2):
+    """The scalar coefficient of o_1 . o_2, for two entities of the same grade."""
+    return (o_1 | o_2).e
+
+
+def norm(o):
+    """|o| = sqrt(|o . o|): the entity's length, whichever sign its square has."""
+    square = abs(inner(o, o))
+    return _functions(square).sqrt(square)
+
+
+def euclidean_coordinates(p):
+    """(x, y, z) of a point with any scale: it is first divided by its e_0 coefficient, -e_inf . P."""
+    weight = -inner(e_inf, p)
+    return p.e1 / weight, p.e2 / weight, p.e3 / weight
+
+
+def cos_angle(o_1, o_2):
+    """(5): cos(theta) = o1 . o2 / (|o1| |o2|) of two lines or two planes in the same representation.
+
+    Lines squared are +1 in direct and -1 in standard representation, planes the other way round. So direct
+    lines and standard planes give the cosine between the directions (normals), and the other two give minus
+    that. The paper uses the latter on purpose: c4 from standard lines, c3 from direct planes.
+    """
+    return inner(o_1, o_2) / (norm(o_1) * norm(o_2))  # (5)
+
+
+def half_angle(cos_phi):
+    """(cos(phi/2), sin(phi/2)) from cos(phi), both roots taken >= 0: "the signs depend on the application".
+
+    A cosine that roundoff has carried past +-1 counts as +-1.
+    """
+    plus, minus = 1 + cos_phi, 1 - cos_phi
+    if not isinstance(cos_phi, sympy.Expr):
+        plus, minus = np.clip(plus, 0.0, 2.0), np.clip(minus, 0.0, 2.0)
+    sqrt = _functions(cos_phi).sqrt
+    return sqrt(plus / 2), sqrt(minus / 2)  # (6), (7)
+
+
+def half_angle_between(o_1, o_2):
+    """(8), (9): (cos(phi/2), sin(phi/2)) of the angle phi that `cos_angle` measures, both roots >= 0."""
+    return half_angle(cos_angle(o_1, o_2))
+
+
+# Quaternions: 1, i, j, k span them inside the algebra.
+
+
+def quaternion(w, q_i, q_j, q_k):
+    """w + q_i i + q_j j + q_k k."""
+    return scalar(w) + i * scalar(q_i) + j * scalar(q_j) + k * scalar(q_k)
+
+
+def quaternion_coefficients(q):
+    """(w, q_i, q_j, q_k) of a quaternion. Other blades, which a quaternion has not, are not looked at."""
+    return q.e, -q.e23, q.e13, -q.e12
+
+
+def rotation(axis, phi):
+    """(4): Q = cos(phi/2) + L sin(phi/2), the rotation by phi (rad) about the line L = `axis`.
+
+    `axis` is a line in standard representation with |L| = 1, such as i. The rotation is right-handed.
+    """
+    lib = _functions(phi)
+    return scalar(lib.cos(phi / 2)) + axis * scalar(lib.sin(phi / 2))  # (4)
+
+
+def rotate(q, mv):
+    """Q X Q~ for a unit quaternion (rotor) Q. The result has the grades of X."""
+    return (q * mv * ~q).grade(*mv.grades)

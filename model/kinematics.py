@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quaternions as arrays (N, 4) in the order w, i, j, k, and the arm's forward kinematics.
+
+The units are Hamilton's, i^2 = j^2 = k^2 = ijk = -1, as the paper's (1)-(3) are, and Q v Q~ is the
+right-handed rotation (4). Vectors are arrays (N, 3). Nothing here normalizes: a quaternion that is not of
+unit length scales what it rotates by its squared length, so errors of length show.
+"""
+
+import numpy as np
+
+
+def multiply(a, b):
+    """Hamilton product a b of quaternions (N, 4) and (N, 4), either of which may be (4,)."""
+    a_w, a_i, a_j, a_k = np.moveaxis(np.asarray(a, dtype=np.float64), -1, 0)
+    b_w, b_i, b_j, b_k = np.moveaxis(np.asarray(b, dtype=np.float64), -1, 0)
+    return np.stack(
+        (
+            a_w * b_w - a_i * b_i - a_j * b_j - a_k * b_k,
+            a_w * b_i + a_i * b_w + a_j * b_k - a_k * b_j,
+            a_w * b_j - a_i * b_k + a_j * b_w + a_k * b_i,
+            a_w * b_k + a_i * b_j - a_j * b_i + a_k * b_w,
+        ),
+        axis=-1,
+    )
+
+
+def conjugate(q):
+    """Q~ of quaternions (N, 4): the reverse rotation."""
+    return np.asarray(q, dtype=np.float64) * (1.0, -1.0, -1.0, -1.0)
+
+
+def rotate(q, v):
+    """Q v Q~ for quaternions (N, 4) and vectors (N, 3), either of which may be one only. Returns (N, 3)."""
+    v = np.asarray(v, dtype=np.float64)
+    pure = np.concatenate((np.zeros_like(v[..., :1]), v), axis=-1)
+    return multiply(multiply(q, pure), conjugate(q))[..., 1:]
+
+
+def angle_between(a, b):
+    """Angle (rad, 0 .. pi) of the rotation from a to b, quaternions (N, 4). Returns (N,).
+
+    The signs and lengths of a and b do not matter. The arc tangent keeps tiny angles exact, where the arc
+    cosine of a . b would lose half the digits.
+    """
+    relative = multiply(conjugate(a), b)
+    return 2.0 * np.arctan2(np.linalg.norm(relative[..., 1:], axis=-1), np.abs(relative[..., 0]))
+
+
+def forward(qs, qe, d1, d2):
+    """Elbow and wrist of the arm whose joints stand at Qs and Qe.
+
+        elbow = Qs (d1 e3) Qs~
+        wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~          Qe = qe_w + qe_i i
+
+    qs is (N, 4); qe is (N, 2): qe_w, qe_i; d1 (upper arm) and d2 (forearm) are numbers or (N,). Returns two
+    arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm; Qe = -i
+    is the straight arm.
+    """
+    qs = np.atleast_2d(np.asarray(qs, dtype=np.float64))
+    qe = np.atleast_2d(np.asarray(qe, dtype=np.float64))
+    e3 = np.array((0.0, 0.0, 1.0))
+    upper_arm = np.broadcast_to(d1, len(qs))[:, None] * e3
+    forearm = np.broadcast_to(d2, len(qs))[:, None] * -e3
+    bent = rotate(np.concatenate((qe, np.zeros_like(qe)), axis=-1), forearm)
+    return rotate(qs, upper_arm), rotate(qs, upper_arm + bent)

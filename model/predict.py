@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Predicted errors: what the rounding of every node does to the hand, from word lengths and the pose alone.
+
+The dataflow runs in double precision with single nodes moved by as much as their rounding rule may move them
+(:class:`Real`).  Nothing of the bit-true model's rounding enters but its decisions: shift counts and masks.  So a
+prediction knows the conditioning of the equations at the pose, and a measured error can be held against it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model import fixed
+from model.dataflow import CORDIC, OUTPUTS, Domain, Node, sections
+from model.kinematics import forward
+
+
+class Real(Domain):
+    """The dataflow in double precision at the pose of ``bits``, with some nodes moved.
+
+    ``moves`` maps a node's name to an array (N,), in ulps.  Decisions and everything of the guard come from the run
+    in integers.
+    """
+
+    def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
+        super().__init__(bits.width)
+        self.bits = bits
+        self.moves = moves
+        for name, node in bits.nodes.items():
+            if node.section == "guard":
+                value = node.value * node.format.ulp if node.format.signed else node.value
+                self.nodes[name] = Node(**{**node.__dict__, "value": self._moved(name, value, node.format)})
+        sections(self, self.nodes["phi"])
+
+    def _moved(self, name, value, fmt):
+        return value + self.moves[name] * fmt.ulp if name in self.moves else value
+
+    def constant(self, value, fmt):
+        return Node("", "", "", "constant", (), fmt, None, 0, value)
+
+    def apply(self, name, operands, fmt, bits, real):
+        if real is None:
+            return self.bits.nodes[name].value
+        return self._moved(name, real(*(n.value for n in operands)), fmt)
+
+    def overflowed(self, watched, unless):
+        return False
+
+    def product(self, name, a, b, fmt, scale):
+        return self._moved(name, a.value * b.value * 2.0**scale, fmt)
+
+    def total(self, name, signs, nodes, fmt):
+        return self._moved(name, sum(s * n.value for s, n in zip(signs, nodes, strict=True)), fmt)
+
+    def quotient(self, name, n, d, fmt):
+        value = n.value / np.where(d.value > 0, d.value, fmt.ulp)
+        return self._moved(name, np.clip(value, fmt.low * fmt.ulp, fmt.high * fmt.ulp), fmt)
+
+    def square_root(self, name, n, fmt):
+        return self._moved(name, np.sqrt(np.maximum(n.value, 0)), fmt)
+
+    def mantissa(self, name, word, words, counts, fill):
+        empty = np.logical_and.reduce([w.value == 0 for w in self.bits.nodes[name].operands])
+        scaled = word.value * 2.0 ** (counts.value - (word.format.width - 1 - word.format.frac))
+        return self._moved(name, np.where(empty, 0.5 if fill else 0.0, scaled), self.word(0))
+
+    def sincos(self, sin, cos, phi):
+        # phi's word has its sign in the top bit: half a turn is 1
+        half = phi.value * (np.pi / 2)
+        return tuple(
+            self.make(n, "sincos", (phi,), self.word(1), "sincos", self._moved(n, v, self.word(1)), error=CORDIC)
+            for n, v in ((sin, np.sin(half)), (cos, np.cos(half)))
+        )
+
+    def hand(self, d1, d2) -> np.ndarray:
+        """The wrist (N, 3) of an arm d1, d2 in the pose found."""
+        q = np.stack([self.nodes[k].value for k in OUTPUTS], axis=1)
+        return forward(q[:, :4], q[:, 4:], d1, d2)[1]
+
+
+def rounded_nodes(bits: fixed.Bits) -> list[Node]:
+    """The nodes that a rounding can move, in dataflow order."""
+    return [node for node in bits.nodes.values() if node.error != (0.0, 0.0)]
+
+
+CORNERS = 32
+"""Random ends of all roundings together that :func:`hand_bar` tries besides the worst of first order."""
+
+
+def hand_bar(words: np.ndarray, width: int) -> np.ndarray:
+    """Largest hand error / reach that the roundings explain, for input words (N, 6); shape (N,).
+
+    Every node is moved to either end of its rounding's range on its own; then, for each axis, all are moved at once
+    to the ends that push the hand furthest along that axis.  To first order no set of roundings does worse.  Where a
+    root or a limited cosine is at its end, first order says little: there :data:`CORNERS` random sets of ends are
+    tried as well.  The rounding of the input words is added, half an ulp each.
+    """
+    bits = fixed.run(words, width).bits
+    nodes = rounded_nodes(bits)
+    length = 2.0 ** (2 - width)
+    d1, d2 = words[:, 4] * length, words[:, 5] * length
+    count = len(words)
+
+    def hand(moves: dict[str, np.ndarray]) -> np.ndarray:
+        return Real(bits, moves).hand(d1, d2)
+
+    ends = {}
+    for node in nodes:
+        low, high = node.error
+        ends[node.name] = hand({node.name: np.full(count, high)}) - hand({node.name: np.full(count, low)})
+    base = hand({})
+    worst = np.zeros((count, 3))
+    for axis in range(3):
+        for side in (1, -1):
+            moves = {n.name: np.where(side * ends[n.name][:, axis] > 0, n.error[1], n.error[0]) for n in nodes}
+            worst[:, axis] = np.maximum(worst[:, axis], np.abs(hand(moves) - base)[:, axis])
+    furthest = np.linalg.norm(worst, axis=1)
+    random = np.random.default_rng(0)
+    for _ in range(CORNERS):
+        moves = {n.name: random.choice(n.error, count) for n in nodes}
+        furthest = np.maximum(furthest, np.linalg.norm(hand(moves) - base, axis=1))
+    reach = np.maximum(np.abs(d1) + np.abs(d2), length)
+    inputs = (np.sqrt(3) / 2 + 1) * length
+    return (furthest + inputs) / reach

@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run trajectories through the core in a simulator and score them: what `make run` does.
+
+    python -m scripts.run [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
+
+Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table.
+Exit status: 0 if every trajectory passes, 1 if one fails or the simulation breaks off, 2 for input that
+cannot be used (one line on stderr, nothing written), 130 after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from model import flags as flag_bits
+from model import trajectories
+from model.dataflow import WIDTHS
+from model.predict import hand_bar
+from model.scoring import Score, score, write_results_csv, write_score_json
+from model.targets import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, read_csv, to_words
+from scripts.env import SIMULATORS
+from scripts.simulate import DATAPATHS, Job, SimulationError, simulate
+
+ALL = "all"
+
+PLAIN_COLUMNS = 120
+"""Width of the table when it does not go to a terminal."""
+
+
+class InputError(Exception):
+    """Input that cannot be used; the text is one line for the user."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A trajectory that is ready to run: its targets and the words (N, 6) that `to_words` made of them."""
+
+    targets: Targets
+    words: np.ndarray
+    exponent: int
+
+
+# -- the command line ------------------------------------------------------------------------------
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that reports a mistake as every other part of this command does: in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(message)
+
+
+def _one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
+    def check(text: str) -> str:
+        if text not in valid:
+            raise argparse.ArgumentTypeError(f"unknown {what} {text!r}; valid: {', '.join(valid)}")
+        return text
+
+    return check
+
+
+def _width(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) in WIDTHS):
+        raise argparse.ArgumentTypeError(f"unknown width {text!r}; valid: {WIDTHS[0]} to {WIDTHS[-1]} bits")
+    return int(text)
+
+
+def _angle(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _length(text: str) -> float:
+    value = _angle(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive: an arm length must be greater than 0")
+    return value
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="python -m scripts.run",
+        description="Run trajectories through the core in a simulator and score them.",
+        epilog="Exit status: 0 all trajectories pass, 1 one fails, 2 bad input, 130 interrupted.",
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "--trajectory",
+        default=trajectories.DEFAULT,
+        metavar="NAME|all|FILE.csv",
+        help="a built-in trajectory (see --list), all of them, or a CSV file with a header: x,y,z and "
+        "optionally phi (rad), d1, d2, in any unit of length (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("build/run"),
+        metavar="DIR",
+        help="folder for results.csv and score.json, made if need be (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--sim",
+        type=_one_of("simulator", SIMULATORS),
+        default=SIMULATORS[0],
+        metavar="|".join(SIMULATORS),
+        help="the simulator (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--datapath",
+        type=_one_of("datapath", DATAPATHS),
+        default=DATAPATHS[0],
+        metavar="|".join(DATAPATHS),
+        help="which dataflow of the core to run (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--width",
+        type=_width,
+        default=WIDTHS[-1],
+        metavar="BITS",
+        help=f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} (default: %(default)s)",
+    )
+    parser.add_argument("--waves", action="store_true", help="also write OUT/waves.vcd and a GTKWave save file")
+    only_csv = "only with a CSV file, for rows of a file without that column"
+    parser.add_argument("--d1", type=_length, metavar="LENGTH", help=f"upper arm, {only_csv} (default: {DEFAULT_D1})")
+    parser.add_argument("--d2", type=_length, metavar="LENGTH", help=f"forearm, {only_csv} (default: {DEFAULT_D2})")
+    parser.add_argument("--phi", type=_angle, metavar="RAD", help=f"swivel angle, {only_csv} (default: {DEFAULT_PHI})")
+    parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
+    return parser
+
+
+# -- input and output, checked before anything is simulated ----------------------------------------
+
+
+def _load(arguments: argparse.Namespace) -> list[Targets]:
+    """The targets that --trajectory asks for. Raises InputError or TargetError."""
+    name = arguments.trajectory
+    if name == ALL or name in trajectories.TRAJECTORIES:
+        for option in ("d1", "d2", "phi"):
+            if getattr(arguments, option) is not None:
+                raise InputError(
+                    f"argument --{option}: is for CSV files; built-in trajectories ({name}) have their own"
+                )
+        return [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == ALL else [name])]
+    if not (name.lower().endswith(".csv") or os.sep in name or os.path.exists(name)):
+        valid = ", ".join((ALL, *trajectories.TRAJECTORIES))
+        raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, or a CSV file")
+    phi = DEFAULT_PHI if arguments.phi is None else arguments.phi
+    return [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+
+
+def _results_path(out: Path, name: str, many: bool) -> Path:
+    return out / name / "results.csv" if many else out / "results.csv"
+
+
+def _check_out(out: Path, paths: list[Path]) -> None:
+    """Make the folders of `paths` and try to write in each. Raises InputError when that cannot work."""
+    for folder in dict.fromkeys([out, *(path.parent for path in paths)]):
+        probe = folder / f".probe.{os.getpid()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            probe.write_bytes(b"")
+            probe.unlink()
+        except OSError as exc:
+            raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
+    for path in paths:
+        if path.is_dir():
+            raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
+
+
+# -- the run ---------------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _progress(description: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A callback (done, total) that draws a progress bar on stderr, or None when stderr is no terminal."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task(description, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    """Load, simulate, score, write and print; the exit status 0 or 1. Raises InputError or TargetError."""
+    width, out = arguments.width, arguments.out
+    prepared = []
+    for targets in _load(arguments):
+        words, exponent = to_words(targets, width)
+        prepared.append(Prepared(targets, words, exponent))
+    many = len(prepared) > 1
+    score_path = out / "score.json"
+    result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
+    _check_out(out, [*result_paths, score_path])
+
+    jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
+    try:
+        with _progress(f"{arguments.sim}, {sum(len(job.words) for job in jobs)} targets") as progress:
+            runs = simulate(
+                jobs,
+                simulator=arguments.sim,
+                datapath=arguments.datapath,
+                width=width,
+                waves=(out / "waves.vcd").absolute() if arguments.waves else None,
+                progress=progress,
+            )
+    except SimulationError as exc:
+        print(f"run: {exc}", file=sys.stderr)
+        return 1
+
+    scores = [
+        score(
+            item.targets, item.words, item.exponent, run.results, run.flags,
+            width=width, datapath=arguments.datapath, simulator=arguments.sim,
+            latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
+            bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
+            predicted=hand_bar(item.words, width),
+        )
+        for item, run in zip(prepared, runs, strict=True)
+    ]  # fmt: skip
+    try:
+        for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
+            write_results_csv(path, item.targets, run.results, run.flags, result.hand_error, width)
+        write_score_json(score_path, scores)
+    except OSError as exc:  # the disk is full, say
+        raise InputError(f"argument --out: cannot write {exc.filename!r}: {exc.strerror}") from None
+
+    console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
+    flags = np.concatenate([run.flags for run in runs])
+    console.print(_table_of_many(scores) if many else _table_of_one(scores[0], int(np.bitwise_or.reduce(flags))))
+    written = [
+        f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0],
+        score_path,
+    ]
+    if arguments.waves:
+        written += sorted(out.glob("waves.*"))
+    for path in written:
+        print(f"wrote {path}")
+    for result in scores:
+        for failure in result.failures:
+            print(f"run: {result.trajectory} fails: {failure}", file=sys.stderr)
+    return 0 if all(result.passed for result in scores) else 1
+
+
+# -- tables ----------------------------------------------------------------------------------------
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1e}"
+
+
+def _verdict(result: Score) -> str:
+    return "[green]pass[/]" if result.passed else "[bold red]FAIL[/]"
+
+
+def _table_of_one(result: Score, flags: int) -> Table:
+    """The figures of one trajectory, a line each, beside their bars and predictions.
+
+    flags: the flag bits that occurred, or-ed together.
+    """
+    table = Table(
+        title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
+        f"{result.width} bits, {result.simulator}",
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+    )
+    table.add_column("figure")
+    for heading in ("measured", "bar", "predicted"):
+        table.add_column(heading, justify="right")
+    table.add_row("bits that differ from the bit-true model", str(result.bit_mismatches), "0")
+    table.add_row(
+        "hand error / reach, largest",
+        _number(result.hand_error_max),
+        _number(result.hand_error_bar),
+        _number(result.hand_error_predicted),
+    )
+    table.add_row("hand error / reach, rms", _number(result.hand_error_rms))
+    if result.hand_error_over_bar is not None:
+        table.add_row("hand error / bar of the same target", f"{result.hand_error_over_bar:.2g}", "1")
+    table.add_row("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max))
+    table.add_row("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max))
+    table.add_row("elbow point error / reach, largest", _number(result.elbow_point_error_max))
+    table.add_row("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max))
+    if result.clamped_error_max is not None:
+        table.add_row(
+            "error of the clamped hand / reach, largest",
+            _number(result.clamped_error_max),
+            _number(result.clamped_error_bar),
+            _number(result.clamped_error_bar),
+        )
+    table.add_row("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}")
+    table.add_row("latency (clocks)", str(result.latency_cycles))
+    table.add_row("clocks for all targets", str(result.total_cycles))
+    table.add_row("results per clock while they flow", f"{result.results_per_cycle:.3f}")
+    table.add_row("flagged targets", f"{result.flagged} ({flag_bits.names(flags)})" if flags else "0")
+    table.add_row("result", _verdict(result))
+    return table
+
+
+def _table_of_many(scores: Sequence[Score]) -> Table:
+    """One line a trajectory, narrow enough for a terminal of 80 columns."""
+    first = scores[0]
+    table = Table(
+        title=f"{first.datapath} datapath, {first.width} bits, {first.simulator}, "
+        f"latency {first.latency_cycles} clocks",
+        caption="hand: largest hand error / reach, with its bar and prediction; clamped: the same for "
+        "targets out of reach; angle: largest shoulder or elbow angle error (rad); bits: differing from the "
+        "bit-true model",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        title_justify="left",
+        caption_justify="left",
+    )
+    table.add_column("trajectory", no_wrap=True)
+    for heading in ("hand", "bar", "predict", "clamped", "angle", "bits", "flags", ""):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for result in scores:
+        table.add_row(
+            escape(result.trajectory),
+            _number(result.hand_error_max),
+            _number(result.hand_error_bar),
+            _number(result.hand_error_predicted),
+            _number(result.clamped_error_max),
+            _number(result.angle_error_max),
+            str(result.bit_mismatches),
+            str(result.flagged),
+            _verdict(result),
+        )
+    return table
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; the exit status."""
+    try:
+        parsed = _parser().parse_args(arguments)
+        if parsed.list:
+            for name in trajectories.TRAJECTORIES:
+                print(f"{name:14} {trajectories.describe(name)}")
+            return 0
+        return _run(parsed)
+    except (InputError, TargetError) as exc:
+        print(f"run: {exc}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("run: interrupted", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,359 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: what it writes and prints, its exit status, and one clear line for every mistake.
+
+The simulator is replaced by the double-precision model rounded to words, so that these tests take no build.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model import trajectories
+from model.equations import solve_clamped
+from model.flags import expected_flags
+from model.targets import FIELDS, RESULT_FIELDS, from_words
+from scripts import run
+from scripts.simulate import Run, SimulationError
+
+ROOT = Path(__file__).parents[2]
+
+
+class FakeSimulator:
+    """Stands in for `scripts.simulate`; `spoil` may change its runs, `calls` records what it was given."""
+
+    def __init__(self):
+        self.calls = []
+        self.spoil = lambda runs: None
+
+    def simulate(self, jobs, *, simulator, datapath, width, waves, progress=None):
+        self.calls.append(
+            {"jobs": jobs, "simulator": simulator, "datapath": datapath, "width": width, "progress": progress}
+        )
+        if waves:
+            assert waves.is_absolute(), "the simulator runs in another folder"
+            waves.touch()
+            waves.with_suffix(".gtkw").touch()
+        runs = []
+        for job in jobs:
+            asked = from_words(job.words, 0, width, job.name)
+            pose = solve_clamped(*(getattr(asked, field) for field in FIELDS))
+            exact = np.column_stack([pose[field] for field in RESULT_FIELDS])
+            results = np.rint(np.ldexp(exact, width - 2)).astype(np.int64)
+            runs.append(Run(results, expected_flags(job.words, width), 363, 363 + len(job.words), 0, None))
+        self.spoil(runs)
+        return runs
+
+
+@pytest.fixture
+def simulator(monkeypatch):
+    """The fake simulator in the place of the real one, and a fixed prediction."""
+    fake = FakeSimulator()
+    monkeypatch.setattr(run, "simulate", fake.simulate)
+    monkeypatch.setattr(run, "hand_bar", lambda words, width: np.full(len(words), 2.0 ** (8 - width)))
+    return fake
+
+
+@pytest.fixture
+def cli(simulator, tmp_path, monkeypatch, capsys):
+    """Run the command line in an empty folder: (exit status, stdout lines, stderr lines)."""
+    monkeypatch.chdir(tmp_path)
+
+    def cli(*arguments):
+        status = run.main(list(arguments))
+        captured = capsys.readouterr()
+        return status, captured.out.splitlines(), captured.err.splitlines()
+
+    return cli
+
+
+def scores(path="build/run/score.json"):
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+def files():
+    return sorted(str(path) for path in Path().rglob("*") if path.is_file())
+
+
+# -- what it does ----------------------------------------------------------------------------------
+
+
+def test_default_run(cli, simulator):
+    status, out, err = cli()
+    assert (status, err) == (0, [])
+    assert files() == ["build/run/results.csv", "build/run/score.json"]
+    assert out[-2:] == ["wrote build/run/results.csv", "wrote build/run/score.json"]
+    (call,) = simulator.calls
+    assert [job.name for job in call["jobs"]] == ["reach"]
+    assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "paper", 32)
+    assert call["progress"] is None, "stderr is no terminal, so no progress is drawn"
+    (score,) = scores()
+    assert score["trajectory"] == "reach" and score["targets"] == 100 and score["passed"]
+    hand = next(line for line in out if "hand error / reach, largest" in line)
+    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "1.0e-04", "6.0e-08"]
+    assert any("pass" in line for line in out)
+
+
+def test_options_reach_the_simulator(cli, simulator):
+    status, _, err = cli("--sim", "verilator", "--width", "24", "--out", "o", "--trajectory", "circle", "--waves")
+    assert (status, err) == (0, [])
+    (call,) = simulator.calls
+    assert (call["simulator"], call["width"]) == ("verilator", 24)
+    assert files() == ["o/results.csv", "o/score.json", "o/waves.gtkw", "o/waves.vcd"]
+    assert [(item["simulator"], item["width"]) for item in scores("o/score.json")] == [("verilator", 24)]
+
+
+def test_the_paths_of_waves_are_printed(cli):
+    _, out, _ = cli("--waves")
+    assert out[-2:] == ["wrote build/run/waves.gtkw", "wrote build/run/waves.vcd"]
+
+
+def test_all_trajectories_get_a_line_and_a_file_each(cli, simulator):
+    status, out, err = cli("--trajectory", "all")
+    names = list(trajectories.TRAJECTORIES)
+    assert (status, err) == (0, [])
+    assert len(simulator.calls) == 1, "one build and one simulation for all"
+    assert files() == sorted([*(f"build/run/{name}/results.csv" for name in names), "build/run/score.json"])
+    assert out[-2:] == ["wrote build/run/*/results.csv (14 files)", "wrote build/run/score.json"]
+    assert [item["trajectory"] for item in scores()] == names
+    for name in names:
+        (line,) = [line for line in out if line.split()[:1] == [name]]
+        assert line.split()[-1] == "pass"
+        assert len(line.rstrip()) <= 79
+    flagged = {item["trajectory"]: item["flagged"] for item in scores()}
+    assert flagged.pop("out_of_reach") > 10
+    assert set(flagged.values()) == {0}
+
+
+def test_list(cli, simulator):
+    status, out, err = cli("--list")
+    assert (status, err) == (0, [])
+    assert out == [f"{name:14} {trajectories.describe(name)}" for name in trajectories.TRAJECTORIES]
+    assert simulator.calls == []
+
+
+def test_help_names_every_option(cli, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        cli("--help")
+    assert exit_.value.code == 0
+    text = capsys.readouterr().out
+    for option in "trajectory out sim datapath width waves d1 d2 phi list".split():
+        assert f"\n  --{option}" in text, option
+
+
+@pytest.mark.parametrize("count", [1, 7, 10_000])
+def test_a_file_with_any_number_of_targets(cli, count):
+    Path("t.csv").write_text("x,y,z\n" + "0.3,0.1,-0.2\n" * count, encoding="utf-8")
+    status, _, err = cli("--trajectory", "t.csv")
+    assert (status, err) == (0, [])
+    assert [item["targets"] for item in scores()] == [count]
+    assert scores()[0]["trajectory"] == "t"
+    assert len(Path("build/run/results.csv").read_text(encoding="utf-8").splitlines()) == count + 1
+
+
+@pytest.mark.parametrize("name", ["t.CSV", "targets", "sub/t.csv"])
+def test_files_of_other_names(cli, name):
+    Path("sub").mkdir()
+    Path(name).write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
+    assert cli("--trajectory", name)[0] == 0
+
+
+def test_bom_and_crlf(cli):
+    Path("t.csv").write_bytes(b"\xef\xbb\xbfx,y,z,d1,d2\r\n300,100,-200,330,270\r\n\r\n")
+    assert cli("--trajectory", "t.csv")[::2] == (0, [])
+    row = Path("build/run/results.csv").read_text(encoding="utf-8").splitlines()[1]
+    assert row.startswith("0,300.0,100.0,-200.0,0.0,330.0,270.0,"), "in the user's own unit"
+
+
+def test_arm_and_swivel_for_files_without_them(cli):
+    Path("t.csv").write_text("x,y,z,d2\n0.3,0.1,-0.2,0.4\n", encoding="utf-8")
+    assert cli("--trajectory", "t.csv", "--d1", "0.5", "--d2", "9", "--phi=-1e-1")[0] == 0
+    row = Path("build/run/results.csv").read_text(encoding="utf-8").splitlines()[1]
+    assert row.startswith("0,0.3,0.1,-0.2,-0.1,0.5,0.4,"), "a column in the file goes before the option"
+
+
+def test_the_same_run_writes_the_same_bytes(cli):
+    cli("--trajectory", "random_walk", "--out", "a")
+    cli("--trajectory", "random_walk", "--out", "b", "--sim", "verilator")
+    assert Path("a/results.csv").read_bytes() == Path("b/results.csv").read_bytes()
+    differing = [
+        (a, b)
+        for a, b in zip(
+            Path("a/score.json").read_text().splitlines(),
+            Path("b/score.json").read_text().splitlines(),
+            strict=True,
+        )
+        if a != b
+    ]
+    assert differing == [('    "simulator": "icarus",', '    "simulator": "verilator",')]
+
+
+def test_progress_on_a_terminal_goes_to_stderr(cli, simulator, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # rich takes stderr for a terminal then
+    monkeypatch.setenv("TERM", "xterm")
+    seen = []
+
+    def spoil(runs):
+        progress = simulator.calls[-1]["progress"]
+        seen.append(progress)
+        progress(50, 100)
+
+    simulator.spoil = spoil
+    status, _, err = cli()
+    assert status == 0 and callable(seen[0])
+    assert "icarus, 100 targets" in "".join(err)
+
+
+# -- trajectories that fail ------------------------------------------------------------------------
+
+
+def test_a_failure_names_the_bar_and_by_how_much(cli, simulator):
+    def spoil(runs):
+        runs[1].results[30, 0] += 2**20  # of circle
+        runs[2].bit_mismatches, runs[2].first_mismatch = 5, "target 3, node c4"
+
+    simulator.spoil = spoil
+    status, out, err = cli("--trajectory", "all")
+    assert status == 1
+    assert err[0].startswith("run: circle fails: hand error ")
+    assert "at target 30 is " in err[0] and "times its bar 0.0001" in err[0]
+    assert err[-1] == ("run: figure_eight fails: 5 bits differ from the bit-true model; first: target 3, node c4")
+    verdicts = {item["trajectory"]: item["passed"] for item in scores()}
+    assert [name for name, passed in verdicts.items() if not passed] == ["circle", "figure_eight"]
+    assert sum("FAIL" in line for line in out) == 2
+
+
+def test_a_simulation_that_breaks_off(cli, simulator):
+    def spoil(runs):
+        raise SimulationError("iverilog: not found")
+
+    simulator.spoil = spoil
+    status, out, err = cli()
+    assert (status, out, err) == (1, [], ["run: iverilog: not found"])
+    assert files() == []
+
+
+# -- bad input -------------------------------------------------------------------------------------
+
+
+def assert_refused(result, simulator, *parts):
+    """Exit status 2, one line on stderr that holds all `parts`, nothing simulated, nothing written."""
+    status, out, err = result
+    assert (status, out, len(err)) == (2, [], 1), err
+    for part in ("run: ", *parts):
+        assert part in err[0]
+    assert simulator.calls == []
+    assert not Path("build").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--trajectory", "reech"], ["--trajectory", "'reech'", "all, reach, circle", "CSV file"]),
+        (["--sim", "modelsim"], ["--sim", "unknown simulator 'modelsim'", "icarus, verilator"]),
+        (["--datapath", "lean2"], ["--datapath", "unknown datapath 'lean2'", "paper"]),
+        (["--width", "33"], ["--width", "unknown width '33'", "16 to 32"]),
+        (["--width", "15"], ["unknown width '15'"]),
+        (["--width", "x"], ["unknown width 'x'"]),
+        (["--trajectory", "t.csv", "--d1", "0"], ["--d1", "'0' is not positive"]),
+        (["--trajectory", "t.csv", "--d2", "-1"], ["--d2", "'-1' is not positive"]),
+        (["--trajectory", "t.csv", "--d1", "nan"], ["--d1", "'nan' is not a finite number"]),
+        (["--trajectory", "t.csv", "--phi", "abc"], ["--phi", "'abc' is not a number"]),
+        (["--trajectory", "reach", "--d1", "0.4"], ["--d1", "reach"]),
+        (["--trajectory", "all", "--phi", "1"], ["--phi", "all"]),
+        (["--speed", "9"], ["unrecognized arguments: --speed 9"]),
+        (["--out"], ["--out", "expected one argument"]),
+        (["--traj", "reach"], ["unrecognized arguments: --traj reach"]),
+        (["--trajectory", "none.csv"], ["none.csv: no such file"]),
+        (["--trajectory", "none.CSV"], ["none.CSV: no such file"]),
+        (["--trajectory", "none/none"], ["none/none: no such file"]),
+        (["--trajectory", "sub"], ["sub: is a directory"]),
+    ],
+)  # fmt: skip
+def test_bad_arguments(cli, simulator, arguments, parts):
+    Path("sub").mkdir()
+    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
+    assert_refused(cli(*arguments), simulator, *parts)
+
+
+@pytest.mark.parametrize(
+    ("content", "parts"),
+    [
+        (b"", ["empty"]),
+        (b"x,y,z\n", ["row 1", "no targets"]),
+        (b"x,y\n1,2\n", ["row 1", "column z", "missing"]),
+        (b"x,y,z,speed\n1,2,3,4\n", ["row 1", "column speed", "'speed'"]),
+        (b"x,y,z\n.1,.2,.3\n.1,two,.3\n", ["row 3", "column y", "'two'", "not a number"]),
+        (b"x,y,z\n.1,.2,nan\n", ["row 2", "column z", "'nan'", "finite"]),
+        (b"x,y,z\n.1,.2,.3\n\xef\xbc\x91,.2,.3\n", ["row 3", "column x"]),
+        (b"x,y,z\ninf,.2,.3\n", ["row 2", "column x", "'inf'", "finite"]),
+        (b"x,y,z\n.1,.2\n", ["row 2", "column z", "missing"]),
+        (b"x,y,z\n.1,.2,.3,.4\n", ["row 2", "column 4", "'.4'", "too many"]),
+        (b"x,y,z,d1\n.1,.2,.3,0\n", ["row 2", "column d1", "'0'", "positive"]),
+        (b"x,y,z,d1,d2\r\n.1,.2,.3,1,-2\r\n", ["row 2", "column d2", "'-2'", "positive"]),
+        (b"x,y,z\n.1,.2,.3\n.1,1e3,.3\n", ["row 3", "column y", "'1000.0'", "too far out"]),
+        (b"x,y,z,d1\n.1,.2,.3,1\n.1,.2,.3,1e-12\n", ["row 3", "column d1", "'1e-12'", "too short"]),
+        (b"x,y,z\n.1,.2,\xff\n", ["row 2", "not UTF-8"]),
+    ],
+)
+def test_bad_files(cli, simulator, content, parts):
+    Path("t.csv").write_bytes(content)
+    assert_refused(cli("--trajectory", "t.csv"), simulator, "t.csv: ", *parts)
+
+
+def test_out_below_a_file(cli, simulator):
+    Path("file").touch()
+    assert_refused(cli("--out", "file"), simulator, "--out", "'file'", "File exists")
+    assert_refused(cli("--out", "file/sub"), simulator, "--out", "'file/sub'", "Not a directory")
+    assert files() == ["file"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_out_without_permission(cli, simulator):
+    Path("locked").mkdir(mode=0o500)
+    assert_refused(cli("--out", "locked"), simulator, "--out", "'locked'", "Permission denied")
+
+
+@pytest.mark.parametrize("name", ["results.csv", "score.json"])
+def test_out_where_a_folder_has_the_name_of_a_result(cli, simulator, name):
+    Path("o", name).mkdir(parents=True)
+    assert_refused(cli("--out", "o"), simulator, "--out", f"'o/{name}' is a folder")
+    assert files() == []
+
+
+def test_out_that_fills_up(cli, monkeypatch):
+    def full(path, *args):
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(run, "write_score_json", full)
+    status, _, err = cli()
+    assert (status, err) == (
+        2,
+        ["run: argument --out: cannot write 'build/run/score.json': No space left on device"],
+    )
+
+
+def test_ctrl_c(cli, simulator):
+    Path("build/run").mkdir(parents=True)
+    Path("build/run/score.json").write_text("old", encoding="utf-8")
+    simulator.spoil = lambda runs: os.kill(os.getpid(), signal.SIGINT)
+    status, out, err = cli()
+    assert (status, out, err) == (130, [], ["run: interrupted"])
+    assert files() == ["build/run/score.json"]
+    assert Path("build/run/score.json").read_text(encoding="utf-8") == "old"
+
+
+def test_as_a_command():
+    """Bad input is refused before any simulator is looked for, with the exit status of the process."""
+    done = subprocess.run(
+        [sys.executable, "-m", "scripts.run", "--trajectory", "none.csv"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "run: none.csv: no such file\n")
