@@ -20,7 +20,7 @@ unexport $(OPTIONS)
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
 
-.PHONY: help setup run test lint lock clean distclean
+.PHONY: help setup run test lint docs bench lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-18s%s\n", $$1, $$2}'
@@ -39,6 +39,15 @@ run: ## the main job [TRAJECTORY=name|all|file.csv OUT=dir SIM= DATAPATH= WIDTH=
 test: ## all tests [SIM=icarus|verilator]
 	@$(SETUP) $(sort icarus $(SIM))
 	@SIM=$(SIM) $(VENV) -m pytest -n auto
+
+docs: ## write the generated pages and headers anew
+	@$(SETUP) $(SIM)
+	@$(VENV) -m scripts.gen_headers
+	@$(VENV) -m scripts.gen_docs --sim $(SIM)
+
+bench: ## simulated targets per second, both simulators in one run
+	@$(SETUP) icarus verilator
+	@$(VENV) -m scripts.bench
 
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff on the Python
 	@$(SETUP) icarus

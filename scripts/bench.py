@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulated targets per second: both simulators in one run, and their ratio (make bench).
+
+Times the whole command that a user waits for, build excluded: start of the simulator, every node of every target
+compared with the bit-true model, results read back.  Prints the Markdown table of docs/performance.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+
+import numpy as np
+
+from model import fixed, predict
+from scripts.env import SIMULATORS
+from scripts.simulate import Job, simulate
+from tb.stimuli import random_reachable
+
+
+def timed(action) -> float:
+    """Seconds that ``action()`` takes, the better of two."""
+    times = []
+    for _ in range(2):
+        begin = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m scripts.bench", description=__doc__.splitlines()[0])
+    parser.add_argument("--targets", type=int, default=5000, metavar="N", help="targets a run (default: %(default)s)")
+    parser.add_argument("--width", type=int, default=32, metavar="BITS", help="word length (default: %(default)s)")
+    options = parser.parse_args()
+    words = random_reachable(options.targets, options.width, seed=1)
+    rates = {}
+    for sim in SIMULATORS:
+        print(f"{sim} ...", file=sys.stderr, flush=True)
+
+        def simulated(jobs, sim=sim):
+            simulate(jobs, simulator=sim, datapath="paper", width=options.width)
+
+        simulated([Job("warm", words[:1])])  # builds
+        start = timed(lambda: simulated([Job("one", words[:1])]))
+        rates[sim] = options.targets / (timed(lambda: simulated([Job("many", words)])) - start), start
+    many = np.concatenate([words] * (100_000 // options.targets))
+    model = len(many) / timed(lambda: fixed.run(many, options.width))
+    bars = options.targets / timed(lambda: predict.hand_bar(words, options.width))
+    slow = rates[SIMULATORS[0]][0]
+    print("| what | targets a second | ratio | start (s) |")
+    print("| --- | --- | --- | --- |")
+    for sim, (rate, start) in rates.items():
+        print(f"| RTL in {sim}, every node compared | {rate:.0f} | {rate / slow:.2g} | {start:.1f} |")
+    print(f"| bit-true model, every node | {model:.0f} | {model / slow:.2g} | - |")
+    print(f"| predicted error of the hand | {bars:.0f} | {bars / slow:.2g} | - |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages that people read: generated ones are up to date, links lead somewhere, options are real."""
+
+import re
+import subprocess
+
+import pytest
+
+from scripts import gen_docs
+from scripts.env import ROOT
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def test_pipeline_picture_is_up_to_date():
+    assert gen_docs.PIPELINE.read_text() == gen_docs.pipeline_svg(), "run `python -m scripts.gen_docs`"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_to_files(page):
+    links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text())
+    missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
+    assert not missing, f"{page.name} links to {missing}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_named_files_and_targets_exist(page):
+    text = page.read_text()
+    for name in re.findall(r"`((?:rtl|tb|model|scripts|docs|examples)/[\w/.]+)`", text):
+        assert (ROOT / name).exists(), f"{page.name} names {name}"
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.M)
+    for target in re.findall(r"(?:`|^ {4})make ([a-z-]+)", text, re.M):
+        assert target in targets, f"{page.name} names make {target}"
+
+
+def test_help_lists_every_target():
+    makefile = (ROOT / "Makefile").read_text()
+    targets = set(re.search(r"^\.PHONY: (.*)$", makefile, re.M)[1].split())
+    said = subprocess.run(["make", "-C", str(ROOT), "help"], capture_output=True, text=True, check=True).stdout
+    listed = set(re.findall(r"^ *make (\w+)  ", said, re.M))
+    assert listed == targets, f"make help differs in {listed ^ targets}"

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Verilog headers say what the model says."""
+
+from model.dataflow import WIDTHS
+from scripts import gen_headers
+
+
+def test_headers_are_up_to_date():
+    stale = [str(path.relative_to(gen_headers.ROOT)) for path in gen_headers.stale()]
+    assert not stale, f"run `python -m scripts.gen_headers`: out of date are {stale}"
+
+
+def test_a_changed_header_is_found(tmp_path, monkeypatch, capsys):
+    changed = tmp_path / "ik_paper_nodes.vh"
+    changed.write_text(gen_headers.nodes_header().replace("F_TMP1 = W - 4", "F_TMP1 = W - 5"))
+    monkeypatch.setattr(gen_headers, "ROOT", tmp_path)
+    monkeypatch.setattr(gen_headers, "HEADERS", {changed: gen_headers.nodes_header})
+    monkeypatch.setattr("sys.argv", ["gen_headers", "--check"])
+    assert gen_headers.main() == 1
+    assert capsys.readouterr().out == "out of date: ik_paper_nodes.vh\n"
+    monkeypatch.setattr("sys.argv", ["gen_headers"])
+    assert gen_headers.main() == 0 and not gen_headers.stale()
+
+
+def test_header_expressions_give_the_models_clocks():
+    """The T_ expressions, evaluated as Verilog would, are the model's clocks at every word length."""
+    text = gen_headers.nodes_header()
+    for width, bits in gen_headers.traced().items():
+        values: dict[str, int] = {"W": width}
+        for line in text.splitlines():
+            if not line.startswith("localparam integer "):
+                continue
+            for part in line.removeprefix("localparam integer ").split(";")[0].split(","):
+                name, expression = part.split("=")
+                values[name.strip()] = eval(expression, {"__builtins__": {}}, dict(values))
+        for name, node in bits.nodes.items():
+            assert values[f"T_{name.upper()}"] == node.time, f"W={width}: clock of {name}"
+            if node.format.signed:
+                assert values[f"F_{name.upper()}"] == node.format.frac, f"W={width}: fraction bits of {name}"
+    assert width == WIDTHS[-1]

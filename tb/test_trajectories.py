@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every built-in trajectory through the RTL by the command line, as a user runs it: all pass, node for node."""
+
+import json
+
+import pytest
+
+from model import trajectories
+from model.scoring import REGULAR_BAR
+from scripts import gen_docs, run
+from scripts.env import simulator
+
+AIM = 1e-6
+"""What regular trajectories are to reach; their bar is wider."""
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    """(folder, scores) of all trajectories."""
+    out = tmp_path_factory.mktemp("all")
+    status = run.main(["--trajectory", "all", "--out", str(out), "--sim", simulator()])
+    scores = {score["trajectory"]: score for score in json.loads((out / "score.json").read_text())}
+    assert status == 0, {name: score["failures"] for name, score in scores.items()}
+    return out, scores
+
+
+def test_there_are_all_trajectories_of_100_targets(outcome):
+    _, scores = outcome
+    assert list(scores) == list(trajectories.TRAJECTORIES)
+    assert {score["targets"] for score in scores.values()} == {100}
+
+
+def test_no_bit_differs_from_the_model(outcome):
+    _, scores = outcome
+    assert {name: score["bit_mismatches"] for name, score in scores.items()} == dict.fromkeys(scores, 0)
+
+
+def test_regular_trajectories_reach_the_aim(outcome):
+    _, scores = outcome
+    for name in trajectories.REGULAR:
+        assert scores[name]["hand_error_bar"] == REGULAR_BAR, f"{name} is not regular"
+        assert scores[name]["hand_error_max"] <= AIM, f"{name}: {scores[name]['hand_error_max']}"
+
+
+def test_errors_stay_below_their_prediction(outcome):
+    _, scores = outcome
+    for name, score in scores.items():
+        assert score["hand_error_max"] <= score["hand_error_predicted"], f"{name}: {score}"
+
+
+def test_latency_and_rate(outcome):
+    _, scores = outcome
+    assert len({score["latency_cycles"] for score in scores.values()}) == 1
+    for name, score in scores.items():
+        assert score["results_per_cycle"] == 1.0, f"{name}: {score['results_per_cycle']} results per clock"
+        assert score["total_cycles"] == score["latency_cycles"] + 100, name
+
+
+def test_the_page_of_scores_is_up_to_date(outcome):
+    _, scores = outcome
+    page = gen_docs.scores_page(list(scores.values()))
+    assert gen_docs.SCORES.read_text() == page, "run `python -m scripts.gen_docs`"
+
+
+if simulator() == "verilator":
+
+    def test_both_simulators_write_the_same_files(outcome, tmp_path):
+        out, _ = outcome
+        assert run.main(["--trajectory", "all", "--out", str(tmp_path), "--sim", "icarus"]) == 0
+        for name in trajectories.TRAJECTORIES:
+            ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
+            assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the simulators' results differ"
