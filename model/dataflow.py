@@ -291,15 +291,8 @@ def _room(words, width: int):
     return width - 1 - np.frexp(magnitude.astype(np.float64))[1].astype(np.int64)
 
 
-INPUTS = ("x", "y", "z", "phi", "d1", "d2")
-"""Fields of ``s_axis_tdata``, lowest bits first."""
-
-OUTPUTS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
-"""Fields of ``m_axis_tdata``, lowest bits first."""
-
-
 def paper(d: Domain, target: dict[str, Node]) -> None:
-    """The whole datapath: from the input words ``target`` (keys :data:`INPUTS`) to :data:`OUTPUTS` and ``flags``.
+    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.targets`) to the results.
 
     Every node ends up in ``d.nodes`` under its name, which is also the name of its signal in the RTL.
     """

@@ -12,7 +12,9 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from model.dataflow import CORDIC, INPUTS, OUTPUTS, Domain, Format, Node, paper
+from model.dataflow import CORDIC, Domain, Format, Node, paper
+from model.flags import FLAGS
+from model.targets import FIELDS, RESULT_FIELDS
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
@@ -132,22 +134,18 @@ class Bits(Domain):
 
 @dataclass(frozen=True)
 class Answer:
-    """What the datapath gives for N targets: ``results`` (N, 6) words in :data:`model.dataflow.OUTPUTS` order,
-    ``flags`` (N,), and every node."""
+    """What the datapath gives for N targets: ``results`` (N, 6) words in the order of ``RESULT_FIELDS``, ``flags``
+    (N,), and every node."""
 
     results: np.ndarray
     flags: np.ndarray
     bits: Bits
 
 
-FLAG_NODES = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length", "saturated")
-"""Nodes of the flag bits, bit 0 first."""
-
-
 def run(words: np.ndarray, width: int) -> Answer:
-    """Runs N targets, (N, 6) input words in :data:`model.dataflow.INPUTS` order, through the paper's datapath."""
+    """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through the paper's datapath."""
     bits = Bits(width)
-    paper(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(INPUTS)})
+    paper(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(FIELDS)})
     value = {k: n.value for k, n in bits.nodes.items()}
-    word = sum(value[k].astype(np.int64) << i for i, k in enumerate(FLAG_NODES))
-    return Answer(np.stack([value[k] for k in OUTPUTS], axis=1), word, bits)
+    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS)
+    return Answer(np.stack([value[k] for k in RESULT_FIELDS], axis=1), flags, bits)

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from model import fixed
-from model.dataflow import CORDIC, OUTPUTS, Domain, Node, sections
+from model.dataflow import CORDIC, Domain, Node, sections
 from model.kinematics import forward
+from model.targets import RESULT_FIELDS
 
 
 class Real(Domain):
@@ -74,7 +75,7 @@ class Real(Domain):
 
     def hand(self, d1, d2) -> np.ndarray:
         """The wrist (N, 3) of an arm d1, d2 in the pose found."""
-        q = np.stack([self.nodes[k].value for k in OUTPUTS], axis=1)
+        q = np.stack([self.nodes[k].value for k in RESULT_FIELDS], axis=1)
         return forward(q[:, :4], q[:, 4:], d1, d2)[1]
 
 

@@ -242,11 +242,6 @@ def format_csv(targets: Targets) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_csv(path: str | os.PathLike[str], targets: Targets) -> None:
-    """Write `targets` to a file which `read_csv` gives back bit by bit. Raises OSError."""
-    Path(path).write_text(format_csv(targets), encoding="utf-8", newline="\n")
-
-
 # -- fixed point -----------------------------------------------------------------------------------
 
 

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow import GUARD, OUTPUTS, SECTIONS, WIDTHS, Latency, Node
+from model.dataflow import GUARD, SECTIONS, WIDTHS, Latency, Node
 from model.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
+from model.targets import RESULT_FIELDS
 
 ROOT = Path(__file__).resolve().parent.parent
 NOTE = """// SPDX-License-Identifier: Apache-2.0
@@ -72,7 +73,7 @@ def nodes_header() -> str:
             parts.insert(0, f"F_{name} = {node.format.frac_expr}")
         comment = f"  // {node.equation}" if node.equation else ""
         lines.append(f"localparam integer {', '.join(parts)};{comment}")
-    outputs = _start(tuple(nodes[n] for n in (*OUTPUTS, "saturated")), runs)
+    outputs = _start(tuple(nodes[n] for n in (*RESULT_FIELDS, "saturated")), runs)
     lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
     return "\n".join(lines)
 

@@ -20,9 +20,7 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 
 from model import fixed
 from model.dataflow import Node
-
-FIELDS = 6
-"""Words in a target and in a result."""
+from model.targets import FIELDS, pack, unpack
 
 
 @dataclass(frozen=True)
@@ -134,22 +132,22 @@ class Pipeline:
 
     def __init__(self, dut, *, every_node: bool = True) -> None:
         self.dut = dut
-        self.width = len(dut.s_axis_tdata) // FIELDS
+        self.width = len(dut.s_axis_tdata) // len(FIELDS)
         self.tag_width = len(dut.s_axis_tuser)
         self.log = logging.getLogger("cocotb.pipeline")
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
         Clock(dut.clk, 10, unit="ns").start()
         dut.rst.value = 1
         self.source = AxiStreamSource(
-            AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk, dut.rst, byte_lanes=FIELDS, reset_active_level=True
+            AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
         )
         self.sink = AxiStreamSink(
-            AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=FIELDS, reset_active_level=True
+            AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
         )
-        probe = fixed.run(np.zeros((1, FIELDS), dtype=np.int64), self.width).bits.nodes
+        probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width).bits.nodes
         self.scoreboard = Scoreboard(self._handle, probe.values()) if every_node else None
         self.clock = 0
-        self.words = np.zeros((0, FIELDS), dtype=np.int64)  # of all targets announced, in order
+        self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # of all targets announced, in order
         self.answer_results: list[tuple[int, ...]] = []
         self.answer_flags: list[int] = []
         self.tags: list[int] = []
@@ -201,11 +199,10 @@ class Pipeline:
     def send(self, words: np.ndarray) -> None:
         """Queues targets, (N, 6) signed words; the tags count up."""
         self.announce(words)
-        mask = (1 << self.width) - 1
-        for row in (words & mask).tolist():
+        for beat in pack(words, self.width):
             tag = len(self.tags) & ((1 << self.tag_width) - 1)
             self.tags.append(tag)
-            self.source.send_nowait(AxiStreamFrame(row, tuser=tag))
+            self.source.send_nowait(AxiStreamFrame([beat], tuser=tag))
 
     async def drain(self, most_clocks: int = 20000) -> None:
         """Waits until every target has been answered; fails after ``most_clocks`` clocks without a result."""
@@ -276,10 +273,7 @@ class Pipeline:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
             self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
             return
-        words = tuple(
-            _signed(int(data[len(data) - (k + 1) * self.width : len(data) - k * self.width], 2), self.width)
-            for k in range(FIELDS)
-        )
+        words = tuple(unpack([int(data, 2)], self.width)[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
             self.errors.append(f"a result with tag {tag} in clock {self.clock} that nobody asked for")
@@ -290,10 +284,6 @@ class Pipeline:
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])
         if (words, tag, flags) != expected:
             self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {expected}, in clock {self.clock}")
-
-
-def _signed(word: int, width: int) -> int:
-    return word - (1 << width) if word >> (width - 1) else word
 
 
 PATTERNS = ("none", "single", "bursts", "long")

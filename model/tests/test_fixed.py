@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from model import equations, fixed, predict
-from model.dataflow import GUARD, OUTPUTS, Format
+from model.dataflow import GUARD, Format
 from model.flags import BAD_LENGTH, SATURATED, TOO_FAR, TOO_NEAR, UNREACHABLE, expected_flags
 from model.kinematics import angle_between, forward
 from model.scoring import NORM_ULPS
-from model.targets import from_words, result_values
+from model.targets import RESULT_FIELDS, from_words, result_values
 from tb.stimuli import corners, mixed, random_reachable, unreachable
 
 WIDTHS = (16, 18, 24, 27, 32)
@@ -95,7 +95,7 @@ def test_angles_agree_with_double_precision():
     asked = from_words(words, 0, 32, "random")
     pose = equations.solve_clamped(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
     q = result_values(fixed.run(words, 32).results, 32)
-    double = np.column_stack([pose[k] for k in OUTPUTS])
+    double = np.column_stack([pose[k] for k in RESULT_FIELDS])
     shoulder = angle_between(q[:, :4], double[:, :4])
     assert np.median(shoulder) < 2e-8, f"median shoulder angle error {np.median(shoulder):.3g} rad"
     assert np.quantile(shoulder, 0.99) < 2e-6, f"99 % of shoulder angle errors {np.quantile(shoulder, 0.99):.3g} rad"
@@ -112,7 +112,7 @@ def test_clamped_arms_are_straight_or_folded_along_the_target(width):
     assert set(map(tuple, answer.results[:, 4:].tolist())) == {(0, -one), (one, 0)}, "Qe is -i or 1 exactly"
     for k, name in ((4, "qe_w"), (5, "qe_i")):
         assert np.allclose(q[:, k], pose[name], atol=1e-12), name
-    shoulder = angle_between(q[:, :4], np.column_stack([pose[k] for k in OUTPUTS[:4]]))
+    shoulder = angle_between(q[:, :4], np.column_stack([pose[k] for k in RESULT_FIELDS[:4]]))
     assert np.quantile(shoulder, 0.99) < 2.0 ** (9 - width), f"{np.quantile(shoulder, 0.99):.3g} rad"
 
 
