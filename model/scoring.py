@@ -234,7 +234,7 @@ def _max(values: np.ndarray, where: np.ndarray) -> float | None:
 def _mismatch_failures(count: int, first: str | None) -> list[str]:
     if count == 0:
         return []
-    return [f"{count} bits differ from the bit-true model" + (f"; first: {first}" if first else "")]
+    return [f"{count} bits differ from the bit-true model" + (f"; {first}" if first else "")]
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:

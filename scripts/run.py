@@ -35,6 +35,7 @@ from model.scoring import Score, score, write_results_csv, write_score_json
 from model.targets import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, read_csv, to_words
 from scripts.env import SIMULATORS
 from scripts.simulate import DATAPATHS, Job, SimulationError, simulate
+from scripts.waves import write_save_file
 
 ALL = "all"
 
@@ -215,6 +216,7 @@ def _run(arguments: argparse.Namespace) -> int:
     result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
     _check_out(out, [*result_paths, score_path])
 
+    waves = (out / "waves.vcd").absolute() if arguments.waves else None
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     try:
         with _progress(f"{arguments.sim}, {sum(len(job.words) for job in jobs)} targets") as progress:
@@ -223,7 +225,7 @@ def _run(arguments: argparse.Namespace) -> int:
                 simulator=arguments.sim,
                 datapath=arguments.datapath,
                 width=width,
-                waves=(out / "waves.vcd").absolute() if arguments.waves else None,
+                waves=waves,
                 progress=progress,
             )
     except SimulationError as exc:
@@ -254,8 +256,10 @@ def _run(arguments: argparse.Namespace) -> int:
         f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0],
         score_path,
     ]
-    if arguments.waves:
-        written += sorted(out.glob("waves.*"))
+    if waves:
+        save_file = waves.with_suffix(".gtkw")
+        write_save_file(waves, width, save_file)
+        written += [out / waves.name, out / save_file.name]
     for path in written:
         print(f"wrote {path}")
     for result in scores:

@@ -10,12 +10,12 @@ from __future__ import annotations
 import itertools
 import logging
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
 from model import fixed
@@ -90,10 +90,9 @@ class Scoreboard:
         """Target number ``target`` was admitted in clock ``clock``."""
         self.in_clock[clock] = target
 
-    def forget(self, targets_in_flight: bool = True) -> None:
+    def forget(self) -> None:
         """After a reset: what was in flight no longer has to be right."""
-        if targets_in_flight:
-            self.in_clock.clear()
+        self.in_clock.clear()
 
     def sample(self, clock: int) -> None:
         """Compares what is valid in this clock."""
@@ -111,12 +110,16 @@ class Scoreboard:
                     if len(self.differences) < self.KEPT:
                         self.differences.append(difference)
 
-    def report(self, most: int = 5) -> str:
-        """The first target that differs, its nodes in dataflow order; empty when nothing differs."""
+    def report(self, most: int = 5, since: int = 0) -> str:
+        """The first target that differs, its nodes in dataflow order; empty when nothing differs.
+
+        Targets are counted from target ``since`` on.
+        """
         if not self.differences:
             return ""
         first = min(d.target for d in self.differences)
-        of_first = sorted((d for d in self.differences if d.target == first), key=lambda d: self.order[d.node.name])
+        of_first = [replace(d, target=first - since) for d in self.differences if d.target == first]
+        of_first.sort(key=lambda d: self.order[d.node.name])
         lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:most])]
         if len(of_first) > most:
             lines.append(f"            and {len(of_first) - most} more nodes of this target")
@@ -136,7 +139,7 @@ class Pipeline:
         self.tag_width = len(dut.s_axis_tuser)
         self.log = logging.getLogger("cocotb.pipeline")
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
-        Clock(dut.clk, 10, unit="ns").start()
+        Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
         self.source = AxiStreamSource(
             AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
@@ -234,6 +237,8 @@ class Pipeline:
         """Once a clock: admission, departure, stability of stalled streams, nodes."""
         dut = self.dut
         stalled: dict[str, tuple[str, str] | None] = {"s_axis": None, "m_axis": None}
+        # Under Verilator the clock line starts at random: an edge at time 0 is none.
+        await Timer(1, unit="ns")
         while True:
             await FallingEdge(dut.clk)
             self.clock += 1

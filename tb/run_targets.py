@@ -36,7 +36,9 @@ async def run_targets(dut):
     with np.load(os.environ["IK_JOBS"]) as jobs:
         for k in range(len(jobs.files)):
             await bench.reset()
-            first, bits, kept = len(bench.results), board.mismatching_bits, len(board.differences)
+            first, bits = len(bench.results), board.mismatching_bits
+            since = len(bench.admitted)
+            board.differences.clear()
             bench.send(jobs[f"words_{k}"])
             await bench.drain()
             rows = bench.results[first:]
@@ -44,7 +46,7 @@ async def run_targets(dut):
             written[f"results_{k}"] = np.array([r[0] for r in rows], dtype=np.int64)
             written[f"flags_{k}"] = np.array([r[2] for r in rows], dtype=np.int64)
             written[f"facts_{k}"] = np.array([bench.latencies[first], clocks, board.mismatching_bits - bits])
-            written[f"first_{k}"] = np.array(board.report() if len(board.differences) > kept else "")
+            written[f"first_{k}"] = np.array(board.report(since=since))
     # A difference of a node is a score, not a failure of the run; a broken stream is.
     streams = [e for e in bench.errors if ": RTL " not in e]
     assert not streams, f"{len(streams)} errors, the first: {streams[0]}"

@@ -6,9 +6,11 @@ Every set of toplevel, parameters and options has a folder of its own under ``bu
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import os
+import shutil
+from contextlib import contextmanager, nullcontext
+from importlib.metadata import version
 from pathlib import Path
 from unittest import mock
 
@@ -36,13 +38,29 @@ def sources(rtl: Path = ROOT) -> list[Path]:
     return [path for folder in RTL_FOLDERS for path in sorted((rtl / folder).glob("*.v"))]
 
 
-@contextlib.contextmanager
+@contextmanager
 def _alone(folder: Path):
     """One process at a time in a build folder."""
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / ".lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
+
+
+@contextmanager
+def _runtime(folder: Path, kind: str):
+    """Verilator's own runtime, 7 s of compilation, is the same in every build of a kind: compile it once."""
+    store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
+    store.mkdir(parents=True, exist_ok=True)
+    for path in store.glob("*.o"):
+        if not (folder / path.name).exists():
+            shutil.copy(path, folder / path.name)
+    yield
+    for path in folder.glob("verilated*.o"):
+        if not (store / path.name).exists():
+            copy = store / f"{path.name}.{os.getpid()}"
+            shutil.copy(path, copy)
+            os.replace(copy, store / path.name)
 
 
 def simulate(
@@ -94,6 +112,6 @@ def simulate(
         options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim):
-        with _alone(folder):
+        with _alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
             run(compile_only=True, **options)
         return Path(run(**options))

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets for testbenches: (N, 6) signed input words of a width, the same ones for the same seed.
 
-Columns are ``len(INPUTS)`` of :mod:`model.targets`: x, y, z, phi, d1, d2.
+Columns are ``FIELDS`` of :mod:`model.targets`: x, y, z, phi, d1, d2.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from model.dataflow import INPUTS
 from model.flags import UNREACHABLE, expected_flags
+from model.targets import FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
@@ -19,7 +19,7 @@ def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
     arms, unequal arms and targets near the shoulder or near the end of the reach all come up.
     """
     random = np.random.default_rng((seed, width, 1))
-    rows = np.zeros((0, len(INPUTS)), dtype=np.int64)
+    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
         rows = np.concatenate([rows, _reachable(random, count + 16, width)])
     return rows[:count]
@@ -45,7 +45,7 @@ def unreachable(count: int, width: int, seed: int) -> np.ndarray:
     out of reach, arms without a length."""
     random = np.random.default_rng((seed, width, 2))
     top = (1 << (width - 1)) - 1
-    rows = np.zeros((count, len(INPUTS)), dtype=np.int64)
+    rows = np.zeros((count, len(FIELDS)), dtype=np.int64)
     for k, row in enumerate(rows):
         size = int(random.integers(2, width - 1))  # bits of the target
         row[:3] = random.integers(-(1 << size), 1 << size, 3)
@@ -151,9 +151,9 @@ def extremes(count: int, width: int, seed: int) -> np.ndarray:
     """Words that are each lowest, highest, around 0 or anything: most of them targets that make no sense."""
     random = np.random.default_rng((seed, width, 3))
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
-    edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(INPUTS)))
-    anything = random.integers(low, top + 1, (count, len(INPUTS)))
-    return np.where(random.random((count, len(INPUTS))) < 0.6, edge, anything)
+    edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(FIELDS)))
+    anything = random.integers(low, top + 1, (count, len(FIELDS)))
+    return np.where(random.random((count, len(FIELDS))) < 0.6, edge, anything)
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:

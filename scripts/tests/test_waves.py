@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A VCD of the core holds every named node at its clock, and the save file names signals that are in it."""
+
+import pytest
+from vcd.gtkw import GTKWFlag
+from vcd.reader import TokenKind, tokenize
+
+from model import fixed
+from scripts import waves
+from scripts.env import simulator
+from scripts.simulate import Job, simulate
+from tb.stimuli import random_reachable
+
+WIDTH = 32
+TARGETS = 3
+MOST_BYTES = 30e6
+
+
+@pytest.fixture(scope="module")
+def words():
+    return random_reachable(TARGETS, WIDTH, seed=3)
+
+
+@pytest.fixture(scope="module")
+def vcd(words, tmp_path_factory):
+    """A short simulation, recorded."""
+    path = tmp_path_factory.mktemp("waves") / "ik_axis.vcd"
+    (run,) = simulate([Job("waves", words)], simulator=simulator(), datapath="paper", width=WIDTH, waves=path)
+    assert run.bit_mismatches == 0
+    return path
+
+
+@pytest.fixture(scope="module")
+def save_file(vcd):
+    path = vcd.with_suffix(".gtkw")
+    waves.write_save_file(vcd, WIDTH, path)
+    return path
+
+
+def clocks(vcd, wanted):
+    """For every clock, from clock 1, the values in its middle: path below ik_axis -> bits, or None where unknown."""
+    scopes, code_of, value, samples, fell = [], {}, {}, [], False
+    with open(vcd, "rb") as stream:
+        for token in tokenize(stream):
+            if token.kind is TokenKind.SCOPE:
+                scopes.append(token.scope.ident)
+            elif token.kind is TokenKind.UPSCOPE:
+                scopes.pop()
+            elif token.kind is TokenKind.VAR and "ik_axis" in scopes:
+                path = (*scopes[scopes.index("ik_axis") + 1 :], token.var.reference)
+                if path in wanted:
+                    code_of[path] = token.var.id_code
+            elif token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR):
+                change = token.data
+                bits = int(change.value) if str(change.value).isdecimal() else None
+                fell |= change.id_code == code_of[("clk",)] and bits == 0 and value.get(change.id_code) == 1
+                value[change.id_code] = bits
+            elif token.kind is TokenKind.CHANGE_TIME and fell:
+                samples.append({path: value.get(code) for path, code in code_of.items()})
+                fell = False
+    return samples
+
+
+def test_vcd_holds_every_node_at_its_clock(vcd, words):
+    """Every node of every target, tmp1 and c3 among them, as the model has it."""
+    nodes = fixed.run(words, WIDTH).bits.nodes
+    paths = {name: waves.place(node) for name, node in nodes.items()}
+    assert paths["tmp1"] == ("u_core", "u_elbow", "tmp1") and paths["c3"] == ("u_core", "u_to_wrist", "c3")
+    stream = [("clk",), ("rst",), ("s_axis_tvalid",), ("s_axis_tready",)]
+    samples = clocks(vcd, {*paths.values(), *stream})
+    admitted = [k for k, sample in enumerate(samples) if [sample[path] for path in stream[1:]] == [0, 1, 1]]
+    assert len(admitted) == TARGETS
+    for name, node in nodes.items():
+        mask = (1 << node.format.width) - 1
+        expected = [int(v) & mask for v in node.value.tolist()]
+        assert [samples[k + node.time][paths[name]] for k in admitted] == expected, name
+
+
+def test_vcd_is_small(vcd):
+    """Sections and streams are recorded, the insides of delay lines and operators are not."""
+    assert vcd.stat().st_size < MOST_BYTES
+    assert not {"line", "mem"} & {path[-1] for path in waves.signals(vcd)}
+
+
+def test_save_file_names_signals_of_the_vcd(vcd, save_file):
+    """No name is unknown to the VCD, and no node is left out."""
+    known = waves.signals(vcd)
+    named = set(waves.names(save_file))
+    assert named <= set(known.values())
+    for node in fixed.run(random_reachable(1, WIDTH, seed=1), WIDTH).bits.nodes.values():
+        assert known[waves.place(node)] in named, node.name
+
+
+def test_save_file_shows_each_word_in_its_format(vcd, save_file):
+    """Flags and fixed-point shift: a word, a product before its rounding, an unsigned word, one of over 64 bits."""
+    signed, unsigned = GTKWFlag.signed | GTKWFlag.fpdecshift, GTKWFlag.dec | GTKWFlag.fpdecshift
+    for name, flags, frac in (
+        ("elbow.p_e_x", signed, 30),
+        ("elbow.pp_sq", signed, 34),
+        ("guard.p_w_x", signed, 31),
+        ("elbow_q.h4_p", unsigned, 31),
+        ("guard.x_sq", signed | GTKWFlag.grp_begin, 58),
+    ):
+        assert shown(save_file, name) == (flags | GTKWFlag.rjustify, frac), name
+    assert shown(save_file, "guard.lz_p") == (GTKWFlag.dec | GTKWFlag.rjustify, None)
+    assert shown(save_file, "elbow.flat") == (GTKWFlag.bin | GTKWFlag.rjustify, None)
+
+
+def shown(save_file, name):
+    """Flags and fixed-point shift that GTKWave has in force when it comes to a node of a section."""
+    section, node = name.split(".")
+    group, flags, shift = "", None, None
+    for line in save_file.read_text().splitlines():
+        if line.startswith("@"):
+            flags = GTKWFlag(int(line[1:], 16))
+        elif line.startswith("[fpshift_count]"):
+            shift = int(line.split()[1])
+        elif line.startswith("-"):
+            group = line[1:].split(":")[0]
+        elif line.startswith(("+", "#")):
+            label = line[line.index("{") + 1 : line.index("}")]
+            if label.split(" ")[0] == node and f"u_{section}.{node}" in line:
+                return flags, shift
+            shift = None
+    raise AssertionError(f"{name} is not in {save_file.name}: last group {group}")
+
+
+def test_save_file_is_the_same_every_time(vcd, save_file, tmp_path):
+    """Nothing in it depends on the time, the place or the run."""
+    waves.write_save_file(vcd, WIDTH, tmp_path / "again.gtkw")
+    assert (tmp_path / "again.gtkw").read_bytes() == save_file.read_bytes()
+    assert str(vcd.parent) not in save_file.read_text()
+
+
+def test_other_vcd_is_refused(tmp_path):
+    """A VCD of another design has none of the signals."""
+    other = tmp_path / "other.vcd"
+    other.write_text("$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n")
+    with pytest.raises(ValueError, match="no module ik_axis in this VCD"):
+        waves.write_save_file(other, WIDTH, tmp_path / "other.gtkw")

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A GTKWave save file for a VCD of ``ik_axis``: signals in groups, fixed-point words shown as real numbers.
+
+    python -m scripts.waves WAVES.vcd WIDTH SAVE.gtkw
+
+The groups are the streams and the sections of :data:`model.dataflow.SECTIONS`.  A node's label carries the equation it
+belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after the target was admitted.
+
+GTKWave shows a fixed-point word through its "fixed point shift", right for words of more than 31 fraction bits since
+3.3.107.  It cannot show a decimal word of more than 64 bits: of those the first 64 bits are shown.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from vcd.gtkw import GTKWFlag, GTKWSave
+from vcd.reader import TokenKind, tokenize
+
+from model import fixed
+from model.dataflow import SECTIONS, Format, Node
+from model.targets import FIELDS, RESULT_FIELDS
+
+TOP = "ik_axis"
+SHOWN_BITS = 64
+"""The longest word that GTKWave shows as a decimal number."""
+
+STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
+
+
+def signals(vcd: Path) -> dict[tuple[str, ...], str]:
+    """Every signal below ``ik_axis`` in a VCD: its path from there -> the name that GTKWave has for it.
+
+    Simulators put different scopes above the design's top; they are left out of the path.
+    """
+    found: dict[tuple[str, ...], str] = {}
+    scopes: list[str] = []
+    with open(vcd, "rb") as stream:
+        for token in tokenize(stream):
+            if token.kind is TokenKind.SCOPE:
+                scopes.append(token.scope.ident)
+            elif token.kind is TokenKind.UPSCOPE:
+                scopes.pop()
+            elif token.kind is TokenKind.VAR and TOP in scopes:
+                below = scopes[scopes.index(TOP) + 1 :]
+                found[(*below, token.var.reference)] = ".".join([*scopes, token.var.ref_str])
+            elif token.kind is TokenKind.ENDDEFINITIONS:
+                break
+    if not found:
+        raise ValueError(f"{vcd}: no module {TOP} in this VCD")
+    return found
+
+
+def place(node: Node) -> tuple[str, ...]:
+    """Path of a node's signal below ``ik_axis``: inputs and final flags in the core, all others in their section."""
+    if node.op == "input" or node.section == "results":
+        return ("u_core", node.name)
+    return ("u_core", f"u_{node.section}", node.name)
+
+
+def write_save_file(vcd: Path, width: int, path: Path) -> None:
+    """Writes ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits."""
+    name_of = signals(vcd)
+    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width).bits.nodes
+    with open(path, "w", encoding="utf-8", newline="\n") as stream:
+        save = _Save(stream, name_of.__getitem__)
+        save.writer.comment(f"{TOP}, words of {width} bits: python -m scripts.waves VCD {width} GTKW")
+        save.writer.size(1600, 1000)
+        save.writer.sst_expanded(False)
+        save.writer.signals_width(640)
+        save.writer.zoom_markers(zoom=-15.0)  # about 15 clocks of 10 ns in sight
+        with save.writer.group("streams"):
+            for name in ("clk", "rst", *STREAMS[:3]):
+                save.plain((name,))
+            save.plain(("s_axis_tdata",))
+            for name in FIELDS:
+                save.word(place(nodes[name]), nodes[name].format, name if name != "phi" else "phi (half turns)")
+            for name in STREAMS[3:]:
+                save.plain((name,))
+            save.plain(("m_axis_tdata",))
+            for k, name in enumerate(RESULT_FIELDS):
+                save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
+            for name in ("in_valid", "out_valid"):
+                save.plain(("u_core", name))
+        for section, what in SECTIONS.items():
+            label = f"{section}: {what}"
+            with save.writer.group(label, closed=True):
+                for node in nodes.values():
+                    if node.section == section and node.op != "input":
+                        equation = f" {node.equation}" if node.equation else ""
+                        save.word(place(node), node.format, f"{node.name}{equation} +{node.time}")
+
+
+class _Save:
+    """Adds traces to a save file by their path below ``ik_axis``."""
+
+    def __init__(self, stream, name_of: Callable[[tuple[str, ...]], str]) -> None:
+        self.stream = stream
+        self.writer = GTKWSave(stream)
+        self.name_of = name_of
+
+    def plain(self, path: tuple[str, ...]) -> None:
+        """A signal as bits: binary if it is one, else hexadecimal."""
+        name = self.name_of(path)
+        self.writer.trace(name, alias=path[-1], datafmt="hex" if name.endswith("]") else "bin")
+
+    def word(self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None) -> None:
+        """A word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
+        if fmt.width == 1:
+            self.writer.trace(self.name_of(path), alias=label, datafmt="bin")
+            return
+        shown = min(fmt.width, SHOWN_BITS)
+        frac = fmt.frac - (fmt.width - shown)
+        options = {
+            "datafmt": "signed" if fmt.signed else "dec",
+            "extraflags": GTKWFlag.fpdecshift if frac else GTKWFlag.none,
+        }
+        if frac:  # pyvcd does not know this line
+            self.stream.write(f"[fpshift_count] {frac}\n")
+        if of is None and shown == fmt.width:
+            self.writer.trace(self.name_of(path), alias=label, **options)
+            return
+        # Some bits of a signal: GTKWave counts them from the left.
+        first = (of or fmt.width) - lowest - fmt.width
+        bits = [(first + k, self.name_of(path)) for k in range(shown)]
+        self.writer.trace_combined(label, bits, **options)
+
+
+def names(save_file: Path) -> Iterator[str]:
+    """The signals that a save file names, in its order, once for every time."""
+    for line in save_file.read_text(encoding="utf-8").splitlines():
+        if line.startswith("#{"):
+            yield from (word.split(")", 1)[1] for word in line.split("} ", 1)[1].split())
+        elif line and line[0] not in "@[*-^":
+            yield line.split("} ", 1)[1] if line.startswith("+{") else line
+
+
+if __name__ == "__main__":
+    write_save_file(Path(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
