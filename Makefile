@@ -20,7 +20,7 @@ unexport $(OPTIONS)
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
 
-.PHONY: help setup run test lint docs bench lock clean distclean
+.PHONY: help setup run test docs bench lint lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-18s%s\n", $$1, $$2}'

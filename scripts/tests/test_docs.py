@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that people read: generated ones are up to date, links lead somewhere, options are real."""
+"""Pages that people read: generated ones are up to date, links lead somewhere, what is named exists."""
 
 import re
-import subprocess
 
 import pytest
 
@@ -31,11 +30,3 @@ def test_named_files_and_targets_exist(page):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.M)
     for target in re.findall(r"(?:`|^ {4})make ([a-z-]+)", text, re.M):
         assert target in targets, f"{page.name} names make {target}"
-
-
-def test_help_lists_every_target():
-    makefile = (ROOT / "Makefile").read_text()
-    targets = set(re.search(r"^\.PHONY: (.*)$", makefile, re.M)[1].split())
-    said = subprocess.run(["make", "-C", str(ROOT), "help"], capture_output=True, text=True, check=True).stdout
-    listed = set(re.findall(r"^ *make (\w+)  ", said, re.M))
-    assert listed == targets, f"make help differs in {listed ^ targets}"

@@ -38,7 +38,6 @@ class FakeSimulator:
         if waves:
             assert waves.is_absolute(), "the simulator runs in another folder"
             waves.touch()
-            waves.with_suffix(".gtkw").touch()
         runs = []
         for job in jobs:
             asked = from_words(job.words, 0, width, job.name)
@@ -55,6 +54,7 @@ def simulator(monkeypatch):
     """The fake simulator in the place of the real one, and a fixed prediction."""
     fake = FakeSimulator()
     monkeypatch.setattr(run, "simulate", fake.simulate)
+    monkeypatch.setattr(run, "write_save_file", lambda vcd, width, path: path.touch())
     monkeypatch.setattr(run, "hand_bar", lambda words, width: np.full(len(words), 2.0 ** (8 - width)))
     return fake
 
@@ -110,7 +110,7 @@ def test_options_reach_the_simulator(cli, simulator):
 
 def test_the_paths_of_waves_are_printed(cli):
     _, out, _ = cli("--waves")
-    assert out[-2:] == ["wrote build/run/waves.gtkw", "wrote build/run/waves.vcd"]
+    assert out[-2:] == ["wrote build/run/waves.vcd", "wrote build/run/waves.gtkw"]
 
 
 def test_all_trajectories_get_a_line_and_a_file_each(cli, simulator):
@@ -222,7 +222,7 @@ def test_a_failure_names_the_bar_and_by_how_much(cli, simulator):
     assert status == 1
     assert err[0].startswith("run: circle fails: hand error ")
     assert "at target 30 is " in err[0] and "times its bar 0.0001" in err[0]
-    assert err[-1] == ("run: figure_eight fails: 5 bits differ from the bit-true model; first: target 3, node c4")
+    assert err[-1] == ("run: figure_eight fails: 5 bits differ from the bit-true model; target 3, node c4")
     verdicts = {item["trajectory"]: item["passed"] for item in scores()}
     assert [name for name, passed in verdicts.items() if not passed] == ["circle", "figure_eight"]
     assert sum("FAIL" in line for line in out) == 2
