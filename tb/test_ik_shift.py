@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Starts the tests of ``tb/ik_shift.py``."""
+
+import pytest
+
+from tb.unit import run_unit, sets, title
+
+SETS = sets(
+    {"W": 8, "RIGHT": 0},
+    {"W": 8, "RIGHT": 1},
+    icarus=[{"W": 33, "RIGHT": 0}, {"W": 32, "RIGHT": 1}, {"W": 19, "RIGHT": 0}, {"W": 18, "RIGHT": 1}],
+)
+
+
+@pytest.mark.parametrize("parameters", SETS, ids=title)
+def test_ik_shift(parameters):
+    run_unit("ik_shift", parameters)
