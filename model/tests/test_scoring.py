@@ -175,7 +175,7 @@ def test_bit_mismatches_fail(case):
     case.run |= {"bit_mismatches": 3, "first_mismatch": "c4 at target 7"}
     result = case.score()
     assert not result.passed
-    assert result.failures == ("3 bits differ from the bit-true model; first: c4 at target 7",)
+    assert result.failures == ("3 bits differ from the bit-true model; c4 at target 7",)
 
 
 def test_hand_above_its_bar_fails(case):
