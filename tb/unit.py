@@ -30,12 +30,12 @@ SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
 
 
-def run_unit(module: str, parameters: dict[str, int], **options) -> Path:
-    """Runs ``tb/<module>.py`` on the module of that name with these parameters; ``SIM`` names the simulator."""
+def run_unit(module: str, parameters: dict[str, int], tests: str | None = None, **options) -> Path:
+    """Runs ``tb/<module>.py`` (or ``tb/<tests>.py``) on a module with these parameters; ``SIM`` names the simulator."""
     from tb.runner import simulate
 
     env = {"IK_PARAMETERS": json.dumps(parameters)}
-    return simulate(module, f"tb.{module}", parameters=parameters, env=env, seed=SEED, **options)
+    return simulate(module, f"tb.{tests or module}", parameters=parameters, env=env, seed=SEED, **options)
 
 
 def sets(*both: dict[str, int], icarus: Sequence[dict[str, int]] = ()) -> list[dict[str, int]]:

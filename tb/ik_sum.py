@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_sum3`` against APyTypes: exact sum, rounded half up, saturated."""
+"""``ik_sum2`` and ``ik_sum3`` against APyTypes: exact sum, rounded half up, saturated."""
 
 import itertools
 import random
@@ -10,22 +10,22 @@ from model.dataflow import Latency
 from tb.unit import Unit, crossed, fixed_point, named, parameters, rounded, signed, some
 
 P = parameters()
-IW, SH, OW, SUB_C = (P[k] for k in ("IW", "SH", "OW", "SUB_C"))
+PORTS = "a b c" if "SUB_C" in P else "a b"
+IW, SH, OW, SUB = P["IW"], P["SH"], P["OW"], P.get("SUB_B", P.get("SUB_C"))
 IN, Q = signed(IW), signed(OW)
-OPERANDS = 3
+OPERANDS = len(PORTS.split())
 EXHAUSTIVE = OPERANDS * IW <= 12
-LATENCY = Latency(32)["sum3"]
+LATENCY = Latency(32)[f"sum{OPERANDS}"]
 
 
 def reference(vectors):
-    a, b, c = zip(*vectors, strict=True)
-    last = fixed_point(c, IW, SH)
-    total = fixed_point(a, IW, SH) + fixed_point(b, IW, SH)
-    return list(zip(*rounded(total - last if SUB_C else total + last, OW), strict=True))
+    *first, last = (fixed_point(words, IW, SH) for words in zip(*vectors, strict=True))
+    total = first[0] if OPERANDS == 2 else first[0] + first[1]
+    return list(zip(*rounded(total - last if SUB else total + last, OW), strict=True))
 
 
 def bench(dut) -> Unit:
-    return Unit(dut, "a b c", "q ovf", reference, latency=LATENCY, signed="a b c q")
+    return Unit(dut, PORTS, "q ovf", reference, latency=LATENCY, signed=f"{PORTS} q")
 
 
 def terms(total: int) -> tuple[int, ...] | None:
@@ -36,7 +36,7 @@ def terms(total: int) -> tuple[int, ...] | None:
         part = min(max(rest // (k + 1), IN[0]), IN[-1])
         operands.append(part)
         rest -= part
-    if SUB_C:
+    if SUB:
         operands[-1] = -operands[-1]
     return tuple(operands) if rest == 0 and operands[-1] in IN else None
 
