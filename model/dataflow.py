@@ -48,27 +48,34 @@ WIDTHS = range(16, 33)
 
 @dataclass(frozen=True)
 class Latency:
-    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<FIELD>``."""
+    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
 
     width: int
 
-    # field -> (clocks as Verilog expression, why)
+    # kind -> (clocks a bit of the word, clocks besides, what they are)
     TABLE = {
-        "mul": ("4", "operands, tile products, tile sums, rounding"),
-        "sum2": ("2", "add, round and saturate"),
-        "sum3": ("3", "add, add, round and saturate"),
-        "norm": ("3", "magnitudes, leading-zero count, shift"),
-        "mux": ("1", "an exact addition, a choice, a sign change or a comparison"),
-        "lzc": ("2", "magnitudes, leading-zero count"),
-        "shift": ("2", "barrel shift: by eights, by ones"),
-        "div": ("W + 2", "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
-        "root": ("W", "pipelined radix-2 square root: one row a result bit, output"),
-        "sincos": ("W + 1", "CORDIC: one iteration a bit, rounding"),
+        "mul": (0, 4, "operands, tile products, tile sums, rounding"),
+        "sum2": (0, 2, "add, round and saturate"),
+        "sum3": (0, 3, "add, add, round and saturate"),
+        "norm": (0, 3, "magnitudes, leading-zero count, shift"),
+        "lzc": (0, 2, "magnitudes, leading-zero count"),
+        "shift": (0, 2, "barrel shift: by eights, by ones"),
+        "mux": (0, 1, "an exact addition, a choice, a sign change or a comparison"),
+        "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
+        "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
+        "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
     }
 
     def __getitem__(self, kind: str) -> int:
         """Clocks of operation ``kind``."""
-        return int(eval(self.TABLE[kind][0], {"__builtins__": {}}, {"W": self.width}))  # noqa: S307
+        bits, besides, _ = self.TABLE[kind]
+        return bits * self.width + besides
+
+    @classmethod
+    def expression(cls, kind: str) -> str:
+        """The same as a Verilog expression of ``W``."""
+        bits, besides, _ = cls.TABLE[kind]
+        return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
 
 @dataclass(frozen=True)

@@ -53,8 +53,8 @@ def nodes_header() -> str:
         "",
         f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum",
     ]
-    for kind, (expression, why) in Latency.TABLE.items():
-        lines.append(f"localparam integer LAT_{kind.upper()} = {expression};  // {why}")
+    for kind, (_, _, why) in Latency.TABLE.items():
+        lines.append(f"localparam integer LAT_{kind.upper()} = {Latency.expression(kind)};  // {why}")
     section = None
     for node in nodes.values():
         if node.section != section:
