@@ -375,6 +375,11 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
         d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: _wrap(a << n, w + 1))
         half = lambda a, c: np.where(c, 0, _jam_half(a))  # noqa: E731
         d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
+    # d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder could
+    # come to lie out of their reach.
+    finer = Format(w + 1, w - 1, "W - 1")
+    d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: _wrap(a << n, w + 1))
+    d.op("d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR)
     # How much finer the target's own unit is than the arms': p_w = 2^j p_a.
     d.op("scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1))
 
@@ -429,10 +434,7 @@ def elbow(d: Domain) -> None:
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
     d.op("d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, lambda a, b: a + b)
-    d.op("d_dif", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a - b, lambda a, b: a - b)
-    finer, coarser = lambda a, j: a * 2.0**j, lambda a, j: a * 2.0**-j
-    d.op("d_dif_j", ("d_dif", "scale_j"), d.word(1), "shift", lambda a, j: (a << j) >> 1, finer, FLOOR)
-    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, coarser, FLOOR)
+    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, lambda a, j: a * 2.0**-j, FLOOR)
     d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
     k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2))
 
@@ -539,7 +541,9 @@ def rotate_to_elbow(d: Domain) -> None:
     d.at("to_elbow", "(15)")
     p_x, p_y = n["p_e_x"], n["p_e_y"]
     d.normalize(("u_x", "u_y"), (p_x, p_y), "lz_u")
-    h = d.op("h", ("d_e", "p_e_z"), d.word(1), "sum2", lambda a, z: a + abs(z), lambda a, z: a + abs(z))  # d1 +- p_ez
+    top = d.word(1).high  # of an arm that is all upper arm, h can be rounded to 2
+    limited, free = lambda a, z: np.minimum(a + abs(z), top), lambda a, z: a + abs(z)
+    h = d.op("h", ("d_e", "p_e_z"), d.word(1), "sum2", limited, free)
     d.mul("uh_x", n["u_x"], h, d.word(1))
     d.mul("uh_y", n["u_y"], h, d.word(1))
     d.mul("uu_x", n["u_x"], p_x, d.wide(1))

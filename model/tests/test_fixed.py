@@ -28,9 +28,26 @@ def any_words(count: int, width: int, seed: int) -> np.ndarray:
     return words
 
 
+def awkward_words(count: int, width: int, seed: int) -> np.ndarray:
+    """Where rounding has been seen to matter: long arms with the target a few lsb from the shoulder, and arms that are
+    all upper arm with the target above or below."""
+    random = np.random.default_rng((seed, width))
+    top, low = (1 << (width - 1)) - 1, -(1 << (width - 1))
+    phi = random.integers(low, top, count)
+    long = random.integers(1 << (width - 2), top - 8, count)
+    near = random.integers(-8, 9, (count, 3))
+    shoulder = [*near.T, phi, long, long - random.integers(-8, 9, count)]
+    upper, fore = top - random.integers(0, 50, count), random.integers(1, 50, count)
+    height = np.clip((upper + random.integers(-60, 60, count)) * random.choice([-1, 1], count), low, top)
+    upright = [*random.integers(-9, 10, (2, count)), height, phi, upper, fore]
+    return np.concatenate([np.column_stack(shoulder), np.column_stack(upright)])
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_input_has_a_unit_answer_and_exact_flags(width):
-    words = np.concatenate([any_words(20000, width, 1), np.array(list(corners(width).values()))])
+    words = np.concatenate(
+        [any_words(20000, width, 1), awkward_words(20000, width, 1), np.array(list(corners(width).values()))]
+    )
     answer = fixed.run(words, width)
     values = result_values(answer.results, width)
     for name, q in (("Qs", values[:, :4]), ("Qe", values[:, 4:])):
@@ -46,7 +63,9 @@ def test_every_input_has_a_unit_answer_and_exact_flags(width):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_node_fits_its_format(width):
-    words = np.concatenate([any_words(20000, width, 2), np.array(list(corners(width).values()))])
+    words = np.concatenate(
+        [any_words(20000, width, 2), awkward_words(20000, width, 2), np.array(list(corners(width).values()))]
+    )
     bits = fixed.run(words, width).bits
     for name, node in bits.nodes.items():
         assert (node.value >= node.format.low).all() and (node.value <= node.format.high).all(), name

@@ -15,6 +15,7 @@ module ik_elbow #(
     input  wire signed [W-1:0] d_1,          // T_D_1
     input  wire signed [W-1:0] d_2,
     input  wire        [  5:0] scale_j,      // T_SCALE_J
+    input  wire signed [W-1:0] d_dif_j,      // T_D_DIF_J
     input  wire                clamp,        // T_CLAMP
     input  wire                away,         // T_AWAY
     input  wire signed [W-1:0] s,            // T_S
@@ -44,20 +45,9 @@ module ik_elbow #(
   // ---- (12) the factor p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^scale_j ----
 
   reg signed [W-1:0] d_sum;
-  reg signed [W-1:0] d_dif;
-  always @(posedge clk) begin
-    d_sum <= d_1 + d_2;  // below 1
-    d_dif <= d_1 - d_2;
-  end
-
-  // The shifted difference has one integer bit: shift a word with one bit more, and drop the last.
-  wire [5:0] scale_j_dif;
-  wire signed [W:0] d_dif_sh;
-  wire signed [W-1:0] d_dif_j = d_dif_sh[W:1];
-  wire signed [W-1:0] d_sum_j;
-  ik_delay #(.W(6), .N(T_D_DIF-T_SCALE_J)) u_scale_j_dif (.clk(clk), .d(scale_j), .q(scale_j_dif));
-  ik_shift #(.W(W+1)) u_d_dif_j (.clk(clk), .d({d_dif[W-1], d_dif}), .count(scale_j_dif), .q(d_dif_sh));
-  ik_delay #(.W(W), .N(T_D_DIF_J-T_D_SUM)) u_d_sum_j (.clk(clk), .d(d_sum), .q(d_sum_j));
+  wire signed [W-1:0] d_dif_j_sum;
+  always @(posedge clk) d_sum <= d_1 + d_2;  // below 1
+  ik_delay #(.W(W), .N(T_D_SUM-T_D_DIF_J)) u_d_dif_j_sum (.clk(clk), .d(d_dif_j), .q(d_dif_j_sum));
 
   wire [5:0] scale_j_s;
   wire signed [W-1:0] s_j;
@@ -69,7 +59,7 @@ module ik_elbow #(
   wire signed [W-1:0] k_e;
   wire ovf_k_e;
   ik_mul #(.AW(W), .BW(W), .SH(F_D_SUM+F_D_DIF_J-F_DD_J), .OW(W)) u_dd_j (
-      .clk(clk), .a(d_sum_j), .b(d_dif_j), .q(dd_j)
+      .clk(clk), .a(d_sum), .b(d_dif_j_sum), .q(dd_j)
   );
   ik_delay #(.W(W), .N(T_DD_J-T_S_J)) u_s_j_k (.clk(clk), .d(s_j), .q(s_j_k));
   ik_sum2 #(.IW(W), .SH(F_S_J-F_K_E), .OW(W)) u_k_e (.clk(clk), .a(s_j_k), .b(dd_j), .q(k_e), .ovf(ovf_k_e));
@@ -336,8 +326,6 @@ module ik_elbow #(
   always @(posedge clk) begin
     sat_elbow <= ovf_k_e_q | ovf_inf_pp_q | ovf_pp_sq_q | ovf_pp_pm_q | ovf_tmp1_q | (|ovf_num_q) | (|ovf_quo);
   end
-
-  wire unused = &{1'b0, d_dif_sh[0]};
 
 endmodule
 

@@ -33,6 +33,7 @@ module ik_guard #(
     output reg  signed [W-1:0] p_a_y,
     output reg  signed [W-1:0] p_a_z,
     output reg         [  5:0] scale_j,      // p_w = 2^scale_j p_a
+    output reg  signed [W-1:0] d_dif_j,      // d1 - d2 in the target's unit, Q2.(W-2)
     // decisions
     output reg                 too_far,
     output reg                 too_near,
@@ -175,6 +176,17 @@ module ik_guard #(
     p_a_z <= clamp ? {W{1'b0}} : {p_a_z_c[W:2], p_a_z_c[1] | p_a_z_c[0]};
   end
 
+  // ---- d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder
+  // could come to lie out of their reach ----
+
+  wire signed [W:0] d_raw_p;
+  wire signed [W:0] d_dif_sh;
+  wire signed [W:0] d_dif_c;
+  ik_delay #(.W(W+1), .N(T_LZ_P - T_D_RAW)) u_d_raw_p (.clk(clk), .d(d_raw), .q(d_raw_p));
+  ik_shift #(.W(W+1)) u_d_dif_sh (.clk(clk), .d(d_raw_p), .count(lz_p), .q(d_dif_sh));
+  ik_delay #(.W(W+1), .N(T_CLAMP - T_D_DIF_SH)) u_d_dif_c (.clk(clk), .d(d_dif_sh), .q(d_dif_c));
+  always @(posedge clk) d_dif_j <= clamp ? {W{1'b0}} : d_dif_c[W:1];
+
   // ---- how much finer the target's unit is than the arms' ----
 
   wire [5:0] lz_p_c;
@@ -183,7 +195,7 @@ module ik_guard #(
   ik_delay #(.W(6), .N(T_CLAMP - T_LZ_R)) u_lz_r_c (.clk(clk), .d(lz_r), .q(lz_r_c));
   always @(posedge clk) scale_j <= clamp ? 6'd2 : (lz_p_c - lz_r_c + 6'd1);
 
-  wire unused = &{1'b0, lz_b};
+  wire unused = &{1'b0, lz_b, d_dif_c[0]};
 
 endmodule
 

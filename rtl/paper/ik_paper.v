@@ -60,6 +60,7 @@ module ik_paper #(
   wire signed [W-1:0] p_a_y;
   wire signed [W-1:0] p_a_z;
   wire [5:0] scale_j;
+  wire signed [W-1:0] d_dif_j;
   wire too_far;
   wire too_near;
   wire on_axis;
@@ -72,7 +73,7 @@ module ik_paper #(
       .clk(clk),
       .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
       .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
-      .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .scale_j(scale_j),
+      .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .scale_j(scale_j), .d_dif_j(d_dif_j),
       .too_far(too_far), .too_near(too_near), .on_axis(on_axis), .at_shoulder(at_shoulder), .bad_length(bad_length),
       .clamp(clamp), .fold(fold), .away(away)
   );
@@ -114,7 +115,7 @@ module ik_paper #(
   wire sat_elbow;
   ik_elbow #(.W(W)) u_elbow (
       .clk(clk),
-      .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
+      .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .d_dif_j(d_dif_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
       .p_w_x_pi(p_w_x_pi), .p_w_y_pi(p_w_y_pi), .p_w_z_pi(p_w_z_pi),
       .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),

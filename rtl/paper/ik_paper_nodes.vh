@@ -59,6 +59,8 @@ localparam integer F_P_A_Y_SH = W, T_P_A_Y_SH = T_LZ_R + LAT_SHIFT;
 localparam integer F_P_A_Y = W - 1, T_P_A_Y = T_CLAMP + LAT_MUX;
 localparam integer F_P_A_Z_SH = W, T_P_A_Z_SH = T_LZ_R + LAT_SHIFT;
 localparam integer F_P_A_Z = W - 1, T_P_A_Z = T_CLAMP + LAT_MUX;
+localparam integer F_D_DIF_SH = W - 1, T_D_DIF_SH = T_LZ_P + LAT_SHIFT;
+localparam integer F_D_DIF_J = W - 2, T_D_DIF_J = T_CLAMP + LAT_MUX;
 localparam integer T_SCALE_J = T_CLAMP + LAT_MUX;
 
 // 3.1 swivel plane
@@ -94,10 +96,8 @@ localparam integer T_SAT_SWIVEL = T_PI_SWIVEL_X + LAT_MUX;  // (11)
 
 // 3.2 elbow point
 localparam integer F_D_SUM = W - 1, T_D_SUM = T_D_1 + LAT_MUX;  // (12)
-localparam integer F_D_DIF = W - 1, T_D_DIF = T_D_1 + LAT_MUX;  // (12)
-localparam integer F_D_DIF_J = W - 2, T_D_DIF_J = T_D_DIF + LAT_SHIFT;  // (12)
 localparam integer F_S_J = W - 3, T_S_J = T_S + LAT_SHIFT;  // (12)
-localparam integer F_DD_J = W - 3, T_DD_J = T_D_DIF_J + LAT_MUL;  // (12)
+localparam integer F_DD_J = W - 3, T_DD_J = T_D_SUM + LAT_MUL;  // (12)
 localparam integer F_K_E = W - 3, T_K_E = T_DD_J + LAT_SUM2;  // (12)
 localparam integer F_PP_I = W - 4, T_PP_I = T_PI_SWIVEL_X + LAT_MUL;  // (12)
 localparam integer F_PP_J = W - 4, T_PP_J = T_PI_SWIVEL_Y + LAT_MUL;  // (12)

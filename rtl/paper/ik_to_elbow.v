@@ -36,10 +36,12 @@ module ik_to_elbow #(
   reg signed [W-1:0] abs_z;
   reg signed [W-1:0] d_e_q;
   reg signed [W-1:0] h_q;
+  wire [W:0] h_sum = {1'b0, d_e_q} + {1'b0, abs_z};
   always @(posedge clk) begin
     abs_z <= p_e_z[W-1] ? -p_e_z : p_e_z;
     d_e_q <= d_e_p;
-    h_q   <= d_e_q + abs_z;
+    // Of an arm that is all upper arm, h can be rounded to 2.
+    h_q   <= (h_sum[W:W-1] != 2'b00) ? {1'b0, {(W - 1) {1'b1}}} : h_sum[W-1:0];
   end
   assign h = h_q;
 
