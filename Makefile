@@ -12,38 +12,62 @@ $(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
 endif
 
-# Options of `make run`, from make's command line only. A value is never expanded by make and reaches the
-# command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
+# Options of `make run` and `make report`, from make's command line only. A value is never expanded by make and
+# reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
 OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
+job = --sim $(SIM) \
+  $(call given,TRAJECTORY,--trajectory="$$CGA_TRAJECTORY") $(call given,OUT,--out="$$CGA_OUT") \
+  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
+  $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI")
 
-.PHONY: help setup run test docs bench lint lock clean distclean
+.PHONY: help setup run report test test-browser docs derive wordlengths operations figures bench lint lock clean distclean
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-18s%s\n", $$1, $$2}'
+	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
 
 setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
 	@$(SETUP) $(sort icarus $(SIM))
 
 run: ## the main job [TRAJECTORY=name|all|file.csv OUT=dir SIM= DATAPATH= WIDTH= WAVES=1 D1= D2= PHI=]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.run --sim $(SIM) \
-	  $(call given,TRAJECTORY,--trajectory="$$CGA_TRAJECTORY") $(call given,OUT,--out="$$CGA_OUT") \
-	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
-	  $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI") \
-	  $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
+	@$(VENV) -m scripts.run $(job) $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
+
+report: ## the same run as an HTML page to look at: the arm in motion, errors, pipeline [same options but WAVES]
+	@$(SETUP) $(SIM)
+	@$(VENV) -m scripts.report $(job)
 
 test: ## all tests [SIM=icarus|verilator]
 	@$(SETUP) $(sort icarus $(SIM))
 	@SIM=$(SIM) $(VENV) -m pytest -n auto
 
+test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
+	@$(SETUP) $(SIM) chromium
+	@SIM=$(SIM) $(VENV) -m pytest scripts/tests/browser_test_report.py
+
 docs: ## write the generated pages and headers anew
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.gen_headers
 	@$(VENV) -m scripts.gen_docs --sim $(SIM)
+
+derive: ## write docs/derivation.md: the paper's equations from its geometry, with symbols
+	@$(SETUP)
+	@$(VENV) -m scripts.derive
+
+wordlengths: ## ranges proved and seen, errors of every node: docs/wordlengths.md and .svg
+	@$(SETUP) icarus
+	@$(VENV) -m scripts.wordlengths
+
+operations: ## table 4 of the paper counted from the equations and the elaborated RTL: docs/operations.md
+	@$(SETUP) icarus
+	@$(VENV) -m scripts.opcounts
+
+figures: ## figures 6 and 7 of the paper for the whole design: docs/figures.md
+	@$(SETUP) icarus
+	@$(VENV) -m scripts.figures
 
 bench: ## simulated targets per second, both simulators in one run
 	@$(SETUP) icarus verilator

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up: what `make` runs before everything else. Standard library only.
 
-    python3 scripts/bootstrap.py [icarus] [verilator]
+    python3 scripts/bootstrap.py [icarus] [verilator] [chromium]
 
-makes `.venv` from requirements.lock and sees that the named simulators can run. What the system lacks is
-installed with apt-get where that is allowed (root, or sudo without a password); otherwise one line says what
-to install and the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
+makes `.venv` from requirements.lock and sees that the named simulators and the browser can run. What the
+system lacks is installed with apt-get where that is allowed (root, or sudo without a password); otherwise one
+line says what to install and the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said
@@ -20,9 +20,9 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 OLDEST, NEWEST = (3, 10), (3, 14)  # what requirements.lock was resolved for
-SIMULATORS = ("icarus", "verilator")
-PROGRAMS = {"icarus": ["iverilog", "vvp"], "verilator": ["perl", "make", "g++"]}
+PROGRAMS = {"icarus": ["iverilog", "vvp"], "verilator": ["perl", "make", "g++"], "chromium": ["chromium"]}
 PACKAGE = {"iverilog": "iverilog", "vvp": "iverilog", "perl": "perl", "make": "make", "g++": "g++"}
+PACKAGE["chromium"] = "chromium"
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
 
 
@@ -163,7 +163,7 @@ def install_packages(packages):
 
 
 def missing_packages(needs):
-    """Debian packages without which a simulator cannot run."""
+    """Debian packages without which a simulator or the browser cannot run."""
     packages = [PACKAGE[program] for need in needs for program in PROGRAMS[need] if which(program) is None]
     if "verilator" in needs and which("perl"):  # Debian's perl-base alone lacks some modules
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -296,8 +296,8 @@ def main(arguments):
     if arguments == ["--suits"]:
         return 0 if suits() else 1
     for need in arguments:
-        if need not in SIMULATORS:
-            die("unknown simulator '%s': use icarus or verilator" % need)
+        if need not in PROGRAMS:
+            die("unknown requirement '%s': use icarus, verilator or chromium" % need)
     setup = Setup()
     if setup.is_ready(arguments):
         return 0

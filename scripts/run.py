@@ -34,7 +34,7 @@ from model.predict import hand_bar
 from model.scoring import Score, score, write_results_csv, write_score_json
 from model.targets import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, read_csv, to_words
 from scripts.env import SIMULATORS
-from scripts.simulate import DATAPATHS, Job, SimulationError, simulate
+from scripts.simulate import DATAPATHS, Job, Run, SimulationError, simulate
 from scripts.waves import write_save_file
 
 ALL = "all"
@@ -98,10 +98,14 @@ def _length(text: str) -> float:
     return value
 
 
-def _parser() -> argparse.ArgumentParser:
+def parser_of(prog: str, description: str, *, out: str, written: str) -> argparse.ArgumentParser:
+    """The parser of a command that runs trajectories, with the options that all of them have.
+
+    out: the default of --out; written: what is written there, for its help.
+    """
     parser = _Parser(
-        prog="python -m scripts.run",
-        description="Run trajectories through the core in a simulator and score them.",
+        prog=prog,
+        description=description,
         epilog="Exit status: 0 all trajectories pass, 1 one fails, 2 bad input, 130 interrupted.",
         allow_abbrev=False,
     )
@@ -115,9 +119,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--out",
         type=Path,
-        default=Path("build/run"),
+        default=Path(out),
         metavar="DIR",
-        help="folder for results.csv and score.json, made if need be (default: %(default)s)",
+        help=f"folder for {written}, made if need be (default: %(default)s)",
     )
     parser.add_argument(
         "--sim",
@@ -140,11 +144,21 @@ def _parser() -> argparse.ArgumentParser:
         metavar="BITS",
         help=f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} (default: %(default)s)",
     )
-    parser.add_argument("--waves", action="store_true", help="also write OUT/waves.vcd and a GTKWave save file")
     only_csv = "only with a CSV file, for rows of a file without that column"
     parser.add_argument("--d1", type=_length, metavar="LENGTH", help=f"upper arm, {only_csv} (default: {DEFAULT_D1})")
     parser.add_argument("--d2", type=_length, metavar="LENGTH", help=f"forearm, {only_csv} (default: {DEFAULT_D2})")
     parser.add_argument("--phi", type=_angle, metavar="RAD", help=f"swivel angle, {only_csv} (default: {DEFAULT_PHI})")
+    return parser
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = parser_of(
+        "python -m scripts.run",
+        "Run trajectories through the core in a simulator and score them.",
+        out="build/run",
+        written="results.csv and score.json",
+    )
+    parser.add_argument("--waves", action="store_true", help="also write OUT/waves.vcd and a GTKWave save file")
     parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
     return parser
 
@@ -169,11 +183,16 @@ def _load(arguments: argparse.Namespace) -> list[Targets]:
     return [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
 
 
+def prepare(arguments: argparse.Namespace) -> list[Prepared]:
+    """The trajectories of --trajectory as words of --width bits. Raises InputError or TargetError."""
+    return [Prepared(targets, *to_words(targets, arguments.width)) for targets in _load(arguments)]
+
+
 def _results_path(out: Path, name: str, many: bool) -> Path:
     return out / name / "results.csv" if many else out / "results.csv"
 
 
-def _check_out(out: Path, paths: list[Path]) -> None:
+def check_out(out: Path, paths: list[Path]) -> None:
     """Make the folders of `paths` and try to write in each. Raises InputError when that cannot work."""
     for folder in dict.fromkeys([out, *(path.parent for path in paths)]):
         probe = folder / f".probe.{os.getpid()}"
@@ -204,44 +223,67 @@ def _progress(description: str) -> Iterator[Callable[[int, int], None] | None]:
         yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    """Load, simulate, score, write and print; the exit status 0 or 1. Raises InputError or TargetError."""
-    width, out = arguments.width, arguments.out
-    prepared = []
-    for targets in _load(arguments):
-        words, exponent = to_words(targets, width)
-        prepared.append(Prepared(targets, words, exponent))
-    many = len(prepared) > 1
-    score_path = out / "score.json"
-    result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
-    _check_out(out, [*result_paths, score_path])
-
-    waves = (out / "waves.vcd").absolute() if arguments.waves else None
+def run_and_score(
+    arguments: argparse.Namespace, prepared: Sequence[Prepared], waves: Path | None = None
+) -> list[tuple[Run, Score]]:
+    """Run all trajectories in one simulation and score them, in their order. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
-    try:
-        with _progress(f"{arguments.sim}, {sum(len(job.words) for job in jobs)} targets") as progress:
-            runs = simulate(
-                jobs,
-                simulator=arguments.sim,
-                datapath=arguments.datapath,
-                width=width,
-                waves=waves,
-                progress=progress,
-            )
-    except SimulationError as exc:
-        print(f"run: {exc}", file=sys.stderr)
-        return 1
-
+    with _progress(f"{arguments.sim}, {sum(len(job.words) for job in jobs)} targets") as progress:
+        runs = simulate(
+            jobs,
+            simulator=arguments.sim,
+            datapath=arguments.datapath,
+            width=arguments.width,
+            waves=waves,
+            progress=progress,
+        )
     scores = [
         score(
             item.targets, item.words, item.exponent, run.results, run.flags,
-            width=width, datapath=arguments.datapath, simulator=arguments.sim,
+            width=arguments.width, datapath=arguments.datapath, simulator=arguments.sim,
             latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
             bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
-            predicted=hand_bar(item.words, width),
+            predicted=hand_bar(item.words, arguments.width),
         )
         for item, run in zip(prepared, runs, strict=True)
     ]  # fmt: skip
+    return list(zip(runs, scores, strict=True))
+
+
+def verdict(name: str, scores: Sequence[Score]) -> int:
+    """Say on stderr, for the command `name`, what fails; the exit status 0 or 1."""
+    for result in scores:
+        for failure in result.failures:
+            print(f"{name}: {result.trajectory} fails: {failure}", file=sys.stderr)
+    return 0 if all(result.passed for result in scores) else 1
+
+
+def exit_status(name: str, work: Callable[[], int]) -> int:
+    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 130."""
+    try:
+        return work()
+    except SimulationError as exc:
+        print(f"{name}: {exc}", file=sys.stderr)
+        return 1
+    except (InputError, TargetError) as exc:
+        print(f"{name}: {exc}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"{name}: interrupted", file=sys.stderr)
+        return 130
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
+    width, out = arguments.width, arguments.out
+    prepared = prepare(arguments)
+    many = len(prepared) > 1
+    score_path = out / "score.json"
+    result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
+    check_out(out, [*result_paths, score_path])
+
+    waves = (out / "waves.vcd").absolute() if arguments.waves else None
+    runs, scores = zip(*run_and_score(arguments, prepared, waves), strict=True)
     try:
         for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
             write_results_csv(path, item.targets, run.results, run.flags, result.hand_error, width)
@@ -250,8 +292,7 @@ def _run(arguments: argparse.Namespace) -> int:
         raise InputError(f"argument --out: cannot write {exc.filename!r}: {exc.strerror}") from None
 
     console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
-    flags = np.concatenate([run.flags for run in runs])
-    console.print(_table_of_many(scores) if many else _table_of_one(scores[0], int(np.bitwise_or.reduce(flags))))
+    console.print(_table_of_many(scores) if many else _table_of_one(scores[0], runs[0].flags))
     written = [
         f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0],
         score_path,
@@ -262,10 +303,7 @@ def _run(arguments: argparse.Namespace) -> int:
         written += [out / waves.name, out / save_file.name]
     for path in written:
         print(f"wrote {path}")
-    for result in scores:
-        for failure in result.failures:
-            print(f"run: {result.trajectory} fails: {failure}", file=sys.stderr)
-    return 0 if all(result.passed for result in scores) else 1
+    return verdict("run", scores)
 
 
 # -- tables ----------------------------------------------------------------------------------------
@@ -279,11 +317,45 @@ def _verdict(result: Score) -> str:
     return "[green]pass[/]" if result.passed else "[bold red]FAIL[/]"
 
 
-def _table_of_one(result: Score, flags: int) -> Table:
-    """The figures of one trajectory, a line each, beside their bars and predictions.
+def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
+    """The figures of one trajectory: a name, the measured value and, where there are any, bar and prediction.
 
-    flags: the flag bits that occurred, or-ed together.
+    flags (N,): the core's flag bits.
     """
+    rows: list[tuple[str, ...]] = [
+        ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
+        (
+            "hand error / reach, largest",
+            _number(result.hand_error_max),
+            _number(result.hand_error_bar),
+            _number(result.hand_error_predicted),
+        ),
+        ("hand error / reach, rms", _number(result.hand_error_rms)),
+    ]
+    if result.hand_error_over_bar is not None:
+        rows.append(("hand error / bar of the same target", f"{result.hand_error_over_bar:.2g}", "1"))
+    rows += [
+        ("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max)),
+        ("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max)),
+        ("elbow point error / reach, largest", _number(result.elbow_point_error_max)),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max)),
+    ]
+    if result.clamped_error_max is not None:
+        bar = _number(result.clamped_error_bar)
+        rows.append(("error of the clamped hand / reach, largest", _number(result.clamped_error_max), bar, bar))
+    occurred = int(np.bitwise_or.reduce(flags))
+    return [
+        *rows,
+        ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
+        ("latency (clocks)", str(result.latency_cycles)),
+        ("clocks for all targets", str(result.total_cycles)),
+        ("results per clock while they flow", f"{result.results_per_cycle:.3f}"),
+        ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0"),
+    ]
+
+
+def _table_of_one(result: Score, flags: np.ndarray) -> Table:
+    """The figures of one trajectory, a line each, beside their bars and predictions."""
     table = Table(
         title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
         f"{result.width} bits, {result.simulator}",
@@ -293,32 +365,8 @@ def _table_of_one(result: Score, flags: int) -> Table:
     table.add_column("figure")
     for heading in ("measured", "bar", "predicted"):
         table.add_column(heading, justify="right")
-    table.add_row("bits that differ from the bit-true model", str(result.bit_mismatches), "0")
-    table.add_row(
-        "hand error / reach, largest",
-        _number(result.hand_error_max),
-        _number(result.hand_error_bar),
-        _number(result.hand_error_predicted),
-    )
-    table.add_row("hand error / reach, rms", _number(result.hand_error_rms))
-    if result.hand_error_over_bar is not None:
-        table.add_row("hand error / bar of the same target", f"{result.hand_error_over_bar:.2g}", "1")
-    table.add_row("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max))
-    table.add_row("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max))
-    table.add_row("elbow point error / reach, largest", _number(result.elbow_point_error_max))
-    table.add_row("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max))
-    if result.clamped_error_max is not None:
-        table.add_row(
-            "error of the clamped hand / reach, largest",
-            _number(result.clamped_error_max),
-            _number(result.clamped_error_bar),
-            _number(result.clamped_error_bar),
-        )
-    table.add_row("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}")
-    table.add_row("latency (clocks)", str(result.latency_cycles))
-    table.add_row("clocks for all targets", str(result.total_cycles))
-    table.add_row("results per clock while they flow", f"{result.results_per_cycle:.3f}")
-    table.add_row("flagged targets", f"{result.flagged} ({flag_bits.names(flags)})" if flags else "0")
+    for row in figures(result, flags):
+        table.add_row(*row)
     table.add_row("result", _verdict(result))
     return table
 
@@ -357,19 +405,16 @@ def _table_of_many(scores: Sequence[Score]) -> Table:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; the exit status."""
-    try:
+
+    def work() -> int:
         parsed = _parser().parse_args(arguments)
         if parsed.list:
             for name in trajectories.TRAJECTORIES:
                 print(f"{name:14} {trajectories.describe(name)}")
             return 0
         return _run(parsed)
-    except (InputError, TargetError) as exc:
-        print(f"run: {exc}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("run: interrupted", file=sys.stderr)
-        return 130
+
+    return exit_status("run", work)
 
 
 if __name__ == "__main__":

@@ -98,6 +98,18 @@ def test_removed_simulator_is_noticed(checkout, program):
     assert bootstrap.missing_packages(["icarus"]) == ["iverilog"]
 
 
+def test_the_browser_is_a_requirement_of_its_own(checkout, capsys):
+    assert bootstrap.missing_packages(["icarus"]) == []
+    assert bootstrap.missing_packages(["icarus", "chromium"]) == ["chromium"]
+    said = one_line_and_status_2(capsys, checkout.set_up, ["chromium"])  # no apt-get here
+    assert said == "cga-ik: please install, then run make again (by their Debian names): chromium\n"
+    assert not checkout.is_ready(["chromium"])
+    script(path_of(checkout) / "chromium", "exit 0\n")
+    checkout.set_up(["chromium"])
+    assert checkout.is_ready(["icarus", "chromium"])
+    assert "unknown requirement 'netscape'" in one_line_and_status_2(capsys, bootstrap.main, ["netscape"])
+
+
 @pytest.mark.parametrize("fails", ["venv", "pip"])
 def test_half_finished_environment_leaves_no_stamp(checkout, tmp_path, monkeypatch, capsys, fails):
     """A .venv that could not be finished is made again by the next run, and the message is one line."""

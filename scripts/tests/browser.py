@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A headless Chromium for tests, spoken to in its DevTools protocol over a pipe: no driver, no library, no port.
+
+A plain `chromium --dump-dom` would not do: it makes no window narrower than 500 px, takes no keys, and draws no
+frames while its time is virtual.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import select
+import subprocess
+import time
+from pathlib import Path
+
+LIMIT = 60  # seconds for any one answer; a machine under load may start a browser slowly
+
+
+class Page:
+    """One page of `width` x `height` CSS pixels; `problems` collects what the console and uncaught errors say."""
+
+    def __init__(self, profile: Path, width: int, height: int, features: dict[str, str] | None = None):
+        self.problems: list[str] = []
+        self.requests: list[str] = []
+        self.loaded = False
+        self._count = 0
+        self._data = b""
+        there, self._out = os.pipe()  # Chromium reads commands at 3 and writes answers at 4
+        self._in, back = os.pipe()
+        command = ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run"]
+        command += ["--disable-dev-shm-usage", "--disable-background-networking", f"--user-data-dir={profile}"]
+        command += ["--remote-debugging-pipe", "about:blank"]
+        shell = f'exec 8<&{there} 9>&{back}; exec 3<&8 4>&9 8<&- 9>&-; exec "$@"'  # moved twice: they may be 3 and 4
+        self._process = subprocess.Popen(
+            ["bash", "-c", shell, "bash", *command],
+            pass_fds=(there, back),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(there)
+        os.close(back)
+        self._session = None
+        targets = self.call("Target.getTargets")["targetInfos"]
+        target = next(t["targetId"] for t in targets if t["type"] == "page")
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in (features or {}).items()])
+
+    def __enter__(self) -> Page:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self._session = None
+        try:  # in order, so that all its processes have ended and the profile can be removed
+            self.call("Browser.close")
+            self._process.wait(LIMIT)
+        except (AssertionError, OSError, subprocess.TimeoutExpired):
+            self._process.kill()
+            self._process.wait()
+        os.close(self._in)
+        os.close(self._out)
+
+    def call(self, method: str, **parameters) -> dict:
+        """Send a command and wait for its answer."""
+        self._count += 1
+        message = {"id": self._count, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._out, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._read()
+            if answer.get("id") == self._count:
+                assert "error" not in answer, f"{method}: {answer['error']}"
+                return answer["result"]
+
+    def _read(self) -> dict:
+        """The next message. Events are noted on the way."""
+        while b"\0" not in self._data:
+            ready, _, _ = select.select([self._in], [], [], LIMIT)
+            more = os.read(self._in, 1 << 20) if ready else b""
+            assert more, "chromium gives no answer"
+            self._data += more
+        text, _, self._data = self._data.partition(b"\0")
+        message = json.loads(text)
+        event, about = message.get("method"), message.get("params", {})
+        if event == "Runtime.exceptionThrown":
+            details = about["exceptionDetails"]
+            self.problems.append(details.get("exception", {}).get("description", details["text"]))
+        elif event == "Runtime.consoleAPICalled":
+            self.problems.append(f"console.{about['type']}: {about['args']}")
+        elif event == "Log.entryAdded":
+            self.problems.append(f"{about['entry']['level']}: {about['entry']['text']}")
+        elif event == "Network.requestWillBeSent":
+            self.requests.append(about["request"]["url"])
+        elif event == "Page.loadEventFired":
+            self.loaded = True
+        return message
+
+    def open(self, url: str) -> Page:
+        """Load a page and wait until it has run its script."""
+        for each in ("about:blank", url):  # from the page itself, a new #hash alone would load nothing
+            self.requests.clear()
+            self.loaded = False
+            self.call("Page.navigate", url=each)
+            while not self.loaded:
+                self._read()
+        return self
+
+    def run(self, script: str):
+        """The value of a JavaScript expression."""
+        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in answer, f"{script}: {answer['exceptionDetails']}"
+        return answer["result"].get("value")
+
+    def wait_for(self, script: str, seconds: float = LIMIT) -> None:
+        """Wait until a JavaScript expression is true."""
+        end = time.monotonic() + seconds
+        while not self.run(script):
+            assert time.monotonic() < end, f"never true: {script}"
+            time.sleep(0.02)
+
+    def press(self, key: str) -> None:
+        """Press and release a key, as its user would."""
+        code = "Space" if key == " " else key
+        for kind in ("rawKeyDown", "keyUp"):
+            number = {" ": 32, "ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35}.get(key, 0)
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number)
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Press the mouse at one point and release it at another; the same point twice is a click."""
+        middle = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
+        moves = [("mousePressed", start), ("mouseMoved", middle), ("mouseMoved", end), ("mouseReleased", end)]
+        for kind, (x, y) in moves:
+            down = kind != "mouseReleased"
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=int(down), clickCount=1)
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        """The middle of an element, scrolled into view."""
+        self.run(f"document.querySelector('{selector}').scrollIntoView({{block: 'center'}})")
+        box = self.run(f"document.querySelector('{selector}').getBoundingClientRect().toJSON()")
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def click(self, selector: str) -> None:
+        point = self.middle(selector)
+        self.drag(point, point)
+
+    def screenshot(self, path: Path, *, whole: bool = False) -> None:
+        """Write what the window shows, or the whole page, as PNG."""
+        data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"]
+        path.write_bytes(base64.b64decode(data))
