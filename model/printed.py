@@ -17,9 +17,9 @@ import sympy
 from sympy.parsing.sympy_parser import parse_expr
 
 _REACH = "(p_w_x**2 + p_w_z**2 + p_w_y**2 + d1**2 - d2**2)"
-_C4 = "(p_e_x**2 - p_e_x*p_w_x + p_e_y**2 - p_e_y*p_w_y - p_e_z*p_w_z + p_e_z**2)/(d1*d2)"
+C4 = "(p_e_x**2 - p_e_x*p_w_x + p_e_y**2 - p_e_y*p_w_y - p_e_z*p_w_z + p_e_z**2)/(d1*d2)"
 
-_TEXT: dict[str, dict[str, str]] = {
+TEXT: dict[str, dict[str, str]] = {
     "(10)": {"l_sw": "sqrt(p_w_x**2 + p_w_y**2 + p_w_z**2)"},
     "(11)": {
         "pi_swivel_x": "(2*cos(phi/2)*sin(phi/2)*p_w_z*p_w_x - p_w_y*l_sw + 2*p_w_y*l_sw*cos(phi/2))/l_sw",
@@ -45,7 +45,7 @@ _TEXT: dict[str, dict[str, str]] = {
         "p_e_y": "(pp_i*(pp_35 - pp_34) + pp_k*(pp_14 - pp_15) + tmp_sqr*(pp_25 - pp_24))/inf_pp",
         "p_e_z": "(pp_j*(pp_15 - pp_14) + pp_i*(pp_24 - pp_25) + tmp_sqr*(pp_35 - pp_34))/inf_pp",
     },
-    "(14)": {"qe_w": f"sqrt((1 + {_C4})/2)", "qe_i": f"-sqrt((1 - {_C4})/2)"},
+    "(14)": {"qe_w": f"sqrt((1 + {C4})/2)", "qe_i": f"-sqrt((1 - {C4})/2)"},
     "(15)": {
         "tmp2": "d1**4*p_e_y**2 - 2*d1**3*p_e_y**2*p_e_z + d1**2*p_e_y**2*p_e_z**2"
         " + d1**4*p_e_x**2 - 2*d1**3*p_e_x**2*p_e_z + d1**2*p_e_x**2*p_e_z**2"
@@ -93,6 +93,6 @@ def _parse(text: str) -> sympy.Expr:
 
 
 PRINTED: dict[str, dict[str, sympy.Expr]] = {
-    number: {name: _parse(text) for name, text in lines.items()} for number, lines in _TEXT.items()
+    number: {name: _parse(text) for name, text in lines.items()} for number, lines in TEXT.items()
 }
 """Equation -> line -> right-hand side, unevaluated.  (16) is left out: it stands in (17) again, but for its sign."""

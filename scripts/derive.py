@@ -19,77 +19,51 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from model import cga, geometry
+from model.printed import C4, TEXT
 from scripts.env import ROOT
 
 PAGE = ROOT / "docs" / "derivation.md"
 
 # -- the paper -------------------------------------------------------------------------------------------------------
 
-PRINTED = {
-    "10": {"L_sw": "sqrt(p_wx**2 + p_wy**2 + p_wz**2)"},
-    "11": {
-        "pi_x": "(2*cos(phi/2)*sin(phi/2)*p_wz*p_wx - p_wy*L_sw + 2*p_wy*L_sw*cos(phi/2)) / L_sw",
-        "pi_y": "(2*cos(phi/2)*sin(phi/2)*p_wz*p_wy + p_wx*L_sw - 2*p_wx*L_sw*cos(phi/2)) / L_sw",
-        "pi_z": "(-2*sin(phi/2)*cos(phi/2)*(p_wx**2 + p_wy**2)) / L_sw",
-    },
-    "12": {
-        "PP_i": "1/2*pi_x*(p_wx**2 + p_wz**2 + p_wy**2 + d1**2 - d2**2)",
-        "PP_j": "1/2*pi_y*(p_wx**2 + p_wz**2 + p_wy**2 + d1**2 - d2**2)",
-        "PP_k": "1/2*pi_z*(p_wx**2 + p_wz**2 + p_wy**2 + d1**2 - d2**2)",
-        "PP_14": "1/2*(1 - d1**2)*(p_wy*pi_z - p_wz*pi_y)",
-        "PP_15": "1/2*(1 + d1**2)*(p_wz*pi_y - p_wy*pi_z)",
-        "PP_24": "1/2*(1 - d1**2)*(p_wz*pi_x - p_wx*pi_z)",
-        "PP_25": "1/2*(1 + d1**2)*(p_wx*pi_z - p_wz*pi_x)",
-        "PP_34": "1/2*(d1**2 - 1)*(p_wy*pi_x - p_wx*pi_y)",
-        "PP_35": "1/2*(1 + d1**2)*(p_wy*pi_x - p_wx*pi_y)",
-    },
-    # The print has dots for the indices: filled in as in row PP_m5 of (12).
-    "19": {
-        "PP_1p": "2*d1**2*(p_wz*pi_y - p_wy*pi_z)",
-        "PP_2p": "2*d1**2*(p_wx*pi_z - p_wz*pi_x)",
-        "PP_3p": "2*d1**2*(p_wy*pi_x - p_wx*pi_y)",
-        "PP_1m": "2*(p_wz*pi_y - p_wy*pi_z)",
-        "PP_2m": "2*(p_wx*pi_z - p_wz*pi_x)",
-        "PP_3m": "2*(p_wy*pi_x - p_wx*pi_y)",
-    },
-    "13": {
-        "inf_PP": "(PP_35 - PP_34)**2 + (PP_14 - PP_15)**2 + (PP_25 - PP_24)**2",
-        "tmp1": "-PP_i**2 - PP_j**2 - PP_k**2 - PP_14**2 + PP_15**2 - PP_24**2 + PP_25**2 - PP_34**2 + PP_35**2",
-        "p_ex": "(PP_j*(PP_34 - PP_35) + PP_k*(PP_25 - PP_24) + tmp_sqr*(PP_15 - PP_14)) / inf_PP",
-        "p_ey": "(PP_i*(PP_35 - PP_34) + PP_k*(PP_14 - PP_15) + tmp_sqr*(PP_25 - PP_24)) / inf_PP",
-        "p_ez": "(PP_j*(PP_15 - PP_14) + PP_i*(PP_24 - PP_25) + tmp_sqr*(PP_35 - PP_34)) / inf_PP",
-    },
-    # The print has the fraction inside both roots; it is c_4 of the text before it.
-    "14": {
-        "c_4": "(p_ex**2 - p_ex*p_wx + p_ey**2 - p_ey*p_wy - p_ez*p_wz + p_ez**2) / (d1*d2)",
-        "qe_w": "sqrt((1 + c_4)/2)",
-        "qe_i": "-sqrt((1 - c_4)/2)",
-    },
-    "15": {
-        "tmp2": "d1**4*p_ey**2 - 2*d1**3*p_ey**2*p_ez + d1**2*p_ey**2*p_ez**2"
-        " + d1**4*p_ex**2 - 2*d1**3*p_ex**2*p_ez + d1**2*p_ex**2*p_ez**2"
-        " + d1**2*p_ex**4 + 2*d1**2*p_ex**2*p_ey**2 + d1**2*p_ey**4",
-        "L_m": "sqrt(tmp2)",
-        "q12_i": "d1*p_ex*(d1 - p_ez) / L_m",
-        "q12_j": "d1*p_ey*(d1 - p_ez) / L_m",
-        "q12_k": "d1*(p_ex**2 + p_ey**2) / L_m",
-    },
-    "17": {
-        "c_3": "(pi_x*(q12_k**2 + q12_j**2 - q12_i**2) - 2*q12_i*(q12_j*pi_y + q12_k*pi_z))"
-        " / sqrt(pi_x**2 + pi_y**2 + pi_z**2)",
-        "side": "p_wx*(q12_i**2 - q12_k**2 - q12_j**2) + 2*q12_i*(q12_k*p_wz + q12_j*p_wy)",
-        "sign": "side / abs(side)",
-        "q3_s": "sqrt((1 + c_3)/2)",
-        "q3_k": "sqrt((1 - c_3)/2)*sign",
-    },
-    "18": {
-        "qs_w": "-q12_k*q3_k",
-        "qs_i": "q12_i*q3_s + q12_j*q3_k",
-        "qs_j": "-(q12_i*q3_k - q12_j*q3_s)",
-        "qs_k": "q12_k*q3_s",
-    },
-}
-"""Equation -> row -> right side, in the print's order of terms, misprints included."""
+_RENAMED = (
+    ("p_w_", "p_w"),
+    ("p_e_", "p_e"),
+    ("pi_swivel_", "pi_"),
+    ("l_sw", "L_sw"),
+    ("l_m", "L_m"),
+    ("inf_pp", "inf_PP"),
+    ("pp_", "PP_"),
+    ("_plus", "p"),
+    ("_minus", "m"),
+    ("c3", "c_3"),
+    ("q3_scalar", "q3_s"),
+    ("sign_raw", "side"),
+    ("Abs", "abs"),
+)
+"""Names of :mod:`model.printed` -> those of the page, which come close to the print."""
+
+
+def _renamed(text: str) -> str:
+    for name, page in _RENAMED:
+        text = text.replace(name, page)
+    return text
+
+
+def _printed() -> dict[str, dict[str, str]]:
+    """Equation -> row -> right side, in the print's order of terms, misprints included: :data:`model.printed.TEXT`."""
+    rows = {
+        number.strip("()"): {_renamed(name): _renamed(text) for name, text in lines.items()}
+        for number, lines in TEXT.items()
+    }
+    del rows["13"]["tmp_sqr"]  # a name for the root of tmp1
+    # The print has the fraction inside both roots of (14); it is c_4 of the text before it.
+    fraction = _renamed(C4)
+    rows["14"] = {"c_4": fraction} | {name: text.replace(fraction, "c_4") for name, text in rows["14"].items()}
+    return rows
+
+
+PRINTED = _printed()
 
 KNOWN_WRONG = {
     ("11", "pi_x"): ("L_sw*cos(phi/2))", "L_sw*cos(phi/2)**2)"),
