@@ -831,7 +831,7 @@ def page(sections: list[Section]) -> str:
         "",
         "The functions of `model/geometry.py` build planes, spheres, circles and lines in conformal algebra and",
         "intersect and turn them, as section 3 of the paper says in words. Here they run on symbols. What comes out",
-        "is compared with the equations as the paper prints them, which `scripts/derive.py` has in one table. No",
+        "is compared with the equations as the paper prints them, which `model/printed.py` has in one table. No",
         "result is typed in: the derived coefficients below are the program's output, reduced and factored.",
         "",
         "How a line is proved:",
