@@ -387,8 +387,8 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
 def swivel(d: Domain, phi: Node) -> None:
     """Section 3.1: |L_sw| (10) and the swivel plane (11).
 
-    (11) is linear in the horizontal direction of the target wherever |L_sw| does not stand beside it, so the plane's
-    normal is computed from (b_x, b_y) = 2^k (p_x, p_y): a normal of another length, the same plane.
+    Every term of (11) has the target's horizontal direction (p_x, p_y) as a factor.  It is taken from
+    (b_x, b_y) = 2^k (p_x, p_y), which gives the plane's normal another length and leaves the plane what it is.
     """
     n = d.nodes
     p_x, p_y, p_z, b_x, b_y = (n[k] for k in ("p_w_x", "p_w_y", "p_w_z", "b_x", "b_y"))
