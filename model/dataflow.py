@@ -130,6 +130,11 @@ class Node:
     def __neg__(self) -> Negated:
         return Negated(self)
 
+    @property
+    def instance(self) -> str:
+        """The instance in ``ik_paper`` that holds the node's signal: its section's; none for inputs and final flags."""
+        return "" if self.op == "input" or self.section == "results" else f"u_{self.section}"
+
 
 @dataclass(frozen=True)
 class Negated:

@@ -55,10 +55,8 @@ def signals(vcd: Path) -> dict[tuple[str, ...], str]:
 
 
 def place(node: Node) -> tuple[str, ...]:
-    """Path of a node's signal below ``ik_axis``: inputs and final flags in the core, all others in their section."""
-    if node.op == "input" or node.section == "results":
-        return ("u_core", node.name)
-    return ("u_core", f"u_{node.section}", node.name)
+    """Path of a node's signal below ``ik_axis``."""
+    return ("u_core", *([node.instance] if node.instance else []), node.name)
 
 
 def write_save_file(vcd: Path, width: int, path: Path) -> None:

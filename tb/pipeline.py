@@ -133,11 +133,10 @@ class Pipeline:
     admission.
     """
 
-    def __init__(self, dut, *, every_node: bool = True) -> None:
+    def __init__(self, dut) -> None:
         self.dut = dut
         self.width = len(dut.s_axis_tdata) // len(FIELDS)
         self.tag_width = len(dut.s_axis_tuser)
-        self.log = logging.getLogger("cocotb.pipeline")
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -148,7 +147,7 @@ class Pipeline:
             AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
         )
         probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width).bits.nodes
-        self.scoreboard = Scoreboard(self._handle, probe.values()) if every_node else None
+        self.scoreboard = Scoreboard(self._handle, probe.values())
         self.clock = 0
         self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # of all targets announced, in order
         self.answer_results: list[tuple[int, ...]] = []
@@ -164,10 +163,10 @@ class Pipeline:
     # ---- signals -------------------------------------------------------------------------------------------------
 
     def _handle(self, node: Node):
-        """The signal of a node: an input or final flag in the core itself, all others in their section's module."""
+        """The signal of a node."""
         place = self.dut.u_core
-        if node.op != "input" and node.section != "results":
-            place = getattr(place, f"u_{node.section}")
+        if node.instance:
+            place = getattr(place, node.instance)
         return getattr(place, node.name)
 
     # ---- what tests do -------------------------------------------------------------------------------------------
@@ -184,9 +183,8 @@ class Pipeline:
         dropped = len(self.admitted)
         self.words = self.words[:dropped]
         del self.answer_results[dropped:], self.answer_flags[dropped:], self.tags[dropped:]
-        if self.scoreboard:
-            for values in self.scoreboard.expected.values():
-                del values[dropped:]
+        for values in self.scoreboard.expected.values():
+            del values[dropped:]
         self.dut.rst.value = 0
         await RisingEdge(self.dut.clk)
 
@@ -196,8 +194,7 @@ class Pipeline:
         self.words = np.concatenate([self.words, words])
         self.answer_results += [tuple(r) for r in answer.results.tolist()]
         self.answer_flags += answer.flags.tolist()
-        if self.scoreboard:
-            self.scoreboard.expect(answer)
+        self.scoreboard.expect(answer)
 
     def send(self, words: np.ndarray) -> None:
         """Queues targets, (N, 6) signed words; the tags count up."""
@@ -225,11 +222,9 @@ class Pipeline:
     def check(self) -> None:
         """All that must hold after a drain: results, order, tags, flags, streams, every node."""
         assert not self.errors, f"{len(self.errors)} errors, the first: {self.errors[0]}"
-        if self.scoreboard:
-            assert not self.scoreboard.mismatching_bits, (
-                f"{self.scoreboard.mismatching_bits} bits differ\n{self.scoreboard.report()}"
-            )
-            assert self.scoreboard.compared or not self.results, "the scoreboard compared nothing"
+        board = self.scoreboard
+        assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
+        assert board.compared or not self.results, "the scoreboard compared nothing"
 
     # ---- what watches --------------------------------------------------------------------------------------------
 
@@ -243,8 +238,7 @@ class Pipeline:
             await FallingEdge(dut.clk)
             self.clock += 1
             if dut.rst.value != 0:
-                if self.scoreboard:
-                    self.scoreboard.forget()
+                self.scoreboard.forget()
                 self.due.clear()
                 stalled = dict.fromkeys(stalled)
                 # The flip-flops are reset at the first rising edge with rst; nothing before it counts.
@@ -262,8 +256,7 @@ class Pipeline:
                 stalled[name] = beat if beat and ready == 0 else None
                 if beat and ready == 1:
                     (self._admit if name == "s_axis" else self._leave)(*beat)
-            if self.scoreboard:
-                self.scoreboard.sample(self.clock)
+            self.scoreboard.sample(self.clock)
 
     def _admit(self, data: str, user: str) -> None:
         target = len(self.admitted)
@@ -271,7 +264,7 @@ class Pipeline:
         self.due.append(target)
         if target >= len(self.words):
             self.errors.append(f"target {target} was admitted and never sent")
-        elif self.scoreboard:
+        else:
             self.scoreboard.admitted(self.clock, target)
 
     def _leave(self, data: str, user: str) -> None:

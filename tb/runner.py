@@ -74,7 +74,6 @@ def simulate(
     waves: Path | None = None,
     root: Path = ROOT,
     name: str = "",
-    log: Path | None = None,
 ) -> Path:
     """Runs the cocotb tests of ``module`` on ``toplevel``; returns the results file.
 
