@@ -5,6 +5,7 @@ operations (:class:`Domain`) and therefore runs in several ways:
 
 * :class:`model.fixed.Bits` - integers, equal to the RTL in every bit of every node (layer 4);
 * :class:`model.predict.Real` - double precision with any single node disturbed, for predicted errors;
+* :class:`model.ranges.Ranges` and :class:`model.affine.Affine` - intervals and affine forms, for proofs;
 * as a table of formats and clocks, from which ``scripts/gen_headers.py`` writes ``rtl/paper/ik_paper_nodes.vh``.
 
 Formats.  A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i``

@@ -67,8 +67,28 @@ def singular_distance(targets: Targets) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
+class Each:
+    """What a score is made of, target by target: points (N, 3) in scaled lengths, errors (N,) in parts of the reach
+    or in rad.
+
+    `hand_error` is against the target; where it is out of reach (`clamped`), `judged_error` is against the nearest
+    pose instead. `bar` is what either is held to.
+    """
+
+    elbow: np.ndarray
+    wrist: np.ndarray
+    clamped: np.ndarray
+    hand_error: np.ndarray
+    judged_error: np.ndarray
+    predicted: np.ndarray
+    bar: np.ndarray
+    shoulder_angle_error: np.ndarray
+    elbow_angle_error: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Score:
-    """The figures of one trajectory; all but `hand_error` stand in score.json under the same names.
+    """The figures of one trajectory; all but `each` stand in score.json under the same names.
 
     Errors named `_max` and `_rms` are over the reachable targets and None when there are none; those of
     `clamped_error` are over the targets out of reach. `hand_error_bar` and `clamped_error_bar` are the
@@ -102,14 +122,12 @@ class Score:
     scale_exponent: int
     passed: bool
     failures: tuple[str, ...]
-    hand_error: np.ndarray
+    each: Each
 
     def as_json(self) -> dict[str, Any]:
         """The object of this trajectory in score.json."""
-        # Not dataclasses.asdict: it would copy the array too.
-        return {
-            field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "hand_error"
-        }
+        # Not dataclasses.asdict: it would copy the arrays too.
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "each"}
 
 
 def score(
@@ -213,7 +231,17 @@ def score(
         scale_exponent=int(exponent),
         passed=not failures,
         failures=tuple(failures),
-        hand_error=hand_error,
+        each=Each(
+            elbow=elbow,
+            wrist=wrist,
+            clamped=clamped,
+            hand_error=hand_error,
+            judged_error=np.where(clamped, clamped_error, hand_error),
+            predicted=np.asarray(predicted, dtype=np.float64),
+            bar=bar,
+            shoulder_angle_error=shoulder_angle,
+            elbow_angle_error=elbow_angle,
+        ),
     )
 
 
@@ -285,7 +313,7 @@ def write_results_csv(
         zip(given, answers, np.asarray(flags).tolist(), hand_error.tolist(), strict=True)
     ):
         lines.append(",".join((str(n), *map(repr, target), *map(repr, answer), str(flag), repr(error))))
-    _write_atomically(Path(path), "\n".join(lines) + "\n")
+    write_atomically(Path(path), "\n".join(lines) + "\n")
 
 
 def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> None:
@@ -294,10 +322,10 @@ def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> N
     Holds nothing that changes from run to run: no times, no paths.
     """
     text = json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False)
-    _write_atomically(Path(path), text + "\n")
+    write_atomically(Path(path), text + "\n")
 
 
-def _write_atomically(path: Path, text: str) -> None:
+def write_atomically(path: Path, text: str) -> None:
     """Write a file in one step: a reader, or a user who presses Ctrl-C, finds the old file or the new one."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:

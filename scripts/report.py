@@ -26,11 +26,9 @@ import numpy as np
 
 from model import flags as flag_bits
 from model import trajectories
-from model.equations import solve_clamped, swivel_normal
-from model.kinematics import angle_between, forward
-from model.predict import hand_bar
-from model.scoring import Score, _write_atomically
-from model.targets import FIELDS, RESULT_FIELDS, from_words, result_values
+from model.equations import swivel_normal
+from model.scoring import Score, write_atomically
+from model.targets import from_words, result_values
 from scripts import run
 from scripts.env import ROOT
 from scripts.simulate import Run
@@ -63,19 +61,9 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
     """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit."""
     targets, width = item.targets, result.width
     values = result_values(ran.results, width)
-    qs, qe = values[:, :4], values[:, 4:]
-    # In scaled lengths, as in model/scoring.py: the user's unit may be anything.
-    d1, d2 = np.ldexp(targets.d1, item.exponent), np.ldexp(targets.d2, item.exponent)
-    elbow, wrist = forward(qs, qe, d1, d2)
-    # The pose that the words asked for, in double precision: what angles and clamped hands are measured against.
+    # What the words asked for: the swivel plane that the core was given.
     asked = from_words(item.words, 0, width, targets.name)
-    pose = solve_clamped(*(getattr(asked, field) for field in FIELDS))
-    pose_qs, pose_qe = (np.column_stack([pose[f] for f in fields]) for fields in (RESULT_FIELDS[:4], RESULT_FIELDS[4:]))
-    _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
-    clamped = (flag_bits.expected_flags(item.words, width) & flag_bits.UNREACHABLE) != 0
-    hand = np.where(clamped, np.linalg.norm(wrist - pose_wrist, axis=1) / (d1 + d2), result.hand_error)
-    rest = np.zeros_like(qe)  # Qe has no j and k
-    predicted = hand_bar(item.words, width)
+    each = result.each
     # A fixed bar is one that differs from the prediction (model/scoring.py).
     fixed = result.hand_error_bar != result.hand_error_predicted
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
@@ -86,19 +74,19 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
         "phi": _numbers(targets.phi),
         "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
         "arm": _arms(targets.d1, targets.d2),
-        "elbow": _numbers(np.ldexp(elbow, -item.exponent)),
-        "wrist": _numbers(np.ldexp(wrist, -item.exponent)),
+        "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
+        "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
         "normal": _numbers(swivel_normal(asked.x, asked.y, asked.z, asked.phi)),
-        "qs": _numbers(qs),
-        "qe": _numbers(qe),
+        "qs": _numbers(values[:, :4]),
+        "qe": _numbers(values[:, 4:]),
         "flags": [flag_bits.names(int(bits)) for bits in ran.flags],
-        "clamped": clamped.tolist(),
-        "hand": _numbers(hand),
-        "predicted": _numbers(predicted),
-        "bar": _numbers(np.full(len(targets), result.hand_error_bar) if fixed else predicted),
+        "clamped": each.clamped.tolist(),
+        "hand": _numbers(each.judged_error),
+        "predicted": _numbers(each.predicted),
+        "bar": _numbers(each.bar),
         "fixedBar": fixed,
-        "shoulderAngle": _numbers(angle_between(qs, pose_qs)),
-        "elbowAngle": _numbers(angle_between(np.hstack((qe, rest)), np.hstack((pose_qe, rest)))),
+        "shoulderAngle": _numbers(each.shoulder_angle_error),
+        "elbowAngle": _numbers(each.elbow_angle_error),
         "latency": result.latency_cycles,
         "cycles": result.total_cycles,
         "figures": run.figures(result, ran.flags),
@@ -144,7 +132,7 @@ def _report(parsed: Any) -> int:
     shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
     text = page(shown, out=parsed.out, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
     try:
-        _write_atomically(path, text)
+        write_atomically(path, text)
     except OSError as exc:
         raise run.InputError(f"argument --out: cannot write {os.fspath(path)!r}: {exc.strerror}") from None
     print(f"wrote {path}")

@@ -286,7 +286,7 @@ def _run(arguments: argparse.Namespace) -> int:
     runs, scores = zip(*run_and_score(arguments, prepared, waves), strict=True)
     try:
         for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
-            write_results_csv(path, item.targets, run.results, run.flags, result.hand_error, width)
+            write_results_csv(path, item.targets, run.results, run.flags, result.each.hand_error, width)
         write_score_json(score_path, scores)
     except OSError as exc:  # the disk is full, say
         raise InputError(f"argument --out: cannot write {exc.filename!r}: {exc.strerror}") from None

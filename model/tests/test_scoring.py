@@ -100,8 +100,8 @@ def test_singular_distance_does_not_depend_on_the_unit():
 def test_an_ideal_core_passes(name):
     result = Case(make(name)).score()
     assert result.failures == () and result.passed
-    assert result.targets == len(result.hand_error) == 100
-    assert 0 < result.hand_error_rms < result.hand_error_max == result.hand_error.max() < 4 * ULP
+    assert result.targets == len(result.each.hand_error) == 100
+    assert 0 < result.hand_error_rms < result.hand_error_max == result.each.hand_error.max() < 4 * ULP
     assert 0 < result.shoulder_angle_error_max < 4 * ULP
     assert 0 < result.elbow_angle_error_max < 4 * ULP
     assert result.angle_error_max == max(result.shoulder_angle_error_max, result.elbow_angle_error_max)
@@ -132,7 +132,7 @@ def test_hand_error_is_measured_at_the_users_target():
     from_aside, from_grid = (
         np.linalg.norm(wrist - targets.position, axis=1) / targets.reach for targets in (aside, on_grid)
     )
-    np.testing.assert_allclose(case.score().hand_error, from_aside, rtol=1e-9)
+    np.testing.assert_allclose(case.score().each.hand_error, from_aside, rtol=1e-9)
     assert np.abs(from_aside - from_grid).max() > 1e-6
 
 
@@ -143,8 +143,8 @@ def test_a_turned_shoulder_shows_its_angle(case):
     t = case.targets
     assert result.shoulder_angle_error_max == pytest.approx(angle, rel=1e-3)
     assert result.elbow_angle_error_max < 4 * ULP
-    assert result.hand_error[n] == pytest.approx(angle * math.hypot(t.x[n], t.y[n]) / 0.6, rel=1e-3)
-    assert result.hand_error.argmax() == n
+    assert result.each.hand_error[n] == pytest.approx(angle * math.hypot(t.x[n], t.y[n]) / 0.6, rel=1e-3)
+    assert result.each.hand_error.argmax() == n
     assert result.hand_error_rms == pytest.approx(result.hand_error_max / 10, rel=1e-2)
     elbow = solve_clamped(*(getattr(t, field)[n] for field in FIELDS))
     off_axis = math.hypot(elbow["p_e_x"][0], elbow["p_e_y"][0])
@@ -165,7 +165,7 @@ def test_units_do_not_matter(case):
     scaled = Targets("reach", *(2.0**400 * t.position.T), t.phi, 2.0**400 * t.d1, 2.0**400 * t.d2)
     a, b = case.score(), Case(scaled).score()
     assert b.scale_exponent == a.scale_exponent - 400
-    np.testing.assert_array_equal(a.hand_error, b.hand_error)
+    np.testing.assert_array_equal(a.each.hand_error, b.each.hand_error)
 
 
 # -- reasons to fail -------------------------------------------------------------------------------
@@ -261,9 +261,9 @@ def test_clamped_targets_are_judged_apart():
     result = case.score()
     assert result.passed and result.flagged == 2
     # In the file, the distance to the target itself; apart from that, to the nearest point in reach.
-    assert result.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
-    assert result.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
-    assert result.hand_error_max == result.hand_error[0] < 1e-8
+    assert result.each.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
+    assert result.each.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
+    assert result.hand_error_max == result.each.hand_error[0] < 1e-8
     assert result.clamped_error_max < 1e-8
     assert result.clamped_error_bar == 1e-6
 
@@ -321,7 +321,7 @@ def test_results_file_gives_every_bit_back(tmp_path):
     case.flags[2] = ON_AXIS
     result = case.score()
     path = tmp_path / "results.csv"
-    write_results_csv(path, case.targets, case.results, case.flags, result.hand_error, 32)
+    write_results_csv(path, case.targets, case.results, case.flags, result.each.hand_error, 32)
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     assert header == "n,x,y,z,phi,d1,d2,qs_w,qs_i,qs_j,qs_k,qe_w,qe_i,flags,hand_error".split(",")
@@ -330,7 +330,7 @@ def test_results_file_gives_every_bit_back(tmp_path):
     np.testing.assert_array_equal(table[:, 1:7], np.column_stack([getattr(case.targets, f) for f in FIELDS]))
     np.testing.assert_array_equal(np.ldexp(table[:, 7:13], 30).astype(np.int64), case.results)
     np.testing.assert_array_equal(table[:, 13], case.flags)
-    np.testing.assert_array_equal(table[:, 14], result.hand_error)
+    np.testing.assert_array_equal(table[:, 14], result.each.hand_error)
     assert rows[2][13] == "4"
     assert b"\r" not in path.read_bytes()
 

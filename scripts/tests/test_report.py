@@ -33,7 +33,6 @@ def simulator(monkeypatch):
     prediction = lambda words, width: np.linspace(1.0, 2.0, len(words)) * 2.0 ** (8 - width)  # noqa: E731
     monkeypatch.setattr(run, "simulate", fake.simulate)
     monkeypatch.setattr(run, "hand_bar", prediction)
-    monkeypatch.setattr(report, "hand_bar", prediction)
     return fake
 
 
