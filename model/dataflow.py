@@ -47,6 +47,10 @@ WIDTHS = range(16, 33)
 """Word lengths that the datapath is built for."""
 
 
+class FormatError(ValueError):
+    """A node's format does not go with its operands'; the text names the node."""
+
+
 @dataclass(frozen=True)
 class Latency:
     """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
@@ -220,17 +224,21 @@ class Domain(ABC):
         return self.make(name, "choose", operands, fmt, latency, value, error=error)
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
-        """a * b * 2^scale, rounded half up."""
-        dropped = a.format.frac + b.format.frac - scale > fmt.frac
+        """a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
+        spare = a.format.frac + b.format.frac - scale - fmt.frac
+        if spare < 0:
+            raise FormatError(f"{name}: {fmt.frac} fraction bits, the product has only {fmt.frac + spare}")
         value = self.product(name, a, b, fmt, scale)
-        return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if dropped else EXACT)
+        return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if spare else EXACT)
 
     def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None) -> Node:
-        """Sum of two or three terms of one format, rounded half up and saturated."""
+        """Sum of two or three terms of one format, rounded half up and saturated; raises :class:`FormatError`."""
         signs = tuple(-1 if isinstance(t, Negated) else 1 for t in terms)
         nodes = tuple(t.node if isinstance(t, Negated) else t for t in terms)
         if len({n.format.frac for n in nodes}) != 1:
-            raise ValueError(f"{name}: terms are not aligned: {[(n.name, n.format.frac) for n in nodes]}")
+            raise FormatError(f"{name}: terms are not aligned: {[(n.name, n.format.frac) for n in nodes]}")
+        if fmt.frac > nodes[0].format.frac:
+            raise FormatError(f"{name}: {fmt.frac} fraction bits, its terms have only {nodes[0].format.frac}")
         error = HALF_UP if nodes[0].format.frac > fmt.frac else EXACT
         value = self.total(name, signs, nodes, fmt)
         return self.make(name, "sum", nodes, fmt, f"sum{len(nodes)}", value, after, error)

@@ -613,12 +613,14 @@ def main(arguments: Iterable[str] | None = None) -> int:
     except (ValueError, KeyError) as error:
         print(error.args[0], file=sys.stderr)
         return 2
+    for line in ranges.failures(WIDTH).values():
+        print(line, file=sys.stderr)
     for path, text in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     size = sum(len(t.encode()) for t in files.values())
     print(f"wrote {len(files)} files, {size / 1000:.0f} kB")
-    return 0
+    return 1 if ranges.failures(WIDTH) else 0
 
 
 if __name__ == "__main__":

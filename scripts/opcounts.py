@@ -24,7 +24,7 @@ import numpy as np
 import sympy
 
 from model import fixed
-from model.dataflow import SECTIONS, paper
+from model.dataflow import SECTIONS, FormatError, paper
 from model.printed import PRINTED, symbol
 from model.targets import FIELDS
 from scripts.env import ROOT, environment
@@ -410,8 +410,12 @@ def page(rtl: dict[str, Counter]) -> str:
 
 def main() -> int:
     argparse.ArgumentParser(prog="python -m scripts.opcounts", description=__doc__.splitlines()[0]).parse_args()
-    rtl = rtl_counts()
-    if wrong := differences(rtl, dataflow_counts()):
+    try:
+        rtl, dataflow = rtl_counts(), dataflow_counts()
+    except FormatError as error:
+        print(error, file=sys.stderr)
+        return 1
+    if wrong := differences(rtl, dataflow):
         print("\n".join(wrong), file=sys.stderr)
         return 1
     PAGE.write_text(page(rtl))

@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TimeElapsedColumn
 
 from model import affine, fixed, predict, ranges
-from model.dataflow import WIDTHS, Node
+from model.dataflow import WIDTHS, FormatError, Node
 from model.flags import UNREACHABLE, expected_flags
 from model.kinematics import forward
 from model.scoring import REGULAR_DISTANCE, singular_distance
@@ -517,6 +517,9 @@ def main(arguments: list[str] | None = None) -> int:
         except ranges.RangeError as error:
             print(error, file=sys.stderr)
             status = 1
+        except FormatError as error:  # nothing can be run
+            print(error, file=sys.stderr)
+            return 1
     print(f"seed {options.seed}, {options.targets} targets, W = {WIDTH}", flush=True)
     measured = Measured.now(options.targets, options.seed)
     observed, text = measured.observed, measured.page(options.targets, options.seed)

@@ -106,3 +106,9 @@ def test_any_node_from_the_command_line(tmp_path, capsys):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["dataflow_pi_inv.svg", "schedule_pi_inv.svg"]
     assert figures.main(["--node", "pi_ind", "--out", str(tmp_path)]) == 2
     assert "no node pi_ind" in capsys.readouterr().err
+
+
+def test_a_node_that_does_not_fit_is_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(figures.ranges, "failures", lambda width: {"pi_inv": f"pi_inv does not fit, W = {width}"})
+    assert figures.main(["--node", "pi_inv", "--out", str(tmp_path)]) == 1
+    assert capsys.readouterr().err == "pi_inv does not fit, W = 32\n"

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from model import predict, ranges
+from model.dataflow import Domain, Format
 from model.scoring import REGULAR_DISTANCE, singular_distance
-from scripts import wordlengths
+from scripts import opcounts, wordlengths
 
 
 @pytest.fixture(scope="module")
@@ -105,3 +106,15 @@ def test_command_writes_the_page_and_check_finds_it_stale(tmp_path, monkeypatch,
     page.write_text(page.read_text().replace("| triangle |", "| guess |"))
     assert wordlengths.main(["--targets", "20000", "--check"]) == 1
     assert "k_e" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("script", [wordlengths, opcounts])
+def test_a_format_without_digits_for_it_is_named(script, monkeypatch, capsys):
+    """A node finer than its operands stops everything, with one line."""
+    finer = lambda self, i: Format(self.width, self.width + 9, "W + 9")  # noqa: E731
+    monkeypatch.setattr(Domain, "word", finer)
+    monkeypatch.setattr(script, "analytic_cells" if script is wordlengths else "rtl_counts", dict)
+    monkeypatch.setattr(script.sys, "argv", ["command"])
+    assert script.main() == 1
+    error = capsys.readouterr().err
+    assert re.match(r"\w+: \d+ fraction bits, .* only \d+\n$", error), error
