@@ -8,7 +8,6 @@ import html
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -22,7 +21,7 @@ from model.kinematics import forward
 from scripts import report, run
 from scripts.env import ROOT
 from scripts.simulate import SimulationError
-from scripts.tests.test_run import FakeSimulator
+from scripts.tests.test_run import FakeSimulator, ctrl_c
 
 PAGE = Path("build/report/report.html")
 
@@ -298,7 +297,7 @@ def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, w
         simulator.spoil = broken
         expected = (1, "report: iverilog: not found")
     elif what == "ctrl-c":
-        simulator.spoil = lambda runs: os.kill(os.getpid(), signal.SIGINT)
+        simulator.spoil = ctrl_c
         expected = (130, "report: interrupted")
     else:
         monkeypatch.setattr(os, "replace", full)

@@ -352,10 +352,19 @@ def test_out_that_fills_up(cli, monkeypatch):
     )
 
 
+def ctrl_c(runs):
+    """What a terminal's Ctrl-C does, also where the tests run in the background and a shell has SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def test_ctrl_c(cli, simulator):
     Path("build/run").mkdir(parents=True)
     Path("build/run/score.json").write_text("old", encoding="utf-8")
-    simulator.spoil = lambda runs: os.kill(os.getpid(), signal.SIGINT)
+    simulator.spoil = ctrl_c
     status, out, err = cli()
     assert (status, out, err) == (130, [], ["run: interrupted"])
     assert files() == ["build/run/score.json"]
