@@ -32,6 +32,9 @@ from typing import Any
 
 import numpy as np
 
+from model.lean_cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, rsqrt_clocks
+from model.lean_trig import TRIG_CLOCKS
+
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""
 
@@ -40,11 +43,22 @@ HALF_UP = (-0.5, 0.5)
 FLOOR = (-1.0, 0.0)
 JAM = (-1.0, 1.0)
 CORDIC = (-2.0, 2.0)
+MUL3 = (-1.5, 0.5)
+FAITHFUL = (-1.0, 1.0)
 """What each rounding rule adds, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded ulps
-each in both coordinates, the angle left over is below one ulp, and the result is rounded."""
+each in both coordinates, the angle left over is below one ulp, and the result is rounded.  MUL3 leaves out the product
+of the low halves, less than an ulp, and rounds half up."""
 
 WIDTHS = range(16, 33)
-"""Word lengths that the datapath is built for."""
+"""Word lengths that the datapaths are built for."""
+
+MOST_FRAC = 31
+"""Fraction bits of an inner word of the lean datapath at most: it is cut into tiles of 18 bits and less."""
+
+
+def inner_frac(width: int) -> int:
+    """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
+    return min(width + 3, MOST_FRAC)
 
 
 class FormatError(ValueError):
@@ -69,16 +83,28 @@ class Latency:
         "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
         "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
         "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
+        "mul3": (0, MUL3_CLOCKS, "operands, three tile products, tile sums, rounded sum"),
+        "square": (0, 5, "operands, tile products, tile sums, lower half, upper half"),
+        "wide": (0, 2, "lower half, upper half"),
+        "even": (0, EVEN_CLOCKS, "zero pairs in groups, shift by groups, shift by pairs"),
+        "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
+        "rsqrt": (0, 0, "table and two multiplications; beyond 21 fraction bits a Newton step"),
+        "trig": (0, TRIG_CLOCKS, "table, Taylor series of the rest, addition theorem"),
     }
 
     def __getitem__(self, kind: str) -> int:
         """Clocks of operation ``kind``."""
+        if kind == "rsqrt":
+            return rsqrt_clocks(inner_frac(self.width))
         bits, besides, _ = self.TABLE[kind]
         return bits * self.width + besides
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """The same as a Verilog expression of ``W``."""
+        """The same as a Verilog expression of ``W`` and ``FRAC``."""
+        if kind == "rsqrt":
+            short, long = (rsqrt_clocks(SEED_FRAC + k) for k in (0, 1))
+            return f"(FRAC > {SEED_FRAC}) ? {long} : {short}"
         bits, besides, _ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
@@ -251,6 +277,26 @@ class Domain(ABC):
         """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
         return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt), error=FLOOR)
 
+    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
+        """a * b * 2^scale by three tiles (:func:`model.lean_cores.mul3`)."""
+        value = self.product3(name, a, b, fmt, scale)
+        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=MUL3)
+
+    def even(self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format) -> None:
+        """Shifts the low ``width`` bits left by pairs until the first is not empty: the shift and a mantissa."""
+        shift, mantissa = self.even_mantissa(name, value, width, fmt)
+        self.make(count, "even", (value,), count_fmt, "even", shift)
+        self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
+
+    def rsqrt(self, name: str, m: Node, fmt: Format) -> Node:
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; something in (1/2, 1] where m = 0."""
+        return self.make(name, "rsqrt", (m,), fmt, "rsqrt", self.reciprocal_root(name, m, fmt), error=FAITHFUL)
+
+    def trig(self, sin: str, cos: str, phi: Node, fmt: Format) -> None:
+        """Sine and cosine of phi/2."""
+        for name, value in zip((sin, cos), self.half_sincos(phi, fmt), strict=True):
+            self.make(name, "trig", (phi,), fmt, "trig", value, error=FAITHFUL)
+
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
         """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""
         nodes = tuple(self.nodes[n] for n in watched) + ((self.nodes[unless],) if unless else ())
@@ -300,6 +346,20 @@ class Domain(ABC):
     def constant(self, value: float, fmt: Format) -> Node:
         """A constant: wiring, ready at any time."""
 
+    # Operations of the lean datapath only; a domain of the paper's datapath does without.
+
+    def product3(self, name, a, b, fmt, scale):
+        raise NotImplementedError
+
+    def even_mantissa(self, name, value, width, fmt):
+        raise NotImplementedError
+
+    def reciprocal_root(self, name, m, fmt):
+        raise NotImplementedError
+
+    def half_sincos(self, phi, fmt):
+        raise NotImplementedError
+
 
 def _all_zero(words):
     return np.logical_and.reduce([u == 0 for u in words])
@@ -336,8 +396,8 @@ def _jam_half(words):
     return (words >> 1) | (words & 1)
 
 
-def _wrap(words, width: int):
-    """The low ``width`` bits as a signed word: only the lengths of a clamped target ever lose bits here."""
+def wrap(words, width: int):
+    """The low ``width`` bits as a signed word: only the words of a clamped target ever lose bits here."""
     half = 1 << (width - 1)
     return ((words + half) & (2 * half - 1)) - half
 
@@ -382,17 +442,17 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     mantissa = Format(w + 1, w, "W")
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
-        d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: _wrap(a << n, w + 1))
+        d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1))
         half = lambda a, c: np.where(c, quarter, _jam_half(a))  # noqa: E731
         d.op(name, (f"{name}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
     for axis, raw in (("x", x), ("y", y), ("z", z)):
-        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: _wrap(a << n, w + 1))
+        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1))
         half = lambda a, c: np.where(c, 0, _jam_half(a))  # noqa: E731
         d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
     # d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder could
     # come to lie out of their reach.
     finer = Format(w + 1, w - 1, "W - 1")
-    d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: _wrap(a << n, w + 1))
+    d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1))
     d.op("d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR)
     # How much finer the target's own unit is than the arms': p_w = 2^j p_a.
     d.op("scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1))

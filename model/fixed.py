@@ -12,7 +12,9 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from model.dataflow import CORDIC, Domain, Format, Node, paper
+from model import lean_cores, lean_trig
+from model.dataflow import CORDIC, Domain, Format, Node, wrap
+from model.datapaths import DATAPATHS
 from model.flags import FLAGS
 from model.targets import FIELDS, RESULT_FIELDS
 
@@ -82,8 +84,9 @@ def cordic(phi, width: int):
 class Bits(Domain):
     """Runs the dataflow in integers.  ``overflow`` keeps for every product, sum and quotient where it did not fit."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, datapath: str = "paper") -> None:
         super().__init__(width)
+        self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
     def input(self, name: str, words) -> Node:
@@ -120,6 +123,19 @@ class Bits(Domain):
     def square_root(self, name, n, fmt):
         return floor_root(n.value, 2 * fmt.frac - n.format.frac)
 
+    def product3(self, name, a, b, fmt, scale):
+        # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
+        return wrap(lean_cores.mul3(a.value, b.value, a.format.frac + b.format.frac - scale - fmt.frac), fmt.width)
+
+    def even_mantissa(self, name, value, width, fmt):
+        return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
+
+    def reciprocal_root(self, name, m, fmt):
+        return lean_cores.rsqrt(m.value, fmt.frac)
+
+    def half_sincos(self, phi, fmt):
+        return lean_trig.half_sincos(phi.value, self.width, fmt.frac)
+
     def mantissa(self, name, word, words, counts, fill):
         empty = np.logical_and.reduce([w.value == 0 for w in words])
         return np.where(empty, fill, word.value << counts.value)
@@ -142,10 +158,11 @@ class Answer:
     bits: Bits
 
 
-def run(words: np.ndarray, width: int) -> Answer:
-    """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through the paper's datapath."""
-    bits = Bits(width)
-    paper(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(FIELDS)})
+def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
+    """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
+    bits = Bits(width, datapath)
+    DATAPATHS[datapath].flow(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(FIELDS)})
     value = {k: n.value for k, n in bits.nodes.items()}
-    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS)
+    # The lean datapath has nothing that saturates.
+    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)
     return Answer(np.stack([value[k] for k in RESULT_FIELDS], axis=1), flags, bits)

@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from model import fixed
-from model.dataflow import CORDIC, Domain, Node, sections
+from model.dataflow import CORDIC, Domain, Node
+from model.datapaths import DATAPATHS
 from model.kinematics import forward
 from model.targets import RESULT_FIELDS
 
@@ -29,9 +30,9 @@ class Real(Domain):
         self.moves = moves
         for name, node in bits.nodes.items():
             if node.section == "guard":
-                value = node.value * node.format.ulp if node.format.signed else node.value
+                value = np.asarray(node.value * node.format.ulp, float) if node.format.signed else node.value
                 self.nodes[name] = Node(**{**node.__dict__, "value": self._moved(name, value, node.format)})
-        sections(self, self.nodes["phi"])
+        DATAPATHS[bits.datapath].after_guard(self, self.nodes["phi"])
 
     def _moved(self, name, value, fmt):
         return value + self.moves[name] * fmt.ulp if name in self.moves else value
@@ -73,6 +74,23 @@ class Real(Domain):
             for n, v in ((sin, np.sin(half)), (cos, np.cos(half)))
         )
 
+    # of the lean datapath; nodes of several results are moved where they are made
+
+    def product3(self, name, a, b, fmt, scale):
+        return self.product(name, a, b, fmt, scale)
+
+    def even_mantissa(self, name, value, width, fmt):
+        shift, mantissa = (self.bits.nodes[k].value for k in (f"e{name[1:]}", name))
+        exact = value.value / value.format.ulp * 2.0 ** (2 * shift - width)
+        return shift, self._moved(name, np.where(mantissa == 0, 0.0, exact), fmt)
+
+    def reciprocal_root(self, name, m, fmt):
+        return self._moved(name, 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25)), fmt)
+
+    def half_sincos(self, phi, fmt):
+        half = phi.value * (np.pi / 2)
+        return tuple(self._moved(n, v, fmt) for n, v in (("sin_h", np.sin(half)), ("cos_h", np.cos(half))))
+
     def hand(self, d1, d2) -> np.ndarray:
         """The wrist (N, 3) of an arm d1, d2 in the pose found."""
         q = np.stack([self.nodes[k].value for k in RESULT_FIELDS], axis=1)
@@ -88,15 +106,15 @@ CORNERS = 32
 """Random ends of all roundings together that :func:`hand_bar` tries besides the worst of first order."""
 
 
-def hand_bar(words: np.ndarray, width: int) -> np.ndarray:
-    """Largest hand error / reach that the roundings explain, for input words (N, 6); shape (N,).
+def hand_bar(words: np.ndarray, width: int, datapath: str = "paper") -> np.ndarray:
+    """Largest hand error / reach that the roundings of a datapath explain, for input words (N, 6); shape (N,).
 
     Every node is moved to either end of its rounding's range on its own; then, for each axis, all are moved at once
     to the ends that push the hand furthest along that axis.  To first order no set of roundings does worse.  Where a
     root or a limited cosine is at its end, first order says little: there :data:`CORNERS` random sets of ends are
     tried as well.  The rounding of the input words is added, half an ulp each.
     """
-    bits = fixed.run(words, width).bits
+    bits = fixed.run(words, width, datapath).bits
     nodes = rounded_nodes(bits)
     length = 2.0 ** (2 - width)
     d1, d2 = words[:, 4] * length, words[:, 5] * length

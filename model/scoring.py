@@ -42,6 +42,9 @@ REGULAR_BAR = 1e-4
 REGULAR_WIDTH = 32
 """Word length for which the fixed bar holds; shorter words have a predicted one."""
 
+LEAN_BAR = 2e-8
+"""The same of the lean datapath, in any pose."""
+
 NORM_ULPS = 16
 """Ulps that abs(norm^2 - 1) of a quaternion may have: its words are rounded, and so are the factors and the length
 that they come from."""
@@ -190,8 +193,11 @@ def score(
     clamped = (expected & flag_bits.UNREACHABLE) != 0
     reachable = ~clamped
     distance = singular_distance(asked)
-    regular = width == REGULAR_WIDTH and bool((distance >= REGULAR_DISTANCE).all())
-    bar = np.full(count, REGULAR_BAR) if regular else np.asarray(predicted, dtype=np.float64)
+    lean = datapath == "lean"
+    if width == REGULAR_WIDTH and (lean or (distance >= REGULAR_DISTANCE).all()):
+        bar = np.full(count, LEAN_BAR if lean else REGULAR_BAR)
+    else:
+        bar = np.asarray(predicted, dtype=np.float64)
     norm_bar = np.full(count, np.ldexp(float(NORM_ULPS), 2 - width))
     everywhere = np.ones(count, dtype=bool)
 

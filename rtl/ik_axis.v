@@ -6,12 +6,13 @@
 // A target is admitted only when the FIFO has a place reserved for its result, so the datapath runs free, and whatever
 // the receiver does, nothing is lost, repeated or reordered. tready does not depend on tvalid, nor tvalid on tready.
 // Without stalls one target enters and one result leaves in every clock.
-// Latency: T_OUT of the datapath, and 2 clocks of the FIFO.
+// Latency: datapath_latency (ik_latency.vh), and 2 clocks of the FIFO.
 `default_nettype none
 
 module ik_axis #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer TAG_W = 8    // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer LEAN  = 1    // datapath: 1 the lean one, 0 the paper's
 ) (
     input  wire               clk,
     input  wire               rst,  // synchronous, active high: forgets all targets
@@ -27,7 +28,7 @@ module ik_axis #(
     input  wire               m_axis_tready
 );
 
-  `include "ik_paper_nodes.vh"
+  `include "ik_latency.vh"
 
   function integer clog2(input integer n);
     begin
@@ -37,7 +38,7 @@ module ik_axis #(
   endfunction
 
   // A place is taken from the admission of a target to the departure of its result: pipeline, FIFO, output register.
-  localparam integer LOG2 = clog2(T_OUT + 3);
+  localparam integer LOG2 = clog2(datapath_latency(LEAN, W) + 3);
 
   // ---- credits: places in the FIFO that nobody has reserved ----
 
@@ -57,20 +58,39 @@ module ik_axis #(
   wire [TAG_W-1:0] core_tag;
   wire [7:0] core_flags;
   wire [6*W-1:0] core_data;
-  ik_paper #(
-      .W    (W),
-      .TAG_W(TAG_W)
-  ) u_core (
-      .clk      (clk),
-      .rst      (rst),
-      .in_valid (admit),
-      .in_tag   (s_axis_tuser),
-      .in_data  (s_axis_tdata),
-      .out_valid(core_valid),
-      .out_tag  (core_tag),
-      .out_flags(core_flags),
-      .out_data (core_data)
-  );
+  generate
+    if (LEAN != 0) begin : g_lean
+      ik_lean #(
+          .W    (W),
+          .TAG_W(TAG_W)
+      ) u_core (
+          .clk      (clk),
+          .rst      (rst),
+          .in_valid (admit),
+          .in_tag   (s_axis_tuser),
+          .in_data  (s_axis_tdata),
+          .out_valid(core_valid),
+          .out_tag  (core_tag),
+          .out_flags(core_flags),
+          .out_data (core_data)
+      );
+    end else begin : g_paper
+      ik_paper #(
+          .W    (W),
+          .TAG_W(TAG_W)
+      ) u_core (
+          .clk      (clk),
+          .rst      (rst),
+          .in_valid (admit),
+          .in_tag   (s_axis_tuser),
+          .in_data  (s_axis_tdata),
+          .out_valid(core_valid),
+          .out_tag  (core_tag),
+          .out_flags(core_flags),
+          .out_data (core_data)
+      );
+    end
+  endgenerate
 
   // ---- results wait for their receiver ----
 

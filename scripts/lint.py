@@ -21,7 +21,12 @@ from scripts.env import ROOT, environment
 # parameter: values it is linted at. A module is linted at every combination of those it has.
 PARAMETER_SETS = {"W": (32, 18)}
 # module: sets of its own, where the table above is not enough or not legal for it
-MODULE_SETS = {}
+MODULE_SETS = {
+    "ik_even": [{"VW": 64, "MW": 34}, {"VW": 36, "MW": 24}, {"VW": 18, "MW": 24}],
+    "ik_mul3": [{"AW": 33, "BW": 33, "SH": 31, "OW": 33}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
+    "ik_rsqrt": [{"F": 31}, {"F": 22}, {"F": 21}, {"F": 19}],
+    "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 21}],  # F goes with W
+}
 
 PREFIX = "ik_"
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)

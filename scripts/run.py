@@ -243,7 +243,7 @@ def run_and_score(
             width=arguments.width, datapath=arguments.datapath, simulator=arguments.sim,
             latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
             bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
-            predicted=hand_bar(item.words, arguments.width),
+            predicted=hand_bar(item.words, arguments.width, arguments.datapath),
         )
         for item, run in zip(prepared, runs, strict=True)
     ]  # fmt: skip
@@ -299,7 +299,7 @@ def _run(arguments: argparse.Namespace) -> int:
     ]
     if waves:
         save_file = waves.with_suffix(".gtkw")
-        write_save_file(waves, width, save_file)
+        write_save_file(waves, scores[0].datapath, width, save_file)
         written += [out / waves.name, out / save_file.name]
     for path in written:
         print(f"wrote {path}")

@@ -13,9 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from model import datapaths
 from scripts.env import ROOT, environment
 
-DATAPATHS = ("paper",)
+DATAPATHS = tuple(datapaths.DATAPATHS)
 
 
 class SimulationError(Exception):
@@ -70,7 +71,7 @@ def simulate(
         place = Path(folder)
         np.savez(place / "jobs.npz", **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
-        arguments = [simulator, str(width), folder, str(waves or ""), str(root), name]
+        arguments = [simulator, datapath, str(width), folder, str(waves or ""), str(root), name]
         command = [sys.executable, "-m", "scripts.simulate", *arguments]
         with open(log, "w") as out:
             process = subprocess.Popen(command, cwd=ROOT, env=environment(), stdout=out, stderr=subprocess.STDOUT)
@@ -110,7 +111,7 @@ def _reason(log: str, simulator: str) -> str:
     return "\n".join([f"the {simulator} simulation failed:", *(telling or log.splitlines())[-12:]])
 
 
-def _child(simulator: str, width: str, folder: str, waves: str, root: str, name: str) -> None:
+def _child(simulator: str, datapath: str, width: str, folder: str, waves: str, root: str, name: str) -> None:
     """In a process of its own: cocotb-test changes signal handlers and the logging of its process."""
     from tb.runner import simulate as run_cocotb
 
@@ -118,7 +119,7 @@ def _child(simulator: str, width: str, folder: str, waves: str, root: str, name:
     run_cocotb(
         "ik_axis",
         "tb.run_targets",
-        parameters={"W": int(width)},
+        parameters={"W": int(width), "LEAN": int(datapath == "lean")},
         sim=simulator,
         env={
             "IK_JOBS": str(place / "jobs.npz"),

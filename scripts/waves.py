@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A GTKWave save file for a VCD of ``ik_axis``: signals in groups, fixed-point words shown as real numbers.
 
-    python -m scripts.waves WAVES.vcd WIDTH SAVE.gtkw
+    python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
 
-The groups are the streams and the sections of :data:`model.dataflow.SECTIONS`.  A node's label carries the equation it
-belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after the target was admitted.
+The groups are the streams and the sections of the datapath (:mod:`model.datapaths`).  A node's label carries the
+equation it belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after it was admitted.
 
 GTKWave shows a fixed-point word through its "fixed point shift", right for words of more than 31 fraction bits since
 3.3.107.  It cannot show a decimal word of more than 64 bits: of those the first 64 bits are shown.
@@ -21,7 +21,8 @@ from vcd.gtkw import GTKWFlag, GTKWSave
 from vcd.reader import TokenKind, tokenize
 
 from model import fixed
-from model.dataflow import SECTIONS, Format, Node
+from model.dataflow import Format, Node
+from model.datapaths import DATAPATHS
 from model.targets import FIELDS, RESULT_FIELDS
 
 TOP = "ik_axis"
@@ -54,18 +55,19 @@ def signals(vcd: Path) -> dict[tuple[str, ...], str]:
     return found
 
 
-def place(node: Node) -> tuple[str, ...]:
+def place(datapath: str, node: Node) -> tuple[str, ...]:
     """Path of a node's signal below ``ik_axis``."""
-    return ("u_core", *([node.instance] if node.instance else []), node.name)
+    return (f"g_{datapath}", "u_core", *([node.instance] if node.instance else []), node.name)
 
 
-def write_save_file(vcd: Path, width: int, path: Path) -> None:
+def write_save_file(vcd: Path, datapath: str, width: int, path: Path) -> None:
     """Writes ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits."""
     name_of = signals(vcd)
-    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width).bits.nodes
+    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, name_of.__getitem__)
-        save.writer.comment(f"{TOP}, words of {width} bits: python -m scripts.waves VCD {width} GTKW")
+        command = f"python -m scripts.waves VCD {datapath} {width} GTKW"
+        save.writer.comment(f"{TOP}, {datapath} datapath, words of {width} bits: {command}")
         save.writer.size(1600, 1000)
         save.writer.sst_expanded(False)
         save.writer.signals_width(640)
@@ -75,21 +77,22 @@ def write_save_file(vcd: Path, width: int, path: Path) -> None:
                 save.plain((name,))
             save.plain(("s_axis_tdata",))
             for name in FIELDS:
-                save.word(place(nodes[name]), nodes[name].format, name if name != "phi" else "phi (half turns)")
+                label = name if name != "phi" else "phi (half turns)"
+                save.word(place(datapath, nodes[name]), nodes[name].format, label)
             for name in STREAMS[3:]:
                 save.plain((name,))
             save.plain(("m_axis_tdata",))
             for k, name in enumerate(RESULT_FIELDS):
                 save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
             for name in ("in_valid", "out_valid"):
-                save.plain(("u_core", name))
-        for section, what in SECTIONS.items():
+                save.plain((f"g_{datapath}", "u_core", name))
+        for section, what in DATAPATHS[datapath].sections.items():
             label = f"{section}: {what}"
             with save.writer.group(label, closed=True):
                 for node in nodes.values():
                     if node.section == section and node.op != "input":
                         equation = f" {node.equation}" if node.equation else ""
-                        save.word(place(node), node.format, f"{node.name}{equation} +{node.time}")
+                        save.word(place(datapath, node), node.format, f"{node.name}{equation} +{node.time}")
 
 
 class _Save:
@@ -137,4 +140,4 @@ def names(save_file: Path) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    write_save_file(Path(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
+    write_save_file(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), Path(sys.argv[4]))

@@ -24,9 +24,9 @@ async def started(dut) -> Pipeline:
     return bench
 
 
-def datapath_latency(width: int) -> int:
+def datapath_latency(bench: Pipeline) -> int:
     """Clocks from a target in to its result out, as the schedule has it."""
-    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), width).bits.nodes
+    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), bench.width, bench.datapath).bits.nodes
     return max(node.time for node in nodes.values())
 
 
@@ -41,9 +41,11 @@ async def one_result_per_clock(dut):
     clocks = [row[3] for row in bench.results]
     assert len(clocks) == len(targets), f"{len(clocks)} results of {len(targets)} targets"
     assert clocks == list(range(clocks[0], clocks[0] + len(targets))), "results do not come one per clock"
-    expected = datapath_latency(bench.width) + FIFO_CLOCKS
+    expected = datapath_latency(bench) + FIFO_CLOCKS
     assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
-    assert expected <= 363, f"latency {expected}: the authors' later version had 363"
+    # The authors' later version had 363; the lean datapath is to take 80, and 55 with short words.
+    most = 363 if bench.datapath == "paper" else 55 if bench.width <= 18 else 80
+    assert expected <= most, f"latency {expected}, more than {most}"
 
 
 @cocotb.test()
@@ -66,10 +68,10 @@ async def stalls(dut, idle, stall):
 async def full(dut):
     """A receiver that never takes: the core admits what it has places for and not one more, then gives all of it."""
     bench = await started(dut)
-    places = 1 << int(np.ceil(np.log2(datapath_latency(bench.width) + 3)))
+    places = 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
     bench.sink.pause = True
     bench.send(mixed(places + 50, bench.width, seed=4))
-    for _ in range(places + datapath_latency(bench.width) + 20):
+    for _ in range(places + datapath_latency(bench) + 20):
         await FallingEdge(dut.clk)
     assert len(bench.admitted) == places, f"{len(bench.admitted)} targets admitted, there are {places} places"
     assert dut.s_axis_tready.value == 0, "tready is high without a place"
@@ -81,15 +83,15 @@ async def full(dut):
 
 
 @cocotb.test()
-@cocotb.parametrize(after=[3, 100, "out", "full"])
+@cocotb.parametrize(after=["few", "many", "out", "full"])
 async def reset_in_traffic(dut, after):
     """Reset with few targets in the pipeline, with many, with results leaving, with a full FIFO: all are forgotten,
     and what follows is right."""
     bench = await started(dut)
-    latency = datapath_latency(bench.width)
+    latency = datapath_latency(bench)
     bench.sink.pause = after == "full"
     bench.send(mixed(1000, bench.width, seed=5))
-    for _ in range({"out": latency + 30, "full": 2 * latency + 20}.get(after, after)):
+    for _ in range({"few": 3, "many": latency // 2, "out": latency + 30, "full": 2 * latency + 20}[after]):
         await RisingEdge(dut.clk)
     await bench.reset(clocks=1)
     before = len(bench.results)

@@ -5,6 +5,6 @@ module ik_waves;
   initial
     if ($value$plusargs("waves=%s", file)) begin
       $dumpfile(file);
-      $dumpvars(3, ik_axis);
+      $dumpvars(4, ik_axis);
     end
 endmodule

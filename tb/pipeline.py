@@ -137,6 +137,7 @@ class Pipeline:
         self.dut = dut
         self.width = len(dut.s_axis_tdata) // len(FIELDS)
         self.tag_width = len(dut.s_axis_tuser)
+        self.datapath = "lean" if int(dut.LEAN.value) else "paper"
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -146,7 +147,7 @@ class Pipeline:
         self.sink = AxiStreamSink(
             AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
         )
-        probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width).bits.nodes
+        probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width, self.datapath).bits.nodes
         self.scoreboard = Scoreboard(self._handle, probe.values())
         self.clock = 0
         self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # of all targets announced, in order
@@ -164,7 +165,7 @@ class Pipeline:
 
     def _handle(self, node: Node):
         """The signal of a node."""
-        place = self.dut.u_core
+        place = getattr(self.dut, f"g_{self.datapath}").u_core
         if node.instance:
             place = getattr(place, node.instance)
         return getattr(place, node.name)
@@ -190,7 +191,7 @@ class Pipeline:
 
     def announce(self, words: np.ndarray) -> None:
         """Computes what the model answers to further targets; they must then be sent in this order."""
-        answer = fixed.run(words, self.width)
+        answer = fixed.run(words, self.width, self.datapath)
         self.words = np.concatenate([self.words, words])
         self.answer_results += [tuple(r) for r in answer.results.tolist()]
         self.answer_flags += answer.flags.tolist()

@@ -19,7 +19,7 @@ from cocotb_test.simulator import run
 from scripts.env import ROOT, simulator, use_environment
 
 BUILD = ROOT / "build" / "sim"
-RTL_FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper")
+RTL_FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper", "rtl/lean")
 
 VERILATOR_ARGS = [
     "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
@@ -109,6 +109,11 @@ def simulate(
         options["timescale"] = None
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS]
         options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
+    # cocotb-test looks at the ages of sources only, not of what they include
+    headers = [path for part in RTL_FOLDERS for path in (root / part).glob("*.vh")]
+    built = folder / "sim.vvp"
+    if sim == "icarus" and built.exists():
+        options["force_compile"] = max(path.stat().st_mtime for path in headers) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim):
         with _alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The cocotb side of ``test_sections.py``: one section's module alone, every named node of it compared.
 
-IK_SECTION is the section's name, IK_WIDTH the word length, IK_TARGETS how many targets.  The section's inputs are the
-nodes of other sections that it uses; each is driven with the model's words in the clocks that belong to it.  A new
-target comes every clock but for idle gaps, in which the inputs hold random words.
+IK_DATAPATH and IK_SECTION are the names, IK_WIDTH the word length, IK_TARGETS how many targets.  The section's inputs
+are the nodes of other sections that it uses; each is driven with the model's words in the clocks that belong to it.  A
+new target comes every clock but for idle gaps, in which the inputs hold random words.
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ GAP = 0.1
 @cocotb.test()
 async def every_node_of_the_section(dut):
     """Targets of every kind, most of them back to back."""
-    section, width, count = os.environ["IK_SECTION"], int(os.environ["IK_WIDTH"]), int(os.environ["IK_TARGETS"])
+    datapath, section = os.environ["IK_DATAPATH"], os.environ["IK_SECTION"]
+    width, count = int(os.environ["IK_WIDTH"]), int(os.environ["IK_TARGETS"])
     random = np.random.default_rng(cocotb.RANDOM_SEED)
-    answer = fixed.run(mixed(count, width, seed=cocotb.RANDOM_SEED), width)
+    answer = fixed.run(mixed(count, width, seed=cocotb.RANDOM_SEED), width, datapath)
     nodes = answer.bits.nodes
     own = [node for node in nodes.values() if node.section == section and node.op != "input"]
     missing = [node.name for node in own if not hasattr(dut, node.name)]
-    assert own and not missing, f"ik_{section} has no signals {', '.join(missing) or '(nor the model nodes)'}"
+    assert own and not missing, f"{dut._name} has no signals {', '.join(missing) or '(nor the model nodes)'}"
 
     # Clock 0 of each target, and what every input holds in every clock.
     gaps = np.where(random.random(count) < GAP, random.integers(1, 10, count), 0)
@@ -40,10 +41,11 @@ async def every_node_of_the_section(dut):
     last = int(starts[-1]) + max(node.time for node in own)
     driven = []
     for name, (source, time) in inputs(section, nodes).items():
-        low, high = source.format.low, source.format.high
-        words = random.integers(low, high + 1, last + 1)
-        words[starts + time] = source.value
-        driven.append((getattr(dut, name), (words & ((1 << source.format.width) - 1)).tolist()))
+        bits = source.format.width
+        words = [int.from_bytes(random.bytes(-(-bits // 8)), "little") for _ in range(last + 1)]
+        for clock, word in zip((starts + time).tolist(), source.value.tolist(), strict=True):
+            words[clock] = int(word)
+        driven.append((getattr(dut, name), [word & ((1 << bits) - 1) for word in words]))
 
     board = Scoreboard(lambda node: getattr(dut, node.name), own)
     board.expect(answer)
@@ -66,7 +68,7 @@ async def every_node_of_the_section(dut):
 
 
 def inputs(section: str, nodes) -> dict[str, tuple]:
-    """Port of ``ik_<section>`` -> (node, clock in which the port holds it).
+    """Port of a section's module -> (node, clock in which the port holds it).
 
     A port has the name and the clock of its node.  The target is the exception: 3.2 and 3.5 get it delayed to the clock
     of the swivel plane, and there its ports are called ``p_w_x_pi`` and so on.

@@ -3,9 +3,12 @@
 
 import pytest
 
+from model.datapaths import DATAPATHS
 from tb.runner import simulate
 
 
 @pytest.mark.parametrize(("width", "tag_width"), [(32, 8), (18, 3)])
-def test_streams(width, tag_width):
-    simulate("ik_axis", "tb.ik_axis", parameters={"W": width, "TAG_W": tag_width}, seed=1)
+@pytest.mark.parametrize("datapath", DATAPATHS)
+def test_streams(datapath, width, tag_width):
+    parameters = {"W": width, "TAG_W": tag_width, "LEAN": int(datapath == "lean")}
+    simulate("ik_axis", "tb.ik_axis", parameters=parameters, seed=1)

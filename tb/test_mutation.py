@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from model import fixed
+from model.datapaths import DATAPATHS
 from scripts.env import ROOT, simulator
 from scripts.simulate import Job, simulate
 from tb.stimuli import random_reachable, unreachable
@@ -27,6 +28,7 @@ The stream source of cocotbext-axi notices the end of reset one clock later unde
 class Mutant:
     """In ``module``, ``right`` becomes ``wrong``; the first wrong value must be ``node``'s, of target ``target``."""
 
+    datapath: str
     name: str
     module: str
     right: str
@@ -36,14 +38,20 @@ class Mutant:
 
 
 MUTANTS = [
-    Mutant("sign", "ik_elbow", "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1)", "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(0)",
-           "elbow.pp_2_m"),
-    Mutant("constant", "ik_guard", "QUARTER = {3'b001", "QUARTER = {3'b010", "guard.d_1", target=CLAMPED),
-    Mutant("shift", "ik_swivel", "F_SIN_H+F_COS_H-1-F_SIN_PHI", "F_SIN_H+F_COS_H-F_SIN_PHI", "swivel.sin_phi"),
-    Mutant("branch", "ik_elbow_q", ".MINUS(1)) u_h4_m", ".MINUS(0)) u_h4_m", "elbow_q.h4_m"),
-    Mutant("delay", "ik_to_elbow", ".N(T_U_X-T_H)) u_h_u ", ".N(T_U_X-T_H+1)) u_h_u ", "to_elbow.uh_x"),
-    Mutant("narrowing", "ik_to_wrist", ".SH(F_C3_R-F_C3_NUM), .OW(W)", ".SH(F_C3_R-F_C3_NUM+1), .OW(W)",
+    Mutant("paper", "sign", "ik_elbow",
+           "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1)", "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(0)", "elbow.pp_2_m"),
+    Mutant("paper", "constant", "ik_guard", "QUARTER = {3'b001", "QUARTER = {3'b010", "guard.d_1", target=CLAMPED),
+    Mutant("paper", "shift", "ik_swivel", "F_SIN_H+F_COS_H-1-F_SIN_PHI", "F_SIN_H+F_COS_H-F_SIN_PHI", "swivel.sin_phi"),
+    Mutant("paper", "branch", "ik_elbow_q", ".MINUS(1)) u_h4_m", ".MINUS(0)) u_h4_m", "elbow_q.h4_m"),
+    Mutant("paper", "delay", "ik_to_elbow", ".N(T_U_X-T_H)) u_h_u ", ".N(T_U_X-T_H+1)) u_h_u ", "to_elbow.uh_x"),
+    Mutant("paper", "narrowing", "ik_to_wrist", ".SH(F_C3_R-F_C3_NUM), .OW(W)", ".SH(F_C3_R-F_C3_NUM+1), .OW(W)",
            "to_wrist.c3_num"),
+    Mutant("lean", "lean_sign", "ik_lean_turn", "c_p <= cc - ss;", "c_p <= cc + ss;", "turn.c_p"),
+    Mutant("lean", "lean_flag", "ik_lean_guard",
+           "(too_near || shoulder_far)", "(too_far || shoulder_far)", "guard.fold", target=CLAMPED),
+    Mutant("lean", "lean_shift", "ik_lean_triangle", "e_ab - e_1s;", "e_ab - e_1s + 6'd1;", "triangle.n_ab"),
+    Mutant("lean", "lean_delay", "ik_lean_direction", ".N(T_INV_S-T_N_EL))", ".N(T_INV_S-T_N_EL+1))",
+           "direction.inv_s_el"),
 ]  # fmt: skip
 
 # A build of the whole core takes 3 s with Icarus and 20 s with Verilator, which therefore gets one mutant only.
@@ -65,9 +73,10 @@ def targets() -> np.ndarray:
 
 def test_mutants_change_one_place():
     """Each mutation can be made: its text stands once in the module, and the node it is to be found at exists."""
-    nodes = {f"{n.section}.{n.name}" for n in fixed.run(targets(), WIDTH).bits.nodes.values()}
     for mutant in MUTANTS:
-        assert (ROOT / "rtl" / "paper" / f"{mutant.module}.v").read_text().count(mutant.right) == 1, mutant.name
+        nodes = {f"{n.section}.{n.name}" for n in fixed.run(targets(), WIDTH, mutant.datapath).bits.nodes.values()}
+        file = ROOT / DATAPATHS[mutant.datapath].folder / f"{mutant.module}.v"
+        assert file.read_text().count(mutant.right) == 1, mutant.name
         assert mutant.node in nodes, mutant.name
 
 
@@ -75,14 +84,14 @@ def test_mutants_change_one_place():
 def test_mutant_is_named(mutant, tmp_path):
     """Target, clock, both words and both values of the first wrong node; all that follows from it is counted too."""
     shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-    module = tmp_path / "rtl" / "paper" / f"{mutant.module}.v"
+    module = tmp_path / DATAPATHS[mutant.datapath].folder / f"{mutant.module}.v"
     module.write_text(module.read_text().replace(mutant.right, mutant.wrong))
     words = targets()
 
     (run,) = simulate(
         [Job("mutant", words)],
         simulator=simulator(),
-        datapath="paper",
+        datapath=mutant.datapath,
         width=WIDTH,
         root=tmp_path,
         name=f"mutant-{mutant.name}",
@@ -91,7 +100,7 @@ def test_mutant_is_named(mutant, tmp_path):
     assert run.bit_mismatches > 0
     found = MESSAGE.search(run.first_mismatch)
     assert found, run.first_mismatch
-    node = fixed.run(words, WIDTH).bits.nodes[mutant.node.split(".")[1]]
+    node = fixed.run(words, WIDTH, mutant.datapath).bits.nodes[mutant.node.split(".")[1]]
     assert found["node"] == mutant.node, run.first_mismatch
     assert (found["equation"] or "").strip() == node.equation
     assert int(found["target"]) == mutant.target

@@ -7,31 +7,33 @@ import numpy as np
 import pytest
 
 from model import fixed
-from model.dataflow import SECTIONS
+from model.datapaths import DATAPATHS
 from tb.runner import ROOT, simulate
 from tb.section import inputs
 
-MODULES = [section for section in SECTIONS if section != "results"]  # results has no module of its own
+# results has no module of its own
+MODULES = [(name, section) for name, path in DATAPATHS.items() for section in path.sections if section != "results"]
 TARGETS = 300
 
 
-@pytest.mark.parametrize("section", MODULES)
-def test_section_drives_every_input_of_the_module(section):
+@pytest.mark.parametrize(("datapath", "section"), MODULES)
+def test_section_drives_every_input_of_the_module(datapath, section):
     """The ports that the testbench drives are the inputs that the Verilog declares."""
-    text = (ROOT / "rtl" / "paper" / f"ik_{section}.v").read_text()
+    path = DATAPATHS[datapath]
+    text = (ROOT / path.folder / f"{path.module(section)}.v").read_text()
     ports = re.findall(r"^\s*input\s+wire\s+(?:signed\s+)?(?:\[[^]]*\]\s*)?(\w+)", text, re.MULTILINE)
-    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), 32).bits.nodes
+    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), 32, datapath).bits.nodes
     assert sorted(ports) == sorted(["clk", *inputs(section, nodes)])
 
 
 @pytest.mark.parametrize("width", [32, 18])
-@pytest.mark.parametrize("section", MODULES)
-def test_section(section, width):
+@pytest.mark.parametrize(("datapath", "section"), MODULES)
+def test_section(datapath, section, width):
     """Random, clamped, extreme and named corner targets, back to back with gaps of random words."""
     simulate(
-        f"ik_{section}",
+        DATAPATHS[datapath].module(section),
         "tb.section",
         parameters={"W": width},
-        env={"IK_SECTION": section, "IK_WIDTH": str(width), "IK_TARGETS": str(TARGETS)},
+        env={"IK_DATAPATH": datapath, "IK_SECTION": section, "IK_WIDTH": str(width), "IK_TARGETS": str(TARGETS)},
         seed=1,
     )

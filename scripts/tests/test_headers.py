@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Verilog headers say what the model says."""
 
+import re
+
+import pytest
+
 from model.dataflow import WIDTHS
+from model.datapaths import DATAPATHS
 from scripts import gen_headers
 
 
@@ -12,9 +17,9 @@ def test_headers_are_up_to_date():
 
 def test_a_changed_header_is_found(tmp_path, monkeypatch, capsys):
     changed = tmp_path / "ik_paper_nodes.vh"
-    changed.write_text(gen_headers.nodes_header().replace("F_TMP1 = W - 4", "F_TMP1 = W - 5"))
+    changed.write_text(gen_headers.nodes_header("paper").replace("F_TMP1 = W - 4", "F_TMP1 = W - 5"))
     monkeypatch.setattr(gen_headers, "ROOT", tmp_path)
-    monkeypatch.setattr(gen_headers, "HEADERS", {changed: gen_headers.nodes_header})
+    monkeypatch.setattr(gen_headers, "HEADERS", {changed: lambda: gen_headers.nodes_header("paper")})
     monkeypatch.setattr("sys.argv", ["gen_headers", "--check"])
     assert gen_headers.main() == 1
     assert capsys.readouterr().out == "out of date: ik_paper_nodes.vh\n"
@@ -22,19 +27,31 @@ def test_a_changed_header_is_found(tmp_path, monkeypatch, capsys):
     assert gen_headers.main() == 0 and not gen_headers.stale()
 
 
-def test_header_expressions_give_the_models_clocks():
+def in_python(expression: str) -> str:
+    """A Verilog expression with at most one ``a ? b : c``, in parentheses or alone."""
+    choice = r"([^?:]+)\?([^:]+):([^:]+)"
+    if "(" in expression and expression.index("?") < expression.rindex(")") if "?" in expression else False:
+        return re.sub(rf"\({choice}\)(.*)$", r"((\2) if (\1) else (\3))\4", expression)
+    return re.sub(rf"^{choice}$", r"(\2) if (\1) else (\3)", expression)
+
+
+@pytest.mark.parametrize("datapath", DATAPATHS)
+def test_header_expressions_give_the_models_clocks(datapath):
     """The T_ expressions, evaluated as Verilog would, are the model's clocks at every word length."""
-    text = gen_headers.nodes_header()
-    for width, bits in gen_headers.traced().items():
+    text = gen_headers.nodes_header(datapath)
+    latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", gen_headers.latency_header()))
+    for width, bits in gen_headers.traced(datapath).items():
         values: dict[str, int] = {"W": width}
         for line in text.splitlines():
             if not line.startswith("localparam integer "):
                 continue
             for part in line.removeprefix("localparam integer ").split(";")[0].split(","):
                 name, expression = part.split("=")
-                values[name.strip()] = eval(expression, {"__builtins__": {}}, dict(values))
+                values[name.strip()] = eval(in_python(expression), {"__builtins__": {}}, dict(values))
         for name, node in bits.nodes.items():
             assert values[f"T_{name.upper()}"] == node.time, f"W={width}: clock of {name}"
             if node.format.signed:
                 assert values[f"F_{name.upper()}"] == node.format.frac, f"W={width}: fraction bits of {name}"
+        leave = max(node.time for node in bits.nodes.values())
+        assert values["T_OUT"] == leave == int(latencies[str(100 * (datapath == "lean") + width)])
     assert width == WIDTHS[-1]

@@ -29,7 +29,7 @@ PAGE = Path("build/report/report.html")
 @pytest.fixture
 def simulator(monkeypatch):
     fake = FakeSimulator()
-    prediction = lambda words, width: np.linspace(1.0, 2.0, len(words)) * 2.0 ** (8 - width)  # noqa: E731
+    prediction = lambda words, width, datapath: np.linspace(1.0, 2.0, len(words)) * 2.0 ** (8 - width)  # noqa: E731
     monkeypatch.setattr(run, "simulate", fake.simulate)
     monkeypatch.setattr(run, "hand_bar", prediction)
     return fake

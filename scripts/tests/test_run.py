@@ -55,8 +55,8 @@ def simulator(monkeypatch):
     """The fake simulator in the place of the real one, and a fixed prediction."""
     fake = FakeSimulator()
     monkeypatch.setattr(run, "simulate", fake.simulate)
-    monkeypatch.setattr(run, "write_save_file", lambda vcd, width, path: path.touch())
-    monkeypatch.setattr(run, "hand_bar", lambda words, width: np.full(len(words), 2.0 ** (8 - width)))
+    monkeypatch.setattr(run, "write_save_file", lambda vcd, datapath, width, path: path.touch())
+    monkeypatch.setattr(run, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
     return fake
 
 

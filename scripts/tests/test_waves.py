@@ -33,7 +33,7 @@ def vcd(words, tmp_path_factory):
 @pytest.fixture(scope="module")
 def save_file(vcd):
     path = vcd.with_suffix(".gtkw")
-    waves.write_save_file(vcd, WIDTH, path)
+    waves.write_save_file(vcd, "paper", WIDTH, path)
     return path
 
 
@@ -64,8 +64,9 @@ def clocks(vcd, wanted):
 def test_vcd_holds_every_node_at_its_clock(vcd, words):
     """Every node of every target, tmp1 and c3 among them, as the model has it."""
     nodes = fixed.run(words, WIDTH).bits.nodes
-    paths = {name: waves.place(node) for name, node in nodes.items()}
-    assert paths["tmp1"] == ("u_core", "u_elbow", "tmp1") and paths["c3"] == ("u_core", "u_to_wrist", "c3")
+    paths = {name: waves.place("paper", node) for name, node in nodes.items()}
+    assert paths["tmp1"] == ("g_paper", "u_core", "u_elbow", "tmp1")
+    assert paths["c3"] == ("g_paper", "u_core", "u_to_wrist", "c3")
     stream = [("clk",), ("rst",), ("s_axis_tvalid",), ("s_axis_tready",)]
     samples = clocks(vcd, {*paths.values(), *stream})
     admitted = [k for k, sample in enumerate(samples) if [sample[path] for path in stream[1:]] == [0, 1, 1]]
@@ -88,7 +89,7 @@ def test_save_file_names_signals_of_the_vcd(vcd, save_file):
     named = set(waves.names(save_file))
     assert named <= set(known.values())
     for node in fixed.run(random_reachable(1, WIDTH, seed=1), WIDTH).bits.nodes.values():
-        assert known[waves.place(node)] in named, node.name
+        assert known[waves.place("paper", node)] in named, node.name
 
 
 def test_save_file_shows_each_word_in_its_format(vcd, save_file):
@@ -127,7 +128,7 @@ def shown(save_file, name):
 
 def test_save_file_is_the_same_every_time(vcd, save_file, tmp_path):
     """Nothing in it depends on the time, the place or the run."""
-    waves.write_save_file(vcd, WIDTH, tmp_path / "again.gtkw")
+    waves.write_save_file(vcd, "paper", WIDTH, tmp_path / "again.gtkw")
     assert (tmp_path / "again.gtkw").read_bytes() == save_file.read_bytes()
     assert str(vcd.parent) not in save_file.read_text()
 
@@ -137,4 +138,4 @@ def test_other_vcd_is_refused(tmp_path):
     other = tmp_path / "other.vcd"
     other.write_text("$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n")
     with pytest.raises(ValueError, match="no module ik_axis in this VCD"):
-        waves.write_save_file(other, WIDTH, tmp_path / "other.gtkw")
+        waves.write_save_file(other, "paper", WIDTH, tmp_path / "other.gtkw")

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Written by `python -m scripts.gen_headers` from model/dataflow.py and model/lean.py; do not edit.
+
+// For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's.
+
+function integer datapath_latency(input integer lean, input integer w);
+  begin
+    case (100 * lean + w)
+      116: datapath_latency = 43;
+      117: datapath_latency = 43;
+      118: datapath_latency = 43;
+      119: datapath_latency = 53;
+      120: datapath_latency = 53;
+      121: datapath_latency = 53;
+      122: datapath_latency = 53;
+      123: datapath_latency = 53;
+      124: datapath_latency = 53;
+      125: datapath_latency = 53;
+      126: datapath_latency = 53;
+      127: datapath_latency = 53;
+      128: datapath_latency = 53;
+      129: datapath_latency = 53;
+      130: datapath_latency = 53;
+      131: datapath_latency = 53;
+      132: datapath_latency = 53;
+      16: datapath_latency = 206;
+      17: datapath_latency = 213;
+      18: datapath_latency = 220;
+      19: datapath_latency = 227;
+      20: datapath_latency = 234;
+      21: datapath_latency = 241;
+      22: datapath_latency = 248;
+      23: datapath_latency = 255;
+      24: datapath_latency = 262;
+      25: datapath_latency = 269;
+      26: datapath_latency = 276;
+      27: datapath_latency = 283;
+      28: datapath_latency = 290;
+      29: datapath_latency = 297;
+      30: datapath_latency = 304;
+      31: datapath_latency = 311;
+      32: datapath_latency = 318;
+      default: datapath_latency = 0;
+    endcase
+  end
+endfunction

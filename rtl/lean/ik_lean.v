@@ -1,0 +1,142 @@
+// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2), half up; rounding and format of each node: ik_lean_nodes.vh.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The lean dataflow (docs/lean.md): the answers of ik_paper, with the same ports, from reciprocal square roots in two
+// levels. A target enters and a result leaves in every clock. There is no enable and no reset but that of the valid bits:
+// the pipeline runs free, and valid and tag travel with the data.
+// Latency: T_OUT clocks.
+`default_nettype none
+
+module ik_lean #(
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer TAG_W = 8    // width of the tag
+) (
+    input  wire             clk,
+    input  wire             rst,        // synchronous: forgets the targets in flight
+    input  wire             in_valid,
+    input  wire [TAG_W-1:0] in_tag,
+    input  wire [  6*W-1:0] in_data,    // x, y, z, phi, d1, d2, lowest bits first
+    output wire             out_valid,
+    output wire [TAG_W-1:0] out_tag,
+    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, saturated, 0, 0
+    output wire [  6*W-1:0] out_data    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
+);
+
+  `include "ik_lean_nodes.vh"
+
+  generate
+    if (W < 16 || W > 32) begin : g_illegal
+      ik_lean_needs_W_of_16_to_32 u_stop ();
+    end
+  endgenerate
+
+  localparam integer N = FRAC + 2;  // of an inner word
+
+  // ---- valid and tag ----
+
+  reg [T_OUT-1:0] valid;  // newest in bit 0
+  always @(posedge clk) begin
+    if (rst) valid <= {T_OUT{1'b0}};
+    else valid <= {valid[T_OUT-2:0], in_valid};
+  end
+  assign out_valid = valid[T_OUT-1];
+
+  ik_delay #(.W(TAG_W), .N(T_OUT)) u_tag (.clk(clk), .d(in_tag), .q(out_tag));
+
+  // ---- exact squares and flags ----
+
+  wire signed [W-1:0] x = in_data[0*W+:W];
+  wire signed [W-1:0] y = in_data[1*W+:W];
+  wire signed [W-1:0] z = in_data[2*W+:W];
+  wire signed [W-1:0] phi = in_data[3*W+:W];
+  wire signed [W-1:0] d1 = in_data[4*W+:W];
+  wire signed [W-1:0] d2 = in_data[5*W+:W];
+
+  wire signed [2*W+1:0] rho_sq;
+  wire signed [2*W+1:0] s;
+  wire signed [2*W+1:0] a_far;
+  wire signed [2*W+1:0] b_near;
+  wire signed [2*W+1:0] k_law;
+  wire bad_length;
+  wire on_axis;
+  wire at_shoulder;
+  wire too_far;
+  wire too_near;
+  wire clamp;
+  wire fold;
+  wire away;
+  ik_lean_guard #(.W(W)) u_guard (
+      .clk(clk),
+      .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
+      .rho_sq(rho_sq), .s(s), .a_far(a_far), .b_near(b_near), .k_law(k_law),
+      .bad_length(bad_length), .on_axis(on_axis), .at_shoulder(at_shoulder), .too_far(too_far), .too_near(too_near),
+      .clamp(clamp), .fold(fold), .away(away)
+  );
+
+  // ---- azimuth and elevation of the target ----
+
+  wire [5:0] e_s;
+  wire signed [N-1:0] inv_s;
+  wire signed [N-1:0] g_1;
+  wire signed [N-1:0] h1_c;
+  wire signed [N-1:0] h1_s;
+  wire signed [N-1:0] g_t;
+  wire signed [N-1:0] ht_c;
+  wire signed [N-1:0] ht_s;
+  ik_lean_direction #(.W(W)) u_direction (
+      .clk(clk),
+      .x(x), .y(y), .z(z), .rho_sq(rho_sq), .s(s), .on_axis(on_axis), .at_shoulder(at_shoulder),
+      .e_s(e_s), .inv_s(inv_s), .g_1(g_1), .h1_c(h1_c), .h1_s(h1_s), .g_t(g_t), .ht_c(ht_c), .ht_s(ht_s)
+  );
+
+  // ---- angle at the shoulder, elbow quaternion ----
+
+  wire signed [W-1:0] qe_w;
+  wire signed [W-1:0] qe_i;
+  wire signed [N-1:0] g_a;
+  wire signed [N-1:0] ha_c;
+  wire signed [N-1:0] ha_s;
+  ik_lean_triangle #(.W(W)) u_triangle (
+      .clk(clk),
+      .d1(d1), .d2(d2), .a_far(a_far), .b_near(b_near), .k_law(k_law), .e_s(e_s), .inv_s(inv_s),
+      .clamp(clamp), .fold(fold), .away(away),
+      .qe_w(qe_w), .qe_i(qe_i), .g_a(g_a), .ha_c(ha_c), .ha_s(ha_s)
+  );
+
+  // ---- shoulder quaternion ----
+
+  wire signed [W-1:0] qs_w;
+  wire signed [W-1:0] qs_i;
+  wire signed [W-1:0] qs_j;
+  wire signed [W-1:0] qs_k;
+  ik_lean_turn #(.W(W)) u_turn (
+      .clk(clk),
+      .phi(phi), .g_1(g_1), .h1_c(h1_c), .h1_s(h1_s), .g_t(g_t), .ht_c(ht_c), .ht_s(ht_s),
+      .g_a(g_a), .ha_c(ha_c), .ha_s(ha_s),
+      .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
+  );
+
+  // ---- all results leave together ----
+
+  wire signed [W-1:0] qe_w_out;
+  wire signed [W-1:0] qe_i_out;
+  ik_delay #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_out, qe_w_out}));
+  assign out_data = {qe_i_out, qe_w_out, qs_k, qs_j, qs_i, qs_w};
+
+  wire too_far_out;
+  wire too_near_out;
+  wire on_axis_out;
+  wire at_shoulder_out;
+  wire bad_length_out;
+  ik_delay #(.W(2), .N(T_OUT-T_TOO_FAR)) u_reach_out (
+      .clk(clk), .d({too_near, too_far}), .q({too_near_out, too_far_out})
+  );
+  ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_place_out (
+      .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_out, at_shoulder_out, on_axis_out})
+  );
+  // nothing here can be too large for its word
+  assign out_flags = {3'b000, bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,141 @@
+// Rounding and format of each node: ik_lean_nodes.vh; products by ik_mul3, roots faithful, shifts and halves floor.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Azimuth (u_x, u_y) = (x, y)/rho and elevation sin_el = z/|p|, cos_el = rho/|p| of the target, and of each the half angle
+// h(c, s): (1 + c, s)/2, or (s, 1 - c)/2 where c < 0, a quaternion of squared length g = (1 + |c|)/2.
+`default_nettype none
+
+module ik_lean_direction #(
+    parameter integer W = 32,                      // word length, 16 to 32
+    parameter integer N = (W < 28) ? W + 5 : 33    // of an inner word: follows from W, not to be set
+) (
+    input  wire                  clk,
+    input  wire signed [  W-1:0] x,
+    input  wire signed [  W-1:0] y,
+    input  wire signed [  W-1:0] z,
+    input  wire signed [2*W+1:0] rho_sq,       // T_RHO_SQ
+    input  wire signed [2*W+1:0] s,            // T_S
+    input  wire                  on_axis,      // T_ON_AXIS
+    input  wire                  at_shoulder,  // T_AT_SHOULDER
+    output wire        [    5:0] e_s,          // T_E_S
+    output wire signed [  N-1:0] inv_s,        // T_INV_S
+    output reg  signed [  N-1:0] g_1,          // T_G_1
+    output reg  signed [  N-1:0] h1_c,         // T_H1_C
+    output reg  signed [  N-1:0] h1_s,
+    output reg  signed [  N-1:0] g_t,          // T_G_T
+    output reg  signed [  N-1:0] ht_c,         // T_HT_C
+    output reg  signed [  N-1:0] ht_s
+);
+
+  `include "ik_lean_nodes.vh"
+
+  generate
+    if (N != FRAC + 2) begin : g_illegal
+      ik_lean_direction_N_is_FRAC_and_2 u_stop ();
+    end
+  endgenerate
+
+  localparam integer MW = FRAC + 3;  // of a mantissa
+
+  // ---- (10) roots of rho^2 and |p|^2 ----
+
+  wire [5:0] e_rho;
+  wire [MW-1:0] m_rho;
+  wire [MW-1:0] m_s;
+  wire signed [N-1:0] inv_rho;
+  ik_lean_root #(.VW(2*W), .F(FRAC)) u_rho (.clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho));
+  ik_lean_root #(.VW(2*W), .F(FRAC)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
+  wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares below 2^2W; m_s is watched only
+
+  // ---- (u_x, u_y) = (x, y)/rho and z/|p|: the target shifted as its root was ----
+
+  wire signed [W-1:0] x_e;
+  wire signed [W-1:0] y_e;
+  wire signed [W-1:0] z_e;
+  ik_delay #(.W(2*W), .N(T_E_RHO)) u_xy_e (.clk(clk), .d({y, x}), .q({y_e, x_e}));
+  ik_delay #(.W(W), .N(T_E_S)) u_z_e (.clk(clk), .d(z), .q(z_e));
+  wire signed [W:0] x_n;
+  wire signed [W:0] y_n;
+  wire signed [W:0] z_n;
+  ik_shift #(.W(W+1)) u_x_n (.clk(clk), .d({x_e[W-1], x_e}), .count(e_rho), .q(x_n));
+  ik_shift #(.W(W+1)) u_y_n (.clk(clk), .d({y_e[W-1], y_e}), .count(e_rho), .q(y_n));
+  ik_shift #(.W(W+1)) u_z_n (.clk(clk), .d({z_e[W-1], z_e}), .count(e_s), .q(z_n));
+
+  wire signed [W:0] x_inv;
+  wire signed [W:0] y_inv;
+  wire signed [W:0] z_inv;
+  ik_delay #(.W(2*W+2), .N(T_INV_RHO-T_X_N)) u_xy_inv (.clk(clk), .d({y_n, x_n}), .q({y_inv, x_inv}));
+  ik_delay #(.W(W+1), .N(T_INV_S-T_Z_N)) u_z_inv (.clk(clk), .d(z_n), .q(z_inv));
+  wire signed [N-1:0] u_x;
+  wire signed [N-1:0] u_y;
+  wire signed [N-1:0] sin_el;
+  localparam integer SH_U = F_X_N + F_INV_RHO - 1 - F_U_X;
+  ik_mul3 #(.AW(W+1), .BW(N), .SH(SH_U), .OW(N)) u_u_x (.clk(clk), .a(x_inv), .b(inv_rho), .q(u_x));
+  ik_mul3 #(.AW(W+1), .BW(N), .SH(SH_U), .OW(N)) u_u_y (.clk(clk), .a(y_inv), .b(inv_rho), .q(u_y));
+  ik_mul3 #(.AW(W+1), .BW(N), .SH(SH_U), .OW(N)) u_sin_el (.clk(clk), .a(z_inv), .b(inv_s), .q(sin_el));
+
+  // ---- cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse brought to it ----
+
+  wire [MW-1:0] m_rho_inv;
+  wire signed [N-1:0] l_rho;
+  ik_delay #(.W(MW), .N(T_INV_RHO-T_M_RHO)) u_m_rho_inv (.clk(clk), .d(m_rho), .q(m_rho_inv));
+  ik_mul3 #(.AW(N), .BW(MW+1), .SH(F_INV_RHO+MW-1-F_L_RHO), .OW(N)) u_l_rho (
+      .clk(clk), .a(inv_rho), .b({1'b0, m_rho_inv}), .q(l_rho)
+  );
+
+  wire [5:0] e_rho_s;
+  wire [5:0] n_el_inv;
+  reg [5:0] n_el;  // rho^2 <= |p|^2: not negative
+  ik_delay #(.W(6), .N(T_E_S-T_E_RHO)) u_e_rho_s (.clk(clk), .d(e_rho), .q(e_rho_s));
+  always @(posedge clk) n_el <= e_rho_s - e_s;
+  ik_delay #(.W(6), .N(T_INV_S-T_N_EL)) u_n_el_inv (.clk(clk), .d(n_el), .q(n_el_inv));
+  wire signed [N-1:0] inv_s_el;
+  ik_shift #(.W(N), .RIGHT(1)) u_inv_s_el (.clk(clk), .d(inv_s), .count(n_el_inv), .q(inv_s_el));
+
+  localparam integer T_COS_EL_IN = T_COS_EL - LAT_MUL3;
+  wire signed [N-1:0] l_rho_el;
+  wire signed [N-1:0] inv_s_in;
+  wire signed [N-1:0] cos_el;
+  ik_delay #(.W(N), .N(T_COS_EL_IN-T_L_RHO)) u_l_rho_el (.clk(clk), .d(l_rho), .q(l_rho_el));
+  ik_delay #(.W(N), .N(T_COS_EL_IN-T_INV_S_EL)) u_inv_s_in (.clk(clk), .d(inv_s_el), .q(inv_s_in));
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_L_RHO+F_INV_S_EL-1-F_COS_EL), .OW(N)) u_cos_el (
+      .clk(clk), .a(l_rho_el), .b(inv_s_in), .q(cos_el)
+  );
+
+  // ---- h1: the first rotation turns by the azimuth and 90 degrees, cosine -u_y, sine u_x ----
+
+  localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
+  wire axis_u;
+  wire axis_h;
+  wire signed [N-1:0] u_x_h;
+  wire sign_u_y_h;
+  ik_delay #(.W(1), .N(T_U_Y-T_ON_AXIS)) u_axis_u (.clk(clk), .d(on_axis), .q(axis_u));
+  ik_delay #(.W(N+2), .N(T_G_1-T_U_Y)) u_h1 (
+      .clk(clk), .d({axis_u, u_y[N-1], u_x}), .q({axis_h, sign_u_y_h, u_x_h})
+  );
+  wire [N-1:0] sum_1 = ONE + (u_y ^ {N{u_y[N-1]}});  // 1 + |u_y|, by the one's complement
+  always @(posedge clk) begin
+    g_1  <= sum_1 >> 1;
+    // on the z axis u_x = u_y = 0, and azimuth 0 is taken: (1, 1)/2
+    h1_c <= (sign_u_y_h || axis_h) ? g_1 : (u_x_h >>> 1);
+    h1_s <= sign_u_y_h ? (u_x_h >>> 1) : g_1;
+  end
+
+  // ---- ht: the second turns by the angle between p and the z axis, cosine sin_el, sine cos_el ----
+
+  wire shoulder_el;
+  wire signed [N-1:0] g_t_h;
+  wire sign_h;
+  ik_delay #(.W(1), .N(T_SIN_EL-T_AT_SHOULDER)) u_shoulder_el (.clk(clk), .d(at_shoulder), .q(shoulder_el));
+  wire [N-1:0] sum_t = ONE + (sin_el ^ {N{sin_el[N-1]}});
+  ik_delay #(.W(N), .N(T_COS_EL-T_G_T)) u_g_t_h (.clk(clk), .d(g_t), .q(g_t_h));
+  ik_delay #(.W(1), .N(T_COS_EL-T_SIN_EL)) u_sign_h (.clk(clk), .d(sin_el[N-1]), .q(sign_h));
+  always @(posedge clk) begin
+    g_t  <= shoulder_el ? ONE : (sum_t >> 1);
+    ht_c <= sign_h ? (cos_el >>> 1) : g_t_h;
+    ht_s <= sign_h ? g_t_h : (cos_el >>> 1);
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,28 @@
+// Rounding: floor for the mantissa m, faithful for inv = 1/(2 sqrt m); v unsigned.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A reciprocal square root of full relative precision, however small v is: v 4^e = m 2^VW with m in [1/4, 1), so
+// 1/sqrt v = 2 inv 2^(e - VW/2).
+// Latency: LAT_EVEN for e and m, and LAT_RSQRT more for inv.
+`default_nettype none
+
+module ik_lean_root #(
+    parameter integer VW = 64,  // width of v, even
+    parameter integer F  = 31   // fraction bits of inv, 19 to 31
+) (
+    input  wire                clk,
+    input  wire        [VW-1:0] v,
+    output wire        [   5:0] e,
+    output wire        [ F+2:0] m,
+    output wire signed [ F+1:0] inv
+);
+
+  ik_even #(.VW(VW), .MW(F+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
+
+  wire [F:0] y;
+  ik_rsqrt #(.F(F)) u_rsqrt (.clk(clk), .m(m), .y(y));
+  assign inv = {1'b0, y};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,78 @@
+// Exact: p = a * b, signed W bits each, 2W bits.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Four tiles of half words (17x17 bits for W = 33); a square (SQUARE = 1, b is not looked at) needs only three. The sum
+// of the tiles is twice as long as a word, so its two halves are added one after the other.
+// Latency: 5 clocks (LAT_SQUARE).
+`default_nettype none
+
+module ik_exact #(
+    parameter integer W      = 33,  // width of a and b, at most 35
+    parameter integer SQUARE = 0    // 1: p = a * a
+) (
+    input  wire                  clk,
+    input  wire signed [  W-1:0] a,
+    input  wire signed [  W-1:0] b,
+    output reg  signed [2*W-1:0] p
+);
+
+  localparam integer L = W / 2;  // width of the low half, unsigned
+  localparam integer H = W - L;  // width of the high half, signed
+
+  // operands
+  reg signed [W-1:0] a_q;
+  always @(posedge clk) a_q <= a;
+  wire signed [H-1:0] a_hi = a_q[W-1:L];
+  wire signed [L:0] a_lo = {1'b0, a_q[L-1:0]};
+
+  // tile products
+  reg signed [2*H-1:0] hh;
+  reg signed [H+L:0] hl;
+  reg signed [2*L+1:0] ll;
+  // tile sums: hh and ll do not overlap
+  reg [2*W-1:0] outer;
+  reg signed [H+L+1:0] inner;
+  generate
+    if (SQUARE != 0) begin : g_square
+      always @(posedge clk) begin
+        hh    <= a_hi * a_hi;
+        hl    <= a_hi * a_lo;
+        ll    <= a_lo * a_lo;
+        inner <= {hl, 1'b0};
+      end
+      wire unused = &{1'b0, b};
+    end else begin : g_product
+      reg signed [W-1:0] b_q;
+      wire signed [H-1:0] b_hi = b_q[W-1:L];
+      wire signed [L:0] b_lo = {1'b0, b_q[L-1:0]};
+      reg signed [H+L:0] lh;
+      always @(posedge clk) begin
+        b_q   <= b;
+        hh    <= a_hi * b_hi;
+        hl    <= a_hi * b_lo;
+        lh    <= a_lo * b_hi;
+        ll    <= a_lo * b_lo;
+        inner <= hl + lh;
+      end
+    end
+  endgenerate
+  always @(posedge clk) outer <= {hh, ll[2*L-1:0]};
+  wire unused_ll = &{1'b0, ll[2*L+1:2*L]};  // 0: its factors are not negative
+
+  // lower half, upper half
+  wire signed [2*W-1:0] inner_x = {{(2 * W - H - L - 2) {inner[H+L+1]}}, inner};
+  wire [2*W-1:0] shifted = inner_x <<< L;
+  reg carry;
+  reg [W-1:0] low;
+  reg [W-1:0] outer_hi;
+  reg [W-1:0] inner_hi;
+  always @(posedge clk) begin
+    {carry, low} <= {1'b0, outer[W-1:0]} + {1'b0, shifted[W-1:0]};
+    outer_hi     <= outer[2*W-1:W];
+    inner_hi     <= shifted[2*W-1:W];
+    p            <= {outer_hi + inner_hi + {{(W - 1) {1'b0}}, carry}, low};
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,46 @@
+// Rounds down: q = floor(d * 2^count / 2^DROP), the low OW bits; d signed IW bits.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A left shift of a long word of which only the upper end is wanted.
+// Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones.
+`default_nettype none
+
+module ik_shift3 #(
+    parameter integer IW   = 66,  // width of d
+    parameter integer DROP = 33,  // bits left out below
+    parameter integer OW   = 33   // width of q
+) (
+    input  wire                 clk,
+    input  wire signed [IW-1:0] d,
+    input  wire        [   5:0] count,
+    output reg  signed [OW-1:0] q
+);
+
+  // Places above the result are of no use, those below it until nothing can shift them up any more.
+  localparam integer TOP = DROP + OW;
+  wire signed [TOP-1:0] wide;
+  generate
+    if (TOP > IW) begin : g_longer
+      assign wide = {{(TOP - IW) {d[IW-1]}}, d};
+    end else begin : g_shorter
+      assign wide = d[TOP-1:0];
+    end
+  endgenerate
+
+  reg signed [TOP-1:0] by_16;
+  reg signed [TOP-1:0] by_4;
+  reg [3:0] fours;
+  reg [1:0] ones;
+  wire signed [TOP-1:0] by_1 = by_4 <<< ones;
+  always @(posedge clk) begin
+    by_16 <= wide <<< {count[5:4], 4'b0000};
+    fours <= count[3:0];
+    by_4  <= by_16 <<< {fours[3:2], 2'b00};
+    ones  <= fours[1:0];
+    q     <= by_1[TOP-1:DROP];
+  end
+  wire unused = &{1'b0, by_1[DROP-1:0]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Starts the tests of ``tb/ik_mul3.py``."""
+
+import pytest
+
+from tb.unit import run_unit, sets, title
+
+
+def mul3(aw, bw, sh, ow):
+    return {"AW": aw, "BW": bw, "SH": sh, "OW": ow}
+
+
+SETS = sets(
+    mul3(5, 6, 5, 8),
+    mul3(33, 33, 31, 35),
+    icarus=[
+        mul3(6, 5, 4, 4),  # the low bits of the result
+        mul3(4, 6, 3, 12),  # more bits than the result has
+        mul3(33, 33, 30, 33),
+        mul3(33, 35, 33, 33),
+        mul3(32, 33, 29, 35),
+        mul3(35, 35, 34, 35),
+        mul3(23, 23, 21, 23),
+        mul3(21, 21, 18, 24),
+    ],
+)
+
+
+@pytest.mark.parametrize("parameters", SETS, ids=title)
+def test_ik_mul3(parameters):
+    run_unit("ik_mul3", parameters)
+
+
+@pytest.mark.parametrize(
+    "parameters", [mul3(33, 33, 29, 33), mul3(33, 34, 30, 33), mul3(35, 36, 35, 36), mul3(9, 9, 1, 9)], ids=title
+)
+def test_tiles_that_do_not_fit_stop_the_build(parameters, caplog):
+    with pytest.raises(SystemExit):
+        run_unit("ik_mul3", parameters, sim="icarus")
+    assert "ik_mul3_needs_parts_of_a_and_b_that_fit_18x18_bits" in caplog.text
