@@ -53,9 +53,10 @@ docs: ## write the generated pages and headers anew
 	@$(VENV) -m scripts.gen_headers
 	@$(VENV) -m scripts.gen_docs --sim $(SIM)
 
-derive: ## write docs/derivation.md: the paper's equations from its geometry, with symbols
+derive: ## docs/derivation.md, the paper's equations from its geometry, and docs/lean.md, the lean ones from them
 	@$(SETUP)
 	@$(VENV) -m scripts.derive
+	@$(VENV) -m scripts.derive_lean
 
 wordlengths: ## ranges proved and seen, errors of every node: docs/wordlengths.md and .svg
 	@$(SETUP) icarus

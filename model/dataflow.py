@@ -52,13 +52,15 @@ of the low halves, less than an ulp, and rounds half up."""
 WIDTHS = range(16, 33)
 """Word lengths that the datapaths are built for."""
 
-MOST_FRAC = 31
-"""Fraction bits of an inner word of the lean datapath at most: it is cut into tiles of 18 bits and less."""
+INNER_FRACS = 19, 31
+"""Fraction bits of an inner word of the lean datapath, least and most: its roots need 19, and words of 31 and two
+integer bits are cut into tiles of 18 bits and less."""
 
 
 def inner_frac(width: int) -> int:
     """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
-    return min(width + 3, MOST_FRAC)
+    least, most = INNER_FRACS
+    return min(max(width + 3, least), most)
 
 
 class FormatError(ValueError):
@@ -175,7 +177,7 @@ class Negated:
 
 
 SECTIONS = {
-    "guard": "targets outside the equations' domain, and scale",
+    "guard": "domain and scale",
     "swivel": "3.1 swivel plane",
     "elbow": "3.2 elbow point",
     "elbow_q": "3.3 elbow quaternion",
@@ -189,9 +191,9 @@ SECTIONS = {
 class Domain(ABC):
     """The operations that :func:`paper` is written in.  Each makes one named node, one or more clocks later."""
 
-    def __init__(self, width: int) -> None:
-        if width not in WIDTHS:
-            raise ValueError(f"width {width}: the paper's datapath is built for {WIDTHS[0]} to {WIDTHS[-1]}")
+    def __init__(self, width: int, widths: range = WIDTHS) -> None:
+        if width not in widths:
+            raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
         self.width = width
         self.latency = Latency(width)
         self.nodes: dict[str, Node] = {}
@@ -289,7 +291,7 @@ class Domain(ABC):
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
     def rsqrt(self, name: str, m: Node, fmt: Format) -> Node:
-        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; something in (1/2, 1] where m = 0."""
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0."""
         return self.make(name, "rsqrt", (m,), fmt, "rsqrt", self.reciprocal_root(name, m, fmt), error=FAITHFUL)
 
     def trig(self, sin: str, cos: str, phi: Node, fmt: Format) -> None:

@@ -15,13 +15,14 @@ class Datapath:
     """One dataflow and where its Verilog stands.
 
     ``flow(domain, target)`` is the whole of it, ``after_guard(domain, phi)`` what follows the exact decisions.
-    ``sections`` maps a section to what it is.
+    ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with.
     """
 
     name: str
     flow: Callable
     after_guard: Callable
     sections: dict[str, str]
+    widths: range = dataflow.WIDTHS
 
     @property
     def folder(self) -> Path:
@@ -34,7 +35,7 @@ class Datapath:
 
 
 DATAPATHS = {
-    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS),
+    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, lean.WIDTHS),
     "paper": Datapath("paper", dataflow.paper, dataflow.sections, dataflow.SECTIONS),
 }
 """All of them by name; the first is what a user gets who does not choose."""

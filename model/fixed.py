@@ -85,7 +85,7 @@ class Bits(Domain):
     """Runs the dataflow in integers.  ``overflow`` keeps for every product, sum and quotient where it did not fit."""
 
     def __init__(self, width: int, datapath: str = "paper") -> None:
-        super().__init__(width)
+        super().__init__(width, DATAPATHS[datapath].widths)
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
@@ -134,7 +134,9 @@ class Bits(Domain):
         return lean_cores.rsqrt(m.value, fmt.frac)
 
     def half_sincos(self, phi, fmt):
-        return lean_trig.half_sincos(phi.value, self.width, fmt.frac)
+        # An angle of fewer than 16 bits is one of 16 that ends in zeros.
+        width = max(self.width, 16)
+        return lean_trig.half_sincos(phi.value << (width - self.width), width, fmt.frac)
 
     def mantissa(self, name, word, words, counts, fill):
         empty = np.logical_and.reduce([w.value == 0 for w in words])

@@ -9,8 +9,9 @@ Exact part.  Squares, their sums, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K
 2W + 2 bits; their signs are the flags.  Every root takes its argument normalized by an even shift, so its relative
 precision does not depend on how small the argument is.
 
-Formats.  An inner word has F = min(W + 3, 31) fraction bits and two integer bits: [-2, 2).  A mantissa, the argument of
-a root, has F + 3 bits, all of them fraction.  The root's result is 1/(2 sqrt(m)), in (1/2, 1].
+Formats.  An inner word has F = W + 3 fraction bits, but at least 19 and at most 31, and two integer bits: [-2, 2).  A
+mantissa, the argument of a root, has F + 3 bits, all of them fraction.  The root's result is 1/(2 sqrt(m)), in
+(1/2, 1]; 0 where m = 0.
 
 Rounding.  ``mul3`` leaves out the product of the two low halves and rounds half up: -1.5 to 0.5 ulp.  Roots are
 faithful, shifts floor, the results are rounded half up to W - 2 fraction bits.
@@ -24,12 +25,16 @@ from model.dataflow import FLOOR, HALF_UP, Domain, Format, Node, inner_frac, wra
 
 SECTIONS = {
     "guard": "exact squares and flags",
-    "direction": "azimuth and elevation of the target",
-    "triangle": "angle at the shoulder, elbow quaternion",
+    "direction": "azimuth and elevation",
+    "triangle": "shoulder angle, elbow",
     "turn": "shoulder quaternion",
     "results": "what leaves the datapath",
 }
 """Section name -> what it is; the RTL module is ``ik_lean_<section>``, its instance ``u_<section>``."""
+
+
+WIDTHS = range(3, 33)
+"""Word lengths that the lean datapath can be built with: below 16 only so that all inputs can be tried."""
 
 
 class Lean:
@@ -46,7 +51,8 @@ class Lean:
         self.length = Format(width + 1, width - 2, "W - 2")
         self.doubled = Format(frac + 3, frac, "FRAC")  # 2 and a little fits
         self.raised = Format(frac + 5, frac, "FRAC")  # shifted left by 2
-        self.shifted = Format(width + 1, width, "W")
+        self.pad = max(16 - width, 0)  # zeros below a coordinate, for the tiles of its product
+        self.shifted = Format(width + self.pad + 1, width + self.pad, "((W < 16) ? 16 : W)")
         self.count = Format(6, 0, "0", signed=False)
         self.result = Format(width, width - 2, "W - 2")
 
@@ -127,7 +133,7 @@ def direction(d: Domain, f: Lean) -> None:
     _root(d, f, "s", n["s"], 2 * w)
     for name, word, count in (("x_n", "x", "e_rho"), ("y_n", "y", "e_rho"), ("z_n", "z", "e_s")):
         # In the root's own unit: |x| <= rho, so nothing is lost at the top.
-        up, scaled = lambda a, e: wrap(a << e, w + 1), lambda a, e: a * 2.0 ** (e - 2)
+        up, scaled = lambda a, e: wrap(a << (e + f.pad), f.shifted.width), lambda a, e: a * 2.0 ** (e - 2)
         d.op(name, (word, count), f.shifted, "shift", up, scaled)
     d.mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1)
     d.mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1)
@@ -197,8 +203,8 @@ def triangle(d: Domain, f: Lean) -> None:
     t_a = _limited(d, f, "t_a")
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     d.op("n_k", ("e_1", "e_s"), f.count, "mux", lambda a, b: (2 * a + b) & 63)
-    low = 2 * w + f.odd - f.frac
-    up = lambda k, e: wrap((k.astype(object) << e) >> low, f.inner.width)  # noqa: E731
+    raised, low = max(f.frac - 2 * w - f.odd + 1, 0), max(2 * w + f.odd - f.frac, 1)
+    up = lambda k, e: wrap((k.astype(object) << (e + raised)) >> low, f.inner.width)  # noqa: E731
     scaled = lambda k, e: k * 2.0 ** (2 * w - 4) * 2.0 ** (e - 2 * w - f.odd)  # noqa: E731
     d.op("k_t", ("k_law", "n_k"), f.inner, "shift3", lambda k, e: up(k, e).astype(np.int64), scaled, FLOOR)
     d.mul3("cos_a", n["k_t"], t_a, f.inner, scale=1)

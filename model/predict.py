@@ -25,7 +25,7 @@ class Real(Domain):
     """
 
     def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
-        super().__init__(bits.width)
+        super().__init__(bits.width, DATAPATHS[bits.datapath].widths)
         self.bits = bits
         self.moves = moves
         for name, node in bits.nodes.items():

@@ -6,6 +6,19 @@
 function integer datapath_latency(input integer lean, input integer w);
   begin
     case (100 * lean + w)
+      103: datapath_latency = 43;
+      104: datapath_latency = 43;
+      105: datapath_latency = 43;
+      106: datapath_latency = 43;
+      107: datapath_latency = 43;
+      108: datapath_latency = 43;
+      109: datapath_latency = 43;
+      110: datapath_latency = 43;
+      111: datapath_latency = 43;
+      112: datapath_latency = 43;
+      113: datapath_latency = 43;
+      114: datapath_latency = 43;
+      115: datapath_latency = 43;
       116: datapath_latency = 43;
       117: datapath_latency = 43;
       118: datapath_latency = 43;

@@ -40,7 +40,7 @@ COLOURS = {
 }
 """Kind of operation -> fill and line."""
 
-SECTION_TITLES = {s: t for s, t in SECTIONS.items()} | {"guard": "domain and scale", "results": "results"}
+SECTION_TITLES = SECTIONS | {"results": "results"}
 
 
 # -- the design ------------------------------------------------------------------------------------------------------

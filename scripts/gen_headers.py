@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from model import lean_cores, lean_trig
-from model.dataflow import GUARD, MOST_FRAC, WIDTHS, Latency, Node
+from model.dataflow import GUARD, INNER_FRACS, WIDTHS, Latency, Node
 from model.datapaths import DATAPATHS
 from model.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 from model.targets import RESULT_FIELDS
@@ -28,8 +28,8 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 
 def traced(datapath: str) -> dict[int, Bits]:
     """A dataflow at every width, run on one target: formats and clocks do not depend on the target."""
-    one = {w: 1 << (w - 3) for w in WIDTHS}
-    return {w: run(np.array([[one[w], 0, 0, 0, one[w], one[w]]]), w, datapath).bits for w in WIDTHS}
+    one = {w: 1 << (w - 3) for w in DATAPATHS[datapath].widths}
+    return {w: run(np.array([[d, 0, 0, 0, d, d]]), w, datapath).bits for w, d in one.items()}
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
@@ -37,7 +37,7 @@ def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
-            times.setdefault(tuple(runs[w].nodes[node.name].time for w in WIDTHS), f"T_{node.name.upper()}")
+            times.setdefault(tuple(run.nodes[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
     last = tuple(max(column) for column in zip(*times, strict=True))
     if last in times:
         return times[last]
@@ -62,7 +62,9 @@ def nodes_header(datapath: str) -> str:
     if datapath == "paper":
         lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
     else:
-        lines.append(f"localparam integer FRAC = (W + 3 < {MOST_FRAC}) ? W + 3 : {MOST_FRAC};  // of an inner word")
+        least, most = INNER_FRACS
+        frac = f"(W < {least - 3}) ? {least} : ((W < {most - 3}) ? W + 3 : {most})"
+        lines.append(f"localparam integer FRAC = {frac};  // of an inner word")
     for kind, (_, _, why) in Latency.TABLE.items():
         if kind in used:
             lines.append(f"localparam integer LAT_{kind.upper()} = {Latency.expression(kind)};  // {why}")

@@ -6,7 +6,8 @@ import json
 import pytest
 
 from model import trajectories
-from model.scoring import REGULAR_BAR
+from model.datapaths import DATAPATHS
+from model.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import gen_docs, run
 from scripts.env import simulator
 
@@ -15,13 +16,23 @@ AIM = 1e-6
 
 
 @pytest.fixture(scope="module")
-def outcome(tmp_path_factory):
-    """(folder, scores) of all trajectories."""
-    out = tmp_path_factory.mktemp("all")
-    status = run.main(["--trajectory", "all", "--out", str(out), "--sim", simulator()])
-    scores = {score["trajectory"]: score for score in json.loads((out / "score.json").read_text())}
-    assert status == 0, {name: score["failures"] for name, score in scores.items()}
-    return out, scores
+def outcomes(tmp_path_factory):
+    """Datapath -> (folder, scores) of all trajectories."""
+    found = {}
+    for datapath in DATAPATHS:
+        out = tmp_path_factory.mktemp(datapath)
+        arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(out), "--sim", simulator()]
+        status = run.main(arguments)
+        scores = {score["trajectory"]: score for score in json.loads((out / "score.json").read_text())}
+        assert status == 0, {name: score["failures"] for name, score in scores.items()}
+        found[datapath] = out, scores
+    return found
+
+
+@pytest.fixture(params=DATAPATHS)
+def outcome(request, outcomes):
+    """(folder, scores) of all trajectories by one datapath."""
+    return outcomes[request.param]
 
 
 def test_there_are_all_trajectories_of_100_targets(outcome):
@@ -35,11 +46,24 @@ def test_no_bit_differs_from_the_model(outcome):
     assert {name: score["bit_mismatches"] for name, score in scores.items()} == dict.fromkeys(scores, 0)
 
 
-def test_regular_trajectories_reach_the_aim(outcome):
-    _, scores = outcome
+def test_regular_trajectories_reach_the_aim(outcomes):
+    _, scores = outcomes["paper"]
     for name in trajectories.REGULAR:
         assert scores[name]["hand_error_bar"] == REGULAR_BAR, f"{name} is not regular"
         assert scores[name]["hand_error_max"] <= AIM, f"{name}: {scores[name]['hand_error_max']}"
+
+
+def test_the_lean_datapath_is_held_to_its_own_bar(outcomes):
+    _, scores = outcomes["lean"]
+    assert {score["hand_error_bar"] for score in scores.values()} == {LEAN_BAR}
+
+
+def test_the_lean_datapath_is_better_in_every_figure(outcomes):
+    """What makes it the default."""
+    (_, lean), (_, paper) = outcomes["lean"], outcomes["paper"]
+    for name, score in lean.items():
+        for figure in ("latency_cycles", "total_cycles", "hand_error_max", "angle_error_max", "elbow_point_error_max"):
+            assert score[figure] < paper[name][figure], f"{name}: {figure}"
 
 
 def test_errors_stay_below_their_prediction(outcome):
@@ -56,17 +80,18 @@ def test_latency_and_rate(outcome):
         assert score["total_cycles"] == score["latency_cycles"] + 100, name
 
 
-def test_the_page_of_scores_is_up_to_date(outcome):
-    _, scores = outcome
-    page = gen_docs.scores_page(list(scores.values()))
+def test_the_page_of_scores_is_up_to_date(outcomes):
+    page = gen_docs.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
     assert gen_docs.SCORES.read_text() == page, "run `python -m scripts.gen_docs`"
 
 
 if simulator() == "verilator":
 
-    def test_both_simulators_write_the_same_files(outcome, tmp_path):
-        out, _ = outcome
-        assert run.main(["--trajectory", "all", "--out", str(tmp_path), "--sim", "icarus"]) == 0
+    @pytest.mark.parametrize("datapath", DATAPATHS)
+    def test_both_simulators_write_the_same_files(datapath, outcomes, tmp_path):
+        out, _ = outcomes[datapath]
+        arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(tmp_path), "--sim", "icarus"]
+        assert run.main(arguments) == 0
         for name in trajectories.TRAJECTORIES:
             ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
             assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the simulators' results differ"

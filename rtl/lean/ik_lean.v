@@ -8,7 +8,7 @@
 `default_nettype none
 
 module ik_lean #(
-    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32; from 3 on for exhaustive tests
     parameter integer TAG_W = 8    // width of the tag
 ) (
     input  wire             clk,
@@ -25,8 +25,8 @@ module ik_lean #(
   `include "ik_lean_nodes.vh"
 
   generate
-    if (W < 16 || W > 32) begin : g_illegal
-      ik_lean_needs_W_of_16_to_32 u_stop ();
+    if (W < 3 || W > 32) begin : g_illegal
+      ik_lean_needs_W_of_3_to_32 u_stop ();
     end
   endgenerate
 

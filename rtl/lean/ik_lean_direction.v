@@ -6,8 +6,8 @@
 `default_nettype none
 
 module ik_lean_direction #(
-    parameter integer W = 32,                      // word length, 16 to 32
-    parameter integer N = (W < 28) ? W + 5 : 33    // of an inner word: follows from W, not to be set
+    parameter integer W = 32,  // word length, 16 to 32
+    parameter integer N = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33)  // of an inner word: follows from W
 ) (
     input  wire                  clk,
     input  wire signed [  W-1:0] x,
@@ -54,25 +54,29 @@ module ik_lean_direction #(
   wire signed [W-1:0] z_e;
   ik_delay #(.W(2*W), .N(T_E_RHO)) u_xy_e (.clk(clk), .d({y, x}), .q({y_e, x_e}));
   ik_delay #(.W(W), .N(T_E_S)) u_z_e (.clk(clk), .d(z), .q(z_e));
-  wire signed [W:0] x_n;
-  wire signed [W:0] y_n;
-  wire signed [W:0] z_n;
-  ik_shift #(.W(W+1)) u_x_n (.clk(clk), .d({x_e[W-1], x_e}), .count(e_rho), .q(x_n));
-  ik_shift #(.W(W+1)) u_y_n (.clk(clk), .d({y_e[W-1], y_e}), .count(e_rho), .q(y_n));
-  ik_shift #(.W(W+1)) u_z_n (.clk(clk), .d({z_e[W-1], z_e}), .count(e_s), .q(z_n));
+  localparam integer CW = F_X_N + 1;  // of a coordinate: short words get zeros below
+  wire signed [CW-1:0] x_w = {{(CW - W) {x_e[W-1]}}, x_e};
+  wire signed [CW-1:0] y_w = {{(CW - W) {y_e[W-1]}}, y_e};
+  wire signed [CW-1:0] z_w = {{(CW - W) {z_e[W-1]}}, z_e};
+  wire signed [CW-1:0] x_n;
+  wire signed [CW-1:0] y_n;
+  wire signed [CW-1:0] z_n;
+  ik_shift #(.W(CW)) u_x_n (.clk(clk), .d(x_w <<< (F_X_N - W)), .count(e_rho), .q(x_n));
+  ik_shift #(.W(CW)) u_y_n (.clk(clk), .d(y_w <<< (F_X_N - W)), .count(e_rho), .q(y_n));
+  ik_shift #(.W(CW)) u_z_n (.clk(clk), .d(z_w <<< (F_X_N - W)), .count(e_s), .q(z_n));
 
-  wire signed [W:0] x_inv;
-  wire signed [W:0] y_inv;
-  wire signed [W:0] z_inv;
-  ik_delay #(.W(2*W+2), .N(T_INV_RHO-T_X_N)) u_xy_inv (.clk(clk), .d({y_n, x_n}), .q({y_inv, x_inv}));
-  ik_delay #(.W(W+1), .N(T_INV_S-T_Z_N)) u_z_inv (.clk(clk), .d(z_n), .q(z_inv));
+  wire signed [CW-1:0] x_inv;
+  wire signed [CW-1:0] y_inv;
+  wire signed [CW-1:0] z_inv;
+  ik_delay #(.W(2*CW), .N(T_INV_RHO-T_X_N)) u_xy_inv (.clk(clk), .d({y_n, x_n}), .q({y_inv, x_inv}));
+  ik_delay #(.W(CW), .N(T_INV_S-T_Z_N)) u_z_inv (.clk(clk), .d(z_n), .q(z_inv));
   wire signed [N-1:0] u_x;
   wire signed [N-1:0] u_y;
   wire signed [N-1:0] sin_el;
   localparam integer SH_U = F_X_N + F_INV_RHO - 1 - F_U_X;
-  ik_mul3 #(.AW(W+1), .BW(N), .SH(SH_U), .OW(N)) u_u_x (.clk(clk), .a(x_inv), .b(inv_rho), .q(u_x));
-  ik_mul3 #(.AW(W+1), .BW(N), .SH(SH_U), .OW(N)) u_u_y (.clk(clk), .a(y_inv), .b(inv_rho), .q(u_y));
-  ik_mul3 #(.AW(W+1), .BW(N), .SH(SH_U), .OW(N)) u_sin_el (.clk(clk), .a(z_inv), .b(inv_s), .q(sin_el));
+  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N)) u_u_x (.clk(clk), .a(x_inv), .b(inv_rho), .q(u_x));
+  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N)) u_u_y (.clk(clk), .a(y_inv), .b(inv_rho), .q(u_y));
+  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N)) u_sin_el (.clk(clk), .a(z_inv), .b(inv_s), .q(sin_el));
 
   // ---- cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse brought to it ----
 

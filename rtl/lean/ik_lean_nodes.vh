@@ -5,7 +5,7 @@
 // which it is valid, counted from the clock in which its target stands at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
-localparam integer FRAC = (W + 3 < 31) ? W + 3 : 31;  // of an inner word
+localparam integer FRAC = (W < 16) ? 19 : ((W < 28) ? W + 3 : 31);  // of an inner word
 localparam integer LAT_SUM2 = 2;  // add, round and saturate
 localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
 localparam integer LAT_MUX = 1;  // an exact addition, a choice, a sign change or a comparison
@@ -46,16 +46,16 @@ localparam integer T_CLAMP = T_TOO_FAR + LAT_MUX;
 localparam integer T_FOLD = T_TOO_NEAR + LAT_MUX;
 localparam integer T_AWAY = T_TOO_NEAR + LAT_MUX;
 
-// azimuth and elevation of the target
+// azimuth and elevation
 localparam integer T_E_RHO = T_RHO_SQ + LAT_EVEN;  // (10)
 localparam integer T_M_RHO = T_RHO_SQ + LAT_EVEN;  // (10)
 localparam integer F_INV_RHO = FRAC, T_INV_RHO = T_M_RHO + LAT_RSQRT;  // (10)
 localparam integer T_E_S = T_S + LAT_EVEN;  // (10)
 localparam integer T_M_S = T_S + LAT_EVEN;  // (10)
 localparam integer F_INV_S = FRAC, T_INV_S = T_M_S + LAT_RSQRT;  // (10)
-localparam integer F_X_N = W, T_X_N = T_E_RHO + LAT_SHIFT;  // (10)
-localparam integer F_Y_N = W, T_Y_N = T_E_RHO + LAT_SHIFT;  // (10)
-localparam integer F_Z_N = W, T_Z_N = T_E_S + LAT_SHIFT;  // (10)
+localparam integer F_X_N = ((W < 16) ? 16 : W), T_X_N = T_E_RHO + LAT_SHIFT;  // (10)
+localparam integer F_Y_N = ((W < 16) ? 16 : W), T_Y_N = T_E_RHO + LAT_SHIFT;  // (10)
+localparam integer F_Z_N = ((W < 16) ? 16 : W), T_Z_N = T_E_S + LAT_SHIFT;  // (10)
 localparam integer F_U_X = FRAC, T_U_X = T_INV_RHO + LAT_MUL3;  // (10)
 localparam integer F_U_Y = FRAC, T_U_Y = T_INV_RHO + LAT_MUL3;  // (10)
 localparam integer F_SIN_EL = FRAC, T_SIN_EL = T_INV_S + LAT_MUL3;  // (10)
@@ -70,7 +70,7 @@ localparam integer F_G_T = FRAC, T_G_T = T_SIN_EL + LAT_MUX;  // (11)
 localparam integer F_HT_C = FRAC, T_HT_C = T_COS_EL + LAT_MUX;  // (11)
 localparam integer F_HT_S = FRAC, T_HT_S = T_COS_EL + LAT_MUX;  // (11)
 
-// angle at the shoulder, elbow quaternion
+// shoulder angle, elbow
 localparam integer T_E_A = T_A_FAR + LAT_EVEN;  // (14)
 localparam integer T_M_A = T_A_FAR + LAT_EVEN;  // (14)
 localparam integer F_INV_A = FRAC, T_INV_A = T_M_A + LAT_RSQRT;  // (14)

@@ -6,8 +6,8 @@
 `default_nettype none
 
 module ik_lean_triangle #(
-    parameter integer W = 32,                      // word length, 16 to 32
-    parameter integer N = (W < 28) ? W + 5 : 33    // of an inner word: follows from W, not to be set
+    parameter integer W = 32,  // word length, 16 to 32
+    parameter integer N = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33)  // of an inner word: follows from W
 ) (
     input  wire                  clk,
     input  wire signed [  W-1:0] d1,
@@ -153,7 +153,12 @@ module ik_lean_triangle #(
   wire signed [N-1:0] k_t;
   wire signed [N-1:0] k_t_t;
   ik_delay #(.W(2*W+2), .N(T_N_K-T_K_LAW)) u_k_law_n (.clk(clk), .d(k_law), .q(k_law_n));
-  ik_shift3 #(.IW(2*W+2), .DROP(2*W+ODD-FRAC), .OW(N)) u_k_t (.clk(clk), .d(k_law_n), .count(n_k), .q(k_t));
+  // short words get zeros below
+  localparam integer DROP_K = (2 * W + ODD > FRAC) ? 2 * W + ODD - FRAC : 1;
+  localparam integer PAD_K = DROP_K - (2 * W + ODD - FRAC);
+  localparam integer KW = 2 * W + 2 + PAD_K;
+  wire signed [KW-1:0] k_law_x = $signed(k_law_n);
+  ik_shift3 #(.IW(KW), .DROP(DROP_K), .OW(N)) u_k_t (.clk(clk), .d(k_law_x <<< PAD_K), .count(n_k), .q(k_t));
   ik_delay #(.W(N), .N(T_T_A-T_K_T)) u_k_t_t (.clk(clk), .d(k_t), .q(k_t_t));
   wire signed [N-1:0] cos_a;
   ik_mul3 #(.AW(N), .BW(N), .SH(F_K_T+F_T_A-1-F_COS_A), .OW(N)) u_cos_a (.clk(clk), .a(k_t_t), .b(t_a), .q(cos_a));

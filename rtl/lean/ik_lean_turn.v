@@ -6,8 +6,8 @@
 `default_nettype none
 
 module ik_lean_turn #(
-    parameter integer W = 32,                      // word length, 16 to 32
-    parameter integer N = (W < 28) ? W + 5 : 33    // of an inner word: follows from W, not to be set
+    parameter integer W = 32,  // word length, 16 to 32
+    parameter integer N = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33)  // of an inner word: follows from W
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,
@@ -42,7 +42,10 @@ module ik_lean_turn #(
   wire signed [N-1:0] cos_h;
   wire signed [N-1:0] sin_h1;
   wire signed [N-1:0] cos_h1;
-  ik_trig #(.W(W), .F(FRAC)) u_trig (.clk(clk), .phi(phi), .sin_h(sin_h), .cos_h(cos_h));
+  // an angle of fewer than 16 bits is one of 16 that ends in zeros
+  localparam integer PW = (W < 16) ? 16 : W;
+  wire signed [PW-1:0] phi_w = {{(PW - W + 1) {phi[W-1]}}, phi[W-2:0]};
+  ik_trig #(.W(PW), .F(FRAC)) u_trig (.clk(clk), .phi(phi_w <<< (PW - W)), .sin_h(sin_h), .cos_h(cos_h));
   ik_delay #(.W(2*N), .N(T_H1_C-T_SIN_H)) u_trig_h1 (.clk(clk), .d({cos_h, sin_h}), .q({cos_h1, sin_h1}));
 
   wire signed [N-1:0] cc;

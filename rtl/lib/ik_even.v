@@ -6,7 +6,7 @@
 `default_nettype none
 
 module ik_even #(
-    parameter integer VW = 64,  // width of v: even, 16 to 64
+    parameter integer VW = 64,  // width of v: even, 4 to 64
     parameter integer MW = 34   // width of the mantissa, at most 50
 ) (
     input  wire          clk,
@@ -16,8 +16,8 @@ module ik_even #(
 );
 
   generate
-    if (VW < 16 || VW > 64 || VW % 2 != 0 || MW < 1 || MW > 50) begin : g_illegal
-      ik_even_needs_VW_even_from_16_to_64_and_MW_to_50 u_stop ();
+    if (VW < 4 || VW > 64 || VW % 2 != 0 || MW < 1 || MW > 50) begin : g_illegal
+      ik_even_needs_VW_even_from_4_to_64_and_MW_to_50 u_stop ();
     end
   endgenerate
 

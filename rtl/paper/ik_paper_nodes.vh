@@ -17,7 +17,7 @@ localparam integer LAT_DIV = W + 2;  // pipelined radix-2 divider: magnitude, on
 localparam integer LAT_ROOT = W;  // pipelined radix-2 square root: one row a result bit, output
 localparam integer LAT_SINCOS = W + 1;  // CORDIC: one iteration a bit, rounding
 
-// targets outside the equations' domain, and scale
+// domain and scale
 localparam integer F_X = W - 2, T_X = 0;
 localparam integer F_Y = W - 2, T_Y = 0;
 localparam integer F_Z = W - 2, T_Z = 0;

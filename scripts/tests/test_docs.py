@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pages that people read: generated ones are up to date, links lead somewhere, what is named exists."""
 
+import itertools
 import re
 
 import pytest
 
+from model.dataflow import Latency
 from scripts import gen_docs
 from scripts.env import ROOT
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 
-def test_pipeline_picture_is_up_to_date():
-    assert gen_docs.PIPELINE.read_text() == gen_docs.pipeline_svg(), "run `python -m scripts.gen_docs`"
+@pytest.mark.parametrize("page", gen_docs.pages(), ids=lambda p: p.name)
+def test_page_is_up_to_date(page):
+    assert page.read_text() == gen_docs.pages()[page], "run `python -m scripts.gen_docs`"
+
+
+@pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
+def test_longest_path_has_no_gap(datapath, width):
+    path = gen_docs.longest_path(gen_docs.nodes_of(datapath, width))
+    assert path[0].op == "input" and path[0].time == 0
+    for before, after in itertools.pairwise(path):
+        assert after.time - before.time == (Latency(width)[after.latency] if after.latency else 0), after.name
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)

@@ -18,6 +18,7 @@ import pytest
 
 from model import trajectories
 from model.kinematics import forward
+from model.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import report, run
 from scripts.env import ROOT
 from scripts.simulate import SimulationError
@@ -73,7 +74,7 @@ def test_one_trajectory(cli, simulator):
     (shown,) = data()
     assert (shown["name"], shown["about"]) == ("reach", trajectories.describe("reach"))
     assert "<title>CGA-IK: reach</title>" in text()
-    assert "paper datapath, 32 bits, icarus" in text()
+    assert "lean datapath, 32 bits, icarus" in text()
     assert shown["passed"] and shown["failures"] == []
     lists = [key for key, value in shown.items() if isinstance(value, list) and key not in ("figures", "failures")]
     assert len(lists) == 16 and {len(shown[key]) for key in lists} == {100}
@@ -88,10 +89,11 @@ def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator):
     assert PAGE.stat().st_size < 2_000_000
 
 
-def test_figures_agree_with_the_score(cli):
+@pytest.mark.parametrize(("datapath", "bar"), [("lean", LEAN_BAR), ("paper", REGULAR_BAR)])
+def test_figures_agree_with_the_score(cli, datapath, bar):
     """What the plots show has the maxima that `make run` writes, and the table is that of `make run`."""
-    cli("--trajectory", "all")
-    cli("--trajectory", "all", main=run.main)
+    cli("--trajectory", "all", "--datapath", datapath)
+    cli("--trajectory", "all", "--datapath", datapath, main=run.main)
     scores = json.loads(Path("build/run/score.json").read_text())
     for shown, score in zip(data(), scores, strict=True):
         clamped = np.array(shown["clamped"])
@@ -112,7 +114,7 @@ def test_figures_agree_with_the_score(cli):
             assert most(key, where) == (expected and pytest.approx(expected, rel=1e-6)), (score["trajectory"], figure)
         over = (np.array(shown["hand"]) / shown["bar"])[~clamped].max()
         assert over == pytest.approx(score["hand_error_over_bar"], rel=1e-5)
-        assert shown["fixedBar"] == (score["hand_error_bar"] == 1e-4)
+        assert shown["fixedBar"] == (score["hand_error_bar"] == bar)
         assert [shown["latency"], shown["cycles"]] == [score["latency_cycles"], score["total_cycles"]]
         measured = {row[0]: row[1] for row in shown["figures"]}
         assert measured["hand error / reach, largest"] == f"{score['hand_error_max']:.1e}"
@@ -209,7 +211,7 @@ def test_links_lead_to_the_pictures(cli):
         assert cli("--out", str(out))[0] == 0
         links = re.findall(r'href="([^"]*)"', text(out / "report.html"))
         assert all((out / unquote(link)).resolve().is_file() for link in links)
-        assert "../../docs/pipeline.svg" in links
+        assert "../../docs/pipeline-lean.svg" in links
     finally:
         (out / "report.html").unlink(missing_ok=True)
         out.rmdir()
@@ -220,7 +222,7 @@ def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
     cli("--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"))
     page = text(tmp_path / "o" / "report.html")
     assert str(ROOT) not in page and str(tmp_path) not in page
-    assert "href=" not in page and "<li>docs/pipeline.svg</li>" in page
+    assert "href=" not in page and "<li>docs/pipeline-lean.svg</li>" in page
 
 
 def test_the_script_finds_its_elements():

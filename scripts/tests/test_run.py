@@ -91,12 +91,12 @@ def test_default_run(cli, simulator):
     assert out[-2:] == ["wrote build/run/results.csv", "wrote build/run/score.json"]
     (call,) = simulator.calls
     assert [job.name for job in call["jobs"]] == ["reach"]
-    assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "paper", 32)
+    assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "lean", 32)
     assert call["progress"] is None, "stderr is no terminal, so no progress is drawn"
     (score,) = scores()
     assert score["trajectory"] == "reach" and score["targets"] == 100 and score["passed"]
     hand = next(line for line in out if "hand error / reach, largest" in line)
-    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "1.0e-04", "6.0e-08"]
+    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "2.0e-08", "6.0e-08"]
     assert any("pass" in line for line in out)
 
 
@@ -222,7 +222,7 @@ def test_a_failure_names_the_bar_and_by_how_much(cli, simulator):
     status, out, err = cli("--trajectory", "all")
     assert status == 1
     assert err[0].startswith("run: circle fails: hand error ")
-    assert "at target 30 is " in err[0] and "times its bar 0.0001" in err[0]
+    assert "at target 30 is " in err[0] and "times its bar 2e-08" in err[0]
     assert err[-1] == ("run: figure_eight fails: 5 bits differ from the bit-true model; target 3, node c4")
     verdicts = {item["trajectory"]: item["passed"] for item in scores()}
     assert [name for name, passed in verdicts.items() if not passed] == ["circle", "figure_eight"]
