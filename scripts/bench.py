@@ -14,6 +14,7 @@ import time
 import numpy as np
 
 from model import fixed, predict
+from model.datapaths import DATAPATHS
 from scripts.env import SIMULATORS
 from scripts.simulate import Job, simulate
 from tb.stimuli import random_reachable
@@ -35,26 +36,26 @@ def main() -> int:
     parser.add_argument("--width", type=int, default=32, metavar="BITS", help="word length (default: %(default)s)")
     options = parser.parse_args()
     words = random_reachable(options.targets, options.width, seed=1)
-    rates = {}
-    for sim in SIMULATORS:
-        print(f"{sim} ...", file=sys.stderr, flush=True)
-
-        def simulated(jobs, sim=sim):
-            simulate(jobs, simulator=sim, datapath="paper", width=options.width)
-
-        simulated([Job("warm", words[:1])])  # builds
-        start = timed(lambda: simulated([Job("one", words[:1])]))
-        rates[sim] = options.targets / (timed(lambda: simulated([Job("many", words)])) - start), start
-    many = np.concatenate([words] * (100_000 // options.targets))
-    model = len(many) / timed(lambda: fixed.run(many, options.width))
-    bars = options.targets / timed(lambda: predict.hand_bar(words, options.width))
-    slow = rates[SIMULATORS[0]][0]
     print("| what | targets a second | ratio | start (s) |")
     print("| --- | --- | --- | --- |")
-    for sim, (rate, start) in rates.items():
-        print(f"| RTL in {sim}, every node compared | {rate:.0f} | {rate / slow:.2g} | {start:.1f} |")
-    print(f"| bit-true model, every node | {model:.0f} | {model / slow:.2g} | - |")
-    print(f"| predicted error of the hand | {bars:.0f} | {bars / slow:.2g} | - |")
+    slow = None
+    for datapath in DATAPATHS:
+        for sim in SIMULATORS:
+            print(f"{datapath} in {sim} ...", file=sys.stderr, flush=True)
+
+            def simulated(jobs, datapath=datapath, sim=sim):
+                simulate(jobs, simulator=sim, datapath=datapath, width=options.width)
+
+            simulated([Job("warm", words[:1])])  # builds
+            start = timed(lambda run=simulated: run([Job("one", words[:1])]))
+            rate = options.targets / (timed(lambda run=simulated: run([Job("many", words)])) - start)
+            slow = slow or rate
+            print(f"| {datapath} RTL in {sim}, every node compared | {rate:.0f} | {rate / slow:.2g} | {start:.1f} |")
+        many = np.concatenate([words] * (100_000 // options.targets))
+        model = len(many) / timed(lambda many=many, path=datapath: fixed.run(many, options.width, path))
+        bars = options.targets / timed(lambda path=datapath: predict.hand_bar(words, options.width, path))
+        print(f"| {datapath} bit-true model, every node | {model:.0f} | {model / slow:.2g} | - |")
+        print(f"| {datapath} predicted error of the hand | {bars:.0f} | {bars / slow:.2g} | - |")
     return 0
 
 

@@ -6,9 +6,12 @@ Columns are ``FIELDS`` of :mod:`model.targets`: x, y, z, phi, d1, d2.
 
 from __future__ import annotations
 
+from math import isqrt
+
 import numpy as np
 
 from model.flags import UNREACHABLE, expected_flags
+from model.lean_equations import solve_lean
 from model.targets import FIELDS
 
 
@@ -176,3 +179,172 @@ def mixed(count: int, width: int, seed: int) -> np.ndarray:
         ]
     )
     return random.permutation(rows)
+
+
+REGIONS = {
+    "anywhere": "any direction, any distance from fold to stretch",
+    "near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
+    "near full stretch": "0.1 to 1e-10 of the reach short of it, or at it",
+    "near full fold": "0.1 to 1e-10 of the reach beyond it, or at it, either arm the longer",
+    "near the shoulder": "0.1 to 1e-9 of the reach off it",
+    "unequal arms": "1:5 to 1:20",
+    "most unequal arms": "1:20 and beyond, down to an arm of 1 lsb",
+    "short arms": "of 1 to 60 lsb",
+    "stretched near the z axis": "both at once",
+    "folded near the z axis": "both at once",
+    "elbow near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
+    "where a branch changes": "x, y, z, the cosine at the shoulder or the k part of Qs within a few lsb of 0",
+}
+"""Parts of the reachable workspace, most of them near singular poses of equations (10)-(18), and what is in them."""
+
+
+def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
+    """Targets of one of the ``REGIONS``, all in reach.  Arms are of all sizes and up to 1:20 where nothing else is
+    said; a quarter of the swivel angles lies within 2 lsb of a multiple of an eighth of a turn."""
+    random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
+    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
+    while len(rows) < count:
+        more = _region(name, random, count + 16, width)
+        low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
+        more = more[((more >= low) & (more <= top)).all(axis=1)]
+        rows = np.concatenate([rows, more[expected_flags(more, width) & UNREACHABLE == 0]])
+    return rows[:count]
+
+
+def _region(name: str, random, count: int, width: int) -> np.ndarray:
+    eighth = 1 << (width - 3)
+    phi = random.integers(-4 * eighth, 4 * eighth, count)
+    special = random.integers(-4, 4, count) * eighth + random.integers(-2, 3, count)
+    phi = np.where(random.random(count) < 0.25, np.clip(special, -4 * eighth, 4 * eighth - 1), phi)
+
+    mild = random.random(count) < 0.5
+    ratio = np.exp(np.where(mild, random.uniform(-0.5, 0.5, count), random.uniform(-1, 1, count) * np.log(20)))
+    if "unequal" in name:
+        ends = (np.log2(20), width - 2) if "most" in name else (np.log2(5), np.log2(20))
+        ratio = np.exp2(random.uniform(*ends, count) * random.choice([-1, 1], count))
+    share = ratio / (1 + ratio)
+    bits = np.where(random.random(count) < 0.5, width - 1, random.uniform(4, width - 1, count))
+    if name == "short arms":
+        bits = random.uniform(1, 7, count)
+    reach = np.exp2(bits) * random.uniform(0.5, 1, count) * np.where(mild & (random.random(count) < 0.5), 1.4, 1)
+    d1, d2 = (np.maximum(np.rint(reach * part), 1).astype(np.int64) for part in (share, 1 - share))
+    gap = np.where(random.random(count) < 0.9, 10 ** random.uniform(-10, -1, count), 0)
+
+    direction = _near_z(random, count) if "the z axis" in name else random.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    distance = random.uniform(np.abs(d1 - d2), d1 + d2)
+    if name == "near the shoulder":
+        distance = reach * 10 ** random.uniform(-9, -1, count)
+    elif "fold" in name:
+        distance = random.uniform(0, 0.9, count) * reach
+    position = np.rint(direction * distance[:, None]).astype(np.int64)
+    if name == "elbow near the z axis":
+        return _elbow_near_z(random, width, d1, d2)
+    if name == "where a branch changes":
+        return _branches(random, width, position, phi, d1, d2)
+    if "fold" in name or "stretch" in name or "shoulder" in name:
+        squares = (position.astype(object) ** 2).sum(axis=1)
+        floor = np.array([isqrt(s) for s in squares])
+        if "stretch" in name:
+            total = floor + (floor.astype(object) ** 2 < squares) + np.floor(gap * floor).astype(np.int64)
+            d1 = np.clip(np.rint(total * share).astype(np.int64), 1, np.maximum(total - 1, 1))
+            d2 = total - d1
+        else:  # the longer arm, where the shorter one is given
+            part = random.uniform(-1, 1, count) if "shoulder" in name else 1 - gap
+            longer = np.minimum(d1, d2) + np.rint(floor * part).astype(np.int64)
+            d1, d2 = np.where(d1 < d2, d1, longer), np.where(d1 < d2, longer, d2)
+    return np.column_stack([position, phi, d1, d2])
+
+
+def _near_z(random, count: int) -> np.ndarray:
+    """Directions next to the z axis and on it."""
+    off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count), 0)
+    azimuth = random.uniform(-np.pi, np.pi, count)
+    side = random.choice([-1, 1], count)
+    return np.column_stack([np.sin(off) * np.cos(azimuth), np.sin(off) * np.sin(azimuth), side * np.cos(off)])
+
+
+def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
+    """The wrist where the swivel plane at phi = 0 (half a turn for an elbow below) holds the z axis."""
+    count = len(d1)
+    elbow = _near_z(random, count) * d1[:, None]
+    # Of a forearm that points away from the wrist's side the elbow would be on the other side.
+    bend = random.uniform(0, np.pi, count)
+    azimuth = random.uniform(-np.pi, np.pi, count)
+    side = np.column_stack([np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend)])
+    off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count) * random.choice([-1, 1], count), 0)
+    phi = np.rint(off / (2 * np.pi) * 2.0**width).astype(np.int64)
+    half = 1 << (width - 1)
+    phi = np.where(elbow[:, 2] > 0, phi, np.where(phi < 0, phi + half, phi - half))
+    return np.column_stack([np.rint(elbow + side * d2[:, None]).astype(np.int64), phi, d1, d2])
+
+
+def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
+    """Around 0, in turn: each word of the position, the cosine of the angle at the shoulder, k of Qs."""
+    count = len(phi)
+    kind = np.arange(count) % 5
+    few = random.integers(-4, 5, count)
+    for axis in range(3):
+        position[:, axis] = np.where(kind == axis, few, position[:, axis])
+    squares = (position.astype(object) ** 2).sum(axis=1) + d1.astype(object) ** 2  # cos a = 0: d2^2 = s + d1^2
+    d2 = np.where(kind == 3, np.array([isqrt(s) for s in squares]) + few, d2)
+    rows = np.column_stack([position, phi, d1, d2])
+    rows[kind == 4] = _k_around_0(random, width, rows[kind == 4])
+    return rows
+
+
+def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
+    """The same targets with such swivel angles.  Qs is q_0 cos(phi/2) + q_pi sin(phi/2), each up to its sign."""
+    x, y, z, _, d1, d2 = rows.T.astype(float)
+    at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
+    both = [2 * np.arctan2(-at_0, side * at_pi) for side in (1, -1)]
+    k = [solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in both]
+    phi = np.rint(np.where(k[0] < k[1], *both) / (2 * np.pi) * 2.0**width).astype(np.int64)
+    half = 1 << (width - 1)
+    rows[:, 3] = (phi + random.integers(-2, 3, len(rows)) + half) % (2 * half) - half
+    return rows
+
+
+SINGULAR = ("the z axis", "full stretch", "full fold", "the shoulder")
+"""Targets toward which the equations of the paper lose digits."""
+
+
+def at_distance(kind: str, distance: float, count: int, width: int, seed: int) -> np.ndarray:
+    """Targets in reach about so far from one of the ``SINGULAR``, by up to a factor of 3 either way.
+
+    ``distance`` is the angle to the z axis, a part of the reach that is left to the stretched or folded arm, or the
+    distance from the shoulder as a part of the reach.  Arms are from 1:3 to 3:1 and fill their words: a distance below
+    an lsb is 0.
+    """
+    random = np.random.default_rng((seed, width, 11, SINGULAR.index(kind)))
+    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
+    low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    while len(rows) < count:
+        more = count + 16
+        off = distance * 10 ** random.uniform(-0.5, 0.5, more)
+        ratio = np.exp(random.uniform(-1, 1, more) * np.log(3))
+        reach = random.uniform(0.6, 1, more) * top
+        d1, d2 = (np.rint(reach * part).astype(np.int64) for part in (ratio / (1 + ratio), 1 / (1 + ratio)))
+        direction = random.normal(size=(more, 3))
+        if kind == "the z axis":
+            direction[:, :2] *= (np.tan(off) * abs(direction[:, 2]) / np.hypot(*direction[:, :2].T))[:, None]
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        length = random.uniform(abs(d1 - d2), d1 + d2)
+        if kind == "full stretch":
+            length = (d1 + d2) * (1 - off)
+        elif kind == "full fold":
+            length = random.uniform(0.1, 0.5, more) * reach
+        elif kind == "the shoulder":
+            length = off * reach
+        position = np.rint(direction * length[:, None]).astype(np.int64)
+        floor = np.array([isqrt(v) for v in (position.astype(object) ** 2).sum(axis=1)])
+        if kind == "full stretch":  # by d2, so that the rounding of the position does not matter
+            d2 = floor - d1 + 1 + np.floor(off * reach).astype(np.int64)
+        elif kind == "full fold":
+            d1 = d2 + random.choice([-1, 1], more) * np.maximum(floor - np.floor(off * reach).astype(np.int64), 0)
+        elif kind == "the shoulder":
+            d1 = d2 + np.rint(floor * random.uniform(-1, 1, more)).astype(np.int64)
+        rows_more = np.column_stack([position, random.integers(low, top + 1, more), d1, d2])
+        rows_more = rows_more[((rows_more >= low) & (rows_more <= top)).all(axis=1)]
+        rows = np.concatenate([rows, rows_more[expected_flags(rows_more, width) & UNREACHABLE == 0]])
+    return rows[:count]
