@@ -7,7 +7,7 @@
 `default_nettype none
 
 module ik_exact #(
-    parameter integer W      = 33,  // width of a and b, at most 35
+    parameter integer W      = 33,  // width of a and b, 4 to 35
     parameter integer SQUARE = 0    // 1: p = a * a
 ) (
     input  wire                  clk,
@@ -15,6 +15,12 @@ module ik_exact #(
     input  wire signed [  W-1:0] b,
     output reg  signed [2*W-1:0] p
 );
+
+  generate
+    if (W < 4 || W > 35) begin : g_illegal
+      ik_exact_needs_W_from_4_to_35 u_stop ();
+    end
+  endgenerate
 
   localparam integer L = W / 2;  // width of the low half, unsigned
   localparam integer H = W - L;  // width of the high half, signed
@@ -31,14 +37,14 @@ module ik_exact #(
   reg signed [2*L+1:0] ll;
   // tile sums: hh and ll do not overlap
   reg [2*W-1:0] outer;
-  reg signed [H+L+1:0] inner;
+  reg signed [H+L:0] inner;  // |a_hi b_lo + a_lo b_hi| < 2^W
   generate
     if (SQUARE != 0) begin : g_square
       always @(posedge clk) begin
         hh    <= a_hi * a_hi;
         hl    <= a_hi * a_lo;
         ll    <= a_lo * a_lo;
-        inner <= {hl, 1'b0};
+        inner <= hl <<< 1;
       end
       wire unused = &{1'b0, b};
     end else begin : g_product
@@ -60,7 +66,7 @@ module ik_exact #(
   wire unused_ll = &{1'b0, ll[2*L+1:2*L]};  // 0: its factors are not negative
 
   // lower half, upper half
-  wire signed [2*W-1:0] inner_x = {{(2 * W - H - L - 2) {inner[H+L+1]}}, inner};
+  wire signed [2*W-1:0] inner_x = {{(2 * W - H - L - 1) {inner[H+L]}}, inner};
   wire [2*W-1:0] shifted = inner_x <<< L;
   reg carry;
   reg [W-1:0] low;

@@ -7,7 +7,7 @@
 
 module ik_shift3 #(
     parameter integer IW   = 66,  // width of d
-    parameter integer DROP = 33,  // bits left out below
+    parameter integer DROP = 33,  // bits left out below, at least 1
     parameter integer OW   = 33   // width of q
 ) (
     input  wire                 clk,
@@ -15,6 +15,12 @@ module ik_shift3 #(
     input  wire        [   5:0] count,
     output reg  signed [OW-1:0] q
 );
+
+  generate
+    if (DROP < 1) begin : g_illegal
+      ik_shift3_needs_DROP_of_at_least_1 u_stop ();
+    end
+  endgenerate
 
   // Places above the result are of no use, those below it until nothing can shift them up any more.
   localparam integer TOP = DROP + OW;

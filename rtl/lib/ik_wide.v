@@ -6,7 +6,7 @@
 `default_nettype none
 
 module ik_wide #(
-    parameter integer W   = 66,  // width of the words, even
+    parameter integer W   = 66,  // width of the words, at least 3
     parameter integer SUB = 0    // 1: subtract b
 ) (
     input  wire                clk,
