@@ -313,8 +313,8 @@ def at_distance(kind: str, distance: float, count: int, width: int, seed: int) -
     """Targets in reach about so far from one of the ``SINGULAR``, by up to a factor of 3 either way.
 
     ``distance`` is the angle to the z axis, a part of the reach that is left to the stretched or folded arm, or the
-    distance from the shoulder as a part of the reach.  Arms are from 1:3 to 3:1 and fill their words: a distance below
-    an lsb is 0.
+    distance from the shoulder as a part of the reach.  Arms are at most as unequal as 1:3 and large: a distance below
+    an lsb is 0 or 1.
     """
     random = np.random.default_rng((seed, width, 11, SINGULAR.index(kind)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -333,15 +333,15 @@ def at_distance(kind: str, distance: float, count: int, width: int, seed: int) -
         if kind == "full stretch":
             length = (d1 + d2) * (1 - off)
         elif kind == "full fold":
-            length = random.uniform(0.1, 0.5, more) * reach
+            length = random.uniform(0.2, 0.6, more) * d2
         elif kind == "the shoulder":
-            length = off * reach
+            length = off * 2 * d2
         position = np.rint(direction * length[:, None]).astype(np.int64)
         floor = np.array([isqrt(v) for v in (position.astype(object) ** 2).sum(axis=1)])
         if kind == "full stretch":  # by d2, so that the rounding of the position does not matter
             d2 = floor - d1 + 1 + np.floor(off * reach).astype(np.int64)
         elif kind == "full fold":
-            d1 = d2 + random.choice([-1, 1], more) * np.maximum(floor - np.floor(off * reach).astype(np.int64), 0)
+            d1 = d2 + random.choice([-1, 1], more) * np.maximum(floor - np.floor(off * 2 * d2).astype(np.int64), 0)
         elif kind == "the shoulder":
             d1 = d2 + np.rint(floor * random.uniform(-1, 1, more)).astype(np.int64)
         rows_more = np.column_stack([position, random.integers(low, top + 1, more), d1, d2])

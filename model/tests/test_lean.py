@@ -32,8 +32,8 @@ HAND_BAR = {16: 2e-4, 18: 5e-5, 24: 1e-6, 27: 1.25e-7, 32: 2e-8}
 words have one bit more than the results where the others have five."""
 
 HUNTED_BAR = {16: 2.4e-4, 18: 6e-5, 24: 1e-6, 27: 1.25e-7, 32: 5e-8}
-"""What searches for bad targets stay below: hill climbing over millions of targets for minutes found at most 5.6e-5
-for 18 and {worst:.1e} for 32, by one target in millions. See :data:`WORST`."""
+"""What searches for bad targets stay below. Hill climbing over millions of targets finds some that pass
+:data:`HAND_BAR`: 2.03e-4 for 16, 5.6e-5 for 18 and 3.7e-8 for 32, where 24 (8.9e-7) and 27 (1.01e-7) keep it."""
 
 WORST = {
     16: (-15, 496, 29891, -17219, 1466, 29258),
@@ -63,9 +63,10 @@ def norm_bars(width: int) -> tuple[float, float]:
     """Largest abs(norm^2 - 1) of Qs and Qe, in ulps: what rounding the words can do, and inner ulps besides.
 
     Half an ulp in every word changes norm^2 by the sum of their magnitudes, which is 2 at most (Qs), sqrt(2) (Qe).
+    So 4.2 and 2.0 for W up to 28, 37 and 10.4 for W = 32; searches find 2.3 and 1.8, 33.3 and 9.3.
     """
     inner = inner_ulp(width) / ulp(width)
-    return 2 + 80 * inner, np.sqrt(2) + 24 * inner
+    return 2 + 70 * inner, np.sqrt(2) + 18 * inner
 
 
 # -- a run and what it is held against
@@ -295,7 +296,7 @@ def test_agrees_with_the_paper_datapath(width):
     """The same flags for any words; the same hand on random targets, within what rounding explains of the paper's."""
     words = mixed(3000, width, seed=8)
     assert (fixed.run(words, width, "lean").flags == fixed.run(words, width).flags).all()
-    words = random_reachable(700, width, seed=8)
+    words = random_reachable(400, width, seed=8)
     asked = from_words(words, 0, width, "random")
     wrists = []
     for datapath in ("paper", "lean"):
@@ -351,7 +352,7 @@ def any_input(draw):
     return width, words_of(draw, width)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=250, deadline=None)
 @given(any_input())
 def test_any_input_gives_a_unit_quaternion(case):
     width, words = case

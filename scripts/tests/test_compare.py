@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""docs/compare.md and its picture are up to date, and what they are made of is right."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from model import fixed
+from model.flags import AT_SHOULDER, UNREACHABLE, expected_flags
+from model.kinematics import forward
+from model.targets import result_values
+from scripts import compare
+from tb.stimuli import REGIONS, SINGULAR, at_distance, region
+
+
+@pytest.fixture(scope="module")
+def text():
+    return compare.PAGE.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def measured(text):
+    return compare.Measured.now(*asked(text))
+
+
+def asked(text):
+    targets, seed = (int(v) for v in re.search(r"--targets (\d+) --seed (\d+)", text).groups())
+    return targets, seed
+
+
+def test_the_page_made_anew_is_the_same(text, measured):
+    assert compare.differing(text, compare.page(measured, *asked(text))) == [], "run `make compare`"
+
+
+def test_lean_is_below_its_bars(measured):
+    for width, bar in compare.BARS.items():
+        for name, errors in measured.lean[width].items():
+            assert errors.hand.max() <= bar, f"{name}, W = {width}"
+    for errors in [*measured.lean[32].values(), *sum(measured.near["lean"].values(), [])]:
+        assert max(errors.shoulder.max(), errors.elbow.max()) < 1e-7
+
+
+def test_both_have_the_same_targets_and_lean_is_better(measured):
+    for name in REGIONS:
+        paper, lean = (measured.same[path][name] for path in compare.PATHS)
+        assert len(paper.hand) == len(lean.hand)
+        assert np.median(lean.hand) < np.median(paper.hand) and lean.hand.max() < paper.hand.max(), name
+
+
+def test_errors_are_of_the_words():
+    """The hand's error by its definition, for one target."""
+    words = region("near the z axis", 5, 24, 3)
+    errors = compare.Errors.of(words, 24, "lean")
+    value = result_values(fixed.run(words, 24, "lean").results, 24)
+    for n, (x, y, z, _, d1, d2) in enumerate(words.tolist()):
+        _, wrist = forward(value[n : n + 1, :4], value[n : n + 1, 4:], d1, d2)
+        assert errors.hand[n] == pytest.approx(np.linalg.norm(wrist[0] - (x, y, z)) / (d1 + d2), rel=1e-9)
+
+
+def test_operations_are_those_of_the_dataflow():
+    """Table 4's kinds; the lean dataflow has no division and one reciprocal root for each of DESIGN's."""
+    paper, lean = (compare.operations(path) for path in compare.PATHS)
+    assert (paper["divisions"], paper["square roots"], paper["reciprocal square roots"]) == (11, 8, 0)
+    assert (lean["divisions"], lean["square roots"], lean["reciprocal square roots"]) == (0, 0, 7)
+    assert lean["multiplications"] < paper["multiplications"] / 1.9
+    assert lean["additions"] < paper["additions"]
+
+
+def test_latency_is_that_of_the_schedule():
+    for path in compare.PATHS:
+        for width in (16, 32):
+            bits = fixed.run(region("anywhere", 3, width, 1), width, path).bits
+            last = max(bits.nodes[name].time for name in ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i"))
+            assert compare.latency(path, width) == last + compare.FIFO_CLOCKS
+
+
+@pytest.mark.parametrize("width", (16, 32))
+@pytest.mark.parametrize("name", REGIONS)
+def test_regions_are_in_reach_and_where_they_say(name, width):
+    words = region(name, 1000, width, 2)
+    assert words.shape == (1000, 6)
+    assert not (expected_flags(words, width) & UNREACHABLE).any()
+    assert (words == region(name, 1000, width, 2)).all() and (words != region(name, 1000, width, 3)).any()
+    x, y, z, _, d1, d2 = words.T.astype(float)
+    distance, ratio = np.sqrt(x**2 + y**2 + z**2), np.maximum(d1, d2) / np.minimum(d1, d2)
+    lsb = 3 / np.maximum(distance, 1)
+    if "the z axis" in name and "elbow" not in name:
+        assert (np.hypot(x, y) <= (0.11 + lsb) * np.maximum(np.abs(z), 1) + 1).all()
+        assert (z > 0).any() and (z < 0).any()
+    if "stretch" in name:
+        # Short arms have no closer targets than an lsb.
+        assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
+    if "fold" in name:
+        assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()
+    if name == "unequal arms":
+        big = np.minimum(d1, d2) > 20
+        assert (ratio[big] > 4.7).all() and (ratio[big] < 21).all()
+    if name == "most unequal arms":
+        assert ratio.max() > 2.0 ** (width - 5) and np.median(ratio) > 20
+    if name == "short arms":
+        assert (d1 + d2 <= 185).all()
+
+
+@pytest.mark.parametrize("kind", SINGULAR)
+@pytest.mark.parametrize("distance", (1e-1, 1e-4, 1e-8))
+def test_targets_at_a_distance_are_there(kind, distance):
+    words = at_distance(kind, distance, 300, 32, 4)
+    assert not (expected_flags(words, 32) & (UNREACHABLE | AT_SHOULDER)).all()
+    x, y, z, _, d1, d2 = words.T.astype(np.longdouble)
+    p, reach = np.sqrt(x**2 + y**2 + z**2), d1 + d2
+    found = {
+        "the z axis": np.hypot(x, y) / np.maximum(np.abs(z), 1), "full stretch": (reach - p) / reach,
+        "full fold": (p - np.abs(d1 - d2)) / reach, "the shoulder": p / reach,
+    }[kind]  # fmt: skip
+    lsb = 3 / reach.min()
+    assert (found <= 4.5 * distance + lsb).all() and np.median(found) >= distance / 4 - lsb
+
+
+def test_picture_is_the_same_every_time_and_well_formed(measured):
+    first = compare.plot(measured.near)
+    assert first == compare.plot(measured.near)
+    assert b"<dc:date>" not in first
+    ElementTree.fromstring(first)
+    ElementTree.fromstring(compare.PLOT.read_bytes())
+
+
+@pytest.mark.parametrize("argument", [["--targets", "0"], ["--seed", "-1"], ["--targets", "many"]])
+def test_bad_arguments_are_refused(argument, capsys):
+    with pytest.raises(SystemExit) as stop:
+        compare.main(argument)
+    assert stop.value.code == 2
+    assert argument[0] in capsys.readouterr().err
+
+
+def test_command_writes_the_page_and_check_finds_it_stale(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(compare, "ROOT", tmp_path)
+    monkeypatch.setattr(compare, "PAGE", tmp_path / "page.md")
+    monkeypatch.setattr(compare, "PLOT", tmp_path / "plot.svg")
+    monkeypatch.setattr(compare, "WIDTHS", (16, 18, 24, 27, 32))
+    monkeypatch.setattr(compare, "AT_DISTANCE", 20)
+    assert compare.main(["--targets", "50"]) == 0
+    assert "seed 1, 50 targets" in capsys.readouterr().out
+    assert compare.main(["--targets", "50", "--check"]) == 0
+    page = tmp_path / "page.md"
+    page.write_text(page.read_text().replace("| divisions | 11 |", "| divisions | 12 |"))
+    assert compare.main(["--targets", "50", "--check"]) == 1
+    assert "divisions" in capsys.readouterr().err
