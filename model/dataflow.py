@@ -32,8 +32,8 @@ from typing import Any
 
 import numpy as np
 
-from model.lean_cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, rsqrt_clocks
-from model.lean_trig import TRIG_CLOCKS
+from model.lean_cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, cuts, rsqrt_clocks
+from model.lean_trig import FRACS, TRIG_CLOCKS
 
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""
@@ -43,24 +43,30 @@ HALF_UP = (-0.5, 0.5)
 FLOOR = (-1.0, 0.0)
 JAM = (-1.0, 1.0)
 CORDIC = (-2.0, 2.0)
-MUL3 = (-1.5, 0.5)
-FAITHFUL = (-1.0, 1.0)
 """What each rounding rule adds, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded ulps
-each in both coordinates, the angle left over is below one ulp, and the result is rounded.  MUL3 leaves out the product
-of the low halves, less than an ulp, and rounds half up."""
+each in both coordinates, the angle left over is below one ulp, and the result is rounded."""
 
 WIDTHS = range(16, 33)
 """Word lengths that the datapaths are built for."""
 
-INNER_FRACS = 19, 31
-"""Fraction bits of an inner word of the lean datapath, least and most: its roots need 19, and words of 31 and two
-integer bits are cut into tiles of 18 bits and less."""
+INNER_FRACS = 21, 33
+"""Fraction bits of an inner word of the lean datapath, least and most: words of 33 and two integer bits are cut into
+tiles of 18 bits and less."""
+
+ROOT_FRACS = 21, 31
+"""Fraction bits of its roots: up to 18 bits a word, where no Newton step is needed, and at most."""
 
 
 def inner_frac(width: int) -> int:
     """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
     least, most = INNER_FRACS
-    return min(max(width + 3, least), most)
+    return min(max(width + 5, least), most)
+
+
+def root_frac(width: int) -> int:
+    """Fraction bits of the lean datapath's roots at word length ``width``."""
+    short, most = ROOT_FRACS
+    return short if width <= 18 else min(inner_frac(width), most)
 
 
 class FormatError(ValueError):
@@ -97,16 +103,16 @@ class Latency:
     def __getitem__(self, kind: str) -> int:
         """Clocks of operation ``kind``."""
         if kind == "rsqrt":
-            return rsqrt_clocks(inner_frac(self.width))
+            return rsqrt_clocks(root_frac(self.width))
         bits, besides, _ = self.TABLE[kind]
         return bits * self.width + besides
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """The same as a Verilog expression of ``W`` and ``FRAC``."""
+        """The same as a Verilog expression of ``W`` and ``ROOT_FRAC``."""
         if kind == "rsqrt":
             short, long = (rsqrt_clocks(SEED_FRAC + k) for k in (0, 1))
-            return f"(FRAC > {SEED_FRAC}) ? {long} : {short}"
+            return f"(ROOT_FRAC > {SEED_FRAC}) ? {long} : {short}"
         bits, besides, _ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
@@ -281,8 +287,17 @@ class Domain(ABC):
 
     def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
         """a * b * 2^scale by three tiles (:func:`model.lean_cores.mul3`)."""
+        shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
-        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=MUL3)
+        # what is left out, and half a place of rounding
+        left_out = 2.0 ** (sum(cuts(shift, *widths)) - shift)
+        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=(-left_out - 0.5, 0.5))
+
+    @staticmethod
+    def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
+        """What :meth:`mul3` drops of the product's fraction bits, and the widths of its operands as signed words."""
+        widths = tuple(n.format.width + (not n.format.signed) for n in (a, b))
+        return a.format.frac + b.format.frac - scale - fmt.frac, widths
 
     def even(self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format) -> None:
         """Shifts the low ``width`` bits left by pairs until the first is not empty: the shift and a mantissa."""
@@ -292,12 +307,13 @@ class Domain(ABC):
 
     def rsqrt(self, name: str, m: Node, fmt: Format) -> Node:
         """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0."""
-        return self.make(name, "rsqrt", (m,), fmt, "rsqrt", self.reciprocal_root(name, m, fmt), error=FAITHFUL)
+        value = self.reciprocal_root(name, m, fmt)
+        return self.make(name, "rsqrt", (m,), fmt, "rsqrt", value, error=_faithful(fmt, m.format.frac - 3))
 
     def trig(self, sin: str, cos: str, phi: Node, fmt: Format) -> None:
         """Sine and cosine of phi/2."""
         for name, value in zip((sin, cos), self.half_sincos(phi, fmt), strict=True):
-            self.make(name, "trig", (phi,), fmt, "trig", value, error=FAITHFUL)
+            self.make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
 
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
         """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""
@@ -361,6 +377,12 @@ class Domain(ABC):
 
     def half_sincos(self, phi, fmt):
         raise NotImplementedError
+
+
+def _faithful(fmt: Format, frac: int) -> tuple[float, float]:
+    """Less than a place of ``frac`` fraction bits, in places of ``fmt``, which may have more."""
+    places = 2.0 ** max(fmt.frac - frac, 0)
+    return -places, places
 
 
 def _all_zero(words):

@@ -125,18 +125,23 @@ class Bits(Domain):
 
     def product3(self, name, a, b, fmt, scale):
         # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
-        return wrap(lean_cores.mul3(a.value, b.value, a.format.frac + b.format.frac - scale - fmt.frac), fmt.width)
+        shift, widths = self.cut(a, b, fmt, scale)
+        return wrap(lean_cores.mul3(a.value, b.value, shift, *widths), fmt.width)
 
     def even_mantissa(self, name, value, width, fmt):
         return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
 
     def reciprocal_root(self, name, m, fmt):
-        return lean_cores.rsqrt(m.value, fmt.frac)
+        # A root has no more fraction bits than its mantissa is made for; an inner word may have more.
+        frac = m.format.frac - 3
+        return lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
 
     def half_sincos(self, phi, fmt):
         # An angle of fewer than 16 bits is one of 16 that ends in zeros.
         width = max(self.width, 16)
-        return lean_trig.half_sincos(phi.value << (width - self.width), width, fmt.frac)
+        frac = min(fmt.frac, lean_trig.FRACS[-1])
+        pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac)
+        return tuple(v << (fmt.frac - frac) for v in pair)
 
     def mantissa(self, name, word, words, counts, fill):
         empty = np.logical_and.reduce([w.value == 0 for w in words])

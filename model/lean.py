@@ -9,19 +9,19 @@ Exact part.  Squares, their sums, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K
 2W + 2 bits; their signs are the flags.  Every root takes its argument normalized by an even shift, so its relative
 precision does not depend on how small the argument is.
 
-Formats.  An inner word has F = W + 3 fraction bits, but at least 19 and at most 31, and two integer bits: [-2, 2).  A
-mantissa, the argument of a root, has F + 3 bits, all of them fraction.  The root's result is 1/(2 sqrt(m)), in
-(1/2, 1]; 0 where m = 0.
+Formats.  An inner word has F = W + 5 fraction bits, but at least 21 and at most 33, and two integer bits: [-2, 2).  A
+root has at most 31 fraction bits, and 21 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
+1/(2 sqrt(m)), in (1/2, 1]; 0 where m = 0.
 
-Rounding.  ``mul3`` leaves out the product of the two low halves and rounds half up: -1.5 to 0.5 ulp.  Roots are
-faithful, shifts floor, the results are rounded half up to W - 2 fraction bits.
+Rounding.  ``mul3`` leaves out the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
+the results are rounded half up to W - 2 fraction bits.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from model.dataflow import FLOOR, HALF_UP, Domain, Format, Node, inner_frac, wrap
+from model.dataflow import FLOOR, HALF_UP, Domain, Format, Node, inner_frac, root_frac, wrap
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -46,7 +46,8 @@ class Lean:
         self.even_width = width + width % 2  # container of an arm's length, whose shifts are even
         self.odd = width % 2
         self.inner = Format(frac + 2, frac, "FRAC")
-        self.mantissa = Format(frac + 3, frac + 3, "FRAC + 3", signed=False)
+        root = root_frac(width)
+        self.mantissa = Format(root + 3, root + 3, "ROOT_FRAC + 3", signed=False)
         self.exact = Format(2 * width + 2, 2 * width - 4, "2*W - 4")
         self.length = Format(width + 1, width - 2, "W - 2")
         self.doubled = Format(frac + 3, frac, "FRAC")  # 2 and a little fits
@@ -258,19 +259,20 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     # The squared length is g_1 g_t g_a, in [1/8, 1]: the last root does not wait for the product.
     d.mul3("g_1t", n["g_1"], n["g_t"], f.inner)
     d.mul3("length_sq", n["g_1t"], n["g_a"], f.inner)
-    quarter, top = 1 << (f.frac - 2), f.mantissa.high
-    d.op("low", ("length_sq",), d.bit, "mux", lambda t: t < quarter)
+    quarter, top, up = 1 << (f.frac - 2), f.mantissa.high, f.mantissa.frac - f.frac
+    low = d.op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
     d.op(
-        "m_q", ("length_sq",), f.mantissa, "mux", lambda t: np.minimum(t << np.where(t < quarter, 5, 3), top),
-        lambda t: np.where(t < 0.25, 4 * t, t),
+        "m_q", ("length_sq", low), f.mantissa, "mux", lambda t, low: np.minimum(t << np.where(low, up + 2, up), top),
+        lambda t, low: np.where(low, 4 * t, t),
     )  # fmt: skip
     inv_q = d.rsqrt("inv_q", n["m_q"], f.inner)
     drop = f.frac - (w - 2)
+    d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
     for unit in "wijk":
         # doubled where the mantissa was taken from four times the length; the k part is not negative
-        signed = lambda q, k, t: np.where(k < 0, -1, 1) * (q << np.where(t, 1, 0))  # noqa: E731
-        real = lambda q, k, t: np.where(k < 0, -q, q) * np.where(t, 2.0, 1.0)  # noqa: E731
-        d.op(f"{unit}_n", (f"{unit}_1", "k_1", "low"), f.inner, "mux", signed, real)
+        signed = lambda q, m, t: np.where(m, -1, 1) * (q << np.where(t, 1, 0))  # noqa: E731
+        real = lambda q, m, t: np.where(m, -q, q) * np.where(t, 2.0, 1.0)  # noqa: E731
+        d.op(f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, real)
         d.mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1)
         rounded = lambda v: (v + (1 << (drop - 1))) >> drop  # noqa: E731
         d.op(f"qs_{unit}", (f"{unit}_q",), f.result, "mux", rounded, lambda v: v, HALF_UP)

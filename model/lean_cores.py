@@ -31,18 +31,24 @@ def rsqrt_clocks(frac: int) -> int:
 # ---- product of three tiles ------------------------------------------------------------------------------------------
 
 
-def mul3(a, b, shift: int):
+def cuts(shift: int, a_width: int, b_width: int) -> tuple[int, int]:
+    """Bits below the cut of either operand of :func:`mul3`: together at least ``shift``, and at most 18 bits above."""
+    return max(shift // 2, a_width - 18), max(shift - shift // 2, b_width - 18)
+
+
+def mul3(a, b, shift: int, a_width: int = 0, b_width: int = 0):
     """``ik_mul3``: a b / 2^shift from three tiles, rounded half up; the tile of the low parts is left out.
 
-    a is cut after its low shift//2 bits, b after the others, so the tile left out is less than one place of the result
-    and never negative: the error lies in (-3/2, 1/2] places.
+    The tile left out is never negative, and less than one place of the result where the cuts add up to ``shift``, than
+    2^k places where they add up to k more: with k = 0 the error lies in (-3/2, 1/2] places.
     """
-    a_bits = shift // 2
-    b_bits = shift - a_bits
+    a_bits, b_bits = cuts(shift, a_width, b_width)
     a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)
     b_hi, b_lo = b >> b_bits, b & ((1 << b_bits) - 1)
-    mid = a_hi * b_lo + ((a_lo * b_hi) << (b_bits - a_bits))
-    return a_hi * b_hi + (mid >> b_bits) + ((mid >> (b_bits - 1)) & 1)
+    least = min(a_bits, b_bits)
+    mid = ((a_hi * b_lo) << (a_bits - least)) + ((a_lo * b_hi) << (b_bits - least))
+    drop = shift - least
+    return ((a_hi * b_hi) << (a_bits + b_bits - shift)) + (mid >> drop) + ((mid >> (drop - 1)) & 1)
 
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------

@@ -85,7 +85,8 @@ class Real(Domain):
         return shift, self._moved(name, np.where(mantissa == 0, 0.0, exact), fmt)
 
     def reciprocal_root(self, name, m, fmt):
-        return self._moved(name, 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25)), fmt)
+        inverse = 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25))
+        return self._moved(name, np.where(m.value > 0, inverse, 0.0), fmt)
 
     def half_sincos(self, phi, fmt):
         half = phi.value * (np.pi / 2)

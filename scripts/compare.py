@@ -23,8 +23,9 @@ from model.datapaths import DATAPATHS
 from model.kinematics import angle_between, forward
 from model.lean_equations import solve_lean
 from model.targets import RESULT_FIELDS, from_words, result_values
-from scripts.env import ROOT
+from scripts.env import ROOT, SIMULATORS
 from scripts.opcounts import counted_run
+from scripts.simulate import Job, simulate
 from scripts.wordlengths import differing
 from tb.stimuli import REGIONS, SINGULAR, at_distance, region
 
@@ -361,6 +362,19 @@ def plot(near: dict[str, dict[str, list[Errors]]], form: str = "svg") -> bytes:
     return out.getvalue()
 
 
+def simulated(width: int) -> list[str]:
+    """The clocks that the RTL takes for a batch, a line a datapath.  RuntimeError where the schedule is wrong."""
+    words, lines = region("anywhere", BATCH, width, 1), []
+    for path in PATHS:
+        (run,) = simulate([Job(path, words)], simulator=SIMULATORS[0], datapath=path, width=width)
+        seen = run.latency_cycles, run.total_cycles, run.bit_mismatches
+        said = latency(path, width)
+        if seen != (said, said + BATCH, 0):
+            raise RuntimeError(f"{path}: the RTL takes {seen}, the schedule says {(said, said + BATCH, 0)}")
+        lines.append(f"{path} RTL: latency {seen[0]} clocks, {BATCH} targets in {seen[1]}, no bit unlike the model's")
+    return lines
+
+
 def main(arguments: list[str] | None = None) -> int:
     """The command; 0, or 1 where the page is stale."""
     parser = argparse.ArgumentParser(description="Both datapaths on the same targets: clocks, operations, errors.")
@@ -377,6 +391,8 @@ def main(arguments: list[str] | None = None) -> int:
         wrong = differing(PAGE.read_text(encoding="utf-8"), text)
         print("\n".join(wrong) if wrong else f"{PAGE.relative_to(ROOT)} is up to date", file=sys.stderr)
         return 1 if wrong else 0
+    for line in simulated(WIDTH):
+        print(line)
     PAGE.write_text(text, encoding="utf-8")
     PLOT.write_bytes(plot(measured.near))
     print(f"wrote {PAGE.relative_to(ROOT)} and {PLOT.relative_to(ROOT)}")

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from model import lean_cores, lean_trig
-from model.dataflow import GUARD, INNER_FRACS, WIDTHS, Latency, Node
+from model.dataflow import GUARD, INNER_FRACS, ROOT_FRACS, WIDTHS, Latency, Node
 from model.datapaths import DATAPATHS
 from model.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 from model.targets import RESULT_FIELDS
@@ -63,8 +63,10 @@ def nodes_header(datapath: str) -> str:
         lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
     else:
         least, most = INNER_FRACS
-        frac = f"(W < {least - 3}) ? {least} : ((W < {most - 3}) ? W + 3 : {most})"
+        frac = f"(W < {least - 5}) ? {least} : ((W < {most - 5}) ? W + 5 : {most})"
+        short, long = ROOT_FRACS
         lines.append(f"localparam integer FRAC = {frac};  // of an inner word")
+        lines.append(f"localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});")
     for kind, (_, _, why) in Latency.TABLE.items():
         if kind in used:
             lines.append(f"localparam integer LAT_{kind.upper()} = {Latency.expression(kind)};  // {why}")

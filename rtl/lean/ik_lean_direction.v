@@ -7,7 +7,7 @@
 
 module ik_lean_direction #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33)  // of an inner word: follows from W
+    parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
 ) (
     input  wire                  clk,
     input  wire signed [  W-1:0] x,
@@ -35,7 +35,7 @@ module ik_lean_direction #(
     end
   endgenerate
 
-  localparam integer MW = FRAC + 3;  // of a mantissa
+  localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
 
   // ---- (10) roots of rho^2 and |p|^2 ----
 
@@ -43,8 +43,8 @@ module ik_lean_direction #(
   wire [MW-1:0] m_rho;
   wire [MW-1:0] m_s;
   wire signed [N-1:0] inv_rho;
-  ik_lean_root #(.VW(2*W), .F(FRAC)) u_rho (.clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho));
-  ik_lean_root #(.VW(2*W), .F(FRAC)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_rho (.clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho));
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
   wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares below 2^2W; m_s is watched only
 
   // ---- (u_x, u_y) = (x, y)/rho and z/|p|: the target shifted as its root was ----

@@ -5,7 +5,8 @@
 // which it is valid, counted from the clock in which its target stands at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
-localparam integer FRAC = (W < 16) ? 19 : ((W < 28) ? W + 3 : 31);  // of an inner word
+localparam integer FRAC = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33);  // of an inner word
+localparam integer ROOT_FRAC = (W < 19) ? 21 : ((FRAC < 31) ? FRAC : 31);
 localparam integer LAT_SUM2 = 2;  // add, round and saturate
 localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
 localparam integer LAT_MUX = 1;  // an exact addition, a choice, a sign change or a comparison
@@ -14,7 +15,7 @@ localparam integer LAT_SQUARE = 5;  // operands, tile products, tile sums, lower
 localparam integer LAT_WIDE = 2;  // lower half, upper half
 localparam integer LAT_EVEN = 3;  // zero pairs in groups, shift by groups, shift by pairs
 localparam integer LAT_SHIFT3 = 3;  // barrel shift: by sixteens, by fours, by ones
-localparam integer LAT_RSQRT = (FRAC > 21) ? 11 : 5;  // table and two multiplications; beyond 21 fraction bits a Newton step
+localparam integer LAT_RSQRT = (ROOT_FRAC > 21) ? 11 : 5;  // table and two multiplications; beyond 21 fraction bits a Newton step
 localparam integer LAT_TRIG = 10;  // table, Taylor series of the rest, addition theorem
 
 // exact squares and flags
@@ -140,9 +141,10 @@ localparam integer F_J_1 = FRAC, T_J_1 = T_J_C + LAT_MUX;  // (18)
 localparam integer F_K_1 = FRAC, T_K_1 = T_K_C + LAT_MUX;  // (18)
 localparam integer F_G_1T = FRAC, T_G_1T = T_G_T + LAT_MUL3;  // (18)
 localparam integer F_LENGTH_SQ = FRAC, T_LENGTH_SQ = T_G_1T + LAT_MUL3;  // (18)
-localparam integer T_LOW = T_LENGTH_SQ + LAT_MUX;  // (18)
+localparam integer T_LOW = T_LENGTH_SQ;  // (18)
 localparam integer T_M_Q = T_LENGTH_SQ + LAT_MUX;  // (18)
 localparam integer F_INV_Q = FRAC, T_INV_Q = T_M_Q + LAT_RSQRT;  // (18)
+localparam integer T_MINUS = T_K_1;  // (18)
 localparam integer F_W_N = FRAC, T_W_N = T_W_1 + LAT_MUX;  // (18)
 localparam integer F_W_Q = FRAC, T_W_Q = (T_W_N > T_INV_Q ? T_W_N : T_INV_Q) + LAT_MUL3;  // (18)
 localparam integer F_QS_W = W - 2, T_QS_W = T_W_Q + LAT_MUX;  // (18)

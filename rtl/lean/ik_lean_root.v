@@ -8,20 +8,22 @@
 
 module ik_lean_root #(
     parameter integer VW = 64,  // width of v, even
-    parameter integer F  = 31   // fraction bits of inv, 19 to 31
+    parameter integer R  = 31,  // fraction bits of the root, 19 to 31
+    parameter integer N  = 35   // width of inv, of which N - 2 are fraction bits, no less than R
 ) (
     input  wire                clk,
     input  wire        [VW-1:0] v,
     output wire        [   5:0] e,
-    output wire        [ F+2:0] m,
-    output wire signed [ F+1:0] inv
+    output wire        [ R+2:0] m,
+    output wire signed [ N-1:0] inv
 );
 
-  ik_even #(.VW(VW), .MW(F+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
+  ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
 
-  wire [F:0] y;
-  ik_rsqrt #(.F(F)) u_rsqrt (.clk(clk), .m(m), .y(y));
-  assign inv = {1'b0, y};
+  wire [R:0] y;
+  ik_rsqrt #(.F(R)) u_rsqrt (.clk(clk), .m(m), .y(y));
+  wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y};
+  assign inv = y_x << (N - 2 - R);
 
 endmodule
 

@@ -7,7 +7,7 @@
 
 module ik_lean_triangle #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33)  // of an inner word: follows from W
+    parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
 ) (
     input  wire                  clk,
     input  wire signed [  W-1:0] d1,
@@ -35,7 +35,7 @@ module ik_lean_triangle #(
     end
   endgenerate
 
-  localparam integer MW = FRAC + 3;  // of a mantissa
+  localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
   localparam integer ODD = W % 2;
   localparam integer EW = W + ODD;  // container of a length, for even shifts
   localparam integer RW = FRAC + 5;  // of a word raised by 2
@@ -57,10 +57,10 @@ module ik_lean_triangle #(
   // of what is negative, only the low bits: the arm is clamped then
   wire [EW:0] d1_x = {{(ODD + 1) {d1[W-1]}}, d1};
   wire [EW:0] d2_x = {{(ODD + 1) {d2[W-1]}}, d2};
-  ik_lean_root #(.VW(2*W), .F(FRAC)) u_a (.clk(clk), .v(a_far[2*W-1:0]), .e(e_a), .m(m_a), .inv(inv_a));
-  ik_lean_root #(.VW(2*W), .F(FRAC)) u_b (.clk(clk), .v(b_near[2*W-1:0]), .e(e_b), .m(m_b), .inv(inv_b));
-  ik_lean_root #(.VW(EW), .F(FRAC)) u_1 (.clk(clk), .v(d1_x[EW-1:0]), .e(e_1), .m(m_1), .inv(inv_1));
-  ik_lean_root #(.VW(EW), .F(FRAC)) u_2 (.clk(clk), .v(d2_x[EW-1:0]), .e(e_2), .m(m_2), .inv(inv_2));
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_a (.clk(clk), .v(a_far[2*W-1:0]), .e(e_a), .m(m_a), .inv(inv_a));
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_b (.clk(clk), .v(b_near[2*W-1:0]), .e(e_b), .m(m_b), .inv(inv_b));
+  ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N)) u_1 (.clk(clk), .v(d1_x[EW-1:0]), .e(e_1), .m(m_1), .inv(inv_1));
+  ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N)) u_2 (.clk(clk), .v(d2_x[EW-1:0]), .e(e_2), .m(m_2), .inv(inv_2));
   wire unused = &{1'b0, a_far[2*W+1:2*W], b_near[2*W+1:2*W], d1_x[EW], d2_x[EW], m_1, m_2};
 
   // ---- (14) sqrt A and sqrt B as mantissas ----

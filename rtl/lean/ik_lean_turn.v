@@ -7,7 +7,7 @@
 
 module ik_lean_turn #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33)  // of an inner word: follows from W
+    parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,
@@ -34,18 +34,23 @@ module ik_lean_turn #(
     end
   endgenerate
 
-  localparam integer MW = FRAC + 3;  // of a mantissa
+  localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
 
   // ---- (17) half the sum and half the difference of azimuth and swivel angle ----
 
-  wire signed [N-1:0] sin_h;
-  wire signed [N-1:0] cos_h;
+  localparam integer TF = (FRAC < 31) ? FRAC : 31;  // fraction bits of sine and cosine
+  wire signed [TF+1:0] sin_t;
+  wire signed [TF+1:0] cos_t;
+  wire signed [N-1:0] sin_x = {{(N - TF - 1) {sin_t[TF+1]}}, sin_t[TF:0]};
+  wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);
+  wire signed [N-1:0] cos_x = {{(N - TF - 1) {cos_t[TF+1]}}, cos_t[TF:0]};
+  wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);
   wire signed [N-1:0] sin_h1;
   wire signed [N-1:0] cos_h1;
   // an angle of fewer than 16 bits is one of 16 that ends in zeros
   localparam integer PW = (W < 16) ? 16 : W;
   wire signed [PW-1:0] phi_w = {{(PW - W + 1) {phi[W-1]}}, phi[W-2:0]};
-  ik_trig #(.W(PW), .F(FRAC)) u_trig (.clk(clk), .phi(phi_w <<< (PW - W)), .sin_h(sin_h), .cos_h(cos_h));
+  ik_trig #(.W(PW), .F(TF)) u_trig (.clk(clk), .phi(phi_w <<< (PW - W)), .sin_h(sin_t), .cos_h(cos_t));
   ik_delay #(.W(2*N), .N(T_H1_C-T_SIN_H)) u_trig_h1 (.clk(clk), .d({cos_h, sin_h}), .q({cos_h1, sin_h1}));
 
   wire signed [N-1:0] cc;
@@ -139,16 +144,17 @@ module ik_lean_turn #(
   ik_delay #(.W(N), .N(T_LENGTH_IN-T_G_A)) u_g_a_in (.clk(clk), .d(g_a), .q(g_a_in));
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_length_sq (.clk(clk), .a(g_1t_a), .b(g_a_in), .q(length_sq));
 
-  reg low;
+  localparam integer UP = MW - FRAC;
+  wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});
   reg [MW-1:0] m_q;
-  wire below = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});
   always @(posedge clk) begin
-    low <= below;
-    m_q <= length_sq[FRAC] ? {MW{1'b1}} : below ? {length_sq[FRAC-3:0], 5'b00000} : {length_sq[FRAC-1:0], 3'b000};
+    m_q <= length_sq[FRAC] ? {MW{1'b1}} : low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}
+                                              : {length_sq[FRAC-1:0], {UP{1'b0}}};
   end
-  wire [FRAC:0] y_q;
-  wire signed [N-1:0] inv_q = {1'b0, y_q};
-  ik_rsqrt #(.F(FRAC)) u_inv_q (.clk(clk), .m(m_q), .y(y_q));
+  wire [ROOT_FRAC:0] y_q;
+  wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
+  wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);
+  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m(m_q), .y(y_q));
 
   // ---- (18) the quaternion of length 1 whose k part is not negative ----
 

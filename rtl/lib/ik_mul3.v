@@ -1,8 +1,9 @@
-// Rounds half up, without the product of the low parts: q = a * b / 2^SH within (-3/2, 1/2] places, all signed.
+// Rounds half up, without the product of the low parts: q = a * b / 2^SH, at most 3/2 places too small, all signed.
 // SPDX-License-Identifier: Apache-2.0
 //
-// a is cut after its low SH/2 bits, b after the other SH - SH/2. Three of the four tile products are kept, each of
-// 18x18 bits at most; the fourth is less than one place of q. Does not saturate: q holds the low OW bits.
+// a and b are cut so that three of the four tile products, which are kept, have 18x18 bits at most: a after its low SH/2
+// bits, b after the other SH - SH/2, or after more where a word is longer than 18 bits above that. The fourth is less
+// than one place of q, or less than 2^UP where the cuts are higher. Does not saturate: q holds the low OW bits.
 // Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum.
 `default_nettype none
 
@@ -18,13 +19,15 @@ module ik_mul3 #(
     output wire signed [OW-1:0] q
 );
 
-  localparam integer AL = SH / 2;  // width of a's low part, unsigned
-  localparam integer BL = SH - AL;
+  localparam integer AL = (AW - 18 > SH / 2) ? AW - 18 : SH / 2;  // width of a's low part, unsigned
+  localparam integer BL = (BW - 18 > SH - SH / 2) ? BW - 18 : SH - SH / 2;
+  localparam integer ML = (AL < BL) ? AL : BL;
+  localparam integer UP = AL + BL - SH;
   localparam integer AH = AW - AL;  // width of a's high part, signed
   localparam integer BH = BW - BL;
 
   generate
-    if (AL < 1 || BL > 17 || AH < 1 || AH > 18 || BH < 1 || BH > 18) begin : g_illegal
+    if (ML < 1 || AL > 17 || BL > 17 || AH < 1 || BH < 1) begin : g_illegal
       ik_mul3_needs_parts_of_a_and_b_that_fit_18x18_bits u_stop ();
     end
   endgenerate
@@ -51,25 +54,29 @@ module ik_mul3 #(
     lh <= a_lo * b_hi;
   end
 
-  // middle sum, in places of 2^AL; below its rounding bit only the carries count
-  localparam integer MW = ((AH > BH) ? AH : BH) + BL + 1;
+  // middle sum, in places of 2^ML; below its rounding bit only the carries count
+  localparam integer DROP = SH - ML;
+  localparam integer HLW = AH + BL + AL - ML;
+  localparam integer LHW = AL + BH + BL - ML;
+  localparam integer MW = ((HLW > LHW) ? HLW : LHW) + 1;
   wire signed [MW-1:0] hl_x = {{(MW - AH - BL) {hl[AH+BL-1]}}, hl};
   wire signed [MW-1:0] lh_x = {{(MW - AL - BH) {lh[AL+BH-1]}}, lh};
-  wire signed [MW-1:0] middle = hl_x + (lh_x <<< (BL - AL));
-  reg signed [MW-BL:0] mid;
+  wire signed [MW-1:0] middle = (hl_x <<< (AL - ML)) + (lh_x <<< (BL - ML));
+  reg signed [MW-DROP:0] mid;
   reg signed [AH+BH-1:0] outer;
   always @(posedge clk) begin
-    mid   <= middle[MW-1:BL-1];
+    mid   <= middle[MW-1:DROP-1];
     outer <= hh;
   end
 
   // The rounding bit comes in as the carry of a place below: one carry chain.
-  localparam integer NW = (AH + BH > MW - BL) ? (AH + BH) : (MW - BL);
+  localparam integer NW = (AH + BH + UP > MW - DROP) ? (AH + BH + UP) : (MW - DROP);
   localparam integer SW = ((NW + 1 > OW) ? (NW + 1) : OW) + 1;
   wire half = mid[0];
-  wire signed [SW-1:0] outer_x = {{(SW - AH - BH - 1) {outer[AH+BH-1]}}, outer, half};
-  wire signed [SW-1:0] mid_x = {{(SW - MW + BL - 1) {mid[MW-BL]}}, mid};
-  wire signed [SW-1:0] sum = outer_x + mid_x;
+  wire signed [SW-1:0] outer_x = {{(SW - AH - BH) {outer[AH+BH-1]}}, outer};
+  wire signed [SW-1:0] mid_x = {{(SW - MW + DROP - 1) {mid[MW-DROP]}}, mid};
+  wire signed [SW-1:0] rounding = {{(SW - 1) {1'b0}}, half};
+  wire signed [SW-1:0] sum = ((outer_x <<< (UP + 1)) | rounding) + mid_x;
   reg signed [OW-1:0] p;
   always @(posedge clk) p <= sum[OW:1];
   assign q = p;

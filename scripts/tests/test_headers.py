@@ -28,11 +28,24 @@ def test_a_changed_header_is_found(tmp_path, monkeypatch, capsys):
 
 
 def in_python(expression: str) -> str:
-    """A Verilog expression with at most one ``a ? b : c``, in parentheses or alone."""
-    choice = r"([^?:]+)\?([^:]+):([^:]+)"
-    if "(" in expression and expression.index("?") < expression.rindex(")") if "?" in expression else False:
-        return re.sub(rf"\({choice}\)(.*)$", r"((\2) if (\1) else (\3))\4", expression)
-    return re.sub(rf"^{choice}$", r"(\2) if (\1) else (\3)", expression)
+    """A Verilog expression as Python has it: ``a ? b : c``, nested in parentheses as well."""
+    inner = re.compile(r"\(([^()]*)\)")
+    groups: list[str] = []
+    while found := inner.search(expression):
+        groups.append(_choice(found[1]))
+        expression = expression.replace(found[0], f"<{len(groups) - 1}>", 1)
+    expression = _choice(expression)
+    while "<" in expression and re.search(r"<\d+>", expression):
+        expression = re.sub(r"<(\d+)>", lambda m: f"({groups[int(m[1])]})", expression)
+    return expression
+
+
+def _choice(expression: str) -> str:
+    if "?" not in expression:
+        return expression
+    condition, rest = expression.split("?", 1)
+    yes, no = rest.split(":", 1)
+    return f"({yes}) if ({condition}) else ({no})"
 
 
 @pytest.mark.parametrize("datapath", DATAPATHS)
