@@ -1,0 +1,683 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The soak: what it counts, when it stops, where it goes on, what it keeps.
+
+The simulator is replaced by the bit-true model, so that these tests take no build.
+"""
+
+import json
+import subprocess
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model import fixed
+from model.equations import solve_clamped
+from model.flags import UNREACHABLE, expected_flags
+from model.targets import from_words
+from scripts import soak
+from scripts.env import ROOT
+from scripts.simulate import Run, SimulationError
+from scripts.tests.test_run import ctrl_c
+from tb import hardest
+from tb.stimuli import corners
+
+STATE = "build/soak/lean-32-1.json"
+MISMATCH = (
+    "first difference: turn.c_p (18) of target 7 at clock 40: RTL 1 (1), model 0 (0)\n"
+    "            then: turn.s_p of target 7 at clock 41: RTL 1 (1), model 0 (0)"
+)
+
+
+class FakeSimulator:
+    """Stands in for `scripts.simulate`: the bit-true model, whose runs `spoil` may change; `calls` records words."""
+
+    def __init__(self):
+        self.calls = []
+        self.spoil = lambda runs: None
+
+    def simulate(self, jobs, *, simulator, datapath, width, progress=None):
+        self.calls.append(
+            {"words": jobs[0].words, "simulator": simulator, "datapath": datapath, "width": width, "progress": progress}
+        )
+        (job,) = jobs
+        answer = fixed.run(job.words, width, datapath)
+        runs = [Run(answer.results.copy(), answer.flags.copy(), 80, 80 + len(job.words), 0, None)]
+        self.spoil(runs)
+        return runs
+
+    @property
+    def targets(self):
+        return [len(call["words"]) for call in self.calls]
+
+
+@pytest.fixture
+def simulator(monkeypatch, tmp_path):
+    """The fake simulator in the place of the real one, chunks of 400, a regression list of its own."""
+    fake = FakeSimulator()
+    monkeypatch.setattr(soak, "simulate", fake.simulate)
+    monkeypatch.setattr(soak, "CHUNK", 400)
+    monkeypatch.setattr(soak.chunk, "__defaults__", (400,))
+    monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
+    return fake
+
+
+@pytest.fixture
+def cli(simulator, tmp_path, monkeypatch, capsys):
+    """Run the command line in an empty folder: (exit status, stdout lines, stderr lines)."""
+    monkeypatch.chdir(tmp_path)
+
+    def cli(*arguments):
+        status = soak.main(list(arguments))
+        captured = capsys.readouterr()
+        return status, captured.out.splitlines(), captured.err.splitlines()
+
+    return cli
+
+
+def state(path=STATE):
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+def files():
+    return sorted(str(path) for path in Path().rglob("*") if path.is_file())
+
+
+def measured(out, figure):
+    """The figures that a line of the summary has."""
+    (line,) = [line for line in out if line.startswith(f"  {figure}  ")]
+    return line.split(figure)[1].split()
+
+
+# -- targets -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_chunk_depends_on_its_number_and_seed_only():
+    first = soak.chunk(3, 32, 1)
+    assert (first == soak.chunk(3, 32, 1)).all() and first.shape == (20000, 6)
+    assert not np.array_equal(first, soak.chunk(4, 32, 1)) and not np.array_equal(first, soak.chunk(3, 32, 2))
+    assert len(np.unique(first, axis=0)) > 19000
+
+
+@pytest.mark.parametrize("width", [16, 17, 18, 24, 32])
+def test_chunks_at_other_word_lengths(width):
+    words = soak.chunk(0, width, 1)
+    assert words.shape == (20000, 6)
+    assert (words >= -(1 << (width - 1))).all() and (words < 1 << (width - 1)).all()
+
+
+def test_a_chunk_has_all_kinds():
+    """Also its first tenth, as a soak of few targets has it: the neighbourhoods of singular poses, down to where words
+    end, unequal arms, clamped targets; and the corners somewhere."""
+    whole = soak.chunk(0, 32, 1)
+    assert set(corners(32).values()) <= set(map(tuple, whole.tolist()))
+    words = whole[:2000]
+    flags = expected_flags(words, 32)
+    for bit in (1, 2, 4, 8, 16):
+        assert (flags & bit).astype(bool).sum() >= 10, bit
+    reach = flags & UNREACHABLE == 0
+    assert 0.7 < reach.mean() < 0.9
+    at = from_words(words[reach], 0, 32, "chunk")
+    off_axis = np.arctan2(np.hypot(at.x, at.y), np.abs(at.z))
+    distance = np.sqrt(at.x**2 + at.y**2 + at.z**2)
+    near = {
+        "z axis": off_axis,
+        "full stretch": 1 - distance / at.reach,
+        "full fold": (distance - np.abs(at.d1 - at.d2)) / at.reach,
+        "shoulder": distance / at.reach,
+        "arms": np.minimum(at.d1, at.d2) / np.maximum(at.d1, at.d2),
+    }
+    pose = solve_clamped(at.x, at.y, at.z, at.phi, at.d1, at.d2)
+    near["elbow on the z axis"] = np.arctan2(np.hypot(pose["p_e_x"], pose["p_e_y"]), np.abs(pose["p_e_z"]))
+    decades = {"z axis": 7, "full stretch": 8, "full fold": 8, "shoulder": 7, "arms": 1, "elbow on the z axis": 7}
+    for name, value in near.items():
+        for decade in range(1, decades[name] + 1):
+            assert (value < 10.0**-decade).sum() >= 5, f"{name}: none below 1e-{decade}"
+
+
+def test_fewer_targets_are_the_first_of_more(cli, simulator):
+    cli("--targets", "1000")
+    whole = np.concatenate([call["words"] for call in simulator.calls])
+    assert simulator.targets == [400, 400, 200]
+    simulator.calls.clear()
+    cli("--targets", "500", "--restart")
+    some = np.concatenate([call["words"] for call in simulator.calls])
+    assert np.array_equal(whole[:500], some)
+
+
+# -- a soak that goes well ---------------------------------------------------------------------------------------------
+
+
+def test_what_it_says_and_writes(cli, simulator):
+    status, out, err = cli("--targets", "900")
+    assert status == 0
+    assert files() == ["build/soak/hardest.csv", STATE]
+    assert out[0] == f"soak: lean datapath, 32 bits, verilator, seed 1; 0 of 900 targets done before ({STATE})"
+    assert out[-1] == "wrote build/soak/hardest.csv"
+    assert [line.split(" targets")[0] for line in err] == [f"soak: {n} of 900" for n in (400, 800, 900)]
+    assert {(c["simulator"], c["datapath"], c["width"], c["progress"]) for c in simulator.calls} == {
+        ("verilator", "lean", 32, None)
+    }
+    words = np.concatenate([call["words"] for call in simulator.calls])
+    hand, norm = hardest.errors(words, fixed.run(words, 32, "lean").results, 32)
+    assert measured(out, "targets")[0] == "900"
+    assert measured(out, "of them in reach") == [str((~np.isnan(hand)).sum())]
+    assert measured(out, "bits that differ from the bit-true model") == ["0", "0"]
+    assert measured(out, "hand error / reach, largest") == [f"{np.nanmax(hand):.2e}", "2.00e-08"]
+    assert measured(out, "abs(norm^2 - 1) of Qs and Qe, largest")[0] == f"{norm.max():.2e}"
+    assert int(measured(out, "targets a second in this run, build included")[0]) > 0
+    found = state()["found"]
+    once = np.unique(words, axis=0, return_index=True)[1]  # corners stand in every chunk
+    hand, norm = (np.where(np.isin(np.arange(900), once), np.where(np.isnan(hand), 0, e), 0) for e in (hand, norm))
+    by_hand = np.argsort(-hand, kind="stable")[:10]
+    assert [hard["target"] for hard in found["by_hand"]] == by_hand.tolist()
+    assert [hard["words"] for hard in found["by_hand"]] == words[by_hand].tolist()
+    by_norm = np.argsort(-norm, kind="stable")[:10]
+    assert [hard["target"] for hard in found["by_norm"]] == by_norm.tolist()
+    table = out[next(n for n, line in enumerate(out) if line.startswith("the hardest")) :]
+    shown = [line.split()[0] for line in table if line.split() and line.split()[0].isdigit()]
+    assert shown == list(map(str, by_hand.tolist() + by_norm.tolist()))
+
+
+def test_progress_on_a_terminal(cli, simulator, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # rich takes stderr for a terminal then
+    monkeypatch.setenv("TERM", "xterm")
+    simulator.spoil = lambda runs: simulator.calls[-1]["progress"](100, 400)
+    status, _, err = cli("--targets", "800")
+    assert status == 0 and "800" in "".join(err) and "/s" in "".join(err)
+
+
+# -- going on ----------------------------------------------------------------------------------------------------------
+
+
+def test_more_targets_go_on_where_it_was(cli, simulator):
+    """In the middle of a chunk; and the state is that of one run."""
+    cli("--targets", "1000", "--out", "once")
+    simulator.calls.clear()
+    cli("--targets", "500")
+    status, out, _ = cli("--targets", "1000")
+    assert status == 0 and simulator.targets == [400, 100, 300, 200]
+    assert "500 of 1000 targets done before" in out[0]
+    assert state() == state("once/lean-32-1.json")
+    kept, once = (set(hardest.read(Path(out, "hardest.csv"))) for out in ("build/soak", "once"))
+    assert len(kept & once) >= hardest.KEPT, "those by hand error at least are the same"
+
+
+@pytest.mark.parametrize("targets", ["800", "300"])
+def test_nothing_left_to_do(cli, simulator, targets):
+    cli("--targets", "800")
+    simulator.calls.clear()
+    status, out, err = cli("--targets", targets)
+    assert (status, err, simulator.calls) == (0, [], [])
+    assert measured(out, "targets a second in this run, build included") == ["-"]
+    assert measured(out, "targets")[0] == "800"
+
+
+def test_restart(cli, simulator):
+    cli("--targets", "800")
+    before = state()
+    simulator.calls.clear()
+    assert cli("--targets", "400", "--restart")[0] == 0
+    assert simulator.targets == [400] and state()["done"] == 400 and before["done"] == 800
+
+
+def test_soaks_of_other_kinds_have_states_of_their_own(cli):
+    for extra in (["--width", "18"], ["--seed", "7"], ["--datapath", "paper"]):
+        assert cli("--targets", "400", *extra)[0] == 0
+    names = ["lean-18-1.json", "lean-32-7.json", "paper-32-1.json"]
+    assert files() == ["build/soak/hardest.csv", *(f"build/soak/{name}" for name in names)]
+    assert set(hardest.groups(hardest.read(Path("build/soak/hardest.csv")))) == {
+        ("lean", 18), ("lean", 32), ("paper", 32)
+    }  # fmt: skip
+
+
+def test_ctrl_c(cli, simulator):
+    simulator.spoil = lambda runs: ctrl_c(runs) if len(simulator.calls) == 3 else None
+    status, out, err = cli("--targets", "2000")
+    assert status == 130 and len(out) == 1
+    assert err[-1] == "soak: interrupted; 800 targets are done, the same command (without --restart) goes on there"
+    assert state()["done"] == 800 and files() == [STATE]
+    simulator.spoil = lambda runs: None
+    assert cli("--targets", "2000")[0] == 0
+    assert simulator.targets == [400] * 6 and state()["done"] == 2000
+    assert cli("--targets", "2000", "--out", "once")[0] == 0
+    assert state("once/lean-32-1.json") == state()
+
+
+def spoil_state(change):
+    data = state()
+    change(data)
+    Path(STATE).write_text(json.dumps(data), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        (lambda d: d.update(format=2), "not of format 1"),
+        (lambda d: d.pop("format"), "not of format 1"),
+        (lambda d: d.pop("seed"), "other keys"),
+        (lambda d: d.update(done=-1), "done is -1"),
+        (lambda d: d.update(done=True), "done is True"),
+        (lambda d: d.update(done=1.5), "done is 1.5"),
+        (lambda d: d["found"].pop("above"), "other keys"),
+        (lambda d: d["found"].update(hand_error_max=float("nan")), "hand_error_max is nan"),
+        (lambda d: d["found"].update(norm_error_max=float("inf")), "norm_error_max is inf"),
+        (lambda d: d["found"]["by_hand"][0].update(words=[1, 2]), "by_hand makes no sense"),
+        (lambda d: d["found"]["by_norm"][0].update(words=[1, 2, 3, 4, 5, None]), "by_norm makes no sense"),
+        (lambda d: d["found"]["by_hand"][0].update(bar=0), "by_hand makes no sense"),
+        (lambda d: d.update(seed=2), "another seed"),
+        (lambda d: d.update(width=31), "another width"),
+        (lambda d: d.update(datapath="paper"), "another datapath"),
+        (lambda d: d.update(core="0"), "other Verilog"),
+        (lambda d: d.update(targets="0"), "other targets"),
+    ],
+)
+def test_a_state_that_is_of_no_use(cli, simulator, change, part):
+    cli("--targets", "400")
+    spoil_state(change)
+    simulator.calls.clear()
+    before = Path(STATE).read_bytes()
+    status, out, err = cli("--targets", "800")
+    assert (status, out, len(err), simulator.calls) == (2, [], 1, []), err
+    assert err[0].startswith(f"soak: {STATE}: ") and part in err[0] and "--restart" in err[0]
+    assert Path(STATE).read_bytes() == before
+    assert cli("--targets", "400", "--restart")[0] == 0
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"null", b"\xff\xfe", b"[" * 100_000])
+def test_a_state_that_is_corrupt(cli, simulator, content):
+    Path(STATE).parent.mkdir(parents=True)
+    Path(STATE).write_bytes(content)
+    status, out, err = cli()
+    assert (status, out, len(err), simulator.calls) == (2, [], 1, []), err
+    assert err[0].startswith(f"soak: {STATE}: not a state of a soak: ") and "--restart" in err[0]
+
+
+def test_verilog_that_changes_meanwhile(cli, simulator, monkeypatch):
+    digests = iter(["a", "a", "b"])
+    monkeypatch.setattr(soak, "digest_of_core", lambda datapath: next(digests))
+    status, _, err = cli("--targets", "1200")
+    assert status == 2 and "the Verilog changed during the soak" in err[-1]
+    assert state()["done"] == 400, "what was simulated before the change counts, and is the old core's"
+
+
+def test_the_digest_is_of_the_verilog_in_use_without_its_comments(tmp_path):
+    texts = {
+        "ik_axis.v": "ik_lean u_core(); ik_paper u_core();",
+        "lean/ik_lean.v": '`include "ik_lean_nodes.vh"\nik_mul u_m();',
+        "lean/ik_lean_nodes.vh": "a = 1; // one\n",
+        "paper/ik_paper.v": "ik_div u_d();",
+        "lib/ik_mul.v": "ik_mul_part u_p();",
+        "lib/ik_mul_part.v": "p = 1;",
+        "cores/ik_div.v": "d = 1;",
+    }
+
+    def digest(datapath="lean", **changed):
+        for name, text in texts.items():
+            path = tmp_path / "rtl" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(changed.get(path.stem, text))
+        return soak.digest_of_core(datapath, tmp_path)
+
+    assert digest(ik_lean_nodes="a  = 1; // two") == digest()
+    for file in ("ik_axis", "ik_lean", "ik_lean_nodes", "ik_mul", "ik_mul_part"):
+        assert digest(**{file: "something else"}) != digest(), file
+    for file in ("ik_paper", "ik_div"):
+        assert digest(**{file: "something else"}) == digest(), file
+        assert digest("paper", **{file: "something else"}) != digest("paper"), file
+
+
+def test_the_digest_of_the_real_core_has_all_of_its_modules(monkeypatch):
+    """Whatever is elaborated of a datapath counts."""
+    read = []
+    monkeypatch.setattr(soak.hashlib, "sha256", lambda data: read.append(data) or sha256(data))
+    for datapath in ("lean", "paper"):
+        soak.digest_of_core(datapath)
+        used = set(read.pop().decode().split("\0")[::2])
+        assert used >= {path.stem for path in (ROOT / "rtl" / datapath).glob("*.v*")} | {"ik_axis", "ik_fifo"}
+        assert ("ik_rsqrt" in used) == (datapath == "lean") and ("ik_div" in used) == (datapath == "paper")
+
+
+# -- checks that fail --------------------------------------------------------------------------------------------------
+
+
+def fails(cli, simulator, spoil, *arguments, chunk=2):
+    """A run whose chunk `chunk` is spoiled: its messages, and the rows of failing.csv; nothing of the chunk counts."""
+    simulator.spoil = lambda runs: spoil(runs[0]) if len(simulator.calls) == chunk else None
+    status, out, err = cli("--targets", "1200", *arguments)
+    messages = [line for line in err if "/s, " not in line]
+    assert status == 1 and len(out) == 1
+    assert len(simulator.calls) == chunk, "it went on"
+    (path,) = Path("build/soak").glob("*.json")
+    assert state(path)["done"] == 400 * (chunk - 1)
+    return messages, hardest.read(Path("build/soak/failing.csv"))
+
+
+def test_a_node_that_differs(cli, simulator):
+    """The scoreboard has seen it, though results are right."""
+
+    def spoil(run):
+        run.bit_mismatches, run.first_mismatch = 2, MISMATCH
+
+    messages, rows = fails(cli, simulator, spoil)
+    words = simulator.calls[1]["words"][7].tolist()
+    assert messages == [
+        "soak: target 407 in chunk 1 of seed 1: 2 bits differ from the bit-true model, results of 0 targets",
+        "soak: its words: " + " ".join(f"{k}={v}" for k, v in zip("x y z phi d1 d2".split(), words, strict=True)),
+        "soak: first difference: turn.c_p (18) of target 407 at clock 40: RTL 1 (1), model 0 (0)",
+        "soak:             then: turn.s_p of target 407 at clock 41: RTL 1 (1), model 0 (0)",
+        "soak: 1 failing targets in build/soak/failing.csv; to run them again: --again build/soak/failing.csv",
+    ]
+    assert [(row.words, row.found) for row in rows] == [(tuple(words), "seed 1 target 407")]
+
+
+def test_a_result_that_differs_though_nobody_said_so(cli, simulator):
+    """A scoreboard that compares nothing would go unseen without it."""
+
+    def spoil(run):
+        run.results[[5, 9], 0] ^= 1
+
+    messages, rows = fails(cli, simulator, spoil)
+    assert messages[0].startswith(
+        "soak: target 405 in chunk 1 of seed 1: 0 bits differ from the bit-true model, results"
+    )
+    assert [row.found for row in rows] == ["seed 1 target 405", "seed 1 target 409"]
+
+
+def test_a_wrong_flag(cli, simulator, monkeypatch):
+    """Also where the model has it wrong too."""
+    right = fixed.run
+
+    def wrong(words, width, datapath):
+        answer = right(words, width, datapath)
+        answer.flags[3] ^= 4
+        return answer
+
+    monkeypatch.setattr(fixed, "run", wrong)
+    status, _, err = cli("--targets", "400")
+    assert status == 1 and "soak: target 3 in chunk 0 of seed 1: flags " in err[0] and "(1 targets)" in err[0]
+
+
+def turn(answer, rows, angle):
+    """Turn the shoulder of targets about the x axis, keeping its length."""
+    qs = answer.results[rows, :4].astype(float)
+    w, i, j, k = qs.T
+    c, s = np.cos(angle / 2), np.sin(angle / 2)
+    turned = np.stack([c * w - s * i, c * i + s * w, c * j - s * k, c * k + s * j], axis=1)
+    answer.results[rows, :4] = np.rint(turned).astype(np.int64)
+
+
+@pytest.mark.parametrize(("width", "angle"), [(32, 1e-6), (18, 1e-2), (20, 1e-2)])
+def test_a_hand_that_is_too_far_off(cli, simulator, monkeypatch, width, angle):
+    """Model and RTL agree: the error itself is judged, by the fixed bar or (20 bits) by the prediction."""
+    right = fixed.run
+
+    def wrong(words, width, datapath):
+        answer = right(words, width, datapath)
+        reach = np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)
+        turn(answer, reach[:3], angle)
+        return answer
+
+    monkeypatch.setattr(fixed, "run", wrong)
+    status, _, err = cli("--targets", "400", "--width", str(width))
+    assert status == 1, err
+    assert "in chunk 0 of seed 1: hand error / reach " in err[0] and "is above its bar" in err[0]
+    assert "targets)" in err[0] and err[1].startswith("soak: its words: x=")
+    rows = hardest.read(Path("build/soak/failing.csv"))
+    assert rows and all(row.hand_error > hardest.LEAN_BARS.get(width, 1e-5) for row in rows)
+    assert rows[0].hand_error == max(row.hand_error for row in rows)
+
+
+def test_the_paper_is_held_to_no_bar_and_its_excess_is_said(cli, simulator, monkeypatch):
+    monkeypatch.setattr(hardest, "hand_bar", lambda words, width, datapath: np.full(len(words), 1e-9))
+    status, out, _ = cli("--targets", "400", "--datapath", "paper")
+    assert status == 0
+    assert int(measured(out, "targets seen above their prediction")[0]) > 100
+    assert float(measured(out, "hand error / prediction, largest")[0]) > 1
+
+
+def test_quaternions_that_are_not_of_unit_length(cli, simulator, monkeypatch):
+    """Qe, whose length a clamped target's hand would not show."""
+    right = fixed.run
+
+    def wrong(words, width, datapath):
+        answer = right(words, width, datapath)
+        clamped = np.flatnonzero(expected_flags(words, width) & UNREACHABLE)
+        answer.results[clamped[2], 5] += 60
+        answer.results[clamped[2], 4] += 60
+        return answer
+
+    monkeypatch.setattr(fixed, "run", wrong)
+    status, _, err = cli("--targets", "400")
+    assert status == 1
+    assert "abs(norm^2 - 1)" in err[0] and err[0].endswith("(1 targets)")
+    (row,) = hardest.read(Path("build/soak/failing.csv"))
+    assert row.hand_error is None
+
+
+def test_results_that_are_lost(cli, simulator):
+    def spoil(runs):
+        runs[0].results = runs[0].results[:-1]
+
+    simulator.spoil = spoil
+    assert cli("--targets", "400")[::2] == (1, ["soak: 400 targets were sent, 399 results came back"])
+
+
+def test_a_simulation_that_breaks_off(cli, simulator):
+    def spoil(runs):
+        if len(simulator.calls) == 2:
+            raise SimulationError("verilator: not found")
+
+    simulator.spoil = spoil
+    status, out, err = cli("--targets", "1200")
+    assert (status, err[-1]) == (1, "soak: verilator: not found")
+    assert state()["done"] == 400
+
+
+def test_the_same_command_meets_the_failure_again(cli, simulator):
+    def spoil(runs):
+        runs[0].results[5, 0] ^= 1
+
+    simulator.spoil = spoil
+    one, two = cli("--targets", "800"), cli("--targets", "800")
+    assert one[0] == two[0] == 1 and one[2] == two[2]
+
+
+# -- again -------------------------------------------------------------------------------------------------------------
+
+
+def test_failing_targets_run_again(cli, simulator):
+    def spoil(run):
+        run.results[[5, 9], 0] ^= 1
+
+    _, rows = fails(cli, simulator, spoil)
+    status, out, err = cli("--again", "build/soak/failing.csv")
+    assert (status, err) == (0, [])
+    assert np.array_equal(simulator.calls[-1]["words"], [row.words for row in rows])
+    words = hardest.array(rows)
+    error = np.nanmax(hardest.errors(words, fixed.run(words, 32, "lean").results, 32)[0])
+    assert out == [
+        f"lean datapath, 32 bits, verilator: 2 targets, 0 bits differ, largest hand error / reach {error:.3e}: pass"
+    ]
+    simulator.spoil = lambda runs: spoil_first(runs[0])
+    status, out, err = cli("--again", "build/soak/failing.csv", "--sim", "icarus")
+    assert status == 1 and out[0].endswith("FAIL") and err[0].startswith("soak: seed 1 target 405: ")
+    assert simulator.calls[-1]["simulator"] == "icarus"
+
+
+def spoil_first(run):
+    run.results[0, 0] ^= 1
+
+
+@pytest.mark.parametrize(
+    ("content", "part"),
+    [
+        (b"", "row 1"),
+        (b"x,y,z\n", "row 1"),
+        (b"HEAD\n", "no targets"),
+        (b"HEAD\nlean,32,1,2,3,4,5,0.1,here\n", "row 2: 9 columns instead of 10"),
+        (b"HEAD\nlean,32,1,2,3,4,5,6,0.1,here\nmean,32,1,2,3,4,5,6,0.1,here\n", "row 3: unknown datapath 'mean'"),
+        (b"HEAD\nlean,33,1,2,3,4,5,6,,here\n", "row 2: unknown width 33"),
+        (b"HEAD\nlean,18,1,2,131072,4,5,6,,here\n", "row 2: a word does not fit 18 bits"),
+        (b"HEAD\nlean,18,1,2,1.5,4,5,6,,here\n", "row 2: "),
+        (b"\xff", "not a CSV file"),
+    ],
+)
+def test_lists_that_are_of_no_use(cli, simulator, content, part):
+    Path("list.csv").write_bytes(content.replace(b"HEAD", ",".join(hardest.COLUMNS).encode()))
+    status, out, err = cli("--again", "list.csv")
+    assert (status, out, len(err), simulator.calls) == (2, [], 1, []), err
+    assert err[0].startswith("soak: list.csv: ") and part in err[0]
+
+
+# -- the regression list -----------------------------------------------------------------------------------------------
+
+
+def test_keep(cli, simulator):
+    status, out, _ = cli("--targets", "400", "--keep")
+    assert status == 0 and out[-2:] == ["wrote build/soak/hardest.csv", f"wrote {hardest.LIST}"]
+    kept = hardest.read(hardest.LIST)
+    assert hardest.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()
+    found = state()["found"]
+    assert {row.words for row in kept} >= {tuple(h["words"]) for h in found["by_hand"] + found["by_norm"]}
+    assert 10 < len(kept) <= 20
+    assert [row.hand_error for row in kept] == sorted((row.hand_error for row in kept), reverse=True)
+    before = hardest.LIST.read_bytes()
+    assert cli("--targets", "400", "--keep")[0] == 0
+    assert hardest.LIST.read_bytes() == before, "the same once more changes nothing"
+    cli("--targets", "800")
+    assert hardest.LIST.read_bytes() == before, "nothing is kept unasked"
+
+
+def test_keep_with_a_list_that_is_of_no_use(cli, simulator):
+    hardest.LIST.write_text("old")
+    status, out, err = cli("--targets", "400", "--keep")
+    assert (status, out, len(err), simulator.calls) == (2, [], 1, [])
+    assert hardest.LIST.read_text() == "old"
+
+
+def rows_of(words, width=32, datapath="lean", found="here"):
+    return [hardest.Row(datapath, width, tuple(row), 0.5, found) for row in words.tolist()]
+
+
+def test_merge_keeps_the_hardest_in_any_order():
+    words = soak.chunk(0, 32, 1, 300)
+    words = np.unique(words[expected_flags(words, 32) & UNREACHABLE == 0], axis=0)
+    hand, norm = hardest.errors(words, fixed.run(words, 32, "lean").results, 32)
+    kept = hardest.merge(rows_of(words))
+    assert hardest.merge(rows_of(words)[::-1]) == kept and len(kept) == 20
+    assert hardest.merge(kept) == kept
+    error_of = dict(zip(map(tuple, words.tolist()), hand, strict=True))
+    norm_of = dict(zip(map(tuple, words.tolist()), norm, strict=True))
+    assert [row.hand_error for row in kept] == [error_of[row.words] for row in kept], "errors are computed anew"
+    by_hand = sorted(hand, reverse=True)[:10]
+    assert [row.hand_error for row in kept][:10] == by_hand
+    others = {row.words for row in kept if error_of[row.words] < by_hand[-1]}
+    least = min(norm_of[w] for w in others)
+    assert all(n <= least or w in {row.words for row in kept} for w, n in norm_of.items())
+
+
+def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():
+    words = soak.chunk(0, 18, 1, 300)
+    twice = rows_of(words, 18, found="b") + rows_of(words, 18, found="a")
+    kept = hardest.merge([*rows_of(words[:40], 20), *twice])
+    assert kept == hardest.merge([*twice[::-1], *rows_of(words[:40], 20)])
+    assert {(row.width, row.found) for row in kept} == {(20, "here"), (18, "a")}
+    assert [row.width for row in kept] == sorted(row.width for row in kept)
+    assert len({(row.width, row.words) for row in kept}) == len(kept)
+    assert not any(expected_flags(np.array([row.words]), row.width)[0] & UNREACHABLE for row in kept)
+
+
+def test_the_list_reads_as_it_was_written(tmp_path):
+    rows = [hardest.Row("lean", 18, (1, -2, 3, 4, 5, 6), 1.5e-8, "a, b"), hardest.Row("paper", 32, (0,) * 6, None, "c")]
+    path = tmp_path / "list.csv"
+    path.write_text(hardest.text(rows), encoding="utf-8")
+    assert hardest.read(path) == rows
+
+
+# -- bad input ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--targets", "0"], ["--targets", "'0' is not a whole number of at least 1"]),
+        (["--targets", "-5"], ["--targets"]),
+        (["--targets", "1e6"], ["--targets", "'1e6'"]),
+        (["--targets", "9" * 400], ["--targets"]),
+        (["--seed", "x"], ["--seed", "'x' is not a whole number of at least 0"]),
+        (["--seed=-1"], ["--seed"]),
+        (["--sim", "modelsim"], ["--sim", "unknown simulator 'modelsim'"]),
+        (["--datapath", "lean2"], ["--datapath", "unknown datapath 'lean2'"]),
+        (["--width", "33"], ["--width", "unknown width '33'"]),
+        (["--speed", "9"], ["unrecognized arguments: --speed 9"]),
+        (["--again", "none.csv"], ["none.csv: cannot be read: No such file"]),
+        (["--again", "f", "--targets", "5"], ["--targets", "--again"]),
+        (["--again", "f", "--seed", "0"], ["--seed", "--again"]),
+        (["--again", "f", "--keep"], ["--keep", "--again"]),
+        (["--again", "f", "--restart"], ["--restart", "--again"]),
+        (["--again", "f", "--width", "18"], ["--width", "--again"]),
+        (["--out", "f"], ["--out", "'f'", "File exists"]),
+    ],
+)  # fmt: skip
+def test_bad_arguments(cli, simulator, arguments, parts):
+    Path("f").touch()
+    status, out, err = cli(*arguments)
+    assert (status, out, len(err)) == (2, [], 1), err
+    for part in ("soak: ", *parts):
+        assert part in err[0]
+    assert simulator.calls == [] and files() == ["f"]
+
+
+def test_out_where_a_folder_has_the_name_of_the_state(cli, simulator):
+    Path(STATE).mkdir(parents=True)
+    status, _, err = cli()
+    assert (status, simulator.calls) == (2, []) and f"'{STATE}' is a folder" in err[0]
+
+
+def test_a_disk_that_fills_up(cli, monkeypatch):
+    cli("--targets", "400")
+
+    def full(path, text):
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(soak, "write_atomically", full)
+    status, _, err = cli("--targets", "800")
+    assert (status, err) == (2, [f"soak: cannot write '{STATE}': No space left on device"])
+    assert state()["done"] == 400
+
+
+def test_help_names_every_option(cli, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        cli("--help")
+    assert exit_.value.code == 0
+    text = capsys.readouterr().out
+    for option in "targets seed datapath width sim out restart keep again".split():
+        assert f"\n  --{option}" in text, option
+
+
+def test_as_a_command():
+    done = subprocess.run(
+        [sys.executable, "-m", "scripts.soak", "--width", "3"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "soak: argument --width: unknown width '3'; valid: 16 to 32 bits\n"
+
+
+def made(*words):
+    """What `make soak` would start, as words."""
+    command = ["make", "-n", "soak", *words]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    return done.stdout.replace("\\\n", " ").split("scripts.soak")[1].split()
+
+
+def test_make_passes_what_is_set(monkeypatch):
+    monkeypatch.delenv("SIM", raising=False)
+    assert made() == ["--sim", "verilator"]
+    assert made("SIM=icarus") == ["--sim", "icarus"]
+    assert made("RESTART=0", "KEEP=", "D1=3") == ["--sim", "verilator"]
+    words = "TARGETS=9 SEED=2 DATAPATH=lean WIDTH=18 OUT=o AGAIN=f RESTART=1 KEEP=1"
+    options = [f'--{o}="$CGA_{o.upper()}"' for o in "targets seed datapath width out again".split()]
+    assert made(*words.split()) == ["--sim", "verilator", *options, "--restart", "--keep"]
