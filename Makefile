@@ -12,19 +12,27 @@ $(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
 endif
 
-# Options of `make run` and `make report`, from make's command line only. A value is never expanded by make and
+CORES ?= behavioural
+ifneq ($(value CORES),behavioural)
+ifneq ($(value CORES),digit)
+$(error unknown cores CORES=$(value CORES): use behavioural or digit)
+endif
+endif
+unexport CORES
+
+# Options of `make run`, `report` and `soak`, from make's command line only. A value is never expanded by make and
 # reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI TARGETS SEED RESTART KEEP AGAIN
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
-job = --sim $(SIM) \
+job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,TRAJECTORY,--trajectory="$$CGA_TRAJECTORY") $(call given,OUT,--out="$$CGA_OUT") \
   $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI")
 
-.PHONY: help setup run report test test-browser docs derive wordlengths operations figures bench lint lock clean distclean
+.PHONY: help setup run report test test-browser docs derive wordlengths compare operations figures bench soak lint formal fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -32,7 +40,7 @@ help: ## this list
 setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
 	@$(SETUP) $(sort icarus $(SIM))
 
-run: ## the main job [TRAJECTORY=name|all|file.csv OUT=dir SIM= DATAPATH= WIDTH= WAVES=1 D1= D2= PHI=]
+run: ## the main job [TRAJECTORY=name|all|file.csv OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 D1= D2= PHI=]
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.run $(job) $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
@@ -40,9 +48,9 @@ report: ## the same run as an HTML page to look at: the arm in motion, errors, p
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.report $(job)
 
-test: ## all tests [SIM=icarus|verilator]
+test: ## all tests [SIM=icarus|verilator CORES=behavioural|digit]
 	@$(SETUP) $(sort icarus $(SIM))
-	@SIM=$(SIM) $(VENV) -m pytest -n auto
+	@SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto
 
 test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
@@ -62,6 +70,10 @@ wordlengths: ## ranges proved and seen, errors of every node: docs/wordlengths.m
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.wordlengths
 
+compare: ## both datapaths on the same targets, clocks, operations, errors: docs/compare.md and .svg
+	@$(SETUP) icarus
+	@$(VENV) -m scripts.compare
+
 operations: ## table 4 of the paper counted from the equations and the elaborated RTL: docs/operations.md
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.opcounts
@@ -74,13 +86,40 @@ bench: ## simulated targets per second, both simulators in one run
 	@$(SETUP) icarus verilator
 	@$(VENV) -m scripts.bench
 
+# Verilator, unless SIM was set: Icarus takes several times as long.
+soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
+
+soak: ## random targets, as many as wanted [TARGETS= SEED= DATAPATH= WIDTH= OUT= SIM= RESTART=1 KEEP=1 AGAIN=file]
+	@$(SETUP) $(soak_sim)
+	@$(VENV) -m scripts.soak --sim $(soak_sim) \
+	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
+	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
+	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
+	  $(if $(filter-out 0,$(call given,RESTART,$(value RESTART))),--restart) \
+	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
+
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff on the Python
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.lint
 
-lock: ## write requirements.lock anew from pyproject.toml (needs uv)
-	uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
-	  --no-emit-find-links --custom-compile-command "make lock" --output-file requirements.lock pyproject.toml
+formal: ## proofs of the stream logic, divider and root, and that they fail on seeded bugs: docs/proofs.md
+	@$(SETUP) fpga
+	@$(VENV) -m scripts.formal
+
+fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/fpga.md [DATAPATH= WIDTH=]
+	@$(SETUP) fpga
+	@$(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
+
+fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no page
+	@$(SETUP) fpga
+	@$(VENV) -m scripts.fpga --quick
+
+compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
+  --no-emit-find-links --custom-compile-command "make lock"
+
+lock: ## write requirements.lock and requirements-fpga.lock anew (needs uv)
+	$(compile) --output-file requirements.lock pyproject.toml
+	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

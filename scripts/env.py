@@ -18,6 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SIMULATORS = ("icarus", "verilator")
+CORES = ("behavioural", "digit")  # dividers and roots; the numbers are those of the RTL's parameter DIGIT
 
 # Not to be handed on: `make run OUT=x` must not reach, through MAKEFLAGS, the make that Verilator's builds
 # start; cocotb-test would read WAVES and ask Verilator for FST, which needs liblz4-dev.
@@ -75,3 +76,11 @@ def simulator(name=None) -> str:
     if sim not in SIMULATORS:
         raise ValueError(f"unknown simulator {sim!r}: use {' or '.join(SIMULATORS)}")
     return sim
+
+
+def cores(name=None) -> str:
+    """The dividers and roots to use: `name`, else IK_CORES, else behavioural; ValueError for others."""
+    kind = name or os.environ.get("IK_CORES") or CORES[0]
+    if kind not in CORES:
+        raise ValueError(f"unknown cores {kind!r}: use {' or '.join(CORES)}")
+    return kind

@@ -22,8 +22,23 @@ from scripts.env import ROOT, environment
 PARAMETER_SETS = {"W": (32, 18)}
 # module: sets of its own, where the table above is not enough or not legal for it
 MODULE_SETS = {
+    "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "LEAN": 0, "DIGIT": 1}],
+    "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}],
+    "ik_div_digit": [
+        {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 34},
+        {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 18},
+        {"NW": 18, "DW": 18, "SH": 16, "QW": 18, "LAT": 20},
+    ],
+    "ik_root": [{"DIGIT": 0}, {"DIGIT": 1}],
+    "ik_root_digit": [
+        {"NW": 32, "SH": 30, "QW": 32, "LAT": 32},
+        {"NW": 33, "SH": 29, "QW": 32, "LAT": 17},
+        {"NW": 18, "SH": 17, "QW": 18, "LAT": 18},
+    ],
+    "ik_root_row": [{"K": 0}, {"K": 15}, {"K": 30}],
     "ik_even": [{"VW": 64, "MW": 34}, {"VW": 36, "MW": 24}, {"VW": 18, "MW": 24}],
-    "ik_mul3": [{"AW": 33, "BW": 33, "SH": 31, "OW": 33}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
+    "ik_paper": [{"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)],
+    "ik_mul3": [{"AW": 35, "BW": 35, "SH": 33, "OW": 35}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
     "ik_rsqrt": [{"F": 31}, {"F": 22}, {"F": 21}, {"F": 19}],
     "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 21}],  # F goes with W
 }

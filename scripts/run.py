@@ -33,7 +33,7 @@ from model.dataflow import WIDTHS
 from model.predict import hand_bar
 from model.scoring import Score, score, write_results_csv, write_score_json
 from model.targets import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, read_csv, to_words
-from scripts.env import SIMULATORS
+from scripts.env import CORES, SIMULATORS
 from scripts.simulate import DATAPATHS, Job, Run, SimulationError, simulate
 from scripts.waves import write_save_file
 
@@ -144,6 +144,14 @@ def parser_of(prog: str, description: str, *, out: str, written: str) -> argpars
         metavar="BITS",
         help=f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} (default: %(default)s)",
     )
+    parser.add_argument(
+        "--cores",
+        type=_one_of("cores", CORES),
+        default=CORES[0],
+        metavar="|".join(CORES),
+        help="the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
+        "the results are the same (default: %(default)s)",
+    )
     only_csv = "only with a CSV file, for rows of a file without that column"
     parser.add_argument("--d1", type=_length, metavar="LENGTH", help=f"upper arm, {only_csv} (default: {DEFAULT_D1})")
     parser.add_argument("--d2", type=_length, metavar="LENGTH", help=f"forearm, {only_csv} (default: {DEFAULT_D2})")
@@ -236,6 +244,7 @@ def run_and_score(
             width=arguments.width,
             waves=waves,
             progress=progress,
+            cores=arguments.cores,
         )
     scores = [
         score(

@@ -58,11 +58,13 @@ def simulate(
     progress: Callable[[int, int], None] | None = None,
     root: Path = ROOT,
     name: str = "",
+    cores: str | None = None,
 ) -> list[Run]:
     """Runs all jobs in one simulation, comparing every node with the bit-true model.
 
     ``waves`` is a VCD file to write.  ``progress(done, total)`` is called about twice a second.  ``root`` and ``name``
-    choose another copy of the RTL (see :func:`tb.runner.simulate`).  Raises :class:`SimulationError`.
+    choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.runner.simulate`).  Raises
+    :class:`SimulationError`.
     """
     if datapath not in DATAPATHS:
         raise ValueError(f"datapath {datapath}: there is {', '.join(DATAPATHS)}")
@@ -71,7 +73,7 @@ def simulate(
         place = Path(folder)
         np.savez(place / "jobs.npz", **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
-        arguments = [simulator, datapath, str(width), folder, str(waves or ""), str(root), name]
+        arguments = [simulator, datapath, str(width), folder, str(waves or ""), str(root), name, cores or ""]
         command = [sys.executable, "-m", "scripts.simulate", *arguments]
         with open(log, "w") as out:
             process = subprocess.Popen(command, cwd=ROOT, env=environment(), stdout=out, stderr=subprocess.STDOUT)
@@ -111,7 +113,9 @@ def _reason(log: str, simulator: str) -> str:
     return "\n".join([f"the {simulator} simulation failed:", *(telling or log.splitlines())[-12:]])
 
 
-def _child(simulator: str, datapath: str, width: str, folder: str, waves: str, root: str, name: str) -> None:
+def _child(
+    simulator: str, datapath: str, width: str, folder: str, waves: str, root: str, name: str, cores: str
+) -> None:
     """In a process of its own: cocotb-test changes signal handlers and the logging of its process."""
     from tb.runner import simulate as run_cocotb
 
@@ -129,6 +133,7 @@ def _child(simulator: str, datapath: str, width: str, folder: str, waves: str, r
         waves=Path(waves) if waves else None,
         root=Path(root),
         name=name,
+        core=cores or None,
         seed=1,
     )
 

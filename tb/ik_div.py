@@ -8,13 +8,13 @@ from fractions import Fraction
 
 import cocotb
 
-from tb.unit import Unit, crossed, each, named, parameters, signed, some
+from tb.unit import Unit, corners, crossed, each, named, parameters, signed, some
 
 P = parameters()
 NW, DW, SH, QW, LAT = (P[k] for k in ("NW", "DW", "SH", "QW", "LAT"))
 N, D, Q = signed(NW), signed(DW), signed(QW)
 EXHAUSTIVE = NW + DW <= 12
-GOOD = (3, D[-1] // 2 + 1)
+GOOD = (min(3, N[-1]), D[-1] // 2 + 1)
 
 
 def reference(n: int, d: int) -> tuple[int, int]:
@@ -43,7 +43,17 @@ CASES = {
     "zero": ((0, 1), (0, 0)),
     "zero_by_largest": ((0, D[-1]), (0, 0)),
     "floor_of_a_little": ((1, D[-1]), ((1 << SH) // D[-1], 0)),
-    "floor_of_minus_a_little": ((-1, D[-1]), (-((1 << SH) // D[-1]) - 1, 0)),
+    "floor_of_minus_a_little": ((-1, D[-1]), ((-1 << SH) // D[-1], 0)),
+    "one": ((1, 1), (1 << SH, 0)),
+    "minus_one": ((-1, 1), (-1 << SH, 0)),
+    # with remainder 0, and with the least and the largest one
+    "multiple": ((5, 5), (1 << SH, 0)),
+    "minus_a_multiple": ((-5, 5), (-1 << SH, 0)),
+    "below_a_multiple": ((4, 5), ((4 << SH) // 5, 0)),
+    "below_minus_a_multiple": ((-6, 5), ((-6 << SH) // 5, 0)),
+    "above_a_multiple": ((6, 5), ((6 << SH) // 5, 0)),
+    "above_minus_a_multiple": ((-4, 5), ((-4 << SH) // 5, 0)),
+    "least_by_largest": ((N[0], D[-1]), ((N[0] << SH) // D[-1], 0)),
     "overflow": ((N[-1], 1), (Q[-1], 1)),
     "negative_overflow": ((N[0], 1), (Q[0], 1)),
     # q 2^-SH exactly and its neighbours, where d is a multiple of 2^SH: the ends of the range
@@ -53,8 +63,10 @@ CASES = {
     "just_too_small": ((Q[0] - 1, 1 << SH), (Q[0], 1)),
 }
 if (N[-1] << SH) <= Q[-1]:  # q holds any quotient
-    del CASES["overflow"], CASES["negative_overflow"]
-CASES = {k: c for k, c in CASES.items() if c[0][0] in N and c[0][1] in D}
+    del CASES["overflow"]
+if (N[0] << SH) >= Q[0]:
+    CASES.pop("negative_overflow", None)
+CASES = {k: c for k, c in CASES.items() if c[0][0] in N and c[0][1] in D and c[1][0] in Q}
 
 
 @cocotb.test()
@@ -75,6 +87,15 @@ async def corner(dut, case):
 @cocotb.test()
 async def extremes(dut):
     await bench(dut).check(crossed(N, D))
+
+
+@cocotb.test()
+async def ends_of_the_range(dut):
+    """Around the first dividend of a quotient: of both ends of the range and what is beside them, of 0 and of -1."""
+    wanted = [q + e for q in (Q[0], Q[-1]) for e in (-1, 0, 1)] + [-2, -1, 0, 1]
+    divisors = [d for d in corners(D) if d > 0] + [random.randint(1, D[-1]) for _ in range(40)]
+    first = [(math.ceil(Fraction(q * d, 1 << SH)), d) for d in divisors for q in wanted]
+    await bench(dut).check((n + e, d) for n, d in first for e in (-1, 0, 1) if n + e in N)
 
 
 @cocotb.test(skip=not EXHAUSTIVE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_root`` against ``math.isqrt``; 0 and a flag where the argument is negative."""
+"""``ik_root`` against ``math.isqrt``, saturated; 0 and a flag where the argument is negative."""
 
 import math
 import random
@@ -10,12 +10,12 @@ from tb.unit import Unit, corners, each, named, parameters, signed, some
 
 P = parameters()
 NW, SH, QW, LAT = (P[k] for k in ("NW", "SH", "QW", "LAT"))
-N = signed(NW)
+N, Q = signed(NW), signed(QW)
 EXHAUSTIVE = NW <= 12
 
 
 def reference(n: int) -> tuple[int, int]:
-    return (math.isqrt(n << SH), 0) if n >= 0 else (0, 1)
+    return (min(math.isqrt(n << SH), Q[-1]), 0) if n >= 0 else (0, 1)
 
 
 def bench(dut) -> Unit:
@@ -28,17 +28,25 @@ CASES = {
     "minus_one": (-1, 0, 1),
     "least": (N[0], 0, 1),
     "least_but_one": (N[0] + 1, 0, 1),
-    "largest": (N[-1], math.isqrt(N[-1] << SH), 0),
+    "largest": (N[-1], min(math.isqrt(N[-1] << SH), Q[-1]), 0),
     "a_square": (9 << SH % 2, 3 << (SH + 1) // 2, 0),
     "below_a_square": ((9 << SH % 2) - 1, math.isqrt(((9 << SH % 2) - 1) << SH), 0),
+    # the ends of the range
+    "largest_root": (((1 << 2 * (QW - 1)) - 1) >> SH, Q[-1], 0),
+    "just_too_large": ((1 << 2 * (QW - 1)) >> SH, Q[-1], 0),
 }
+if SH >= QW:  # arguments lie further apart than the last two squares
+    del CASES["largest_root"]
+if SH > 2 * (QW - 1):
+    del CASES["just_too_large"]
+CASES = {k: c for k, c in CASES.items() if c[0] in N and c[1] in Q}
 
 
 @cocotb.test()
 async def latency(dut):
     """q and neg leave together, LAT clocks after n."""
     unit = bench(dut)
-    await unit.check_latency((4,), (-4,))
+    await unit.check_latency((min(4, N[-1]),), (-1,))
     await unit.check_latency((N[0],), (N[-1],))
 
 
@@ -47,7 +55,7 @@ async def latency(dut):
 async def corner(dut, case):
     """Named cases; the roots right before and right after are good ones."""
     n, q, neg = CASES[case]
-    await bench(dut).check_corner((n,), (q, neg), good=(5,))
+    await bench(dut).check_corner((n,), (q, neg), good=(min(5, N[-1]),))
 
 
 @cocotb.test(skip=not EXHAUSTIVE)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
 import shutil
 from contextlib import contextmanager, nullcontext
 from importlib.metadata import version
@@ -16,7 +17,7 @@ from unittest import mock
 
 from cocotb_test.simulator import run
 
-from scripts.env import ROOT, simulator, use_environment
+from scripts.env import CORES, ROOT, cores, simulator, use_environment
 
 BUILD = ROOT / "build" / "sim"
 RTL_FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper", "rtl/lean")
@@ -36,6 +37,16 @@ TRACED = ROOT / "tb" / "waves.vlt"
 def sources(rtl: Path = ROOT) -> list[Path]:
     """All Verilog sources, under ``rtl`` or another root laid out alike."""
     return [path for folder in RTL_FOLDERS for path in sorted((rtl / folder).glob("*.v"))]
+
+
+def _with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path) -> dict[str, int]:
+    """The parameters, and DIGIT where the module has it, is not given it and ``kind`` is not its default."""
+    number = CORES.index(kind)
+    if number == 0 or "DIGIT" in parameters:
+        return parameters
+    texts = [path.read_text() for path in sources(root) if path.stem == toplevel]
+    has = any(re.search(r"^\s*parameter integer DIGIT\b", text, re.MULTILINE) for text in texts)
+    return {**parameters, "DIGIT": number} if has else parameters
 
 
 @contextmanager
@@ -74,16 +85,19 @@ def simulate(
     waves: Path | None = None,
     root: Path = ROOT,
     name: str = "",
+    core: str | None = None,
 ) -> Path:
     """Runs the cocotb tests of ``module`` on ``toplevel``; returns the results file.
 
     ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
-    ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` tells its build apart.
+    ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` tells its build apart;
+    ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
+    behavioural).
     Raises ``SystemExit`` when a test fails or the build does, as cocotb-test does.
     """
     use_environment()
     sim = simulator(sim)
-    parameters = parameters or {}
+    parameters = _with_cores(toplevel, parameters or {}, cores(core), root)
     parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
     if waves and sim == "verilator":
         parts.append("waves")

@@ -9,7 +9,7 @@ from model import trajectories
 from model.datapaths import DATAPATHS
 from model.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import gen_docs, run
-from scripts.env import simulator
+from scripts.env import CORES, cores, simulator
 
 AIM = 1e-6
 """What regular trajectories are to reach; their bar is wider."""
@@ -22,6 +22,7 @@ def outcomes(tmp_path_factory):
     for datapath in DATAPATHS:
         out = tmp_path_factory.mktemp(datapath)
         arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(out), "--sim", simulator()]
+        arguments += ["--cores", cores()]
         status = run.main(arguments)
         scores = {score["trajectory"]: score for score in json.loads((out / "score.json").read_text())}
         assert status == 0, {name: score["failures"] for name, score in scores.items()}
@@ -83,6 +84,18 @@ def test_latency_and_rate(outcome):
 def test_the_page_of_scores_is_up_to_date(outcomes):
     page = gen_docs.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
     assert gen_docs.SCORES.read_text() == page, "run `python -m scripts.gen_docs`"
+
+
+if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a minute
+
+    def test_both_kinds_of_cores_write_the_same_files(outcomes, tmp_path):
+        out, _ = outcomes["paper"]
+        (other,) = set(CORES) - {cores()}
+        arguments = ["--trajectory", "all", "--datapath", "paper", "--out", str(tmp_path), "--sim", simulator()]
+        assert run.main([*arguments, "--cores", other]) == 0
+        for name in trajectories.TRAJECTORIES:
+            ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
+            assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the cores' results differ"
 
 
 if simulator() == "verilator":

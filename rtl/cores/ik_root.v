@@ -1,15 +1,18 @@
 // Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 where n < 0; n signed NW bits, q signed QW bits, never negative.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Behavioural. neg is valid with q and says that n was negative.
-// Latency: LAT clocks, those of a pipelined radix-2 square root: one row a result bit, output.
+// neg is valid with q and says that n was negative. A root that does not fit has all bits set. DIGIT chooses between a
+// behavioural core, the reference, and ik_root_digit, made of rows for synthesis; both give the same bits in the same
+// clocks.
+// Latency: LAT clocks; ik_root_digit says which it can have, a behavioural core has any.
 `default_nettype none
 
 module ik_root #(
-    parameter integer NW  = 32,  // width of the radicand
-    parameter integer SH  = 30,  // 2 F(q) - F(n)
-    parameter integer QW  = 32,  // width of the root
-    parameter integer LAT = 32   // clocks
+    parameter integer NW    = 32,  // width of the radicand
+    parameter integer SH    = 30,  // 2 F(q) - F(n)
+    parameter integer QW    = 32,  // width of the root
+    parameter integer LAT   = 32,  // clocks
+    parameter integer DIGIT = 0    // 1: digit recurrence, 0: behavioural
 ) (
     input  wire                 clk,
     input  wire signed [NW-1:0] n,
@@ -17,40 +20,56 @@ module ik_root #(
     output wire                 neg
 );
 
-  localparam integer XW = (NW + SH > 2 * QW) ? (NW + SH) : (2 * QW);
+  generate
+    if (DIGIT != 0) begin : g_digit
+      ik_root_digit #(
+          .NW (NW),
+          .SH (SH),
+          .QW (QW),
+          .LAT(LAT)
+      ) u_core (
+          .clk(clk),
+          .n  (n),
+          .q  (q),
+          .neg(neg)
+      );
+    end else begin : g_behavioural
+      localparam integer XW = (NW + SH > 2 * QW) ? (NW + SH) : (2 * QW);
 
-  // One result bit after the other, highest first: keep it where the square still fits.
-  function [QW-1:0] root(input [XW-1:0] v);
-    reg [QW-1:0] r;
-    reg [XW-1:0] rest;   // v - r^2
-    reg [XW-1:0] trial;  // (r + bit)^2 - r^2 = (2 r + bit) bit
-    integer i;
-    begin
-      r = {QW{1'b0}};
-      rest = v;
-      for (i = QW - 2; i >= 0; i = i - 1) begin
-        trial = ({{(XW - QW) {1'b0}}, r} << (i + 1)) | ({{(XW - 1) {1'b0}}, 1'b1} << (2 * i));
-        if (rest >= trial) begin
-          rest = rest - trial;
-          r[i] = 1'b1;
+      // One result bit after the other, highest first: keep it where the square still fits.
+      function [QW-1:0] root(input [XW-1:0] v);
+        reg [QW-1:0] r;
+        reg [XW-1:0] rest;   // v - r^2
+        reg [XW-1:0] trial;  // (r + bit)^2 - r^2 = (2 r + bit) bit
+        integer i;
+        begin
+          r = {QW{1'b0}};
+          rest = v;
+          for (i = QW - 2; i >= 0; i = i - 1) begin
+            trial = ({{(XW - QW) {1'b0}}, r} << (i + 1)) | ({{(XW - 1) {1'b0}}, 1'b1} << (2 * i));
+            if (rest >= trial) begin
+              rest = rest - trial;
+              r[i] = 1'b1;
+            end
+          end
+          root = r;
         end
-      end
-      root = r;
+      endfunction
+
+      wire negative = n[NW-1];
+      wire [XW-1:0] radicand = {{(XW - NW) {1'b0}}, n} << SH;
+      wire [QW-1:0] floor = negative ? {QW{1'b0}} : root(radicand);
+
+      ik_delay #(
+          .W(QW + 1),
+          .N(LAT)
+      ) u_latency (
+          .clk(clk),
+          .d  ({negative, floor}),
+          .q  ({neg, q})
+      );
     end
-  endfunction
-
-  wire negative = n[NW-1];
-  wire [XW-1:0] radicand = {{(XW - NW) {1'b0}}, n} << SH;
-  wire [QW-1:0] floor = negative ? {QW{1'b0}} : root(radicand);
-
-  ik_delay #(
-      .W(QW + 1),
-      .N(LAT)
-  ) u_latency (
-      .clk(clk),
-      .d  ({negative, floor}),
-      .q  ({neg, q})
-  );
+  endgenerate
 
 endmodule
 

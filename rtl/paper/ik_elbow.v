@@ -9,7 +9,8 @@
 `default_nettype none
 
 module ik_elbow #(
-    parameter integer W = 32  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] d_1,          // T_D_1
@@ -178,7 +179,7 @@ module ik_elbow #(
   ik_sum2 #(.IW(WW), .SH(F_PP_PM-F_TMP1), .OW(W), .SUB_B(1)) u_tmp1 (
       .clk(clk), .a(pp_pm), .b(pp_sq_pm), .q(tmp1), .ovf(ovf_tmp1)
   );
-  ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT)) u_tmp_sqr (
+  ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_tmp_sqr (
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
   );
 
@@ -274,13 +275,13 @@ module ik_elbow #(
   wire [2:0] ovf_quo;
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
   ik_delay #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_num (.clk(clk), .d(inf_pp), .q(inf_pp_num));
-  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV)) u_e_x_quo (
+  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_x_quo (
       .clk(clk), .n(e_x_num), .d(inf_pp_num), .q(e_x_quo), .ovf(ovf_quo[0])
   );
-  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV)) u_e_y_quo (
+  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_y_quo (
       .clk(clk), .n(e_y_num), .d(inf_pp_num), .q(e_y_quo), .ovf(ovf_quo[1])
   );
-  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV)) u_e_z_quo (
+  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_z_quo (
       .clk(clk), .n(e_z_num), .d(inf_pp_num), .q(e_z_quo), .ovf(ovf_quo[2])
   );
 

@@ -5,7 +5,8 @@
 `default_nettype none
 
 module ik_elbow_q #(
-    parameter integer W = 32  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] d_1,         // T_D_1
@@ -75,7 +76,7 @@ module ik_elbow_q #(
   wire signed [W-1:0] c4_quo;
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
   ik_delay #(.W(W), .N(T_T_E-T_D_12)) u_d_12_t (.clk(clk), .d(d_12), .q(d_12_t));
-  ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV)) u_c4_quo (
+  ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_c4_quo (
       .clk(clk), .n(t_e), .d(d_12_t), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
   );
 
@@ -98,10 +99,10 @@ module ik_elbow_q #(
   localparam integer SH_ROOT = 2 * F_QE_W - (W - 1);
   ik_half #(.W(W)) u_h4_p (.clk(clk), .c(c4), .q(h4_p));
   ik_half #(.W(W), .MINUS(1)) u_h4_m (.clk(clk), .c(c4), .q(h4_m));
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT)) u_qe_w (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_qe_w (
       .clk(clk), .n({1'b0, h4_p}), .q(qe_w), .neg()
   );
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT)) u_qe_abs (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_qe_abs (
       .clk(clk), .n({1'b0, h4_m}), .q(qe_abs), .neg()
   );
   always @(posedge clk) begin

@@ -8,7 +8,8 @@
 
 module ik_paper #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer TAG_W = 8    // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire             clk,
     input  wire             rst,        // synchronous: forgets the targets in flight
@@ -86,7 +87,7 @@ module ik_paper #(
   wire signed [W-1:0] pi_swivel_y;
   wire signed [W-1:0] pi_swivel_z;
   wire sat_swivel;
-  ik_swivel #(.W(W)) u_swivel (
+  ik_swivel #(.W(W), .DIGIT(DIGIT)) u_swivel (
       .clk(clk),
       .phi(phi), .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
       .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
@@ -113,7 +114,7 @@ module ik_paper #(
   wire signed [W-1:0] p_e_z;
   wire signed [W-1:0] d_e;
   wire sat_elbow;
-  ik_elbow #(.W(W)) u_elbow (
+  ik_elbow #(.W(W), .DIGIT(DIGIT)) u_elbow (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .d_dif_j(d_dif_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
@@ -127,7 +128,7 @@ module ik_paper #(
   wire signed [W-1:0] qe_w;
   wire signed [W-1:0] qe_i;
   wire sat_elbow_q;
-  ik_elbow_q #(.W(W)) u_elbow_q (
+  ik_elbow_q #(.W(W), .DIGIT(DIGIT)) u_elbow_q (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .fold(fold),
       .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
@@ -140,7 +141,7 @@ module ik_paper #(
   wire signed [W-1:0] q12_j;
   wire signed [W-1:0] q12_k;
   wire sat_to_elbow;
-  ik_to_elbow #(.W(W)) u_to_elbow (
+  ik_to_elbow #(.W(W), .DIGIT(DIGIT)) u_to_elbow (
       .clk(clk),
       .d_e(d_e), .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
       .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k), .sat_to_elbow(sat_to_elbow)
@@ -153,7 +154,7 @@ module ik_paper #(
   wire signed [W-1:0] qs_j;
   wire signed [W-1:0] qs_k;
   wire sat_to_wrist;
-  ik_to_wrist #(.W(W)) u_to_wrist (
+  ik_to_wrist #(.W(W), .DIGIT(DIGIT)) u_to_wrist (
       .clk(clk),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
       .p_w_x_pi(p_w_x_pi), .p_w_y_pi(p_w_y_pi), .p_w_z_pi(p_w_z_pi),

@@ -7,7 +7,8 @@
 `default_nettype none
 
 module ik_swivel #(
-    parameter integer W = 32  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,          // binary angle, at clock 0
@@ -37,7 +38,9 @@ module ik_swivel #(
   ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Y-F_S_Y), .OW(WW)) u_s_y (.clk(clk), .a(p_w_y), .b(p_w_y), .q(s_y));
   ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Z-F_S_Z), .OW(WW)) u_s_z (.clk(clk), .a(p_w_z), .b(p_w_z), .q(s_z));
   ik_sum3 #(.IW(WW), .SH(F_S_X-F_S), .OW(W)) u_s (.clk(clk), .a(s_x), .b(s_y), .c(s_z), .q(s), .ovf());
-  ik_root #(.NW(W), .SH(2*F_L_SW-F_S), .QW(W), .LAT(LAT_ROOT)) u_l_sw (.clk(clk), .n(s), .q(l_sw), .neg());
+  ik_root #(.NW(W), .SH(2*F_L_SW-F_S), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_sw (
+      .clk(clk), .n(s), .q(l_sw), .neg()
+  );
 
   // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the square is missing in print ----
 
@@ -138,13 +141,13 @@ module ik_swivel #(
   wire ovf_y;
   wire ovf_z;
   ik_delay #(.W(W), .N(T_PI_NUM_X-T_CB_X)) u_l_sw_num (.clk(clk), .d(l_sw_lcb), .q(l_sw_num));
-  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_X-F_PI_NUM_X+F_L_SW), .QW(W), .LAT(LAT_DIV)) u_pi_swivel_x (
+  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_X-F_PI_NUM_X+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_swivel_x (
       .clk(clk), .n(pi_num_x), .d(l_sw_num), .q(pi_swivel_x), .ovf(ovf_x)
   );
-  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Y-F_PI_NUM_Y+F_L_SW), .QW(W), .LAT(LAT_DIV)) u_pi_swivel_y (
+  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Y-F_PI_NUM_Y+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_swivel_y (
       .clk(clk), .n(pi_num_y), .d(l_sw_num), .q(pi_swivel_y), .ovf(ovf_y)
   );
-  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Z-F_PI_NUM_Z+F_L_SW), .QW(W), .LAT(LAT_DIV)) u_pi_swivel_z (
+  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Z-F_PI_NUM_Z+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_swivel_z (
       .clk(clk), .n(pi_num_z), .d(l_sw_num), .q(pi_swivel_z), .ovf(ovf_z)
   );
   always @(posedge clk) sat_swivel <= ovf_x | ovf_y | ovf_z;

@@ -11,7 +11,8 @@
 `default_nettype none
 
 module ik_to_elbow #(
-    parameter integer W = 32  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] d_e,          // length of the upper arm in the unit of p_e, T_D_E
@@ -118,7 +119,9 @@ module ik_to_elbow #(
   ik_sum3 #(.IW(WW), .SH(F_TMP2_X-F_TMP2), .OW(W)) u_tmp2 (
       .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
   );
-  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT)) u_l_m (.clk(clk), .n(tmp2), .q(l_m), .neg());
+  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_m (
+      .clk(clk), .n(tmp2), .q(l_m), .neg()
+  );
 
   // ---- (15) q12 = L_m / |L_m| ----
 
@@ -132,13 +135,13 @@ module ik_to_elbow #(
   ik_delay #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_q (
       .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_q, l_m_y_q, l_m_x_q})
   );
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV)) u_q12_i (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_i (
       .clk(clk), .n(l_m_x_q), .d(l_m), .q(q12_i), .ovf(ovf_i)
   );
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV)) u_q12_j (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_j (
       .clk(clk), .n(l_m_y_q), .d(l_m), .q(q12_j), .ovf(ovf_j)
   );
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV)) u_q12_k (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_k (
       .clk(clk), .n(l_m_z_q), .d(l_m), .q(q12_k), .ovf(ovf_k)
   );
   always @(posedge clk) sat_to_elbow <= ovf_i | ovf_j | ovf_k;

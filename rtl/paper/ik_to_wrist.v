@@ -6,7 +6,8 @@
 `default_nettype none
 
 module ik_to_wrist #(
-    parameter integer W = 32  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] pi_swivel_x,  // T_PI_SWIVEL_X
@@ -50,10 +51,10 @@ module ik_to_wrist #(
   ik_sum3 #(.IW(WW), .SH(F_PI_SQ_X-F_PI_SQ), .OW(W)) u_pi_sq (
       .clk(clk), .a(pi_sq_x), .b(pi_sq_y), .c(pi_sq_z), .q(pi_sq), .ovf()
   );
-  ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT)) u_pi_abs (
+  ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_pi_abs (
       .clk(clk), .n(pi_sq), .q(pi_abs), .neg()
   );
-  ik_div #(.NW(W), .DW(W), .SH(F_PI_INV-(W-2)+F_PI_ABS), .QW(W), .LAT(LAT_DIV)) u_pi_inv (
+  ik_div #(.NW(W), .DW(W), .SH(F_PI_INV-(W-2)+F_PI_ABS), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_inv (
       .clk(clk), .n(ONE), .d(pi_abs), .q(pi_inv), .ovf()
   );
 
@@ -173,10 +174,10 @@ module ik_to_wrist #(
   localparam integer SH_ROOT = 2 * F_Q3_SCALAR - (W - 1);
   ik_half #(.W(W)) u_h3_p (.clk(clk), .c(c3), .q(h3_p));
   ik_half #(.W(W), .MINUS(1)) u_h3_m (.clk(clk), .c(c3), .q(h3_m));
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT)) u_q3_scalar (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_q3_scalar (
       .clk(clk), .n({1'b0, h3_p}), .q(q3_scalar), .neg()
   );
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT)) u_q3_abs (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_q3_abs (
       .clk(clk), .n({1'b0, h3_m}), .q(q3_abs), .neg()
   );
   wire negative_abs;

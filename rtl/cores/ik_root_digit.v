@@ -1,0 +1,118 @@
+// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 where n < 0; n signed NW bits, q signed QW bits, never negative.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pipelined digit recurrence; ports and results are those of ik_root. A root that does not fit has all bits set.
+// A row's registers: remainder, and one word {radicand to come, root so far} that loses two bits on its left and gets
+// one on its right. The zeros that end n 2^SH are not stored.
+// Latency: LAT clocks: rows, a result bit each, or two where LAT is too short for that; output; the rest are registers
+// behind. LAT of at least 1 + ceil(R/2), natural 1 + R, with R = min(QW-1, ceil((NW-1+SH)/2)) result bits.
+`default_nettype none
+
+module ik_root_digit #(
+    parameter integer NW  = 32,  // width of the radicand
+    parameter integer SH  = 30,  // 2 F(q) - F(n)
+    parameter integer QW  = 32,  // width of the root
+    parameter integer LAT = 32   // clocks
+) (
+    input  wire                 clk,
+    input  wire signed [NW-1:0] n,
+    output wire signed [QW-1:0] q,
+    output wire                 neg
+);
+
+  localparam integer VB = NW - 1 + SH;  // bits of the radicand
+  localparam integer ROWS = ((VB + 1) / 2 < QW - 1) ? ((VB + 1) / 2) : (QW - 1);  // result bits
+  localparam integer PAIRS = (SH / 2 < ROWS) ? (ROWS - SH / 2) : 0;  // of the radicand, that are not zeros
+  localparam integer BITS = (LAT >= ROWS + 1) ? 1 : 2;  // result bits between registers
+  localparam integer STAGES = (ROWS + BITS - 1) / BITS;
+
+  generate
+    if (NW < 2 || SH < 0 || QW < 2) begin : g_illegal
+      ik_root_digit_needs_NW_QW_of_at_least_2_and_SH_of_at_least_0 u_stop ();
+    end
+    if (LAT < STAGES + 1) begin : g_short
+      ik_root_digit_needs_LAT_of_at_least_1_and_half_a_clock_a_result_bit u_stop ();
+    end
+  endgenerate
+
+  localparam integer XW = ((VB > 2 * ROWS) ? VB : (2 * ROWS)) + 1;
+  wire minus = n[NW-1];
+  wire [XW-1:0] v = {{(XW - NW + 1) {1'b0}}, n[NW-2:0]} << SH;
+  wire over;
+  wire minus_out;
+  ik_delay #(.W(2), .N(STAGES)) u_flags (.clk(clk), .d({minus, |v[XW-1:2*ROWS]}), .q({minus_out, over}));
+
+  // ---- rows ----
+
+  localparam integer FIRST = (PAIRS > 0) ? (2 * PAIRS) : 1;  // a word has no less than one bit
+
+  genvar k;
+  generate
+    for (k = 0; k < ROWS; k = k + 1) begin : g_row
+      localparam integer WW = (k == 0) ? FIRST : (k > PAIRS) ? k : (2 * PAIRS - k);  // width of the word
+      localparam integer NEXT = (k + 1 > PAIRS) ? (k + 1) : (2 * PAIRS - k - 1);
+      localparam integer CLOCKS = (BITS == 1 || k % 2 == 1 || k == ROWS - 1) ? 1 : 0;
+      wire [k:0] r;
+      wire [k:0] root;
+      wire [WW-1:0] word;
+      if (k == 0) begin : g_first
+        assign r = 1'b0;
+        assign root = 1'b0;
+        assign word = v[2*ROWS-1:2*ROWS-FIRST];
+      end else begin : g_next
+        assign r = g_row[k-1].r_q;
+        assign root = {1'b0, word[k-1:0]};
+        assign word = g_row[k-1].word_q;
+      end
+      wire [1:0] pair;
+      if (k < PAIRS) begin : g_stored
+        assign pair = word[WW-1:WW-2];
+      end else begin : g_zeros
+        assign pair = 2'b00;
+      end
+
+      wire [k+1:0] r_next;
+      wire q_bit;
+      ik_root_row #(
+          .K(k)
+      ) u_row (
+          .r     (r),
+          .root  (root),
+          .pair  (pair),
+          .r_next(r_next),
+          .q     (q_bit)
+      );
+
+      wire [WW:0] word_next = {word, q_bit};
+      wire [k+1:0] r_q;
+      wire [NEXT-1:0] word_q;
+      ik_delay #(
+          .W(k + 2 + NEXT),
+          .N(CLOCKS)
+      ) u_registers (
+          .clk(clk),
+          .d  ({r_next, word_next[NEXT-1:0]}),
+          .q  ({r_q, word_q})
+      );
+      wire unused = &{1'b0, word_next, r_q};
+    end
+  endgenerate
+
+  // ---- output ----
+
+  wire [QW-1:0] result = {{(QW - ROWS) {1'b0}}, g_row[ROWS-1].word_q};
+  wire [QW-2:0] bounded = (result[QW-2:0] | {(QW - 1) {over}}) & ~{(QW - 1) {minus_out}};
+  ik_delay #(
+      .W(QW + 1),
+      .N(LAT - STAGES)
+  ) u_out (
+      .clk(clk),
+      .d  ({minus_out, 1'b0, bounded}),
+      .q  ({neg, q})
+  );
+
+  wire unused = &{1'b0, v, result[QW-1]};
+
+endmodule
+
+`default_nettype wire
