@@ -32,8 +32,8 @@ def test_ik_even(parameters):
     run_unit("ik_even", parameters)
 
 
-@pytest.mark.parametrize("parameters", [even(14, 20), even(33, 20), even(66, 34), even(64, 51)], ids=title)
+@pytest.mark.parametrize("parameters", [even(2, 20), even(33, 20), even(66, 34), even(64, 51)], ids=title)
 def test_widths_out_of_range_stop_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
         run_unit("ik_even", parameters, sim="icarus")
-    assert "ik_even_needs_VW_even_from_16_to_64_and_MW_to_50" in caplog.text
+    assert "ik_even_needs_VW_even_from_4_to_64_and_MW_to_50" in caplog.text

@@ -1,0 +1,16 @@
+// The assertions of one row of a divider or root, so that each has a name of its own.
+// SPDX-License-Identifier: Apache-2.0
+module ik_checks (
+    input wire on,
+    input wire in_range,
+    input wire identity,
+    input wire to_come,
+    input wire result
+);
+  always @* if (on) begin
+    in_range_ : assert (in_range);
+    identity_ : assert (identity);
+    to_come_ : assert (to_come);
+    result_ : assert (result);
+  end
+endmodule

@@ -1,0 +1,88 @@
+// Abstract pipeline in the place of `IK_CORE (ik_lean or ik_paper): any function of a target, in the real latency.
+// SPDX-License-Identifier: Apache-2.0
+//
+// ik_axis never looks at a result, so that results are left open: those of all targets may be anything, but one target,
+// any one, is picked and followed: its result is f_result, an arbitrary constant, with the tag it came with.
+// That valid and tag of the real modules do the same is proved by ik_lean.vh and ik_paper.vh.
+// Latency: datapath_latency clocks.
+`default_nettype none
+
+module `IK_CORE #(
+    parameter integer W     = 32,
+    parameter integer TAG_W = 8,
+    parameter integer DIGIT = 0  // of ik_paper alone
+) (
+    input  wire             clk,
+    input  wire             rst,
+    input  wire             in_valid,
+    input  wire [TAG_W-1:0] in_tag,
+    input  wire [  6*W-1:0] in_data,
+    output wire             out_valid,
+    output wire [TAG_W-1:0] out_tag,
+    output wire [      7:0] out_flags,
+    output wire [  6*W-1:0] out_data
+);
+
+  `include "ik_latency.vh"
+  localparam integer T = datapath_latency(`IK_LEAN, W);
+
+  (* anyconst *) wire [6*W+7:0] f_result;
+`ifdef IK_COVER
+  wire [6*W+TAG_W+7:0] f_any = 0;  // covers are not about data; the first target is followed
+  wire f_pick = 1'b1;
+`else
+  (* anyseq *) wire [6*W+TAG_W+7:0] f_any;
+  (* anyseq *) wire f_pick;
+`endif
+
+  reg [T-1:0] valid;  // newest in bit 0
+  reg [T-1:0] mark;   // the target that is followed
+  reg taken;          // picked since the reset
+  reg [TAG_W-1:0] tag;
+  wire take = in_valid && f_pick && !taken;
+  always @(posedge clk) begin
+    if (rst) begin
+      valid <= {T{1'b0}};
+      mark  <= {T{1'b0}};
+      taken <= 1'b0;
+    end else begin
+      valid <= {valid[T-2:0], in_valid};
+      mark  <= {mark[T-2:0], take};
+      taken <= taken || take;
+    end
+    if (take) tag <= in_tag;
+  end
+
+  assign out_valid = valid[T-1];
+  assign {out_flags, out_tag, out_data} =
+      mark[T-1] ? {f_result[6*W+7:6*W], tag, f_result[6*W-1:0]} : f_any;
+
+endmodule
+
+// The assertions of one slice of the pipeline's rows, see ik_axis.vh.
+module ik_rows (
+    input wire on,
+    input wire counts,
+    input wire bound,
+    input wire below,
+    input wire mark,
+    input wire alone,
+    input wire quiet,
+    input wire above_if,
+    input wire above,
+    input wire waiting
+);
+  always @* if (on) begin
+    rows_counts : assert (counts);
+    rows_bound : assert (bound);
+    rows_below : assert (below);
+    rows_mark : assert (mark);
+    rows_alone : assert (alone);
+    rows_quiet : assert (quiet);
+    rows_above_if : assert (above_if);
+    rows_above : assert (above);
+    rows_waiting : assert (waiting);
+  end
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Appended to ik_div_digit: the quotient of every row, at full width, with a linear ghost in the place of the product.
+// No assumption: every operand in every clock, any state before.
+//
+// With the operands travel, as ghosts: the magnitude M, the divisor d, P and Q. A row makes P <= 2 P + q d and
+// Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/proofs.md). After n rows:
+// P + r == M >> (ROWS - n), r < d, and the word holds M's bits to come and Q.
+
+reg [LAT-1:0] f_valid = {LAT{1'b0}};  // stages whose operands came in after the first clock
+always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
+
+reg f_sign_1;
+reg [DW-1:0] f_d_1;  // as it came, with its sign
+reg [XW-1:0] f_M_1;
+always @(posedge clk) begin
+  f_sign_1 <= n[NW-1];
+  f_d_1 <= d;
+  f_M_1 <= magnitude;
+end
+// M < d 2^ROWS, and d > 0: then the quotient fits in ROWS bits
+wire [XW+DW-1:0] f_d_wide = f_d_1;
+wire [XW+DW-1:0] f_M_wide = f_M_1;
+wire f_over_1 = f_d_1[DW-1] || (f_M_wide >= (f_d_wide << ROWS));
+localparam [XW-1:0] LOW = (1 << (ROWS - STORED)) - 1;  // bits of the magnitude that are copies of the sign
+
+always @* if (f_valid[0]) begin
+  first_flags : assert (over_1 == f_over_1 && sign_1 == f_sign_1);
+  first_divisor : assert (d_1 == f_d_1[DW-2:0]);
+  first_remainder : assert (f_over_1 || (r_1 < d_1 && r_1 == f_M_1 >> ROWS));
+  first_word : assert (STORED == 0 || word_1 == f_M_1[ROWS-1:ROWS-FIRST]);
+  first_copies : assert ((f_M_1 & LOW) == (f_sign_1 ? LOW : 0));
+end
+
+(* hierconn *) wire [STAGES-1:0] \u_over.genblk1.genblk1.g_line.line ;
+
+generate
+  for (k = 0; k < ROWS; k = k + 1) begin : g_slice
+    localparam integer CLOCKS = (BITS == 1 || k % 2 == 1 || k == ROWS - 1) ? 1 : 0;
+    localparam integer STAGE = (BITS == 1) ? (k + 1) : (k / 2 + 1);
+    localparam integer NEXT = (k + 1 > FIRST) ? (k + 1) : FIRST;
+    localparam integer COME = (k + 1 < STORED) ? (STORED - k - 1) : 0;  // stored bits to come
+    wire sign;
+    wire over_in;
+    wire [DW-2:0] dv;
+    wire [XW-1:0] M;
+    wire [XW-1:0] P;
+    wire [ROWS-1:0] Q;
+    if (k == 0) begin : g_first
+      assign {sign, over_in, dv, M, P, Q} = {f_sign_1, f_over_1, f_d_1[DW-2:0], f_M_1, {XW{1'b0}}, {ROWS{1'b0}}};
+    end else begin : g_next
+      assign {sign, over_in, dv, M, P, Q} = {
+        g_slice[k-1].sign_q, g_slice[k-1].over_q, g_slice[k-1].dv_q, g_slice[k-1].M_q, g_slice[k-1].P_q,
+        g_slice[k-1].Q_q
+      };
+    end
+    wire bit_q = g_row[k].q_bit;
+    wire [XW-1:0] P_next = (P << 1) + (bit_q ? dv : {(DW - 1) {1'b0}});
+    wire [ROWS-1:0] Q_next = {Q[ROWS-2:0], bit_q};
+    reg sign_q;
+    reg over_q;
+    reg [DW-2:0] dv_q;
+    reg [XW-1:0] M_q;
+    reg [XW-1:0] P_q;
+    reg [ROWS-1:0] Q_q;
+    if (CLOCKS == 1) begin : g_clocked
+      always @(posedge clk) {sign_q, over_q, dv_q, M_q, P_q, Q_q} <= {sign, over_in, dv, M, P_next, Q_next};
+    end else begin : g_through
+      always @* {sign_q, over_q, dv_q, M_q, P_q, Q_q} = {sign, over_in, dv, M, P_next, Q_next};
+    end
+    wire [NEXT-1:0] word = g_row[k].word_q;
+    wire [NEXT-1:0] word_of_Q = Q_q;
+    wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (ROWS - STORED)) << (k + 1)) : 0;
+    ik_checks u (
+        .on(f_valid[STAGE] || (CLOCKS == 0 && f_valid[STAGE-1])),
+        .in_range((over_q || g_row[k].r_q < g_row[k].divisor_q) && (Q_q >> (k + 1)) == 0),
+        .identity(over_q || P_q + g_row[k].r_q == M_q >> (ROWS - 1 - k)),
+        .to_come((CLOCKS == 0 || \u_over.genblk1.genblk1.g_line.line [STAGE-1] == over_q) && g_row[k].sign_q == sign_q && g_row[k].divisor_q == dv_q && (M_q & LOW) == (sign_q ? LOW : 0)),
+        .result(word == (word_of_Q | word_to_come))
+    );
+  end
+endgenerate
+
+// ---- behind the rows: the flag, and the sign ----
+
+localparam integer BEHIND = LAT - 1 - STAGES;  // registers behind the last row
+wire f_over_rows = g_slice[ROWS-1].over_q;
+wire f_sign_rows = g_slice[ROWS-1].sign_q;
+wire [QW-1:0] f_Q_rows = g_slice[ROWS-1].Q_q;
+wire [QW-1:0] f_largest = {1'b0, {(QW - 1) {1'b1}}};
+wire [QW-1:0] f_magnitude = f_over_rows ? f_largest : f_Q_rows;
+always @* if (f_valid[STAGES]) begin
+  over_arrives : assert (over == f_over_rows);
+  sign_and_bound : assert ({over, minus_out, bounded ^ {(QW - 1) {minus_out}}} ==
+                           {f_over_rows, f_sign_rows ? ~f_magnitude : f_magnitude});
+end

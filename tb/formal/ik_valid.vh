@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Appended to ik_lean or ik_paper, whose other instances are left out: valid and tag take datapath_latency clocks, as
+// the abstract pipeline of ik_core.v says. No assumption.
+
+`include "ik_latency.vh"
+localparam integer T = datapath_latency(`IK_LEAN, W);
+
+(* hierconn *) wire [TAG_W*T_OUT-1:0] \u_tag.genblk1.genblk1.g_line.line ;
+
+reg f_on = 1'b0;  // there was a reset
+always @(posedge clk) if (rst) f_on <= 1'b1;
+
+// ---- ghost: the inputs of the last T clocks ----
+
+reg [T-1:0] f_valid;
+reg [TAG_W*T-1:0] f_tag;
+always @(posedge clk) begin
+  f_valid <= rst ? {T{1'b0}} : {f_valid[T-2:0], in_valid};
+  f_tag   <= {f_tag[TAG_W*(T-1)-1:0], in_tag};
+end
+wire [T-1:0] f_row_tag;
+genvar gi;
+generate
+  for (gi = 0; gi < T; gi = gi + 1) begin : g_f
+    assign f_row_tag[gi] = !f_valid[gi] || \u_tag.genblk1.genblk1.g_line.line [TAG_W*gi+:TAG_W] == f_tag[TAG_W*gi+:TAG_W];
+  end
+endgenerate
+
+always @* begin
+  latency : assert (T_OUT == T);
+  if (f_on) begin
+    valid_comes_out : assert (out_valid == f_valid[T-1]);
+    tag_comes_out : assert (!out_valid || out_tag == f_tag[TAG_W*(T-1)+:TAG_W]);
+    valid_line : assert (valid == f_valid);
+    tag_line : assert (&f_row_tag);
+  end
+end
