@@ -27,13 +27,8 @@ module `IK_CORE #(
   localparam integer T = datapath_latency(`IK_LEAN, W);
 
   (* anyconst *) wire [6*W+7:0] f_result;
-`ifdef IK_COVER
-  wire [6*W+TAG_W+7:0] f_any = 0;  // covers are not about data; the first target is followed
-  wire f_pick = 1'b1;
-`else
   (* anyseq *) wire [6*W+TAG_W+7:0] f_any;
   (* anyseq *) wire f_pick;
-`endif
 
   reg [T-1:0] valid;  // newest in bit 0
   reg [T-1:0] mark;   // the target that is followed
