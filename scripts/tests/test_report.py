@@ -20,7 +20,7 @@ from model import trajectories
 from model.kinematics import forward
 from model.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import report, run
-from scripts.env import ROOT
+from scripts.env import ROOT, environment
 from scripts.simulate import SimulationError
 from scripts.tests.test_run import FakeSimulator, ctrl_c
 
@@ -321,7 +321,8 @@ def test_make_passes_the_options_of_run():
     words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1 SIM=verilator".split()
     said = {}
     for target in ("run", "report"):
-        done = subprocess.run(["make", "-n", target, *words], cwd=ROOT, capture_output=True, text=True, check=True)
+        command = ["make", "-n", target, *words]
+        done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
         said[target] = done.stdout
     assert (
         said["run"].replace("scripts.run", "scripts.report").replace(" --waves", "").split() == said["report"].split()

@@ -18,7 +18,7 @@ from model.equations import solve_clamped
 from model.flags import UNREACHABLE, expected_flags
 from model.targets import from_words
 from scripts import soak
-from scripts.env import ROOT
+from scripts.env import ROOT, environment
 from scripts.simulate import Run, SimulationError
 from scripts.tests.test_run import ctrl_c
 from tb import hardest
@@ -669,7 +669,7 @@ def test_as_a_command():
 def made(*words):
     """What `make soak` would start, as words."""
     command = ["make", "-n", "soak", *words]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
     return done.stdout.replace("\\\n", " ").split("scripts.soak")[1].split()
 
 
