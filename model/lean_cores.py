@@ -24,7 +24,8 @@ SEED_FRAC = 21
 
 
 def rsqrt_clocks(frac: int) -> int:
-    """Clocks of ``ik_rsqrt``: table, c2 u, slope, slope u, sum; y0^2, tiles, middle sum, residual, product, sum."""
+    """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, c2 u, slope, slope u, sum; y0^2, tiles,
+    middle sum, residual, product, sum.  The table is read while the mantissa goes into its register."""
     return 5 if frac <= SEED_FRAC else 11
 
 

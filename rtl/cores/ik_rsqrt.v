@@ -4,15 +4,16 @@
 // The error is below one place of y, also where m is a longer mantissa cut off (model/lean_cores.py has the proof).
 // m below 1/4 gives 0. A quadratic c0 - u (c1 - c2 u) in each of 256 segments of [0, 1), u in [-1/2, 1/2) the place in
 // the segment; with F > 21 it gives a seed y0 of 17 bits for one Newton step, y0 (1 - (4 m y0^2 - 1) / 2).
-// Latency: 5 clocks, 11 with F > 21 (LAT_RSQRT): table, c2 u, slope, slope u, sum; y0^2, tile products, middle sum,
-// residual, product, sum. A name ends with the clock after which it is valid.
+// The memory of the table has its address a clock before m is valid: m_next is m before a register.
+// Latency: 5 clocks after m, 11 with F > 21 (LAT_RSQRT): table's output register, c2 u, slope, slope u, sum; y0^2, tile
+// products, middle sum, residual, product, sum. A name ends with the clock after m in which it is valid.
 `default_nettype none
 
 module ik_rsqrt #(
     parameter integer F = 31  // fraction bits of y, 19 to 31
 ) (
     input  wire         clk,
-    input  wire [F+2:0] m,
+    input  wire [F+2:0] m_next,
     output wire [  F:0] y
 );
 
@@ -21,7 +22,7 @@ module ik_rsqrt #(
   localparam integer NEWTON = (F > SEED_FRAC) ? 1 : 0;
   localparam integer QF = (NEWTON != 0) ? SEED_BITS : F;  // fraction bits of the quadratic's result
 
-  // 1: table, in one memory with two read ports: {c1, c2}, and c0 256 words higher. c0 includes the result's rounding,
+  // 0: table, in one memory with two read ports: {c1, c2}, and c0 256 words higher. c0 includes the result's rounding,
   // but the seed of the first segment is rounded down: it has no word for 1.
   localparam integer WORD = C1_BITS + C2_BITS;
   localparam [2*WORD-1:0] HALF = {{(2 * WORD - 1) {1'b0}}, 1'b1} << (WORD + C0_FRAC - QF - 1);
@@ -34,30 +35,38 @@ module ik_rsqrt #(
                              ((NEWTON != 0 && i == 64) ? {(2 * WORD) {1'b0}} : HALF);
   end
 
-  // The bits of m below the segment's number, with the highest inverted: u + 1/2 becomes u.
+  // The bits of m below the segment's number; with the highest inverted, u + 1/2 becomes u.
   localparam integer RB = F - 5;
+  reg [F+2:0] m_0;
   wire [U_FRAC-1:0] place;
   generate
     if (F < 19 || F > 31) begin : g_illegal
       ik_rsqrt_needs_F_from_19_to_31 u_stop ();
     end
     if (RB < U_FRAC) begin : g_short
-      assign place = {m[RB-1:0], {(U_FRAC - RB) {1'b0}}};
+      assign place = {m_0[RB-1:0], {(U_FRAC - RB) {1'b0}}};
     end else begin : g_long
-      assign place = m[RB-1:RB-U_FRAC];
+      assign place = m_0[RB-1:RB-U_FRAC];
     end
   endgenerate
 
-  reg [WORD-1:0] c0_word;
+  reg [WORD-1:0] c0_0;
+  reg [WORD-1:0] c12_0;
+  always @(posedge clk) begin
+    m_0   <= m_next;
+    c0_0  <= rom[{1'b1, m_next[F+2:RB]}];
+    c12_0 <= rom[{1'b0, m_next[F+2:RB]}];
+  end
+
+  // 1: the memory's output register
+  reg [C0_BITS-1:0] c0_1;
   reg [WORD-1:0] c12_1;
   reg signed [U_FRAC-1:0] u_1;
   always @(posedge clk) begin
-    c0_word <= rom[{1'b1, m[F+2:RB]}];
-    c12_1   <= rom[{1'b0, m[F+2:RB]}];
-    u_1     <= {~place[U_FRAC-1], place[U_FRAC-2:0]};
+    c0_1  <= c0_0[C0_BITS-1:0];
+    c12_1 <= c12_0;
+    u_1   <= {~place[U_FRAC-1], place[U_FRAC-2:0]};
   end
-
-  wire [C0_BITS-1:0] c0_1 = c0_word[C0_BITS-1:0];
 
   // 2: c2 u
   localparam integer BW = C2_BITS + U_FRAC;
@@ -95,7 +104,7 @@ module ik_rsqrt #(
   reg [QF:0] y_5;
   always @(posedge clk) y_5 <= sum[C0_FRAC:C0_FRAC-QF];
 
-  wire unused = &{1'b0, c0_word[WORD-1:C0_BITS], bend_2, fall_4, sum};
+  wire unused = &{1'b0, m_0, c0_0, bend_2, fall_4, sum};
 
   generate
     if (NEWTON == 0) begin : g_quadratic
@@ -107,7 +116,7 @@ module ik_rsqrt #(
       wire [T-1:0] y0_5 = y_5[T-1:0];
       wire signed [T:0] y0_x = {1'b0, y0_5};
       wire [F+2:0] m_5;
-      ik_delay #(.W(F + 3), .N(5)) u_m (.clk(clk), .d(m), .q(m_5));
+      ik_delay #(.W(F + 3), .N(5)) u_m (.clk(clk), .d(m_0), .q(m_5));
       wire [2*T+F+2:0] m_x = {m_5, {(2 * T) {1'b0}}};
       reg [2*T-1:0] q_6;
       reg [2*T-1:0] m_6;

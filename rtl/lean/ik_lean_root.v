@@ -18,10 +18,11 @@ module ik_lean_root #(
     output wire signed [ N-1:0] inv
 );
 
-  ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
+  wire [R+2:0] m_next;
+  ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m_next(m_next), .m(m));
 
   wire [R:0] y;
-  ik_rsqrt #(.F(R)) u_rsqrt (.clk(clk), .m(m), .y(y));
+  ik_rsqrt #(.F(R)) u_rsqrt (.clk(clk), .m_next(m_next), .y(y));
   wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y};
   assign inv = y_x << (N - 2 - R);
 

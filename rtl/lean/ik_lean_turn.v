@@ -146,15 +146,14 @@ module ik_lean_turn #(
 
   localparam integer UP = MW - FRAC;
   wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});
-  reg [MW-1:0] m_q;
-  always @(posedge clk) begin
-    m_q <= length_sq[FRAC] ? {MW{1'b1}} : low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}
-                                              : {length_sq[FRAC-1:0], {UP{1'b0}}};
-  end
+  wire [MW-1:0] m_q_next = length_sq[FRAC] ? {MW{1'b1}} : low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}
+                                                              : {length_sq[FRAC-1:0], {UP{1'b0}}};
+  reg [MW-1:0] m_q;  // the node, watched only: the root has a register of its own
+  always @(posedge clk) m_q <= m_q_next;
   wire [ROOT_FRAC:0] y_q;
   wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
   wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);
-  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m(m_q), .y(y_q));
+  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .y(y_q));
 
   // ---- (18) the quaternion of length 1 whose k part is not negative ----
 
@@ -166,11 +165,12 @@ module ik_lean_turn #(
   reg signed [N-1:0] j_n;
   reg signed [N-1:0] k_n;
   wire minus = k_1[N-1];
+  wire signed [N-1:0] one = {{(N - 1) {1'b0}}, minus};  // -x = ~x + 1, by one carry chain
   always @(posedge clk) begin
-    w_n <= minus ? -(low_n ? (w_1 <<< 1) : w_1) : (low_n ? (w_1 <<< 1) : w_1);
-    i_n <= minus ? -(low_n ? (i_1 <<< 1) : i_1) : (low_n ? (i_1 <<< 1) : i_1);
-    j_n <= minus ? -(low_n ? (j_1 <<< 1) : j_1) : (low_n ? (j_1 <<< 1) : j_1);
-    k_n <= minus ? -(low_n ? (k_1 <<< 1) : k_1) : (low_n ? (k_1 <<< 1) : k_1);
+    w_n <= ((low_n ? (w_1 <<< 1) : w_1) ^ {N{minus}}) + one;
+    i_n <= ((low_n ? (i_1 <<< 1) : i_1) ^ {N{minus}}) + one;
+    j_n <= ((low_n ? (j_1 <<< 1) : j_1) ^ {N{minus}}) + one;
+    k_n <= ((low_n ? (k_1 <<< 1) : k_1) ^ {N{minus}}) + one;
   end
 
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
@@ -205,7 +205,7 @@ module ik_lean_turn #(
     qs_j <= j_r[DROP+:W];
     qs_k <= k_r[DROP+:W];
   end
-  wire unused = &{1'b0, w_r[DROP-1:0], i_r[DROP-1:0], j_r[DROP-1:0], k_r[DROP-1:0]};
+  wire unused = &{1'b0, m_q, w_r[DROP-1:0], i_r[DROP-1:0], j_r[DROP-1:0], k_r[DROP-1:0]};
 
 endmodule
 
