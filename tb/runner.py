@@ -50,7 +50,7 @@ def _with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path
 
 
 @contextmanager
-def _alone(folder: Path):
+def alone(folder: Path):
     """One process at a time in a build folder."""
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / ".lock", "w") as lock:
@@ -130,6 +130,6 @@ def simulate(
         options["force_compile"] = max(path.stat().st_mtime for path in headers) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim):
-        with _alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
+        with alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
             run(compile_only=True, **options)
         return Path(run(**options))
