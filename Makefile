@@ -32,7 +32,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI")
 
-.PHONY: help setup run report test test-browser docs derive wordlengths compare operations figures bench soak lint formal fpga fpga-quick lock clean distclean
+.PHONY: help setup run report test test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -97,6 +97,10 @@ soak: ## random targets, as many as wanted [TARGETS= SEED= DATAPATH= WIDTH= OUT=
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
 	  $(if $(filter-out 0,$(call given,RESTART,$(value RESTART))),--restart) \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
+
+exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: docs/exhaustive.md
+	@$(SETUP) verilator
+	@$(VENV) -m scripts.exhaustive
 
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff on the Python
 	@$(SETUP) icarus
