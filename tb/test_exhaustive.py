@@ -27,6 +27,13 @@ BUGS = {
 }  # fmt: skip
 
 
+EVERY_ANSWER = {
+    # every answer is off by a place: case: file, what stands there, what it becomes
+    "root_17_behavioural": ("ik_root.v", "({negative, floor})", "({negative, floor - 1})"),
+    "rsqrt_19": ("ik_rsqrt.v", "assign y = y_5;", "assign y = y_5 ^ 1;"),
+}
+
+
 @pytest.fixture
 def pool():
     with ThreadPoolExecutor(2) as made:
@@ -34,9 +41,25 @@ def pool():
 
 
 def test_bugs_change_one_place():
-    for file, right, *_ in BUGS.values():
+    for file, right, *_ in (*BUGS.values(), *EVERY_ANSWER.values()):
         assert right in (ROOT / "rtl" / "cores" / file).read_text(), file
     assert {SMALL[name].module for name in BUGS} == {case.module for case in exhaustive.FULL}
+
+
+def seeded(name, file, right, wrong, folder):
+    """The program of a case in which one text of the RTL is another one."""
+    shutil.copytree(ROOT / "rtl", folder / "rtl")
+    module = folder / "rtl" / "cores" / file
+    module.write_text(module.read_text().replace(right, wrong, 1))
+    return exhaustive.program(SMALL[name], folder, "wrong")
+
+
+def not_faithful(frac, y):
+    """How many words y (2^(frac + 3),) are a place or more from 2^frac/(2 sqrt V) for a V that cut off is their m."""
+    m = np.arange(1 << (frac + 3))
+    square = 1 << (3 * frac + 1)
+    mantissa = m >= 1 << (frac + 1)
+    return int(np.where(mantissa, ((y - 1) ** 2 * (m + 1) > square) | ((y + 1) ** 2 * m <= square), y != 0).sum())
 
 
 def not_nearest(frac):
@@ -68,14 +91,23 @@ if simulator() == "verilator":
 
     @pytest.mark.parametrize("name", BUGS)
     def test_bug_is_found(name, pool, tmp_path):
-        file, right, wrong, failures, message = BUGS[name]
-        shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-        module = tmp_path / "rtl" / "cores" / file
-        module.write_text(module.read_text().replace(right, wrong, 1))
+        *bug, failures, message = BUGS[name]
         case = SMALL[name]
-        result = exhaustive.check(case, exhaustive.program(case, tmp_path, "wrong"), pool)
+        result = exhaustive.check(case, seeded(name, *bug, tmp_path), pool)
         assert (result.vectors, result.failures) == (case.vectors, failures)
         assert message in result.first
+
+    @pytest.mark.parametrize("name", EVERY_ANSWER)
+    def test_as_many_failures_as_answers_are_wrong(name, pool, tmp_path):
+        """Every root, and those of the reciprocal roots that leave the two words beside the exact value."""
+        case = SMALL[name]
+        result = exhaustive.check(case, seeded(name, *EVERY_ANSWER[name], tmp_path), pool)
+        failures = case.vectors
+        if case.harness == "Rsqrt":
+            frac = case.parameters["F"]
+            failures = not_faithful(frac, rsqrt(np.arange(case.vectors), frac) ^ 1)
+            assert case.vectors // 4 < failures < case.vectors
+        assert result.failures == failures
 
     def test_pieces_are_the_whole(pool, monkeypatch):
         """Cut anywhere, each argument comes once: what is counted stays the same."""
