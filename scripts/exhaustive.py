@@ -182,7 +182,7 @@ class _Watch:
         self.total = sum(case.vectors for case in cases)
         self.before = 0
         self.failed: set[str] = set()
-        self.begin = self.said = time.monotonic()
+        self.said = time.monotonic()
         if progress:
             self.task = progress.add_task("", total=self.total, rate=0.0)
 
@@ -199,13 +199,12 @@ class _Watch:
             self.failed.add(name)
             self._line(f"exhaustive: {name}: vector {result.first}")
         done, now = self.before + result.vectors, time.monotonic()
-        rate = done / max(now - self.begin, 1e-9)
         if self.progress:
-            self.progress.update(self.task, description=name, completed=done, rate=rate / 1e6)
+            self.progress.update(self.task, description=name, completed=done, rate=result.rate / 1e6)
         elif now - self.said >= 30:
             self.said = now
-            part, left = result.vectors / result.case.vectors, (self.total - done) / rate
-            self._line(f"exhaustive: {name} {part:.0%}, {rate / 1e6:.1f} million a second, {left:.0f} s left")
+            part, left = result.vectors / result.case.vectors, (self.total - done) / result.rate
+            self._line(f"exhaustive: {name} {part:.0%}, {result.rate / 1e6:.1f} million a second, {left:.0f} s left")
         if result.vectors == result.case.vectors:
             self.before = done
 

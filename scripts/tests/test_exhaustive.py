@@ -219,12 +219,10 @@ def test_interrupt_leaves_the_other_pieces(monkeypatch, pretend):
 def test_progress_without_a_terminal_is_a_line_now_and_then(pretend, monkeypatch, capsys):
     watch = exhaustive._Watch(None, FULL)
     watch.said -= 31
-    watch.begin -= 100
-    watch.so_far(Result(FULL[0], FULL[0].vectors // 4))
-    watch.so_far(Result(FULL[0], FULL[0].vectors // 2))
-    assert re.fullmatch(
-        r"exhaustive: div_16_0 25%, 10\.\d million a second, \d+ s left\n", capsys.readouterr().err
-    )
+    watch.so_far(Result(FULL[0], FULL[0].vectors // 4, seconds=100.0))
+    watch.so_far(Result(FULL[0], FULL[0].vectors // 2, seconds=200.0))
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"exhaustive: div_16_0 25%, 10\.7 million a second, 11\d\d s left\n", said)
     watch.so_far(Result(FULL[0], FULL[0].vectors))
     assert watch.before == FULL[0].vectors
 
