@@ -394,7 +394,7 @@ def root_digit(nw, sh, lat):
             Bug("always subtracts", ROOT_DIGIT, "assign ge = word[0];", "assign ge = 1'b1;", "in_range_"),
             Bug("loses the root's bit", ROOT_DIGIT, "{word, q_bit}", "{word, 1'b0}", "result_"),
             Bug("negative radicand is not zeroed", ROOT_DIGIT, "& ~{(QW - 1) {minus_out}}", "", "output_root"),
-            Bug("flags of the next radicand", ROOT_DIGIT, ".N(STAGES)) u_flags", ".N(STAGES - 1)) u_flags", "to_come_"),
+            Bug("forgets that the radicand was negative", ROOT_DIGIT, ".d({minus, |v", ".d({1'b0, |v", "to_come_"),
         ),
     )
 
