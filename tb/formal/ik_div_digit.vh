@@ -4,7 +4,8 @@
 //
 // With the operands travel, as ghosts: the magnitude M, the divisor d, P and Q. A row makes P <= 2 P + q d and
 // Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/proofs.md). After n rows:
-// P + r == M >> (ROWS - n), r < d, and the word holds M's bits to come and Q.
+// P + R == M >> (ROWS - n), 0 <= R < d, where R is r, or r + d where r is negative, -d <= r < d, and the word holds M's
+// bits to come and Q.
 
 reg [LAT-1:0] f_valid = {LAT{1'b0}};  // stages whose operands came in after the first clock
 always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
@@ -70,10 +71,14 @@ generate
     wire [NEXT-1:0] word = g_row[k].word_q;
     wire [NEXT-1:0] word_of_Q = Q_q;
     wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (ROWS - STORED)) << (k + 1)) : 0;
+    // The sign of r is bit 0 of the word, inverted. Where it is set, R is r - 2^(DW-1) + d, and r >= -d if that carries.
+    wire ge = word[0];
+    wire [DW-1:0] r_plus = {1'b0, g_row[k].r_q} + {1'b0, ge ? {(DW - 1) {1'b0}} : g_row[k].divisor_q};
+    wire [DW-2:0] R = r_plus[DW-2:0];
     ik_checks u (
         .on(f_valid[STAGE] || (CLOCKS == 0 && f_valid[STAGE-1])),
-        .in_range((over_q || g_row[k].r_q < g_row[k].divisor_q) && (Q_q >> (k + 1)) == 0),
-        .identity(over_q || P_q + g_row[k].r_q == M_q >> (ROWS - 1 - k)),
+        .in_range((over_q || (R < g_row[k].divisor_q && r_plus[DW-1] == !ge)) && (Q_q >> (k + 1)) == 0),
+        .identity(over_q || P_q + R == M_q >> (ROWS - 1 - k)),
         .to_come((CLOCKS == 0 || \u_over.genblk1.genblk1.g_line.line [STAGE-1] == over_q) && g_row[k].sign_q == sign_q && g_row[k].divisor_q == dv_q && (M_q & LOW) == (sign_q ? LOW : 0)),
         .result(word == (word_of_Q | word_to_come))
     );

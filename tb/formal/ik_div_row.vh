@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_div_row. No multiplication: q is a bit.
+// Appended to ik_div_row. No multiplication: ge_next, the quotient's bit, chooses. R, as in the header of the row, is the
+// remainder that a restoring row would have.
 
-always @* if (r < d) begin
-  in_range : assert (r_next < d);
-  identity : assert ({1'b0, r, bit_in} == {2'b00, q ? d : {W{1'b0}}} + {2'b00, r_next});
+wire signed [W+3:0] f_d = {4'b0000, d};
+wire signed [W+3:0] f_r = {{4{~ge}}, r};
+wire signed [W+3:0] f_r_next = {{4{~ge_next}}, r_next};
+wire signed [W+3:0] f_bit = {{(W + 3) {1'b0}}, bit_in};
+wire signed [W+3:0] f_R = ge ? f_r : (f_r + f_d);
+wire signed [W+3:0] f_R_next = ge_next ? f_r_next : (f_r_next + f_d);
+wire f_legal = (-f_d <= f_r) && (f_r < f_d);
+always @* if (f_legal) begin
+  in_range : assert (-f_d <= f_r_next && f_r_next < f_d);
+  identity : assert (f_r_next == 2 * f_r + f_bit + (ge ? -f_d : f_d));
+  restored : assert (2 * f_R + f_bit == (ge_next ? f_d : 0) + f_R_next && 0 <= f_R_next && f_R_next < f_d);
 end
 always @* begin
-  bit_1 : cover (r < d && q);
-  bit_0 : cover (r < d && !q && r != 0);
+  subtract_1 : cover (f_legal && ge && ge_next);
+  subtract_0 : cover (f_legal && ge && !ge_next && r != 0);
+  add_1 : cover (f_legal && !ge && ge_next);
+  add_0 : cover (f_legal && !ge && !ge_next);
 end

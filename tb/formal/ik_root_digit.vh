@@ -4,7 +4,8 @@
 //
 // With the operand travel, as ghosts: the radicand M (its 2 ROWS low bits), S and Q. A row makes S <= 4 S + q (4 Q + 1)
 // and Q <= 2 Q + q from S = Q = 0, so S = Q^2, without a multiplier in the formula (docs/proofs.md). After n rows:
-// S + r == M >> 2 (ROWS - n), r <= 2 Q, and the word holds M's bits to come and Q.
+// S + R == M >> 2 (ROWS - n), 0 <= R <= 2 Q, where R is r, or r + 2 Q + 1 where r is negative, and the word holds M's
+// bits to come and Q.
 
 reg [LAT-1:0] f_valid = {LAT{1'b0}};  // bit i: the registers of stage i hold what came in after the first clock
 always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
@@ -51,12 +52,16 @@ generate
     wire [NEXT-1:0] word = g_row[k].word_q;
     wire [NEXT-1:0] word_of_Q = Q_q;
     wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (2 * (ROWS - PAIRS))) << (k + 1)) : 0;
-    wire [MW-1:0] r_wide = g_row[k].r_q;
+    // The sign of r is bit 0 of the word, inverted. Where it is set, R is r - 2^(k+2) + 2 Q + 1, which is not negative if
+    // that carries.
+    wire ge = word[0];
     wire [MW:0] Q_twice = {Q_q, 1'b0};
+    wire [k+2:0] r_plus = {1'b0, g_row[k].r_q} + {1'b0, ge ? {(k + 2) {1'b0}} : (Q_twice[k+1:0] | 1'b1)};
+    wire [MW-1:0] R = r_plus[k+1:0];
     ik_checks u (
         .on(f_valid[STAGE] || (CLOCKS == 0 && (STAGE == 0 || f_valid[BEFORE]))),
-        .in_range(r_wide <= Q_twice && (Q_q >> (k + 1)) == 0),
-        .identity(S_q + r_wide == M_q >> (2 * (ROWS - 1 - k))),
+        .in_range(R <= Q_twice && r_plus[k+2] == !ge && (Q_q >> (k + 1)) == 0),
+        .identity(S_q + R == M_q >> (2 * (ROWS - 1 - k))),
         .to_come((M_q & LOW) == 0 && (CLOCKS == 0 || \u_flags.genblk1.genblk1.g_line.line [2*STAGE+:2] == {minus_q, over_q})),
         .result(word == (word_of_Q | word_to_come))
     );
