@@ -62,7 +62,7 @@ ELBOW_Q = {
 }
 
 # h is the sum of two registers: what comes in two clocks before.
-H_SUM = "(d_e_p + (p_e_z < 0 ? -p_e_z : p_e_z))"
+H_SUM = "(wide + d_e_p + (p_e_z < 0 ? -p_e_z : p_e_z))"
 TO_ELBOW = {
     "h": Value(
         f"{H_SUM} < (1 <<< (W - 1)) ? {H_SUM} : (1 <<< (W - 1)) - 1",
@@ -98,7 +98,7 @@ LEAN_DIRECTION = {
 def _limited(word: str) -> Value:
     """Wiring, no register."""
     top = "((1 <<< (N - 1)) - 1)"
-    return Value(f"{word} > {top} ? {top} : {word}", 0, "2, which powers of two can give, becomes the largest word")
+    return Value(f"wide + {word} > {top} ? {top} : {word}", 0, "2, which powers of two can give, becomes the largest word")
 
 
 E_A, E_B, E_1, E_2, E_S = map(_whole, ("e_a", "e_b", "e_1_a", "e_2_a", "e_s_a"))
@@ -129,13 +129,13 @@ LEAN_TURN = {
     "j_1": Value("j_c - k_s"),
     "k_1": Value("k_c + j_s"),
     "m_q": Value(
-        "length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
-        " : length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
+        "wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
+        " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
         1,
         "1 and more becomes the largest mantissa",
     ),
     **{
-        f"{unit}_n": Value(f"minus ? -(low_n ? 2 * {unit}_1 : {unit}_1) : (low_n ? 2 * {unit}_1 : {unit}_1)")
+        f"{unit}_n": Value(f"minus ? -(low_n ? ({unit}_1 <<< 1) : {unit}_1) : low_n ? ({unit}_1 <<< 1) : {unit}_1")
         for unit in "wijk"
     },
     **{f"qs_{unit}": Value(ROUNDED.format("+", f"{unit}_q")) for unit in "wijk"},
@@ -157,7 +157,8 @@ SECTIONS = {
 
 def properties(section: str) -> str:
     """Verilog to append to a section: for each node its exact value and the assertion that the node holds it."""
-    lines = ["localparam integer EXACT_W = 2 * W + 80;", "reg [1:0] exact_age = 2'd0;  // clocks, up to 3"]
+    lines = ["localparam integer EXACT_W = 2 * W + 8;", "reg [1:0] exact_age = 2'd0;  // clocks, up to 3"]
+    lines.append("wire signed [EXACT_W-1:0] wide = 0;  // makes what it is added to as long in a comparison")
     lines += ["always @(posedge clk) if (exact_age != 2'd3) exact_age <= exact_age + 2'd1;"]
     for node, value in SECTIONS[section].items():
         name = f"exact_{node}"

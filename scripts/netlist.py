@@ -238,12 +238,10 @@ class Netlist:
         signed = self.signed[node] and whole and not (above and zeros)
         return Operand(node, shift, low, count, signed, clocks=clocks)
 
-    def zero_bits(self, name: str) -> tuple[int, int]:
-        """How many of a node's high and low bits are always 0."""
-        bits = self.wire(self.homes[name][0], name)
-        high = next((i for i, bit in enumerate(reversed(bits)) if bit != "0"), len(bits))
-        low = next((i for i, bit in enumerate(bits) if bit != "0"), len(bits))
-        return high, low
+    def positive(self, name: str) -> bool:
+        """Whether a node's sign bit is wired to 0."""
+        path, _ = self.homes[name]
+        return self.origin(path, self.wire(path, name)[-1], name) == Bit("constant")
 
 
 def load(path) -> dict:

@@ -15,8 +15,10 @@ from __future__ import annotations
 import math
 import re
 import shutil
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from model import lean_ranges, ranges
@@ -63,8 +65,8 @@ COUNTS = {
 }
 """Shift counts of the lean datapath that geometry keeps from being negative; model/lean_ranges.py has only words."""
 
-WRAPS = ("d_1_sh", "d_2_sh", "p_a_x_sh", "p_a_y_sh", "p_a_z_sh", "d_dif_sh", "scale_j")
-"""Nodes of the paper's datapath that wrap where the target is clamped, and are not used then."""
+CASES = "intervals, part by part of the input domain"
+"""Why a node of the paper's datapath without a rule can have a narrower range than its operands' ranges give."""
 
 
 class ObligationError(Exception):
@@ -97,7 +99,8 @@ def table(datapath: str, width: int) -> dict[str, Range]:
         for name, row in ranges.proved(width).items():
             fmt = row.node.format
             low, high = (round(v / fmt.ulp) for v in (row.low, row.high))
-            found[name] = Range(max(low, fmt.low), min(high, fmt.high), "; ".join(row.rules))
+            rule = "; ".join(row.rules) or ("" if row.node.op == "input" else CASES)
+            found[name] = Range(max(low, fmt.low), min(high, fmt.high), rule)
         return found
     for name, node in lean_ranges.LeanRanges(width).nodes.items():
         fmt, bound = node.format, node.value
@@ -177,6 +180,10 @@ def integers(names: str, facts: list[str], claim: str) -> str:
     return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"])
 
 
+def _conjunction(names: str, facts: list[str], claims: list[str]) -> str:
+    return integers(names, facts, f"(and {' '.join(claims)})")
+
+
 def inside(name: str, low: int, high: int) -> str:
     """low <= name <= high."""
     return f"(<= {_number(low)} {name} {_number(high)})"
@@ -200,20 +207,48 @@ def _corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
     return min(ends), max(ends)
 
 
+@dataclass(frozen=True)
+class Question:
+    """What is asked of one node: of `facts`, and of `rule` if need be, follow `fits` and `in_range`."""
+
+    engine: str
+    depth: int
+    text: Callable[[list[str], list[str]], str]  # of what is assumed and claimed
+    facts: list[str]
+    rule: list[str]
+    fits: list[str]
+    in_range: str
+
+
 # -- a design --------------------------------------------------------------------------------------------------------
 
 
 class Design:
-    """A datapath of one width, elaborated from `rtl` (a copy of the RTL's folders) in the work folder `place`."""
+    """A datapath of one width, elaborated in the work folder `place` from a copy of the RTL.
 
-    def __init__(self, datapath: str, width: int, place: Path, bug: tuple[str, str, str] | None = None) -> None:
+    A bug is (file, old, new). With a bug inside of an operator the connections are those of the design without it,
+    `like`.
+    """
+
+    def __init__(
+        self,
+        datapath: str,
+        width: int,
+        place: Path,
+        bug: tuple[str, str, str] | None = None,
+        like: Design | None = None,
+    ) -> None:
         self.datapath, self.width, self.place = datapath, width, place
         self.top = f"ik_{datapath}"
         self.nodes = model_nodes(datapath, width)
-        self.ranges = table(datapath, width)
+        self.table = table(datapath, width)
+        self.ranges = dict(self.table)
         self._copy(bug)
-        self._elaborate()
-        self._tighten()
+        if like:
+            self.netlist, self.drivers, self.ranges = like.netlist, like.drivers, like.ranges
+        else:
+            self._elaborate()
+            self._tighten()
         self.unrolled: dict[tuple[str, tuple], Unrolled] = {}
         self.lemmas: dict[tuple[str, tuple], Lemma] = {}
 
@@ -261,16 +296,6 @@ class Design:
         signed = {name: n.format.signed for name, n in self.nodes.items()}
         self.netlist = Netlist(load(self.place / "design.json"), self.top, homes, signed)
         self.drivers = {name: self.netlist.driver(name) for name, n in self.nodes.items() if n.op != "input"}
-
-    def operators(self) -> list[tuple[str, tuple]]:
-        """Every operator with its parameters that makes a node and has properties."""
-        found = {(d.module, d.parameters) for d in self.drivers.values() if d.module in CLOCKS}
-        return sorted(found)
-
-    def sections(self) -> list[str]:
-        """Sections with nodes that they compute themselves."""
-        mine = {d.section for name, d in self.drivers.items() if not d.module and self.nodes[name].format.width > 1}
-        return sorted(mine)
 
     def formulas(self, operators: list[tuple[str, tuple]], sections: list[str]) -> None:
         """Has Yosys write the formulas of operators and sections; reads them."""
@@ -323,7 +348,7 @@ class Design:
             own = self.ranges[name]
             if driver is None or own.low >= 0 or not node.format.frac:
                 continue
-            positive = self.netlist.zero_bits(name)[0] > 0
+            positive = self.netlist.positive(name)
             if driver.module in ("ik_mul3", "ik_shift"):
                 parts = [n for n in node.operands if n.format.frac]
                 positive = all(self.ranges[n.name].low >= 0 for n in parts)
@@ -403,28 +428,26 @@ class Design:
         found.append(("tiles make a b", integers(names, [], f"(= (* {a} {b}) (+ {outer} {inner}))")))
         return found
 
-    def _question(self, key, goal: list[str], assumed: list[str], depth: int) -> Claim:
-        formula = self.unrolled[key]
-        lines = [formula.clocks(depth), *(f"(assert {fact})" for fact in assumed)]
-        return Claim(NEEDS_RANGES, "bit vectors", depth, ask("\n".join([*lines, f"(assert (not (and {' '.join(goal)})))"])))
-
-    def _settle(self, row: Row, own: Range, attempt) -> None:
+    def _settle(self, row: Row, own: Range, question: Question) -> None:
         """Tries operands' ranges alone, for fit and range, then for the fit; then with what the node's rule says."""
+        row.engine, row.depth = question.engine, question.depth
         tries = [(False, True), (False, False)] + ([(True, True)] if own.rule else [])
         for ruled, ranged in tries:
-            claim = attempt(ruled, ranged)
-            row.engine, row.depth = claim.engine, claim.depth
-            row.seconds += claim.answer.seconds
-            if claim.holds:
+            assumed = question.facts + question.rule * ruled
+            answer = ask(question.text(assumed, [*question.fits, *[question.in_range] * ranged]))
+            row.seconds += answer.seconds
+            if answer.said == "unsat":
+                if (met := ask(question.text(assumed, ["false"])).said) != "sat":
+                    row.problem = f"can what is assumed be met? {met}"
                 row.fits = own.rule if ruled else "operands"
                 row.range = "operands" if ranged and not ruled else own.rule
                 if row.range == "":
                     row.problem = "fits, but nothing says why its range is that of the table"
                 return
-            if claim.answer.said != "sat":
-                row.problem = claim.answer.said
+            if answer.said != "sat":
+                row.problem = answer.said
                 return
-        row.problem = "does not fit" + (f", even with '{own.rule}'" if own.rule else " and no rule says why it should")
+        row.problem = "does not fit" + (f", even with '{own.rule}'" if own.rule else ", and no rule says why it should")
 
     # ---- one node ----------------------------------------------------------------------------------------------------
 
@@ -457,9 +480,20 @@ class Design:
                 self._operator(row, name, driver)
             else:
                 self._local(row, name, driver)
-        except (ObligationError, NetlistError) as error:
+            if not row.problem:
+                self._check_operands(row, node, driver)
+        except (ObligationError, NetlistError, ValueError) as error:
             row.problem = str(error)
         return row
+
+    def _check_operands(self, row: Row, node: Node, driver: Driver) -> None:
+        """The operands found in the netlist are those of the model, or the ranges would be of other nodes."""
+        if not driver.module or not row.operands:
+            return
+        found = {operand.split()[0] for operand in row.operands.split(", ")} - {"constant"}
+        wanted = {n.name for n in node.operands if n.name}
+        if found != wanted:
+            row.problem = f"made of {', '.join(sorted(found))}, in the model of {', '.join(sorted(wanted))}"
 
     def _free(self, row: Row, name: str, driver: Driver) -> None:
         """Nothing to do but to look: the lemma holds for any input and says what the result can be."""
@@ -498,15 +532,32 @@ class Design:
             for port, _, r in found
             for clock in range(depth + 1)
         ]
-        ruled = [formula.between("ghost_value", clock, own.low, own.high, True) for clock in range(depth + 1)]
-        goal = formula.holds(NEEDS_RANGES, depth)
+        ruled = self._ruled(formula, "ghost_value", name, depth)
+        goal = [formula.holds(NEEDS_RANGES, depth), *self._not_negative(formula, RESULT.get(driver.module, "q"), name, depth)]
         signed = self.nodes[name].format.signed
         in_range = formula.between(RESULT.get(driver.module, "q"), depth, own.low, own.high, signed)
 
-        def attempt(with_rule: bool, with_range: bool) -> Claim:
-            return self._question(key, [goal] + [in_range] * with_range, facts + ruled * with_rule, depth)
+        text = self._text(formula, depth)
+        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range))
 
-        self._settle(row, own, attempt)
+    @staticmethod
+    def _text(formula: Unrolled, depth: int) -> Callable[[list[str], list[str]], str]:
+        def text(facts: list[str], claims: list[str]) -> str:
+            lines = [formula.clocks(depth), *(f"(assert {fact})" for fact in facts)]
+            return "\n".join([*lines, f"(assert (not (and {' '.join(claims)})))"])
+
+        return text
+
+    def _ruled(self, formula: Unrolled, signal: str, name: str, depth: int) -> list[str]:
+        """What a node's rule says: the exact value of what comes in lies in the table's range, in every clock."""
+        r = self.table[name]
+        return [formula.between(signal, clock, r.low, r.high, True) for clock in range(depth + 1)]
+
+    def _not_negative(self, formula: Unrolled, signal: str, name: str, depth: int) -> list[str]:
+        """To be proved from the operands alone where the table's range was tightened."""
+        tightened = self.ranges[name] != self.table[name]
+        most = self.nodes[name].format.high
+        return [formula.between(signal, depth, 0, most, self.nodes[name].format.signed)] if tightened else []
 
     def _product(self, row: Row, name: str, driver: Driver) -> None:
         """A product: integers from the operands' ranges, on what the operator's lemma says of its tiles."""
@@ -541,19 +592,19 @@ class Design:
             middle = f"(+ (* {1 << (cut['a'] - least)} hl) (* {1 << (cut['b'] - least)} lh) {1 << (drop - 1)})"
             facts.append(floor_of("f", middle, drop))
             facts.append(f"(= v (+ (* {1 << (sum(cut.values()) - shift)} hh) f))")
+            goal = "true"
             if a.low >= 0 and b.low >= 0:  # parts of numbers that are not negative
                 facts += ["(<= 0 hh)", "(<= 0 hl)", "(<= 0 lh)"]
         else:
             names = "p v"
             facts.append(floor_of("v", f"(+ p {(1 << shift) >> 1})", shift))
-        goal, ruled = word("v", out), inside("v", own.low, own.high)
+            goal = word(f"(+ p {(1 << shift) >> 1})", values["AW"] + values["BW"]) if "AW" in values else "true"
+        goal = f"(and {goal} {word('v', out)} {'(<= 0 v)' if own != self.table[name] else 'true'})"
+        ruled = inside("v", self.table[name].low, self.table[name].high)
+        in_range = inside("v", own.low, own.high)
 
-        def attempt(with_rule: bool, with_range: bool) -> Claim:
-            claim = f"(and {goal} {ruled})" if with_range else goal
-            answer = ask(integers(names, facts + [ruled] * with_rule, claim))
-            return Claim(NEEDS_RANGES, "integers", CLOCKS[driver.module], answer)
-
-        self._settle(row, own, attempt)
+        text = partial(_conjunction, names)
+        self._settle(row, own, Question("integers", CLOCKS[driver.module], text, facts, [ruled], [goal], in_range))
 
     def _quotient(self, row: Row, name: str, driver: Driver) -> None:
         """A quotient or a root: integers, from its being the floor."""
@@ -574,11 +625,8 @@ class Design:
             facts += ["(<= 0 q)", f"(<= (* q q) {positive})", f"(< {positive} (+ (* q q) q q 1))"]
         goal, ruled = word("q", values["QW"]), inside("q", own.low, own.high)
 
-        def attempt(with_rule: bool, with_range: bool) -> Claim:
-            claim = f"(and {goal} {ruled})" if with_range else goal
-            return Claim(NEEDS_RANGES, "integers", 0, ask(integers("n d q", facts + [ruled] * with_rule, claim)))
-
-        self._settle(row, own, attempt)
+        text = partial(_conjunction, "n d q")
+        self._settle(row, own, Question("integers", 0, text, facts, [ruled], [goal], ruled))
 
     def _local(self, row: Row, name: str, driver: Driver) -> None:
         """A node that the section computes itself: bit vectors on the section without its instances."""
@@ -586,27 +634,26 @@ class Design:
         if name not in values:
             raise ObligationError(f"{name}: scripts/exact_values.py does not say what it is")
         key, own = (driver.section, ()), self.ranges[name]
-        formula, depth = self.unrolled[key], values[name].clocks + 2
+        formula = self.unrolled[key]
+        # nodes of the same section that this one is made of take a clock more, and a rule may keep them in range
+        inner = [n for n in values if n != name and re.search(rf"\b{n}\b", values[name].expression)]
+        depth = values[name].clocks + bool(inner)
         facts = [
             formula.between(signal, clock, r.low, r.high, signed)
             for signal, r, signed in self._signals(driver.path)
             for clock in range(depth + 1)
         ]
-        # nodes of the same section that this one is made of and that a rule keeps in range
-        inner = [n for n in values if n != name and re.search(rf"\b{n}\b", values[name].expression)]
         for other in inner:
             r = self.ranges[other]
             if r.rule:
                 facts += [formula.between(f"exact_{other}", c, r.low, r.high, True) for c in range(depth + 1)]
         row.operands = ", ".join(n.name for n in self.nodes[name].operands)
-        goal = formula.holds(f"holds_{name}", depth)
+        goal = [formula.holds(f"holds_{name}", depth), *self._not_negative(formula, name, name, depth)]
         in_range = formula.between(name, depth, own.low, own.high, name not in UNSIGNED)
-        ruled = [formula.between(f"exact_{name}", c, own.low, own.high, True) for c in range(depth + 1)]
+        ruled = self._ruled(formula, f"exact_{name}", name, depth)
 
-        def attempt(with_rule: bool, with_range: bool) -> Claim:
-            return self._question(key, [goal] + [in_range] * with_range, facts + ruled * with_rule, depth)
-
-        self._settle(row, own, attempt)
+        text = self._text(formula, depth)
+        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range))
         if values[name].limited and not row.problem:
             row.fits += f"; limited: {values[name].limited}"
 
@@ -632,8 +679,8 @@ class Design:
 
     # ---- all of them -------------------------------------------------------------------------------------------------
 
-    def run(self, names: list[str], pool: Executor, progress=None) -> list[Row]:
-        """Proves the nodes `names` and the operators that make them."""
+    def run(self, names: list[str], pool: Executor, progress: Callable[[str], None]) -> list[Row]:
+        """Proves the nodes `names` and the operators that make them; tells `progress` of each, and what is wrong."""
         drivers = [self.drivers[n] for n in names if n in self.drivers]
         operators = sorted({(d.module, d.parameters) for d in drivers if d.module in CLOCKS})
         sections = sorted(
@@ -643,11 +690,9 @@ class Design:
         self.formulas(operators, sections)
         for lemma in pool.map(self.prove_lemma, operators):
             self.lemmas[lemma.module, lemma.parameters] = lemma
-            if progress:
-                progress(lemma.problem)
+            progress(lemma.problem)
         rows = []
         for row in pool.map(self.prove, names):
             rows.append(row)
-            if progress:
-                progress(f"{row.node}: {row.problem}" if row.problem else "")
+            progress(f"{row.node}: {row.problem}" if row.problem else "")
         return rows

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 LIMIT = 120  # seconds for one question
@@ -27,11 +27,11 @@ class Answer:
     seconds: float
 
 
+@lru_cache(maxsize=4096)
 def ask(text: str) -> Answer:
-    """What z3 says to a formula that ends in no question yet."""
+    """What z3 says to a formula that ends in no question yet; the same question is asked once."""
     start = time.monotonic()
     command = ["nice", str(Path(sys.executable).parent / "z3"), "-in", f"-T:{LIMIT}"]
-    # z3 may not be asked to die with its parent's Ctrl-C: the parent waits for it
     done = subprocess.run(
         command, input=text + "\n(check-sat)\n", capture_output=True, text=True, check=False, env=os.environ
     )
@@ -89,7 +89,7 @@ class Unrolled:
         kind = "s" if signed else "u"
         parts = []
         if low > most or high < least:
-            return "false"
+            raise ValueError(f"{signal}: no word of {width} bits lies in {low} .. {high}")
         if low > least:
             parts.append(f"(bv{kind}le (_ bv{low % (1 << width)} {width}) {name})")
         if high < most:

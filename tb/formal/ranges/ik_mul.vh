@@ -16,7 +16,9 @@ wire signed [GW-1:0] ghost_half = (SH > 0) ? ({{(GW - 1) {1'b0}}, 1'b1} << ((SH 
 wire signed [AH+BH+AL+BL-1:0] ghost_outer = {hh, ll[AL+BL-1:0]};
 wire signed [GW-1:0] ghost_hl = hl;
 wire signed [GW-1:0] ghost_lh = lh;
-wire signed [GW-1:0] ghost_value = (ghost_outer + ghost_half + (ghost_hl <<< AL) + (ghost_lh <<< BL)) >>> SH;
+wire signed [GW-1:0] ghost_long = ghost_outer + ghost_half + (ghost_hl <<< AL) + (ghost_lh <<< BL);
+wire signed [AW+BW-1:0] ghost_sum = ghost_long[AW+BW-1:0];
+wire signed [GW-1:0] ghost_value = ghost_sum >>> SH;
 reg signed [GW-1:0] ghost_1;
 reg signed [GW-1:0] ghost_2;
 reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
