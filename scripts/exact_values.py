@@ -98,7 +98,8 @@ LEAN_DIRECTION = {
 def _limited(word: str) -> Value:
     """Wiring, no register."""
     top = "((1 <<< (N - 1)) - 1)"
-    return Value(f"wide + {word} > {top} ? {top} : {word}", 0, "2, which powers of two can give, becomes the largest word")
+    why = "2, which powers of two can give, becomes the largest word"
+    return Value(f"wide + {word} > {top} ? {top} : {word}", 0, why)
 
 
 E_A, E_B, E_1, E_2, E_S = map(_whole, ("e_a", "e_b", "e_1_a", "e_2_a", "e_s_a"))

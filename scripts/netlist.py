@@ -174,7 +174,7 @@ class Netlist:
     def parameters(self, module: str) -> dict[str, int]:
         """The parameters of an elaborated module."""
         given = self.modules[module].get("parameter_default_values", {})
-        return {name: int(bits, 2) - (1 << 32 if len(bits) == 32 and bits[0] == "1" else 0) for name, bits in given.items()}
+        return {name: int(bits, 2) for name, bits in given.items()}
 
     def driver(self, name: str) -> Driver:
         """What makes a node."""

@@ -45,9 +45,6 @@ NEEDS_RANGES = "guard_bits"
 FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
 """Operators whose properties all hold for any input."""
 
-RESULT = {"ik_exact": "p"}
-"""Output port of an operator, if not q."""
-
 ELSEWHERE = {
     "ik_rsqrt": "faithful, so at most a place off 1/(2 sqrt m): `model/lean_cores.py`, `rsqrt_error`",
     "ik_trig": "error below a place: `model/lean_trig.py`, `error_bound`",
@@ -115,12 +112,48 @@ def table(datapath: str, width: int) -> dict[str, Range]:
     return found
 
 
+def _rescaled(r: Range, finer: int) -> Range:
+    if finer >= 0:
+        return Range(r.low << finer, r.high << finer, r.rule)
+    return Range(r.low >> -finer, -(-r.high >> -finer), r.rule)
+
+
+class _PaperScales(ranges.Ranges):
+    """Runs the paper's dataflow and keeps by which power of two each product is scaled."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__(width, ranges.cases(width)[0])
+        self.scales: dict[str, int] = {}
+        self.run()
+
+    def product(self, name, a, b, fmt, scale):
+        self.scales[name] = scale
+        return super().product(name, a, b, fmt, scale)
+
+
+class _LeanScales(lean_ranges.LeanRanges):
+    """The same for the lean dataflow."""
+
+    def __init__(self, width: int) -> None:
+        self.scales: dict[str, int] = {}
+        super().__init__(width)
+
+    def product3(self, name, a, b, fmt, scale):
+        self.scales[name] = scale
+        return super().product3(name, a, b, fmt, scale)
+
+
+def scales(datapath: str, width: int) -> dict[str, int]:
+    """Product -> the power of two that it is scaled by."""
+    return (_PaperScales if datapath == "paper" else _LeanScales)(width).scales
+
+
 # -- claims and rows -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One question to z3: `name` of the property, engine, depth of the induction, what came out and how long it took."""
+    """One question to z3: `name` of the property, engine, depth of the induction, and what came out."""
 
     name: str
     engine: str
@@ -243,6 +276,7 @@ class Design:
         self.nodes = model_nodes(datapath, width)
         self.table = table(datapath, width)
         self.ranges = dict(self.table)
+        self.scales = scales(datapath, width)
         self._copy(bug)
         if like:
             self.netlist, self.drivers, self.ranges = like.netlist, like.drivers, like.ranges
@@ -367,6 +401,27 @@ class Design:
             raise ObligationError(f"{operand.node}: bits of it are left out that its range needs")
         return Range(own.low << operand.shift, own.high << operand.shift)
 
+    def finer(self, name: str, driver: Driver) -> int:
+        """How many fraction bits the RTL gives a node beyond the model's, by its operator's shift: 0, or a bug."""
+        if "SH" not in driver.values:
+            return 0
+        ports = {"ik_div": "nd", "ik_root": "n"}.get(driver.module, "ab")
+        parts = [self.netlist.operand(driver.path, port) for port in ports]
+        fracs = [self.nodes[p.node].format.frac + p.shift for p in parts if p.node]
+        own, given = self.nodes[name].format.frac, driver.values["SH"]
+        if driver.module in ("ik_mul", "ik_mul3"):
+            return sum(fracs) - self.scales.get(name, 0) - given - own
+        if driver.module == "ik_div":  # a constant dividend is 1 in the divisor's format
+            first = fracs[0] if parts[0].node else parts[0].width - 2
+            return given + first - fracs[-1] - own
+        if driver.module == "ik_root":
+            return (given + fracs[0]) // 2 - own
+        return fracs[0] - given - own
+
+    def held(self, name: str, finer: int) -> tuple[Range, Range]:
+        """A node's range, tightened and as the table has it, in words of the RTL's format."""
+        return _rescaled(self.ranges[name], finer), _rescaled(self.table[name], finer)
+
     def ports(self, driver: Driver, *names: str) -> list[tuple[str, Operand, Range]]:
         """Input ports of an operator with their operands and ranges."""
         found = []
@@ -480,6 +535,8 @@ class Design:
                 self._operator(row, name, driver)
             else:
                 self._local(row, name, driver)
+            if not row.problem and self.finer(name, driver):
+                row.problem = "its format is not the model's"
             if not row.problem:
                 self._check_operands(row, node, driver)
         except (ObligationError, NetlistError, ValueError) as error:
@@ -522,7 +579,8 @@ class Design:
     def _operator(self, row: Row, name: str, driver: Driver) -> None:
         """A sum or a shift: bit vectors from the operands' ranges."""
         key = driver.module, driver.parameters
-        formula, depth, own = self.unrolled[key], CLOCKS[driver.module], self.ranges[name]
+        formula, depth = self.unrolled[key], CLOCKS[driver.module]
+        own, stated = self.held(name, self.finer(name, driver))
         ports = ["a", "b"] if driver.module in ("ik_sum2", "ik_wide") else ["a", "b", "c"]
         ports = ["d", "count"] if driver.module.startswith("ik_shift") else ports
         found = self.ports(driver, *ports)
@@ -532,10 +590,9 @@ class Design:
             for port, _, r in found
             for clock in range(depth + 1)
         ]
-        ruled = self._ruled(formula, "ghost_value", name, depth)
-        goal = [formula.holds(NEEDS_RANGES, depth), *self._not_negative(formula, RESULT.get(driver.module, "q"), name, depth)]
-        signed = self.nodes[name].format.signed
-        in_range = formula.between(RESULT.get(driver.module, "q"), depth, own.low, own.high, signed)
+        ruled = self._ruled(formula, "ghost_value", stated, depth)
+        goal = [formula.holds(NEEDS_RANGES, depth), *self._not_negative(formula, "q", name, depth)]
+        in_range = formula.between("q", depth, own.low, own.high, self.nodes[name].format.signed)
 
         text = self._text(formula, depth)
         self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range))
@@ -548,9 +605,8 @@ class Design:
 
         return text
 
-    def _ruled(self, formula: Unrolled, signal: str, name: str, depth: int) -> list[str]:
+    def _ruled(self, formula: Unrolled, signal: str, r: Range, depth: int) -> list[str]:
         """What a node's rule says: the exact value of what comes in lies in the table's range, in every clock."""
-        r = self.table[name]
         return [formula.between(signal, clock, r.low, r.high, True) for clock in range(depth + 1)]
 
     def _not_negative(self, formula: Unrolled, signal: str, name: str, depth: int) -> list[str]:
@@ -561,7 +617,8 @@ class Design:
 
     def _product(self, row: Row, name: str, driver: Driver) -> None:
         """A product: integers from the operands' ranges, on what the operator's lemma says of its tiles."""
-        key, values, own = (driver.module, driver.parameters), driver.values, self.ranges[name]
+        key, values = (driver.module, driver.parameters), driver.values
+        own, stated = self.held(name, self.finer(name, driver))
         width = self.unrolled[key].widths
         (_, first, a), (_, second, b) = self.ports(driver, "a", "b")
         square = bool(values.get("SQUARE")) or first == second
@@ -599,8 +656,8 @@ class Design:
             names = "p v"
             facts.append(floor_of("v", f"(+ p {(1 << shift) >> 1})", shift))
             goal = word(f"(+ p {(1 << shift) >> 1})", values["AW"] + values["BW"]) if "AW" in values else "true"
-        goal = f"(and {goal} {word('v', out)} {'(<= 0 v)' if own != self.table[name] else 'true'})"
-        ruled = inside("v", self.table[name].low, self.table[name].high)
+        goal = f"(and {goal} {word('v', out)} {'(<= 0 v)' if own != stated else 'true'})"
+        ruled = inside("v", stated.low, stated.high)
         in_range = inside("v", own.low, own.high)
 
         text = partial(_conjunction, names)
@@ -608,7 +665,7 @@ class Design:
 
     def _quotient(self, row: Row, name: str, driver: Driver) -> None:
         """A quotient or a root: integers, from its being the floor."""
-        values, own = driver.values, self.ranges[name]
+        values, own = driver.values, self.held(name, self.finer(name, driver))[0]
         found = self.ports(driver, *("nd" if driver.module == "ik_div" else "n"))
         row.operands = ", ".join(self.written(o) for _, o, _ in found)
         n = found[0][2]
@@ -650,7 +707,7 @@ class Design:
         row.operands = ", ".join(n.name for n in self.nodes[name].operands)
         goal = [formula.holds(f"holds_{name}", depth), *self._not_negative(formula, name, name, depth)]
         in_range = formula.between(name, depth, own.low, own.high, name not in UNSIGNED)
-        ruled = self._ruled(formula, f"exact_{name}", name, depth)
+        ruled = self._ruled(formula, f"exact_{name}", self.table[name], depth)
 
         text = self._text(formula, depth)
         self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range))

@@ -48,7 +48,8 @@ class Unrolled:
         self.top = re.search(r"^; yosys-smt2-topmod (\S+)", text, re.M)[1]
         self.number = {name: int(i) for i, name in re.findall(r"^; yosys-smt2-assert (\d+) (\S+)", text, re.M)}
         self.widths = {name: int(w) for name, w in re.findall(r"^; yosys-smt2-wire (\S+) (\d+)", text, re.M)}
-        lines = [re.sub(r"\s; .*$", "", line) for line in text.splitlines() if not line.startswith((";", "(declare-sort"))]
+        left = [line for line in text.splitlines() if not line.startswith((";", "(declare-sort"))]
+        lines = [re.sub(r"\s; .*$", "", line) for line in left]
         plain = "\n".join(line for line in lines if "set-option" not in line and f"|{self.top}_is|" not in line)
         place = plain.index(f"(define-fun |{self.top}_t| ")
         self._clock, self._step = plain[:place], plain[place:]
@@ -59,7 +60,8 @@ class Unrolled:
 
     def _one(self, clock: int) -> str:
         text = re.sub(r"\(\|([^|]+)\| state\)", rf"|\1@{clock}|", self._clock)
-        return re.sub(r"\((de\w+-fun) \|([^|]+)\| \((?:\|[^|]+\||\(state \|[^|]+\|\))\) ", rf"(\1 |\2@{clock}| () ", text)
+        of_state = r"\((de\w+-fun) \|([^|]+)\| \((?:\|[^|]+\||\(state \|[^|]+\|\))\) "
+        return re.sub(of_state, rf"(\1 |\2@{clock}| () ", text)
 
     def _next(self, clock: int) -> str:
         text = re.sub(r"\(\|([^|]+)\| state\)", rf"|\1@{clock}|", self._step)
