@@ -65,6 +65,10 @@ BUGS = (
         "another node at a product's input", "paper", "sa_x",
         f"{PAPER}ik_swivel.v", ".b(a_x_sin), .q(sa_x)", ".b(rho_sin), .q(sa_x)", "made of",
     ),
+    Bug(
+        "an operand of the target before", "paper", "sa_z",
+        f"{PAPER}ik_swivel.v", ".N(T_SIN_PHI-T_RHO)) u_rho_sin", ".N(T_SIN_PHI-T_RHO+1)) u_rho_sin", "is used at",
+    ),
     # ik_sum2, ik_sum3
     Bug(
         "no guard bit for the rounding", "paper", "rho", f"{LIB}ik_sum2.v",
@@ -255,7 +259,10 @@ How to read the tables:
   this width. See below.
 - Of the lean datapath, and of the shifts of the paper's ({wraps}), the ranges are those of targets that are not
   clamped: of a clamped target these words are cut off and not used.
-- Sources of a node that is an operator's result are traced through delays in the netlist and must be the model's.
+- *made of*: traced bit by bit through delays, ports and extensions of the netlist; it must be what the model makes the
+  node of. And it must be of one target: clock of the source (`model/dataflow.py`) plus delays on the way plus clocks of
+  the operator are the clock of the node, for every operand of every row (netlist, no solver; the operators' own clocks
+  are those of their properties, but for dividers, roots, CORDIC, `ik_rsqrt` and `ik_trig`).
 - *time*: seconds of z3 for this node alone. Equal questions (x, y and z often are) are asked once.
 """
 

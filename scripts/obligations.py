@@ -42,6 +42,9 @@ CLOCKS = {
 NEEDS_RANGES = "guard_bits"
 """The property that holds for operands in their ranges only, except in the operators of :data:`FREE`."""
 
+LATENCY = {"ik_mul": 4, "ik_mul3": 4, "ik_exact": 5}
+"""Clocks from input to output where properties stand on the way: the tiles look back two, the result further."""
+
 FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
 """Operators whose properties all hold for any input."""
 
@@ -179,6 +182,7 @@ class Row:
     depth: int | None = None
     seconds: float = 0.0
     problem: str = ""
+    sources: list[Operand] = field(default_factory=list)
 
 
 @dataclass
@@ -233,10 +237,11 @@ def floor_of(quotient: str, dividend: str, shift: int) -> str:
     return f"(and (<= {scaled} {dividend}) (< {dividend} (+ {scaled} {1 << shift})))"
 
 
-def _corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
+def corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
+    """Least and largest product; of a number with itself where `square`."""
     ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
     if square:
-        return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends)
+        return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends[0], ends[3])
     return min(ends), max(ends)
 
 
@@ -430,6 +435,21 @@ class Design:
             found.append((name, operand, self.port(operand)))
         return found
 
+    def _made_of(self, row: Row, sources: list[Operand]) -> None:
+        row.sources = sources
+        row.operands = ", ".join(dict.fromkeys(self.written(s) for s in sources))
+
+    def _named(self, path: str, expression: str) -> list[Operand]:
+        """The nodes behind the signals that an expression of a section names."""
+        wires = self.netlist.modules[self.netlist.paths[path]]["netnames"]
+        found = []
+        for signal in dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)):
+            if signal in wires:
+                own = self.netlist.homes.get(signal, ("", 0))[0] == path
+                bits = wires[signal]["bits"]
+                found.append(Operand(signal, width=len(bits)) if own else self.netlist.value(signal, path, bits))
+        return found
+
     def written(self, operand: Operand) -> str:
         """An operand as the page shows it."""
         if not operand.node:
@@ -538,19 +558,31 @@ class Design:
             if not row.problem and self.finer(name, driver):
                 row.problem = "its format is not the model's"
             if not row.problem:
-                self._check_operands(row, node, driver)
+                self._check_sources(row, node, driver)
         except (ObligationError, NetlistError, ValueError) as error:
             row.problem = str(error)
         return row
 
-    def _check_operands(self, row: Row, node: Node, driver: Driver) -> None:
-        """The operands found in the netlist are those of the model, or the ranges would be of other nodes."""
-        if not driver.module or not row.operands:
+    def _check_sources(self, row: Row, node: Node, driver: Driver) -> None:
+        """What the netlist makes a node of is what the model makes it of, and all of it belongs to one target.
+
+        Ranges and rules speak of one target's operands. The clock of a node is the model's; delays are the netlist's.
+        """
+        sources = [s for s in row.sources if s.node]
+        if not sources:
             return
-        found = {operand.split()[0] for operand in row.operands.split(", ")} - {"constant"}
-        wanted = {n.name for n in node.operands if n.name}
-        if found != wanted:
-            row.problem = f"made of {', '.join(sorted(found))}, in the model of {', '.join(sorted(wanted))}"
+        if driver.module:
+            found, wanted = {s.node for s in sources}, {n.name for n in node.operands if n.name}
+            if found != wanted:
+                row.problem = f"made of {', '.join(sorted(found))}, in the model of {', '.join(sorted(wanted))}"
+        takes = LATENCY.get(driver.module, CLOCKS.get(driver.module))
+        takes = driver.values.get("LAT", takes) if driver.module else SECTIONS[driver.section][row.node].clocks
+        late = [s for s in sources if self.nodes[s.node].time + s.clocks + takes != node.time]
+        if late and not row.problem:
+            row.problem = ", ".join(
+                f"{s.node} of clock {self.nodes[s.node].time} is used at {node.time - takes}, {s.clocks} later"
+                for s in late
+            )
 
     def _free(self, row: Row, name: str, driver: Driver) -> None:
         """Nothing to do but to look: the lemma holds for any input and says what the result can be."""
@@ -569,7 +601,7 @@ class Design:
             operands = self.netlist.operands(driver.path, "d", values["W"])
             can = Range(0, values["W"] - 1) if driver.port == "count" else Range(fmt.low, fmt.high)
             row.fits = "any input"
-        row.operands = ", ".join(self.written(o) for o in operands)
+        self._made_of(row, operands)
         row.engine, row.depth = "bit vectors", CLOCKS[driver.module]
         row.range = "operands"
         if can.low < own.low or can.high > own.high:
@@ -584,7 +616,7 @@ class Design:
         ports = ["a", "b"] if driver.module in ("ik_sum2", "ik_wide") else ["a", "b", "c"]
         ports = ["d", "count"] if driver.module.startswith("ik_shift") else ports
         found = self.ports(driver, *ports)
-        row.operands = ", ".join(self.written(o) for _, o, _ in found)
+        self._made_of(row, [operand for _, operand, _ in found])
         facts = [
             formula.between(port, clock, r.low, r.high, port != "count")
             for port, _, r in found
@@ -624,8 +656,8 @@ class Design:
         square = bool(values.get("SQUARE")) or first == second
         if values.get("SQUARE"):
             second, b = first, a
-        row.operands = f"{self.written(first)}, {self.written(second)}"
-        low, high = _corners(a, b, square)
+        self._made_of(row, [first, second])
+        low, high = corners(a, b, square)
         out = values["OW"] if "OW" in values else 2 * values["W"]
         shift = values.get("SH", 0)
         factors = "a b"
@@ -667,7 +699,7 @@ class Design:
         """A quotient or a root: integers, from its being the floor."""
         values, own = driver.values, self.held(name, self.finer(name, driver))[0]
         found = self.ports(driver, *("nd" if driver.module == "ik_div" else "n"))
-        row.operands = ", ".join(self.written(o) for _, o, _ in found)
+        self._made_of(row, [operand for _, operand, _ in found])
         n = found[0][2]
         shifted = f"(* {1 << values['SH']} n)"
         facts = [inside("n", n.low, n.high)]
@@ -704,7 +736,7 @@ class Design:
             r = self.ranges[other]
             if r.rule:
                 facts += [formula.between(f"exact_{other}", c, r.low, r.high, True) for c in range(depth + 1)]
-        row.operands = ", ".join(n.name for n in self.nodes[name].operands)
+        self._made_of(row, self._named(driver.path, values[name].expression))
         goal = [formula.holds(f"holds_{name}", depth), *self._not_negative(formula, name, name, depth)]
         in_range = formula.between(name, depth, own.low, own.high, name not in UNSIGNED)
         ruled = self._ruled(formula, f"exact_{name}", self.table[name], depth)
