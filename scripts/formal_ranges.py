@@ -72,7 +72,7 @@ BUGS = (
     # ik_sum2, ik_sum3
     Bug(
         "no guard bit for the rounding", "paper", "rho", f"{LIB}ik_sum2.v",
-        "(IW + 2 > OW + SH) ? (IW + 2)", "(IW + 1 > OW + SH) ? (IW + 1)", "saturates",
+        "(IW + 2 > OW + SH) ? (IW + 2)", "(IW + 1 > OW + SH) ? (IW + 1)", "bound",
     ),
     Bug(
         "b extended by zeros", "paper", "rho", f"{LIB}ik_sum2.v",

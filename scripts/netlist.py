@@ -238,6 +238,16 @@ class Netlist:
         signed = self.signed[node] and whole and not (above and zeros)
         return Operand(node, shift, low, count, signed, clocks=clocks)
 
+    def from_outside(self, path: str, bits: list) -> bool:
+        """Whether all bits are input ports of the instance or outputs of instances in it: nothing that it computes."""
+        cells = self.modules[self.paths[path]]["cells"]
+
+        def outside(bit) -> bool:
+            driver = self._drivers[path].get(bit)
+            return bit in self._inputs[path] or (driver is not None and cells[driver[0]]["type"] in self.modules)
+
+        return all(map(outside, bits))
+
     def positive(self, name: str) -> bool:
         """Whether a node's sign bit is wired to 0."""
         path, _ = self.homes[name]

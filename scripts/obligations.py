@@ -404,6 +404,8 @@ class Design:
         whole = operand.low == 0 and operand.width == self.nodes[operand.node].format.width
         if not whole and (operand.low or own.low < 0 or own.high >= 1 << operand.width):
             raise ObligationError(f"{operand.node}: bits of it are left out that its range needs")
+        if self.nodes[operand.node].format.signed and not operand.signed and own.low < 0:
+            raise ObligationError(f"{operand.node}: extended by zeros, and can be negative")
         return Range(own.low << operand.shift, own.high << operand.shift)
 
     def finer(self, name: str, driver: Driver) -> int:
@@ -555,10 +557,10 @@ class Design:
                 self._operator(row, name, driver)
             else:
                 self._local(row, name, driver)
-            if not row.problem and self.finer(name, driver):
-                row.problem = "its format is not the model's"
             if not row.problem:
                 self._check_sources(row, node, driver)
+            if not row.problem and self.finer(name, driver):
+                row.problem = "its format is not the model's"
         except (ObligationError, NetlistError, ValueError) as error:
             row.problem = str(error)
         return row
@@ -747,18 +749,21 @@ class Design:
             row.fits += f"; limited: {values[name].limited}"
 
     def _signals(self, path: str) -> list[tuple[str, Range, bool]]:
-        """A section's signals that come from outside of its own logic and carry a node, with the node's range."""
+        """A section's signals that come from outside of its own logic and are a node, with the node's range.
+
+        Not those that the section itself has cut, shifted or extended: what it does there is to be proved.
+        """
         found = []
         module = self.netlist.modules[self.netlist.paths[path]]
         for signal, what in module["netnames"].items():
             if "$" in signal or "." in signal or len(what["bits"]) == 1:
                 continue
-            own = self.drivers.get(signal)
-            if own and not own.module and self.netlist.homes[signal][0] == path:
-                continue  # a register of the section itself
+            if not self.netlist.from_outside(path, what["bits"]):
+                continue
             try:
                 operand = self.netlist.value(signal, path, what["bits"])
-                if operand.node and operand.low == 0:
+                plain = (operand.shift, operand.low, operand.width) == (0, 0, len(what["bits"]))
+                if operand.node and plain and operand.width == self.nodes[operand.node].format.width:
                     r = self.port(operand)
                     if self.unrolled[self.netlist.kind(path), ()].widths.get(signal) == len(what["bits"]):
                         found.append((signal, r, operand.signed))
