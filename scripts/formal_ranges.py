@@ -32,7 +32,7 @@ FULL = 32
 WIDTHS = (32, 24, 18, 16)
 """The width of the page's tables first; the others are proved with it and counted."""
 
-FILES = ("rtl/lib/*.v", "rtl/paper/*.v*", "rtl/lean/*.v*", "tb/formal/ranges/*.vh", "scripts/exact_values.py")
+FILES = ("rtl/lib/ik_[!f]*.v", "rtl/paper/*.v*", "rtl/lean/*.v*", "tb/formal/ranges/*.vh", "scripts/exact_values.py")
 """What was proved: a change of any of these makes the page out of date, and so does a change of a range."""
 
 
@@ -227,7 +227,8 @@ def seed(number: int, runs: dict[str, Run], pool: Executor) -> str:
 
 INTRODUCTION = """# Proofs: nothing overflows
 
-Written by `make formal` (`python -m scripts.formal_ranges`) on {today}, with {tools}; {seconds:.0f} s. Do not edit.
+Written by `make formal` (`python -m scripts.formal_ranges`) on {today}, with {tools}; {seconds:.0f} s.
+Do not edit.
 The other proofs are in [proofs.md](proofs.md).
 
 For every node of both datapaths: **its guard bits equal its sign**. Whatever the operator that makes it computes, in
@@ -246,19 +247,20 @@ How to read the tables:
 
 - *fits*: what it takes. **operands**: the ranges of the operands are enough. A **name in italics**: two operands in
   their ranges could be too much together, and geometry says that they are not. The name is that of a rule of the
-  word-length table (`{cases}`: the table's own case distinction). What is then assumed, besides the operands'
-  ranges, is that the *exact result* of the operands lies in the range of the node's row; that it does is proved in
-  `model/ranges.py` and `model/lean_ranges.py`, not by the solver. What the solver proves is that the RTL, with its
-  formats, carries such a result: no bit too few, no sign lost. **limited**: the node holds a bound on purpose, and the
-  proof says exactly which.
+  word-length table. What is then assumed, besides the operands' ranges, is that the *exact result* of the operands
+  lies in the range of the node's row; that it does is proved in `model/ranges.py` and `model/lean_ranges.py`, not by
+  the solver. What the solver proves is that the RTL, with its formats, carries such a result: no bit too few, no sign
+  lost. **limited**: the node holds a bound on purpose, and the proof says exactly which.
 - *in range*: why the result lies in the range of its own row, which is what the next operator takes for granted:
-  operands, or a rule.
+  operands, or a rule (*{cases}*: the table's own case distinction).
 - *engine*: **bit vectors**: the module with properties (`tb/formal/ranges`), unrolled over as many clocks as stand
   under *depth*, from any state. It is a k-induction whose step does not even need its hypothesis, because there is no
-  feedback; the first clocks after power-up are asked apart. **integers**: products, which bit vectors cannot do at
-  this width. See below.
-- Of the lean datapath, and of the shifts of the paper's ({wraps}), the ranges are those of targets that are not
-  clamped: of a clamped target these words are cut off and not used.
+  feedback; the first clocks after power-up are asked apart. **integers**: products, quotients and roots, which bit
+  vectors cannot do at this width (see below); with a depth where the operator's own properties in bit vectors are the
+  other half of the proof.
+- Of the lean datapath the ranges are those of targets that are not clamped; so they are of the paper's shifts
+  ({wraps}).
+  Of a clamped target these words are cut off and not used.
 - *made of*: traced bit by bit through delays, ports and extensions of the netlist; it must be what the model makes the
   node of. And it must be of one target: clock of the source (`model/dataflow.py`) plus delays on the way plus clocks of
   the operator are the clock of the node, for every operand of every row (netlist, no solver; the operators' own clocks
@@ -278,7 +280,10 @@ A product of 32-bit words is out of reach for a solver of bits. It is split wher
    fits the word and the row. `ik_mul3` leaves out the low tile: it is any number in its range here.
 
 A quotient or root is the floor (docs/proofs.md proves that of the cores); from this the integers give its range.
-Results of the CORDIC, of `ik_rsqrt` and `ik_trig` have a proved error instead; the table says where.
+Results of the CORDIC, of `ik_rsqrt` and `ik_trig` have a bounded error instead; the table says where. What is inside
+of these three, and of dividers and roots, is no node and has no row here.
+
+Nothing is proved of an empty set: for every row the solver also finds operands that meet what is assumed.
 """
 
 
@@ -341,7 +346,7 @@ def _count(run: Run) -> dict[str, int]:
         "fits for operands in their ranges, or for any": len(rows) - len(special),
         "fits by a rule": len([r for r in rules if r not in limited]),
         "limited on purpose": len(limited),
-        "range proved elsewhere": len(elsewhere),
+        "range shown elsewhere": len(elsewhere),
         "operators with their parameters": len(run.lemmas),
     }
 

@@ -51,9 +51,9 @@ FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
 ELSEWHERE = {
     "ik_rsqrt": "faithful, so at most a place off 1/(2 sqrt m): `model/lean_cores.py`, `rsqrt_error`",
     "ik_trig": "error below a place: `model/lean_trig.py`, `error_bound`",
-    "ik_sincos": "error below two places: `model/tests/test_fixed_primitives.py`, `test_cordic_is_within_its_bound`",
+    "ik_sincos": "error below two places: counted in `model/dataflow.py`, `CORDIC`; tested, not by a solver",
 }
-"""Cores whose results' ranges are proved elsewhere."""
+"""Cores whose results' ranges are shown elsewhere."""
 
 SATURATES = "q is the floor, or the bound where it does not fit, and says so: docs/proofs.md"
 
@@ -250,7 +250,7 @@ class Question:
     """What is asked of one node: of `facts`, and of `rule` if need be, follow `fits` and `in_range`."""
 
     engine: str
-    depth: int
+    depth: int | None
     text: Callable[[list[str], list[str]], str]  # of what is assumed and claimed
     facts: list[str]
     rule: list[str]
@@ -533,7 +533,7 @@ class Design:
         node = self.nodes[name]
         row = Row(name)
         if node.op == "input":
-            row.module, row.fits, row.range = "input", "any word", "operands"
+            row.module, row.fits, row.range = "input", "any word", "any word"
             return row
         driver = self.drivers[name]
         row.module = driver.module or driver.section
@@ -544,9 +544,9 @@ class Design:
             return row
         try:
             if node.format.width == 1:
-                row.fits, row.range = "one bit", "operands"
+                row.fits, row.range = "one bit", "one bit"
             elif driver.module in ELSEWHERE:
-                row.fits, row.range = ELSEWHERE[driver.module], self.ranges[name].rule or "its format"
+                row.fits, row.range = ELSEWHERE[driver.module], self.ranges[name].rule or "its error"
             elif driver.module in FREE:
                 self._free(row, name, driver)
             elif driver.module in ("ik_mul", "ik_mul3", "ik_exact"):
@@ -717,7 +717,7 @@ class Design:
         goal, ruled = word("q", values["QW"]), inside("q", own.low, own.high)
 
         text = partial(_conjunction, "n d q")
-        self._settle(row, own, Question("integers", 0, text, facts, [ruled], [goal], ruled))
+        self._settle(row, own, Question("integers", None, text, facts, [ruled], [goal], ruled))
 
     def _local(self, row: Row, name: str, driver: Driver) -> None:
         """A node that the section computes itself: bit vectors on the section without its instances."""
