@@ -9,6 +9,7 @@ signs. Nodes of one bit are left out: they have nothing to overflow.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 
@@ -156,6 +157,17 @@ SECTIONS = {
 """Section's module -> node -> its value."""
 
 
+def inner(section: str, node: str) -> list[str]:
+    """The other nodes, computed in the same section, that a node is made of."""
+    expression = SECTIONS[section][node].expression
+    return [other for other in SECTIONS[section] if other != node and re.search(rf"\b{other}\b", expression)]
+
+
+def depth(section: str, node: str) -> int:
+    """Clocks after which a node depends on what came into its section alone."""
+    return SECTIONS[section][node].clocks + bool(inner(section, node))
+
+
 def properties(section: str) -> str:
     """Verilog to append to a section: for each node its exact value and the assertion that the node holds it."""
     lines = ["localparam integer EXACT_W = 2 * W + 8;", "reg [1:0] exact_age = 2'd0;  // clocks, up to 3"]
@@ -170,7 +182,7 @@ def properties(section: str) -> str:
             lines.append(f"always @(posedge clk) {name}_{clock + 1} <= {before};")
         held = f"{name}_{value.clocks}" if value.clocks else name
         whole = f"$signed({{1'b0, {node}}})" if node in UNSIGNED else node
-        lines.append(f"always @* if (exact_age >= {value.clocks}) holds_{node} : assert ({held} == {whole});")
+        lines.append(f"always @* if (exact_age >= {depth(section, node)}) holds_{node} : assert ({held} == {whole});")
     return "\n".join(lines) + "\n"
 
 

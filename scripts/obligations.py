@@ -23,6 +23,7 @@ from pathlib import Path
 
 from model import lean_ranges, ranges
 from model.dataflow import Node
+from scripts import exact_values
 from scripts.env import ROOT
 from scripts.exact_values import SECTIONS, UNSIGNED, properties
 from scripts.formal import tool
@@ -726,15 +727,19 @@ class Design:
             raise ObligationError(f"{name}: scripts/exact_values.py does not say what it is")
         key, own = (driver.section, ()), self.ranges[name]
         formula = self.unrolled[key]
-        # nodes of the same section that this one is made of take a clock more, and a rule may keep them in range
-        inner = [n for n in values if n != name and re.search(rf"\b{n}\b", values[name].expression)]
-        depth = values[name].clocks + bool(inner)
+        depth = exact_values.depth(driver.section, name)
+        early = " ".join(formula.holds(f"holds_{name}", clock) for clock in range(depth))
+        first = f"{formula.clocks(depth)}\n{formula.start()}\n(assert (not (and true {early})))"
+        if (answer := ask(first)).said != "unsat":
+            row.problem = f"first clocks: {answer.said}"
+            return
         facts = [
             formula.between(signal, clock, r.low, r.high, signed)
             for signal, r, signed in self._signals(driver.path)
             for clock in range(depth + 1)
         ]
-        for other in inner:
+        # a rule may keep nodes of the same section in range that this one is made of
+        for other in exact_values.inner(driver.section, name):
             r = self.ranges[other]
             if r.rule:
                 facts += [formula.between(f"exact_{other}", c, r.low, r.high, True) for c in range(depth + 1)]
