@@ -109,6 +109,7 @@ lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff o
 formal: ## proofs of the stream logic, divider and root, and that they fail on seeded bugs: docs/proofs.md
 	@$(SETUP) fpga
 	@$(VENV) -m scripts.formal
+	@$(VENV) -m scripts.formal_ranges
 
 fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga

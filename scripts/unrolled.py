@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A formula of Yosys (`write_smt2`) unrolled over several clocks, every signal of every clock a constant of its own.
+
+With constants in place of functions of a state z3 sees that two expressions are the same, and needs to know nothing of
+multiplication where a register holds a product.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+LIMIT = 120  # seconds for one question
+
+
+@dataclass(frozen=True)
+class Answer:
+    """"unsat", "sat", or what went wrong, and how long it took."""
+
+    said: str
+    seconds: float
+
+
+@lru_cache(maxsize=4096)
+def ask(text: str) -> Answer:
+    """What z3 says to a formula that ends in no question yet; the same question is asked once."""
+    start = time.monotonic()
+    command = ["nice", str(Path(sys.executable).parent / "z3"), "-in", f"-T:{LIMIT}"]
+    done = subprocess.run(
+        command, input=text + "\n(check-sat)\n", capture_output=True, text=True, check=False, env=os.environ
+    )
+    said = done.stdout.strip()
+    if said not in ("sat", "unsat", "timeout", "unknown"):
+        said = f"z3 says: {(said or done.stderr.strip() or f'status {done.returncode}')[:200]}"
+    return Answer(said, time.monotonic() - start)
+
+
+class Unrolled:
+    """The SMT formula of a module: `at(signal, clock)` names a signal, `clocks(n)` is the text of n steps."""
+
+    def __init__(self, text: str) -> None:
+        self.top = re.search(r"^; yosys-smt2-topmod (\S+)", text, re.M)[1]
+        self.number = {name: int(i) for i, name in re.findall(r"^; yosys-smt2-assert (\d+) (\S+)", text, re.M)}
+        self.widths = {name: int(w) for name, w in re.findall(r"^; yosys-smt2-wire (\S+) (\d+)", text, re.M)}
+        left = [line for line in text.splitlines() if not line.startswith((";", "(declare-sort"))]
+        lines = [re.sub(r"\s; .*$", "", line) for line in left]
+        plain = "\n".join(line for line in lines if "set-option" not in line and f"|{self.top}_is|" not in line)
+        place = plain.index(f"(define-fun |{self.top}_t| ")
+        self._clock, self._step = plain[:place], plain[place:]
+
+    @cached_property
+    def _made(self) -> dict[int, str]:
+        return {}
+
+    def _one(self, clock: int) -> str:
+        text = re.sub(r"\(\|([^|]+)\| state\)", rf"|\1@{clock}|", self._clock)
+        of_state = r"\((de\w+-fun) \|([^|]+)\| \((?:\|[^|]+\||\(state \|[^|]+\|\))\) "
+        return re.sub(of_state, rf"(\1 |\2@{clock}| () ", text)
+
+    def _next(self, clock: int) -> str:
+        text = re.sub(r"\(\|([^|]+)\| state\)", rf"|\1@{clock}|", self._step)
+        text = re.sub(r"\(\|([^|]+)\| next_state\)", rf"|\1@{clock + 1}|", text)
+        return re.sub(r"\(define-fun \|[^|]+\| \(\(state \|[^|]+\|\) \(next_state \|[^|]+\|\)\) Bool", "(assert", text)
+
+    def clocks(self, steps: int) -> str:
+        """The formula of clocks 0 to `steps`, from any state."""
+        if steps not in self._made:
+            parts = [self._one(clock) for clock in range(steps + 1)]
+            parts += [f"(assert |{self.top}_h@{c}|)\n(assert |{self.top}_u@{c}|)" for c in range(steps + 1)]
+            self._made[steps] = "\n".join(parts + [self._next(clock) for clock in range(steps)])
+        return self._made[steps]
+
+    def at(self, signal: str, clock: int) -> str:
+        """A signal of the module in a clock."""
+        return f"|{self.top}_n {signal}@{clock}|"
+
+    def holds(self, name: str, clock: int) -> str:
+        """An assertion of the module in a clock."""
+        return f"|{self.top}_a {self.number[name]}@{clock}|"
+
+    def between(self, signal: str, clock: int, low: int, high: int, signed: bool) -> str:
+        """low <= signal <= high, as a formula."""
+        width, name = self.widths[signal], self.at(signal, clock)
+        least, most = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if signed else (0, (1 << width) - 1)
+        kind = "s" if signed else "u"
+        parts = []
+        if low > most or high < least:
+            raise ValueError(f"{signal}: no word of {width} bits lies in {low} .. {high}")
+        if low > least:
+            parts.append(f"(bv{kind}le (_ bv{low % (1 << width)} {width}) {name})")
+        if high < most:
+            parts.append(f"(bv{kind}le {name} (_ bv{high % (1 << width)} {width}))")
+        return f"(and true {' '.join(parts)})"
+
+    def start(self) -> str:
+        """The initial state, in clock 0."""
+        return f"(assert |{self.top}_i@0|)"

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Appended to ik_mul3: its registers hold the three products of parts, and the result is their rounded sum, any values
+// that the three may have. That the sum fits is left to the integers.
+
+reg signed [AW-1:0] ghost_a_1;
+reg signed [BW-1:0] ghost_b_1;
+reg signed [AW-1:0] ghost_a;  // two clocks ago
+reg signed [BW-1:0] ghost_b;
+wire signed [AH-1:0] ghost_a_hi = ghost_a[AW-1:AL];
+wire signed [BH-1:0] ghost_b_hi = ghost_b[BW-1:BL];
+wire signed [AL:0] ghost_a_lo = {1'b0, ghost_a[AL-1:0]};
+wire signed [BL:0] ghost_b_lo = {1'b0, ghost_b[BL-1:0]};
+
+localparam integer GW = AW + BW + OW + 4;
+wire signed [GW-1:0] ghost_half = {{(GW - 1) {1'b0}}, 1'b1} << (SH - ML - 1);
+wire signed [GW-1:0] ghost_hh = hh;
+wire signed [GW-1:0] ghost_hl = hl;
+wire signed [GW-1:0] ghost_lh = lh;
+wire signed [GW-1:0] ghost_middle = (ghost_hl <<< (AL - ML)) + (ghost_lh <<< (BL - ML));
+wire signed [GW-1:0] ghost_value = (ghost_hh <<< (AL + BL - SH)) + ((ghost_middle + ghost_half) >>> (SH - ML));
+reg signed [GW-1:0] ghost_1;
+reg signed [GW-1:0] ghost_2;
+reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
+always @(posedge clk) begin
+  ghost_a_1 <= a;
+  ghost_b_1 <= b;
+  ghost_a   <= ghost_a_1;
+  ghost_b   <= ghost_b_1;
+  ghost_1   <= ghost_value;
+  ghost_2   <= ghost_1;
+  if (ghost_age != 2'd2) ghost_age <= ghost_age + 2'd1;
+end
+
+always @* if (ghost_age == 2'd2) begin
+  tile_hh : assert (hh == ghost_a_hi * ghost_b_hi);
+  tile_hl : assert (hl == ghost_a_hi * ghost_b_lo);
+  tile_lh : assert (lh == ghost_a_lo * ghost_b_hi);
+  recombined : assert (q == $signed(ghost_2[OW-1:0]));
+end

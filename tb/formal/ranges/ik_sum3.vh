@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Appended to ik_sum3: the rounded sum in more bits than it can need, three clocks ago.
+
+localparam integer GW = IW + SH + OW + 4;
+wire signed [GW-1:0] ghost_half = (SH > 0) ? ({{(GW - 1) {1'b0}}, 1'b1} << ((SH > 0) ? SH - 1 : 0)) : {GW{1'b0}};
+wire signed [GW-1:0] ghost_sum = (SUB_C != 0) ? (a + b - c) : (a + b + c);
+wire signed [GW-1:0] ghost_value = (ghost_sum + ghost_half) >>> SH;
+wire signed [GW-1:0] ghost_most = {{(GW - OW + 1) {1'b0}}, {(OW - 1) {1'b1}}};
+reg signed [GW-1:0] ghost_1;
+reg signed [GW-1:0] ghost_2;
+reg signed [GW-1:0] ghost_3;
+reg [1:0] ghost_age = 2'd0;  // clocks, up to 3
+always @(posedge clk) begin
+  ghost_1 <= ghost_value;
+  ghost_2 <= ghost_1;
+  ghost_3 <= ghost_2;
+  if (ghost_age != 2'd3) ghost_age <= ghost_age + 2'd1;
+end
+wire ghost_over = ghost_3 > ghost_most;
+wire ghost_under = ghost_3 < ~ghost_most;
+
+always @* if (ghost_age == 2'd3) begin
+  guard_bits : assert (!ovf && ghost_3 == q);
+  saturates : assert (ovf == (ghost_over || ghost_under));
+  bound : assert (q == (ghost_over ? ghost_most : ghost_under ? ~ghost_most : ghost_3));
+end
