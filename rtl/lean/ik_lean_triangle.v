@@ -210,7 +210,8 @@ module ik_lean_triangle #(
   ik_delay #(.W(N), .N(T_SIN_A-T_G_A)) u_g_a_sin (.clk(clk), .d(g_a), .q(g_a_sin));
   wire [N-1:0] sum_a = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
   wire big_first = clamp_sin ? !away_sin : !sign_sin;
-  wire signed [N-1:0] small_a = clamp_sin ? {N{1'b0}} : (sin_a >>> 1);
+  wire signed [N-1:0] half_a = sin_a >>> 1;
+  wire signed [N-1:0] small_a = half_a & {N{!clamp_sin}};
   always @(posedge clk) begin
     g_a  <= clamp_cos ? ONE : (sum_a >> 1);
     ha_c <= big_first ? g_a_sin : small_a;
