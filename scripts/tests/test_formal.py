@@ -95,6 +95,14 @@ def test_nothing_is_assumed_but_the_writers_contract():
     assert found == [("ik_fifo.vh", "f_contract : ")]
 
 
+def test_page_of_results():
+    """The page that a full run writes, here of results without a proof."""
+    results = [formal.Result(p, total=2.0, bugs=[(bug, 1.0) for bug in p.bugs]) for p in formal.PROOFS]
+    made = formal.page(results, {"rtl/x.v": "0123"})
+    assert {(row[0], row[2]) for row in table(made, "proof")} == {(p.name, n) for p in formal.PROOFS for n in p.says}
+    assert f"; {2 * len(NAMES)} s. Do not edit" in made and table(made, "file") == [["rtl/x.v", "0123"]]
+
+
 def test_names_are_unique():
     assert len(set(NAMES)) == len(NAMES)
 
@@ -160,15 +168,15 @@ def test_result_is_kept_while_nothing_changes(monkeypatch, tmp_path):
     path = tmp_path / "done.json"
     monkeypatch.setattr(formal, "kept", lambda proof: path)
     assert formal.recall(proof) is None
-    result = formal.Result(proof, seconds=2.5, asserts=3, covers=[("7", "full")], bugs=[(proof.bugs[0], 1.5)], total=4.0)
+    bugs = [(proof.bugs[0], 1.5)]
+    result = formal.Result(proof, seconds=2.5, asserts=3, covers=[("7", "full")], bugs=bugs, total=4.0)
     formal.keep(path, result)
     again = formal.recall(proof)
-    assert (again.seconds, again.asserts, again.total, again.bugs) == (2.5, 3, 4.0, [(proof.bugs[0], 1.5)])
+    assert (again.seconds, again.asserts, again.total, again.bugs) == (2.5, 3, 4.0, bugs)
     assert [tuple(cover) for cover in again.covers] == [("7", "full")] and again.failed == []
 
 
 def test_key_depends_on_sources_questions_and_tactic(monkeypatch):
-    monkeypatch.setattr(formal, "script", lambda proof, folder: "script")
     first = formal.key(formal.PROOFS[0])
     assert first == formal.key(formal.PROOFS[0]) != formal.key(formal.PROOFS[1])
     monkeypatch.setattr(formal, "TACTIC", "smt")
