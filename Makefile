@@ -106,7 +106,7 @@ lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff o
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.lint
 
-formal: ## proofs of the stream logic, divider and root, and that they fail on seeded bugs: docs/proofs.md
+formal: ## proofs, and that they fail on seeded bugs: streams, divider, root: docs/proofs.md; no overflow: docs/ranges_proofs.md
 	@$(SETUP) fpga
 	@$(VENV) -m scripts.formal
 	@$(VENV) -m scripts.formal_ranges

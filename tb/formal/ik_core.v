@@ -52,6 +52,11 @@ module `IK_CORE #(
   assign {out_flags, out_tag, out_data} =
       mark[T-1] ? {f_result[6*W+7:6*W], tag, f_result[6*W-1:0]} : f_any;
 
+`ifdef IK_COVER
+  // the way through of ik_axis.vh: the first target is the one that is followed
+  always @* assume (f_pick && f_any == 0 && f_result == 0);
+`endif
+
 endmodule
 
 // The assertions of one slice of the pipeline's rows, see ik_axis.vh.

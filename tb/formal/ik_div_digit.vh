@@ -13,10 +13,12 @@ always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
 reg f_sign_1;
 reg [DW-1:0] f_d_1;  // as it came, with its sign
 reg [XW-1:0] f_M_1;
+wire signed [XW-1:0] f_n = n;
+wire signed [XW-1:0] f_N = f_n <<< SH;
 always @(posedge clk) begin
   f_sign_1 <= n[NW-1];
   f_d_1 <= d;
-  f_M_1 <= magnitude;
+  f_M_1 <= n[NW-1] ? (-1 - f_N) : f_N;
 end
 // M < d 2^ROWS, and d > 0: then the quotient fits in ROWS bits
 wire [XW+DW-1:0] f_d_wide = f_d_1;
@@ -87,14 +89,43 @@ endgenerate
 
 // ---- behind the rows: the flag, and the sign ----
 
-localparam integer BEHIND = LAT - 1 - STAGES;  // registers behind the last row
 wire f_over_rows = g_slice[ROWS-1].over_q;
 wire f_sign_rows = g_slice[ROWS-1].sign_q;
 wire [QW-1:0] f_Q_rows = g_slice[ROWS-1].Q_q;
 wire [QW-1:0] f_largest = {1'b0, {(QW - 1) {1'b1}}};
 wire [QW-1:0] f_magnitude = f_over_rows ? f_largest : f_Q_rows;
-always @* if (f_valid[STAGES]) begin
-  over_arrives : assert (over == f_over_rows);
-  sign_and_bound : assert ({over, minus_out, bounded ^ {(QW - 1) {minus_out}}} ==
-                           {f_over_rows, f_sign_rows ? ~f_magnitude : f_magnitude});
+localparam integer BEHIND = LAT - 1 - STAGES;  // registers there, two or more
+(* hierconn *) wire [(QW+1)*BEHIND-1:0] \u_out.genblk1.genblk1.g_line.line ;
+reg [(QW+1)*BEHIND-1:0] f_out;  // as they are
+always @(posedge clk)
+  f_out <= {f_out[(QW+1)*(BEHIND-1)-1:0], f_over_rows, f_sign_rows ? ~f_magnitude : f_magnitude};
+wire [BEHIND-1:0] f_row_out;
+generate
+  for (k = 0; k < BEHIND; k = k + 1) begin : g_out
+    assign f_row_out[k] = !f_valid[STAGES+1+k] ||
+        \u_out.genblk1.genblk1.g_line.line [(QW+1)*k+:QW+1] == f_out[(QW+1)*k+:QW+1];
+  end
+endgenerate
+always @* begin
+  if (f_valid[STAGES]) over_arrives : assert (over == f_over_rows);
+  out_line : assert (&f_row_out);
+  if (f_valid[LAT-1]) sign_and_bound : assert ({ovf, q} == f_out[(QW+1)*BEHIND-1-:QW+1]);
 end
+
+// ---- covers ----
+
+always @* if (f_valid[LAT-1]) begin
+  exact : cover (!ovf && q != 0 && !q[QW-1]);
+  negative : cover (!ovf && q[QW-1]);
+  too_large : cover (ovf && !q[QW-1]);
+  too_small : cover (ovf && q[QW-1]);
+end
+
+`ifdef IK_COVER
+// One way through, so that the search has nothing to choose: these operands, one after the other.
+reg [1:0] f_clock = 2'd0;
+always @(posedge clk) f_clock <= f_clock + 1'b1;
+wire [NW-1:0] f_n_is = f_clock[0] ? -12345 : 12345;
+wire [DW-1:0] f_d_is = f_clock[1] ? (1 << (DW - 2)) : 0;
+always @* assume (n == f_n_is && d == f_d_is);
+`endif

@@ -68,10 +68,30 @@ generate
   end
 endgenerate
 
+wire signed [XW-1:0] f_n = n;
+wire signed [XW-1:0] f_N = f_n <<< SH;
 wire f_minus = g_slice[ROWS-1].minus_q;
 wire [QW-1:0] f_largest = {1'b0, {(QW - 1) {1'b1}}};
 wire [QW-1:0] f_Q_rows = g_slice[ROWS-1].Q_q;
-always @* if (f_valid[STAGES-1]) begin
-  output_root : assert ({minus_out, 1'b0, bounded} ==
-                        {f_minus, f_minus ? {QW{1'b0}} : g_slice[ROWS-1].over_q ? f_largest : f_Q_rows});
+reg [QW:0] f_out;  // as the one register behind the rows
+always @(posedge clk) f_out <= {f_minus, f_minus ? {QW{1'b0}} : g_slice[ROWS-1].over_q ? f_largest : f_Q_rows};
+always @* begin
+  one_behind : assert (LAT == STAGES + 1);
+  radicand : assert (n[NW-1] || v == f_N);
+  if (f_valid[STAGES]) output_root : assert ({neg, q} == f_out);
 end
+
+// ---- covers ----
+
+always @* if (f_valid[STAGES]) begin
+  fits : cover (!neg && q != 0);
+  negative : cover (neg);
+end
+
+`ifdef IK_COVER
+// One way through, so that the search has nothing to choose: these radicands, one after the other.
+reg f_clock = 1'b0;
+always @(posedge clk) f_clock <= !f_clock;
+wire [NW-1:0] f_n_is = f_clock ? -12345 : 12345;
+always @* assume (n == f_n_is);
+`endif
