@@ -23,31 +23,42 @@ module ik_sincos #(
 
   localparam [TABLE_BITS-1:0] GAIN_W = (GAIN + (48'd1 << (DROP_GAIN - 1))) >> DROP_GAIN;
 
-  // Vector and angle left to turn, after i iterations
+  // Vector after i iterations
   wire signed [XW-1:0] x[0:W];
   wire signed [XW-1:0] y[0:W];
-  wire signed [XW-1:0] z[0:W];
   assign x[0] = GAIN_W[XW-1:0];
   assign y[0] = {XW{1'b0}};
-  assign z[0] = {phi, {SINCOS_GUARD{1'b0}}};
 
+  // z is the angle left to turn. An iteration halves what is left, so from the third on z has a bit less in each: its
+  // sign bit stands for those above. a +- b is written with one adder and the sign as its carry: a + (b ^ s) + s.
   genvar i;
   generate
     for (i = 0; i < W; i = i + 1) begin : g_turn
+      localparam integer ZW = (i > 1) ? (XW + 1 - i) : XW;
+      localparam integer NEXT = (i > 0) ? (XW - i) : XW;
       localparam [TABLE_BITS-1:0] ATAN = (atan_turn(i) + (48'd1 << (DROP - 1))) >> DROP;
-      localparam signed [XW-1:0] ANGLE = ATAN[XW-1:0];
+      localparam [XW-1:0] ANGLE = ATAN[XW-1:0];
+      wire [ZW-1:0] z;
+      if (i == 0) begin : g_first
+        assign z = {phi, {SINCOS_GUARD{1'b0}}};
+      end else begin : g_next
+        assign z = g_turn[i-1].z_q;
+      end
+      wire right = z[ZW-1];
+      wire left = ~right;
+      wire [XW-1:0] x_i = x[i] >>> i;
+      wire [XW-1:0] y_i = y[i] >>> i;
       reg signed [XW-1:0] x_q;
       reg signed [XW-1:0] y_q;
-      reg signed [XW-1:0] z_q;
-      wire right = z[i][XW-1];
+      reg [NEXT-1:0] z_q;
       always @(posedge clk) begin
-        x_q <= right ? (x[i] + (y[i] >>> i)) : (x[i] - (y[i] >>> i));
-        y_q <= right ? (y[i] - (x[i] >>> i)) : (y[i] + (x[i] >>> i));
-        z_q <= right ? (z[i] + ANGLE) : (z[i] - ANGLE);
+        x_q <= x[i] + (y_i ^ {XW{left}}) + {{(XW - 1) {1'b0}}, left};
+        y_q <= y[i] + (x_i ^ {XW{right}}) + {{(XW - 1) {1'b0}}, right};
+        z_q <= z[NEXT-1:0] + (ANGLE[NEXT-1:0] ^ {NEXT{left}}) + {{(NEXT - 1) {1'b0}}, left};
       end
       assign x[i+1] = x_q;
       assign y[i+1] = y_q;
-      assign z[i+1] = z_q;
+      wire unused = &{1'b0, z_q};  // the last one
     end
   endgenerate
 
