@@ -5,8 +5,9 @@
 // that of a negative number is one less, its bits inverted: for x < 0, floor(x / d) = -1 - floor((-1 - x) / d). Both
 // steps take no carry, and q fits where the unsigned quotient is below 2^(QW-1), for either sign: where the bits above
 // those that the rows take are less than d. So the first remainder is less than d unless ovf.
-// A row's registers: divisor, remainder, and one word {dividend to come, quotient so far} that loses a bit on its left
-// and gets one on its right. The dividend's last SH bits are copies of the sign and are not stored.
+// The rows are non-restoring: a remainder has a sign, which is the quotient bit found with it, inverted.
+// A row's registers: divisor, remainder without its sign, and one word {dividend to come, quotient so far} that loses a
+// bit on its left and gets one on its right. The dividend's last SH bits are copies of the sign and are not stored.
 // Latency: LAT clocks: magnitude; rows, a quotient bit each, or two where LAT is too short for that; sign; the rest are
 // registers behind. LAT of at least 2 + ceil(R/2), natural 2 + R, with R = min(QW-1, NW-1+SH) quotient bits.
 `default_nettype none
@@ -76,12 +77,15 @@ module ik_div_digit #(
       wire [DW-2:0] divisor;
       wire [DW-2:0] r;
       wire [WW-1:0] word;
+      wire ge;  // the remainder, whose other bits are r, is not negative
       if (k == 0) begin : g_first
         assign {sign, divisor, r, word} = {sign_1, d_1, r_1, word_1};
+        assign ge = 1'b1;
       end else begin : g_next
         assign {sign, divisor, r, word} = {
           g_row[k-1].sign_q, g_row[k-1].divisor_q, g_row[k-1].r_q, g_row[k-1].word_q
         };
+        assign ge = word[0];
       end
 
       wire [DW-2:0] r_next;
@@ -89,11 +93,12 @@ module ik_div_digit #(
       ik_div_row #(
           .W(DW - 1)
       ) u_row (
-          .r     (r),
-          .d     (divisor),
-          .bit_in((k < STORED) ? word[WW-1] : sign),
-          .r_next(r_next),
-          .q     (q_bit)
+          .r      (r),
+          .ge     (ge),
+          .d      (divisor),
+          .bit_in ((k < STORED) ? word[WW-1] : sign),
+          .r_next (r_next),
+          .ge_next(q_bit)
       );
 
       wire [WW:0] word_next = {word, q_bit};

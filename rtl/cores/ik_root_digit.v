@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pipelined digit recurrence; ports and results are those of ik_root. A root that does not fit has all bits set.
-// A row's registers: remainder, and one word {radicand to come, root so far} that loses two bits on its left and gets
-// one on its right. The zeros that end n 2^SH are not stored.
+// The rows are non-restoring: a remainder has a sign, which is the result bit found with it, inverted.
+// A row's registers: remainder without its sign, and one word {radicand to come, root so far} that loses two bits on its
+// left and gets one on its right. The zeros that end n 2^SH are not stored.
 // Latency: LAT clocks: rows, a result bit each, or two where LAT is too short for that; output; the rest are registers
 // behind. LAT of at least 1 + ceil(R/2), natural 1 + R, with R = min(QW-1, ceil((NW-1+SH)/2)) result bits.
 `default_nettype none
@@ -55,12 +56,15 @@ module ik_root_digit #(
       wire [k:0] r;
       wire [k:0] root;
       wire [WW-1:0] word;
+      wire ge;  // the remainder, whose other bits are r, is not negative
       if (k == 0) begin : g_first
         assign r = 1'b0;
+        assign ge = 1'b1;
         assign root = 1'b0;
         assign word = v[2*ROWS-1:2*ROWS-FIRST];
       end else begin : g_next
         assign r = g_row[k-1].r_q;
+        assign ge = word[0];
         assign root = {1'b0, word[k-1:0]};
         assign word = g_row[k-1].word_q;
       end
@@ -76,11 +80,12 @@ module ik_root_digit #(
       ik_root_row #(
           .K(k)
       ) u_row (
-          .r     (r),
-          .root  (root),
-          .pair  (pair),
-          .r_next(r_next),
-          .q     (q_bit)
+          .r      (r),
+          .ge     (ge),
+          .root   (root),
+          .pair   (pair),
+          .r_next (r_next),
+          .ge_next(q_bit)
       );
 
       wire [WW:0] word_next = {word, q_bit};
