@@ -98,7 +98,7 @@ module ik_paper #(
   wire signed [W-1:0] p_w_x_pi;
   wire signed [W-1:0] p_w_y_pi;
   wire signed [W-1:0] p_w_z_pi;
-  ik_delay #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_pi (
+  ik_ring #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_pi (
       .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_pi, p_w_y_pi, p_w_x_pi})
   );
 
@@ -169,8 +169,8 @@ module ik_paper #(
   wire signed [W-1:0] qe_w_out;
   wire signed [W-1:0] qe_i_out;
   ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_out (.clk(clk), .d(qs_k), .q(qs_k_out));
-  ik_delay #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_out (.clk(clk), .d(qe_w), .q(qe_w_out));
-  ik_delay #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_out (.clk(clk), .d(qe_w), .q(qe_w_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
   assign out_data = {qe_i_out, qe_w_out, qs_k_out, qs_j, qs_i, qs_w};
 
   wire sat_swivel_q;
