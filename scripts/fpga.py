@@ -281,12 +281,6 @@ class Run:
     def files(self) -> list[Path]:
         return closure(self.top)
 
-    @property
-    def deep(self) -> bool:
-        """Delay lines are flattened only after synthesis: of one with a constant bit, `opt` takes away a clock at each
-        call, and calls itself until nothing changes, so that the paper's datapath would take hours."""
-        return any(p.stem in ("ik_div_digit", "ik_root_digit") for p in self.files())
-
     def script(self) -> str:
         """For Yosys."""
         files = [p.name for p in self.files() if p.suffix == ".v"]
@@ -295,16 +289,12 @@ class Run:
         if self.kind != "place":
             lines += [f"chparam -set {k} {v} {self.top}" for k, v in self.values.items()]
         flat = self.kind != "tree"
-        if flat and self.deep:
-            lines += [f"hierarchy -top {top}", "setattr -mod -set keep_hierarchy 1 w:*g_line.line %m"]
         if self.family == "ecp5":
             lines.append(f"synth_ecp5{'' if flat else ' -noflatten'} -top {top}")
         else:
             lines.append(f"scratchpad -set abc9.D {PERIOD_PS}")
             flatten = " -flatten" if flat else ""
             lines.append(f"synth_xilinx -family {self.family}{flatten} -noiopad -noclkbuf -top {top}")
-        if flat and self.deep:
-            lines += ["setattr -mod -unset keep_hierarchy A:keep_hierarchy", "flatten", "opt_clean"]
         if self.family == "xc2vp":
             lines += [f"xilinx_srl -fixed -minlen {SHORTEST_SRL}", "techmap -map srl16_map.v", "opt_clean"]
         if self.kind == "place":

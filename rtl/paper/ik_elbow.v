@@ -32,9 +32,9 @@ module ik_elbow #(
     output wire signed [W-1:0] pp_3_m,
     output reg                 flat,         // T_FLAT: target, elbow and shoulder on one line
     output reg                 back,         // T_BACK: the elbow lies behind the shoulder, seen from the target
-    output reg  signed [W-1:0] p_e_x,        // T_P_E_X
-    output reg  signed [W-1:0] p_e_y,
-    output reg  signed [W-1:0] p_e_z,
+    output wire signed [W-1:0] p_e_x,        // T_P_E_X
+    output wire signed [W-1:0] p_e_y,
+    output wire signed [W-1:0] p_e_z,
     output reg  signed [W-1:0] d_e,          // T_D_E: length of the upper arm in the unit of p_e
     output reg                 sat_elbow     // T_SAT_ELBOW
 );
@@ -97,13 +97,13 @@ module ik_elbow #(
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_zx (.clk(clk), .a(p_w_z_pi), .b(pi_swivel_x), .q(c_2_zx));
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_yx (.clk(clk), .a(p_w_y_pi), .b(pi_swivel_x), .q(c_3_yx));
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_xy (.clk(clk), .a(p_w_x_pi), .b(pi_swivel_y), .q(c_3_xy));
-  ik_sum2 #(.IW(WW), .SH(F_C_1_ZY-F_PP_1_M), .OW(W), .SAT(0), .SUB_B(1)) u_pp_1_m (
+  ik_sum2 #(.IW(WW), .SH(F_C_1_ZY-F_PP_1_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_1_m (
       .clk(clk), .a(c_1_zy), .b(c_1_yz), .q(pp_1_m), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_C_2_XZ-F_PP_2_M), .OW(W), .SAT(0), .SUB_B(1)) u_pp_2_m (
+  ik_sum2 #(.IW(WW), .SH(F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_2_m (
       .clk(clk), .a(c_2_xz), .b(c_2_zx), .q(pp_2_m), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_C_3_YX-F_PP_3_M), .OW(W), .SAT(0), .SUB_B(1)) u_pp_3_m (
+  ik_sum2 #(.IW(WW), .SH(F_C_3_YX-F_PP_3_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_3_m (
       .clk(clk), .a(c_3_yx), .b(c_3_xy), .q(pp_3_m), .ovf()
   );
 
@@ -223,13 +223,13 @@ module ik_elbow #(
   wire signed [WW-1:0] e_x_pp;  // PP_k PP_2^- - PP_j PP_3^-
   wire signed [WW-1:0] e_y_pp;  // PP_i PP_3^- - PP_k PP_1^-
   wire signed [WW-1:0] e_z_pp;  // PP_j PP_1^- - PP_i PP_2^-
-  ik_sum2 #(.IW(WW), .SH(F_E_X_K-F_E_X_PP), .OW(WW), .SAT(0), .SUB_B(1)) u_e_x_pp (
+  ik_sum2 #(.IW(WW), .SH(F_E_X_K-F_E_X_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_x_pp (
       .clk(clk), .a(e_x_k), .b(e_x_j), .q(e_x_pp), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_E_Y_I-F_E_Y_PP), .OW(WW), .SAT(0), .SUB_B(1)) u_e_y_pp (
+  ik_sum2 #(.IW(WW), .SH(F_E_Y_I-F_E_Y_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_y_pp (
       .clk(clk), .a(e_y_i), .b(e_y_k), .q(e_y_pp), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_E_Z_J-F_E_Z_PP), .OW(WW), .SAT(0), .SUB_B(1)) u_e_z_pp (
+  ik_sum2 #(.IW(WW), .SH(F_E_Z_J-F_E_Z_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_z_pp (
       .clk(clk), .a(e_z_j), .b(e_z_i), .q(e_z_pp), .ovf()
   );
 
@@ -300,11 +300,15 @@ module ik_elbow #(
   wire signed [W-1:0] half_x = p_w_x_quo >>> 2;  // the formats differ by one bit
   wire signed [W-1:0] half_y = p_w_y_quo >>> 2;
   wire signed [W-1:0] half_z = p_w_z_quo >>> 2;
-  always @(posedge clk) begin
-    p_e_x <= !clamp_quo ? e_x_quo : away_quo ? -half_x : half_x;
-    p_e_y <= !clamp_quo ? e_y_quo : away_quo ? -half_y : half_y;
-    p_e_z <= !clamp_quo ? e_z_quo : away_quo ? -half_z : half_z;
-  end
+  ik_pick #(.W(W)) u_p_e_x (
+      .clk(clk), .a(e_x_quo), .b(half_x), .use_b(clamp_quo), .minus(away_quo), .q(p_e_x)
+  );
+  ik_pick #(.W(W)) u_p_e_y (
+      .clk(clk), .a(e_y_quo), .b(half_y), .use_b(clamp_quo), .minus(away_quo), .q(p_e_y)
+  );
+  ik_pick #(.W(W)) u_p_e_z (
+      .clk(clk), .a(e_z_quo), .b(half_z), .use_b(clamp_quo), .minus(away_quo), .q(p_e_z)
+  );
 
   wire clamp_l;
   wire signed [W-1:0] d_1_l;

@@ -40,13 +40,13 @@ module ik_elbow_q #(
   wire signed [W-1:0] f_y;
   wire signed [W-1:0] f_z;
   localparam integer SH_F = F_P_A_X - F_F_X;
-  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SAT(0), .SUB_B(1)) u_f_x (
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_x (
       .clk(clk), .a({p_e_x, 1'b0}), .b({p_a_x_e[W-1], p_a_x_e}), .q(f_x), .ovf()
   );
-  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SAT(0), .SUB_B(1)) u_f_y (
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_y (
       .clk(clk), .a({p_e_y, 1'b0}), .b({p_a_y_e[W-1], p_a_y_e}), .q(f_y), .ovf()
   );
-  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SAT(0), .SUB_B(1)) u_f_z (
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_z (
       .clk(clk), .a({p_e_z, 1'b0}), .b({p_a_z_e[W-1], p_a_z_e}), .q(f_z), .ovf()
   );
 

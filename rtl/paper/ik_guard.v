@@ -131,7 +131,7 @@ module ik_guard #(
   // ---- the arms in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit ----
 
   wire [5:0] lz_r;
-  ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r));
+  ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r), .empty());
 
   wire signed [W:0] d1_r;
   wire signed [W:0] d2_r;

@@ -58,7 +58,7 @@ module ik_swivel #(
   ik_mul #(.AW(W), .BW(W), .SH(2*F_COS_H-1-F_COS2_SQ), .OW(WW), .SQUARE(1)) u_cos2_sq (
       .clk(clk), .a(cos_h), .b(cos_h), .q(cos2_sq)
   );
-  ik_sum2 #(.IW(WW), .SH(F_COS2_SQ-F_COS_PHI), .OW(W), .SAT(0), .SUB_B(1)) u_cos_phi (
+  ik_sum2 #(.IW(WW), .SH(F_COS2_SQ-F_COS_PHI), .OW(W), .SUB_B(1), .SAT(0)) u_cos_phi (
       .clk(clk), .a(cos2_sq), .b(ONE), .q(cos_phi), .ovf()
   );
 
@@ -127,10 +127,10 @@ module ik_swivel #(
   ik_sum2 #(.IW(WW), .SH(F_SA_X-F_PI_NUM_X), .OW(WW), .SAT(0)) u_pi_num_x (
       .clk(clk), .a(sa_x_num), .b(lcb_y), .q(pi_num_x), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_SA_Y-F_PI_NUM_Y), .OW(WW), .SAT(0), .SUB_B(1)) u_pi_num_y (
+  ik_sum2 #(.IW(WW), .SH(F_SA_Y-F_PI_NUM_Y), .OW(WW), .SUB_B(1), .SAT(0)) u_pi_num_y (
       .clk(clk), .a(sa_y_num), .b(lcb_x), .q(pi_num_y), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_SA_Z-F_PI_NUM_Z), .OW(WW), .SAT(0), .SUB_B(1)) u_pi_num_z (
+  ik_sum2 #(.IW(WW), .SH(F_SA_Z-F_PI_NUM_Z), .OW(WW), .SUB_B(1), .SAT(0)) u_pi_num_z (
       .clk(clk), .a({WW{1'b0}}), .b(sa_z_num), .q(pi_num_z), .ovf()
   );
 

@@ -34,12 +34,14 @@ module ik_to_elbow #(
   wire signed [W-1:0] d_e_p;
   wire signed [W-1:0] h;
   ik_ring #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_p (.clk(clk), .d(d_e), .q(d_e_p));
-  reg signed [W-1:0] abs_z;
+  wire signed [W-1:0] abs_z;
+  ik_pick #(.W(W)) u_abs_z (
+      .clk(clk), .a(p_e_z), .b(p_e_z), .use_b(1'b1), .minus(p_e_z[W-1]), .q(abs_z)
+  );
   reg signed [W-1:0] d_e_q;
   reg signed [W-1:0] h_q;
   wire [W:0] h_sum = {1'b0, d_e_q} + {1'b0, abs_z};
   always @(posedge clk) begin
-    abs_z <= p_e_z[W-1] ? -p_e_z : p_e_z;
     d_e_q <= d_e_p;
     // Of an arm that is all upper arm, h can be rounded to 2.
     h_q   <= (h_sum[W:W-1] != 2'b00) ? {1'b0, {(W - 1) {1'b1}}} : h_sum[W-1:0];

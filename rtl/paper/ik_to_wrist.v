@@ -83,7 +83,7 @@ module ik_to_wrist #(
   ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_i_sq (.clk(clk), .a(q12_i), .b(q12_i), .q(q12_i_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_j_sq (.clk(clk), .a(q12_j), .b(q12_j), .q(q12_j_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_k_sq (.clk(clk), .a(q12_k), .b(q12_k), .q(q12_k_sq));
-  ik_sum3 #(.IW(WW), .SH(F_Q12_K_SQ-F_R_X), .OW(W), .SAT(0), .SUB_C(1)) u_r_x (
+  ik_sum3 #(.IW(WW), .SH(F_Q12_K_SQ-F_R_X), .OW(W), .SUB_C(1), .SAT(0)) u_r_x (
       .clk(clk), .a(q12_k_sq), .b(q12_j_sq), .c(q12_i_sq), .q(r_x), .ovf()
   );
 
@@ -136,14 +136,18 @@ module ik_to_wrist #(
       .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_flat, pp_2_m_flat, pp_1_m_flat})
   );
   ik_delay #(.W(1), .N(T_FLAT-T_BACK)) u_back_flat (.clk(clk), .d(back), .q(back_flat));
-  reg signed [W-1:0] side_x;
-  reg signed [W-1:0] side_y;
-  reg signed [W-1:0] side_z;
-  always @(posedge clk) begin
-    side_x <= !flat ? p_w_x_flat : back_flat ? pp_1_m_flat : -pp_1_m_flat;
-    side_y <= !flat ? p_w_y_flat : back_flat ? pp_2_m_flat : -pp_2_m_flat;
-    side_z <= !flat ? p_w_z_flat : back_flat ? pp_3_m_flat : -pp_3_m_flat;
-  end
+  wire signed [W-1:0] side_x;
+  wire signed [W-1:0] side_y;
+  wire signed [W-1:0] side_z;
+  ik_pick #(.W(W)) u_side_x (
+      .clk(clk), .a(p_w_x_flat), .b(pp_1_m_flat), .use_b(flat), .minus(!back_flat), .q(side_x)
+  );
+  ik_pick #(.W(W)) u_side_y (
+      .clk(clk), .a(p_w_y_flat), .b(pp_2_m_flat), .use_b(flat), .minus(!back_flat), .q(side_y)
+  );
+  ik_pick #(.W(W)) u_side_z (
+      .clk(clk), .a(p_w_z_flat), .b(pp_3_m_flat), .use_b(flat), .minus(!back_flat), .q(side_z)
+  );
 
   wire signed [W-1:0] side_x_q;
   wire signed [W-1:0] side_y_q;
@@ -167,7 +171,7 @@ module ik_to_wrist #(
   ik_sum2 #(.IW(WW), .SH(F_SG_Y-F_SG), .OW(W), .SAT(0)) u_sg (.clk(clk), .a(sg_y), .b(sg_z), .q(sg), .ovf());
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_I+F_SG-1-F_SG_G), .OW(WW)) u_sg_g (.clk(clk), .a(q12_i_g), .b(sg), .q(sg_g));
   ik_delay #(.W(WW), .N(T_SG_R-T_SG_G)) u_sg_g_r (.clk(clk), .d(sg_g), .q(sg_g_r));
-  ik_sum2 #(.IW(WW), .SH(F_SG_R-F_SIGN), .OW(WW), .SAT(0), .SUB_B(1)) u_sign (
+  ik_sum2 #(.IW(WW), .SH(F_SG_R-F_SIGN), .OW(WW), .SUB_B(1), .SAT(0)) u_sign (
       .clk(clk), .a(sg_g_r), .b(sg_r), .q(sign), .ovf()
   );
 
@@ -187,9 +191,11 @@ module ik_to_wrist #(
       .clk(clk), .n({1'b0, h3_m}), .q(q3_abs), .neg()
   );
   wire negative_abs;
-  reg signed [W-1:0] q3_k;
+  wire signed [W-1:0] q3_k;
   ik_delay #(.W(1), .N(T_Q3_ABS-T_SIGN)) u_negative_abs (.clk(clk), .d(sign[WW-1]), .q(negative_abs));
-  always @(posedge clk) q3_k <= negative_abs ? -q3_abs : q3_abs;  // 0 counts as positive: both signs are right there
+  ik_pick #(.W(W)) u_q3_k (  // 0 counts as positive: both signs are right there
+      .clk(clk), .a(q3_abs), .b(q3_abs), .use_b(1'b1), .minus(negative_abs), .q(q3_k)
+  );
 
   // ---- (18) Qs = Q12 Q3 ----
 
@@ -224,11 +230,11 @@ module ik_to_wrist #(
   wire signed [WW-1:0] i_is_k;
   wire signed [WW-1:0] j_js_k;
   ik_delay #(.W(2*WW), .N(T_I_JK-T_I_IS)) u_js_k (.clk(clk), .d({j_js, i_is}), .q({j_js_k, i_is_k}));
-  ik_sum2 #(.IW(WW), .SH(F_W_KK-F_QS_W), .OW(W), .SAT(0), .SUB_B(1)) u_qs_w (
+  ik_sum2 #(.IW(WW), .SH(F_W_KK-F_QS_W), .OW(W), .SUB_B(1), .SAT(0)) u_qs_w (
       .clk(clk), .a({WW{1'b0}}), .b(w_kk), .q(qs_w), .ovf()
   );
   ik_sum2 #(.IW(WW), .SH(F_I_JK-F_QS_I), .OW(W), .SAT(0)) u_qs_i (.clk(clk), .a(i_is_k), .b(i_jk), .q(qs_i), .ovf());
-  ik_sum2 #(.IW(WW), .SH(F_J_IK-F_QS_J), .OW(W), .SAT(0), .SUB_B(1)) u_qs_j (
+  ik_sum2 #(.IW(WW), .SH(F_J_IK-F_QS_J), .OW(W), .SUB_B(1), .SAT(0)) u_qs_j (
       .clk(clk), .a(j_js_k), .b(j_ik), .q(qs_j), .ovf()
   );
   ik_sum2 #(.IW(WW), .SH(F_K_KS-F_QS_K), .OW(W), .SAT(0)) u_qs_k (
