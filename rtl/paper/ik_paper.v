@@ -194,11 +194,12 @@ module ik_paper #(
   wire at_shoulder_out;
   wire bad_length_out;
   wire saturated_out;
-  ik_delay #(.W(2), .N(T_OUT-T_TOO_FAR)) u_reach_out (
-      .clk(clk), .d({too_near, too_far}), .q({too_near_out, too_far_out})
-  );
-  ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_place_out (
-      .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_out, at_shoulder_out, on_axis_out})
+  wire [2:0] place;  // beside too_far and too_near
+  ik_delay #(.W(3), .N(T_TOO_FAR-T_ON_AXIS)) u_place (.clk(clk), .d({bad_length, at_shoulder, on_axis}), .q(place));
+  ik_ring #(.W(5), .N(T_OUT-T_TOO_FAR)) u_flags_out (
+      .clk(clk),
+      .d  ({place, too_near, too_far}),
+      .q  ({bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out})
   );
   ik_delay #(.W(1), .N(T_OUT-T_SATURATED)) u_saturated_out (.clk(clk), .d(saturated), .q(saturated_out));
   assign out_flags = {

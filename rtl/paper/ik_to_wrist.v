@@ -132,7 +132,7 @@ module ik_to_wrist #(
   ik_ring #(.W(3*W), .N(T_FLAT-T_PI_SWIVEL_X)) u_p_w_flat (
       .clk(clk), .d({p_w_z_pi, p_w_y_pi, p_w_x_pi}), .q({p_w_z_flat, p_w_y_flat, p_w_x_flat})
   );
-  ik_delay #(.W(3*W), .N(T_FLAT-T_PP_1_M)) u_pp_m_flat (
+  ik_ring #(.W(3*W), .N(T_FLAT-T_PP_1_M)) u_pp_m_flat (
       .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_flat, pp_2_m_flat, pp_1_m_flat})
   );
   ik_delay #(.W(1), .N(T_FLAT-T_BACK)) u_back_flat (.clk(clk), .d(back), .q(back_flat));
