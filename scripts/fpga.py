@@ -59,7 +59,7 @@ FULL = 0.97
 PERIOD_PS = 10000
 """What ABC maps for on Xilinx: the paper's 100 MHz.  Without it, it takes more logic to be quick everywhere."""
 
-SHORTEST_SRL = 8
+SHORTEST_SRL = 12
 """Clocks from which on a delay line is SRL16: a slice has as many flip-flops as LUTs, and they are not short."""
 
 MULTIPLIER_NS = 3.65

@@ -1,10 +1,10 @@
 // No rounding, any format: q is d, N clocks later; ik_delay for wide words that wait long.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The words stay where they are, in a ring of N-1 places that a pointer goes around: each clock writes one place and
-// reads the one after it, the oldest. A block memory of 512 places of 36 bits takes what would be up to 1152 shift
-// registers of 16, or flip-flops where an FPGA has none. No reset and no enable: until N clocks after the start, q is
-// what the memory held before.
+// The words stay where they are, in a ring that a pointer goes around: each clock writes one place and reads that of
+// N-2 clocks before. A block memory of 512 places of 36 bits takes what would be up to 1152 shift registers of 16, or
+// flip-flops where an FPGA has none. No reset and no enable, and any start of the pointer will do: until N clocks later,
+// q is what the memory held before.
 // Latency: N clocks, at least 3.
 `default_nettype none
 
@@ -30,20 +30,19 @@ module ik_ring #(
     end
   endgenerate
 
-  localparam integer PLACES = N - 1;  // and a clock in q
-  localparam integer AW = clog2(PLACES);
-  localparam integer LAST = PLACES - 1;
+  localparam integer AGE = N - 2;  // a clock in oldest and one in q
+  localparam integer AW = clog2(AGE + 1);
 
-  (* ram_style = "block" *) reg [W-1:0] ring[0:PLACES-1];
+  (* ram_style = "block" *) reg [W-1:0] ring[0:(1<<AW)-1];
   reg [AW-1:0] place;
-  wire [AW-1:0] next = (place == LAST[AW-1:0]) ? {AW{1'b0}} : (place + {{(AW - 1) {1'b0}}, 1'b1});
   initial place = {AW{1'b0}};
+  wire [AW-1:0] place_read = place - AGE[AW-1:0];
 
   reg [W-1:0] oldest;
   always @(posedge clk) begin
+    place       <= place + {{(AW - 1) {1'b0}}, 1'b1};
     ring[place] <= d;
-    oldest      <= ring[next];
-    place       <= next;
+    oldest      <= ring[place_read];
     q           <= oldest;
   end
 
