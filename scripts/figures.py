@@ -585,7 +585,7 @@ bar behind it is the balancing delay, as long as its slowest consumer makes the 
 
 - [p_e_x](figures/schedule_p_e_x.svg): equation (13) alone, as in the paper
 - [the whole design](figures/schedule.svg): {latency} clocks; {len(waits)} words or their overflow bits wait, which
-  takes {bits} flip-flops. [operations.md](operations.md) has what the RTL has in `ik_delay`.
+  takes {bits} bits. [operations.md](operations.md) has what the RTL has in `ik_delay` and `ik_ring`.
 
 The largest delays (clocks × bits): {words}.
 

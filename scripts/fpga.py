@@ -56,6 +56,12 @@ HOLDS = {"MULT18X18D": 156, "TRELLIS_COMB": 83640, "TRELLIS_FF": 83640, "DP16KD"
 FULL = 0.97
 """Part of the device up to which a design is placed whole."""
 
+PERIOD_PS = 10000
+"""What ABC maps for on Xilinx: the paper's 100 MHz.  Without it, it takes more logic to be quick everywhere."""
+
+SHORTEST_SRL = 12
+"""Clocks from which on a delay line is SRL16: a slice has as many flip-flops as LUTs, and they are not short."""
+
 MULTIPLIER_NS = 3.65
 """From its input to its output registers: nextpnr's 3.07 ns through the multiplier and 0.58 ns from clock to output."""
 
@@ -275,12 +281,6 @@ class Run:
     def files(self) -> list[Path]:
         return closure(self.top)
 
-    @property
-    def deep(self) -> bool:
-        """Flattened only after synthesis: of a delay line with a constant bit, `opt` takes away a clock at each call,
-        and calls itself until nothing changes, so that the paper's datapath would take hours."""
-        return any(p.stem in ("ik_div_digit", "ik_root_digit") for p in self.files())
-
     def script(self) -> str:
         """For Yosys."""
         files = [p.name for p in self.files() if p.suffix == ".v"]
@@ -288,15 +288,15 @@ class Run:
         lines = [f"read_verilog -I. {' '.join(files)}{' fpga_top.v' if self.kind == 'place' else ''}"]
         if self.kind != "place":
             lines += [f"chparam -set {k} {v} {self.top}" for k, v in self.values.items()]
-        early = self.kind != "tree" and not self.deep
-        late = ["flatten", "opt_clean"] if self.kind != "tree" and self.deep else []
+        flat = self.kind != "tree"
         if self.family == "ecp5":
-            lines += [f"synth_ecp5{'' if early else ' -noflatten'} -top {top}", *late]
+            lines.append(f"synth_ecp5{'' if flat else ' -noflatten'} -top {top}")
         else:
-            flat = " -flatten" if early else ""
-            lines += [f"synth_xilinx -family {self.family}{flat} -noiopad -noclkbuf -top {top}", *late]
+            lines.append(f"scratchpad -set abc9.D {PERIOD_PS}")
+            flatten = " -flatten" if flat else ""
+            lines.append(f"synth_xilinx -family {self.family}{flatten} -noiopad -noclkbuf -top {top}")
         if self.family == "xc2vp":
-            lines += ["xilinx_srl -fixed -minlen 3", "techmap -map srl16_map.v", "opt_clean"]
+            lines += [f"xilinx_srl -fixed -minlen {SHORTEST_SRL}", "techmap -map srl16_map.v", "opt_clean"]
         if self.kind == "place":
             lines.append("write_json netlist.json")
         return "\n".join([*lines, "tee -o stat.json stat -json", ""])

@@ -15,6 +15,12 @@ module \$__XILINX_SHREG_ (input C, input D, input [31:0] L, input E, output Q, o
     if (DEPTH <= 16) begin
       localparam [3:0] A = DEPTH - 1;
       SRL16E _TECHMAP_REPLACE_ (.A0(A[0]), .A1(A[1]), .A2(A[2]), .A3(A[3]), .CE(E), .CLK(C), .D(D), .Q(Q));
+    end else if (DEPTH <= 20) begin
+      // up to four clocks more are flip-flops
+      wire [DEPTH-16:0] line;
+      SRL16E first (.A0(1'b1), .A1(1'b1), .A2(1'b1), .A3(1'b1), .CE(E), .CLK(C), .D(D), .Q(line[0]));
+      FDRE rest[DEPTH-17:0] (.C(C), .CE(E), .D(line[DEPTH-17:0]), .Q(line[DEPTH-16:1]), .R(1'b0));
+      assign Q = line[DEPTH-16];
     end else begin
       wire next;
       SRL16E first (.A0(1'b1), .A1(1'b1), .A2(1'b1), .A3(1'b1), .CE(E), .CLK(C), .D(D), .Q(next));

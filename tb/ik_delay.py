@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_delay``: every word comes out N clocks later, N = 0 included."""
+"""``ik_delay`` and ``ik_ring``: every word comes out N clocks later, of ``ik_delay`` N = 0 included."""
 
 import random
 

@@ -8,7 +8,15 @@ from tb.unit import run_unit, sets, title
 SETS = sets(
     {"W": 8, "RIGHT": 0},
     {"W": 8, "RIGHT": 1},
-    icarus=[{"W": 33, "RIGHT": 0}, {"W": 32, "RIGHT": 1}, {"W": 19, "RIGHT": 0}, {"W": 18, "RIGHT": 1}],
+    {"W": 33, "RIGHT": 0, "PRODUCT": 1},
+    icarus=[
+        {"W": 33, "RIGHT": 0},
+        {"W": 32, "RIGHT": 1},
+        {"W": 19, "RIGHT": 0},
+        {"W": 18, "RIGHT": 1},
+        {"W": 8, "RIGHT": 0, "PRODUCT": 1},
+        {"W": 19, "RIGHT": 0, "PRODUCT": 1},
+    ],
 )
 
 

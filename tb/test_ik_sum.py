@@ -20,6 +20,8 @@ PARAMETERS = sets(
         words(4, 0, 8, 1),  # q holds any sum
         words(32 + GUARD, 0, 32 + GUARD, 1),  # nothing to round
         words(18 + GUARD, GUARD + 1, 18, 1),
+        words(4, 1, 3, 0) | {"SAT": 0},
+        words(32 + GUARD, GUARD, 32, 1) | {"SAT": 0},
     ],
 )
 

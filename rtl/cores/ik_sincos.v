@@ -3,6 +3,8 @@
 //
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: inside the CORDIC's range of convergence
 // without folding quadrants. The gain of the rotations is taken out in advance.
+// The vector after FIRST iterations is a function of the FIRST signs of the angle alone: it stands in a memory, and only
+// the angle goes through all iterations. The memory is read before the last of these signs is known, for both.
 // Latency: W + 1 clocks (LAT_SINCOS): one iteration a bit, rounding.
 `default_nettype none
 
@@ -23,31 +25,112 @@ module ik_sincos #(
 
   localparam [TABLE_BITS-1:0] GAIN_W = (GAIN + (48'd1 << (DROP_GAIN - 1))) >> DROP_GAIN;
 
-  // Vector and angle left to turn, after i iterations
-  wire signed [XW-1:0] x[0:W];
-  wire signed [XW-1:0] y[0:W];
-  wire signed [XW-1:0] z[0:W];
-  assign x[0] = GAIN_W[XW-1:0];
-  assign y[0] = {XW{1'b0}};
-  assign z[0] = {phi, {SINCOS_GUARD{1'b0}}};
+  // ---- angle left to turn ----
 
+  // An iteration halves it, so from the third on z has a bit less in each: its sign bit stands for those above.
+  // a +- b is written with one adder and the sign as its carry: a + (b ^ s) + s.
   genvar i;
   generate
-    for (i = 0; i < W; i = i + 1) begin : g_turn
+    for (i = 0; i < W; i = i + 1) begin : g_angle
+      localparam integer ZW = (i > 1) ? (XW + 1 - i) : XW;
+      localparam integer NEXT = (i > 0) ? (XW - i) : XW;
       localparam [TABLE_BITS-1:0] ATAN = (atan_turn(i) + (48'd1 << (DROP - 1))) >> DROP;
-      localparam signed [XW-1:0] ANGLE = ATAN[XW-1:0];
+      localparam [XW-1:0] ANGLE = ATAN[XW-1:0];
+      wire [ZW-1:0] z;
+      if (i == 0) begin : g_first
+        assign z = {phi, {SINCOS_GUARD{1'b0}}};
+      end else begin : g_next
+        assign z = g_angle[i-1].z_q;
+      end
+      wire right = z[ZW-1];
+      wire left = ~right;
+      reg [NEXT-1:0] z_q;
+      always @(posedge clk) begin
+        z_q <= z[NEXT-1:0] + (ANGLE[NEXT-1:0] ^ {NEXT{left}}) + {{(NEXT - 1) {1'b0}}, left};
+      end
+      wire unused = &{1'b0, z_q};  // the last one
+    end
+  endgenerate
+
+  // ---- first iterations of the vector ----
+
+  localparam integer FIRST = 9;
+
+  // {x, y} after FIRST iterations; bit FIRST-1-i of signs: iteration i turns right
+  function [2*XW-1:0] vector(input integer signs);
+    reg signed [XW-1:0] x_k;
+    reg signed [XW-1:0] y_k;
+    reg signed [XW-1:0] x_s;
+    reg signed [XW-1:0] y_s;
+    integer k;
+    begin
+      x_k = GAIN_W[XW-1:0];
+      y_k = {XW{1'b0}};
+      for (k = 0; k < FIRST; k = k + 1) begin
+        x_s = x_k >>> k;
+        y_s = y_k >>> k;
+        if (((signs >> (FIRST - 1 - k)) & 1) != 0) begin
+          x_k = x_k + y_s;
+          y_k = y_k - x_s;
+        end else begin
+          x_k = x_k - y_s;
+          y_k = y_k + x_s;
+        end
+      end
+      vector = {x_k, y_k};
+    end
+  endfunction
+
+  reg [2*XW-1:0] start[0:(1<<FIRST)-1];
+  integer n;
+  initial for (n = 0; n < (1 << FIRST); n = n + 1) start[n] = vector(n);
+
+  // the signs together: that of iteration i waits until that of iteration FIRST-2 is there
+  wire [FIRST-2:0] signs;
+  generate
+    for (i = 0; i < FIRST - 1; i = i + 1) begin : g_sign
+      ik_delay #(
+          .W(1),
+          .N(FIRST - 2 - i)
+      ) u_wait (
+          .clk(clk),
+          .d  (g_angle[i].right),
+          .q  (signs[FIRST-2-i])
+      );
+    end
+  endgenerate
+
+  reg [2*XW-1:0] start_left;
+  reg [2*XW-1:0] start_right;
+  reg signed [XW-1:0] x_first;
+  reg signed [XW-1:0] y_first;
+  always @(posedge clk) begin
+    start_left <= start[{signs, 1'b0}];
+    start_right <= start[{signs, 1'b1}];
+    {x_first, y_first} <= g_angle[FIRST-1].right ? start_right : start_left;
+  end
+
+  // ---- the other iterations: x[i], y[i] after i of them ----
+
+  wire signed [XW-1:0] x[FIRST:W];
+  wire signed [XW-1:0] y[FIRST:W];
+  assign x[FIRST] = x_first;
+  assign y[FIRST] = y_first;
+
+  generate
+    for (i = FIRST; i < W; i = i + 1) begin : g_turn
+      wire right = g_angle[i].right;
+      wire left = ~right;
+      wire [XW-1:0] x_i = x[i] >>> i;
+      wire [XW-1:0] y_i = y[i] >>> i;
       reg signed [XW-1:0] x_q;
       reg signed [XW-1:0] y_q;
-      reg signed [XW-1:0] z_q;
-      wire right = z[i][XW-1];
       always @(posedge clk) begin
-        x_q <= right ? (x[i] + (y[i] >>> i)) : (x[i] - (y[i] >>> i));
-        y_q <= right ? (y[i] - (x[i] >>> i)) : (y[i] + (x[i] >>> i));
-        z_q <= right ? (z[i] + ANGLE) : (z[i] - ANGLE);
+        x_q <= x[i] + (y_i ^ {XW{left}}) + {{(XW - 1) {1'b0}}, left};
+        y_q <= y[i] + (x_i ^ {XW{right}}) + {{(XW - 1) {1'b0}}, right};
       end
       assign x[i+1] = x_q;
       assign y[i+1] = y_q;
-      assign z[i+1] = z_q;
     end
   endgenerate
 

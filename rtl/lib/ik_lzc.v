@@ -9,22 +9,29 @@ module ik_lzc #(
     parameter integer N = 3    // words
 ) (
     input  wire           clk,
-    input  wire [N*W-1:0] d,    // word 0 in the low bits
-    output reg  [    5:0] count
+    input  wire [N*W-1:0] d,      // word 0 in the low bits
+    output reg  [    5:0] count,
+    output reg            empty   // all are 0
 );
 
-  // A bit of mag is set where any word differs from its sign: the highest such bit is where the room ends.
+  // A bit of mag is set where any word differs from its sign: the highest such bit is where the room ends. All words are
+  // 0 where there is none, and no sign.
   reg [W-2:0] any;
+  reg negative;
   integer k;
   always @* begin
     any = {(W - 1) {1'b0}};
-    for (k = 0; k < N; k = k + 1) any = any | (d[k*W+:W-1] ^ {(W - 1) {d[k*W+W-1]}});
+    negative = 1'b0;
+    for (k = 0; k < N; k = k + 1) begin
+      any = any | (d[k*W+:W-1] ^ {(W - 1) {d[k*W+W-1]}});
+      negative = negative | d[k*W+W-1];
+    end
   end
   reg [W-2:0] mag;
-  reg empty;
+  reg minus;
   always @(posedge clk) begin
     mag   <= any;
-    empty <= (d == {(N * W) {1'b0}});
+    minus <= negative;
   end
 
   integer room;
@@ -33,7 +40,11 @@ module ik_lzc #(
     room = W - 1;
     for (i = 0; i < W - 1; i = i + 1) if (mag[i]) room = W - 2 - i;
   end
-  always @(posedge clk) count <= empty ? 6'd0 : room[5:0];
+  wire zero = (mag == {(W - 1) {1'b0}}) && !minus;
+  always @(posedge clk) begin
+    count <= zero ? 6'd0 : room[5:0];
+    empty <= zero;
+  end
   wire unused = &{1'b0, room[31:6]};
 
 endmodule

@@ -1,16 +1,19 @@
 // Rounds half up: q = floor(a * b / 2^SH + 1/2), a signed AW bits, b signed BW bits, q signed OW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The product is built from four tiles of half words (17x17 bits for W = 32), so that each fits a multiplier block of
-// 18x18 bits with registers on both sides. Does not saturate: the format of q must hold the rounded product.
-// Latency: 4 clocks (LAT_MUL).
+// Built of tiles that each fit a multiplier block of 18x18 bits with registers on both sides: words of up to 18 bits are
+// one tile, longer ones are cut above their lowest 17 bits, which leaves the high parts and the sums of the tiles short.
+// With SQUARE = 1 it is a * a, and b is not looked at: both mixed products are one tile, and their sum is a shift.
+// Does not saturate: the format of q must hold the rounded product.
+// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding.
 `default_nettype none
 
 module ik_mul #(
-    parameter integer AW = 32,  // width of a
-    parameter integer BW = 32,  // width of b
-    parameter integer SH = 30,  // fraction bits dropped: F(a) + F(b) - F(q)
-    parameter integer OW = 32   // width of q
+    parameter integer AW     = 32,  // width of a, at most 35
+    parameter integer BW     = 32,  // width of b, at most 35
+    parameter integer SH     = 30,  // fraction bits dropped: F(a) + F(b) - F(q)
+    parameter integer OW     = 32,  // width of q
+    parameter integer SQUARE = 0    // 1: a * a, of AW = BW
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -18,55 +21,86 @@ module ik_mul #(
     output wire signed [OW-1:0] q
 );
 
-  localparam integer AL = AW / 2;  // width of a's low half, unsigned
-  localparam integer BL = BW / 2;
-  localparam integer AH = AW - AL;  // width of a's high half, signed
-  localparam integer BH = BW - BL;
   localparam integer PW = AW + BW;
   localparam [PW-1:0] HALF = (SH > 0) ? ({{(PW - 1) {1'b0}}, 1'b1} << (SH - 1)) : {PW{1'b0}};
 
+  generate
+    if (AW > 35 || BW > 35 || (SQUARE != 0 && AW != BW)) begin : g_illegal
+      ik_mul_needs_AW_BW_of_at_most_35_and_equal_for_a_SQUARE u_stop ();
+    end
+  endgenerate
+
   // operands
   reg signed [AW-1:0] a_q;
-  reg signed [BW-1:0] b_q;
-  always @(posedge clk) begin
-    a_q <= a;
-    b_q <= b;
-  end
+  wire signed [BW-1:0] b_q;
+  always @(posedge clk) a_q <= a;
+  generate
+    if (SQUARE != 0) begin : g_same
+      assign b_q = a_q;
+      wire unused = &{1'b0, b};
+    end else begin : g_other
+      reg signed [BW-1:0] operand;
+      always @(posedge clk) operand <= b;
+      assign b_q = operand;
+    end
+  endgenerate
 
-  // tile products; a low half gets a zero sign bit
-  wire signed [AH-1:0] a_hi = a_q[AW-1:AL];
-  wire signed [BH-1:0] b_hi = b_q[BW-1:BL];
-  wire signed [AL:0] a_lo = {1'b0, a_q[AL-1:0]};
-  wire signed [BL:0] b_lo = {1'b0, b_q[BL-1:0]};
-  reg signed [AH+BH-1:0] hh;
-  reg signed [AH+BL:0] hl;
-  reg signed [AL+BH:0] lh;
-  reg signed [AL+BL+1:0] ll;
-  always @(posedge clk) begin
-    hh <= a_hi * b_hi;
-    hl <= a_hi * b_lo;
-    lh <= a_lo * b_hi;
-    ll <= a_lo * b_lo;
-  end
+  // tile products, and the sum of those that do not overlap with half a place; the mixed ones
+  wire signed [PW-1:0] outer;
+  wire signed [PW-1:0] inner;
+  generate
+    if (AW <= 18 && BW <= 18) begin : g_tile
+      reg signed [PW-1:0] product;
+      reg signed [PW-1:0] sum;
+      always @(posedge clk) begin
+        product <= a_q * b_q;
+        sum     <= product + $signed(HALF);
+      end
+      assign outer = sum;
+      assign inner = {PW{1'b0}};
+    end else begin : g_tiles
+      localparam integer AL = (AW > 18) ? 17 : (AW / 2);  // width of a's low part, unsigned
+      localparam integer BL = (BW > 18) ? 17 : (BW / 2);
+      localparam integer AH = AW - AL;  // width of a's high part, signed
+      localparam integer BH = BW - BL;
+      wire signed [AH-1:0] a_hi = a_q[AW-1:AL];
+      wire signed [BH-1:0] b_hi = b_q[BW-1:BL];
+      wire signed [AL:0] a_lo = {1'b0, a_q[AL-1:0]};  // with a zero sign bit
+      wire signed [BL:0] b_lo = {1'b0, b_q[BL-1:0]};
+      reg signed [AH+BH-1:0] hh;
+      reg signed [AH+BL-1:0] hl;
+      reg [AL+BL-1:0] ll;
+      reg signed [PW-1:0] sum;
+      always @(posedge clk) begin
+        hh  <= a_hi * b_hi;
+        hl  <= a_hi * b_lo;
+        ll  <= a_lo * b_lo;
+        sum <= {hh, ll} + HALF;
+      end
+      assign outer = sum;
 
-  // tile sums: hh and ll do not overlap
-  reg [PW-1:0] outer;
-  reg signed [PW-1:0] inner;
-  wire signed [PW-1:0] hl_x = {{(PW - AH - BL - 1) {hl[AH+BL]}}, hl};
-  wire signed [PW-1:0] lh_x = {{(PW - AL - BH - 1) {lh[AL+BH]}}, lh};
-  always @(posedge clk) begin
-    outer <= {hh, ll[AL+BL-1:0]} + HALF;
-    inner <= (hl_x <<< AL) + (lh_x <<< BL);
-  end
+      wire signed [PW-1:0] hl_x = {{(PW - AH - BL) {hl[AH+BL-1]}}, hl};
+      reg signed [PW-1:0] mixed;
+      assign inner = mixed;
+      if (SQUARE != 0) begin : g_twice
+        always @(posedge clk) mixed <= hl_x <<< (AL + 1);
+      end else begin : g_both
+        reg signed [AL+BH-1:0] lh;
+        wire signed [PW-1:0] lh_x = {{(PW - AL - BH) {lh[AL+BH-1]}}, lh};
+        always @(posedge clk) begin
+          lh    <= a_lo * b_hi;
+          mixed <= (hl_x <<< AL) + (lh_x <<< BL);
+        end
+      end
+    end
+  endgenerate
 
   // rounded product
   reg signed [PW-1:0] p;
-  always @(posedge clk) p <= $signed(outer) + inner;
+  always @(posedge clk) p <= outer + inner;
   wire signed [PW-1:0] shifted = p >>> SH;
   assign q = shifted[OW-1:0];
-
-  // ll's top two bits are 0: its factors are not negative. Bits of p above q repeat its sign.
-  wire unused = &{1'b0, ll[AL+BL+1:AL+BL], shifted};
+  wire unused = &{1'b0, shifted};  // bits of p above q repeat its sign
 
 endmodule
 

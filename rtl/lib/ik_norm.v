@@ -16,27 +16,29 @@ module ik_norm #(
 );
 
   wire [5:0] room;
+  wire empty;
   ik_lzc #(
       .W(W),
       .N(N)
   ) u_lzc (
       .clk  (clk),
       .d    (d),
-      .count(room)
+      .count(room),
+      .empty(empty)
   );
 
-  // The words beside the count; (1/2, 0, ..) has room 0 by ik_lzc's rule for zero.
-  localparam [N*W-1:0] UP = {{(N * W - 1) {1'b0}}, 1'b1} << (W - 2);
+  // The words beside the count
   reg [N*W-1:0] d_1;
   reg [N*W-1:0] d_2;
   always @(posedge clk) begin
-    d_1 <= (d == {(N * W) {1'b0}}) ? UP : d;
+    d_1 <= d;
     d_2 <= d_1;
   end
 
   integer k;
   always @(posedge clk) begin
     for (k = 0; k < N; k = k + 1) q[k*W+:W] <= d_2[k*W+:W] << room;
+    if (empty) q[W-2] <= 1'b1;  // (1/2, 0, ..)
     count <= room;
   end
 

@@ -1,12 +1,15 @@
 // Left: exact modulo 2^W. Right: rounds down (floor). q = d * 2^count or floor(d / 2^count), signed words of W bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Latency: 2 clocks (LAT_SHIFT): by eights, by ones.
+// By eights, by ones. With PRODUCT = 1, to the left only, the shift by 0 to 15 is a product with a power of two, of one
+// or two multiplier blocks, and then by sixteens: a LUT a bit instead of four.
+// Latency: 2 clocks (LAT_SHIFT).
 `default_nettype none
 
 module ik_shift #(
-    parameter integer W     = 32,  // width of the word
-    parameter integer RIGHT = 0    // 1: shift right
+    parameter integer W       = 32,  // width of the word, at most 33 with PRODUCT
+    parameter integer RIGHT   = 0,   // 1: shift right
+    parameter integer PRODUCT = 0    // 1: by multipliers
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] d,
@@ -14,13 +17,41 @@ module ik_shift #(
     output reg  signed [W-1:0] q
 );
 
-  reg signed [W-1:0] eights;
-  reg [2:0] ones;
-  always @(posedge clk) begin
-    eights <= (RIGHT != 0) ? (d >>> {count[5:3], 3'b000}) : (d <<< {count[5:3], 3'b000});
-    ones   <= count[2:0];
-    q      <= (RIGHT != 0) ? (eights >>> ones) : (eights <<< ones);
-  end
+  generate
+    if (PRODUCT == 0) begin : g_levels
+      reg signed [W-1:0] eights;
+      reg [2:0] ones;
+      always @(posedge clk) begin
+        eights <= (RIGHT != 0) ? (d >>> {count[5:3], 3'b000}) : (d <<< {count[5:3], 3'b000});
+        ones   <= count[2:0];
+        q      <= (RIGHT != 0) ? (eights >>> ones) : (eights <<< ones);
+      end
+    end else if (W > 33 || RIGHT != 0) begin : g_illegal
+      ik_shift_with_PRODUCT_needs_W_of_at_most_33_and_goes_left u_stop ();
+    end else begin : g_product
+      localparam integer LOW = (W > 17) ? 17 : W;  // bits in the low product, without a sign
+      wire [15:0] power = 16'd1 << count[3:0];
+      wire [LOW+15:0] low_product = {16'd0, d[LOW-1:0]} * {{LOW{1'b0}}, power};
+      reg [W-1:0] low;
+      reg [1:0] sixteens;
+      always @(posedge clk) begin
+        low      <= low_product[W-1:0];
+        sixteens <= count[5:4];
+      end
+      wire unused = &{1'b0, low_product};
+      wire [W-1:0] high;
+      if (W > LOW) begin : g_two
+        wire [W-LOW+15:0] high_product = {16'd0, d[W-1:LOW]} * {{(W - LOW) {1'b0}}, power};
+        reg [W-LOW-1:0] high_q;
+        always @(posedge clk) high_q <= high_product[W-LOW-1:0];
+        assign high = {high_q, {LOW{1'b0}}};
+        wire unused_high = &{1'b0, high_product};
+      end else begin : g_one
+        assign high = {W{1'b0}};
+      end
+      always @(posedge clk) q <= (low | high) << {sixteens, 4'd0};  // where one has a bit, the other has none
+    end
+  endgenerate
 
 endmodule
 

@@ -1,14 +1,17 @@
-// Rounds half up and saturates: q = sat(floor((+-a +- b) / 2^SH + 1/2)), a and b signed IW bits, q signed OW bits.
+// Rounds half up and saturates: q = sat(floor((a +- b) / 2^SH + 1/2)), a and b signed IW bits, q signed OW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Latency: 2 clocks (LAT_SUM2). ovf is valid with q and says that q was saturated.
+// ovf is valid with q and says that q was saturated. SAT = 0 is for a sum whose format is proved to hold it
+// (docs/wordlengths.md): nothing is looked at and ovf is 0.
+// Latency: 2 clocks (LAT_SUM2).
 `default_nettype none
 
 module ik_sum2 #(
     parameter integer IW    = 40,  // width of a and b, which have one format
     parameter integer SH    = 8,   // fraction bits dropped
     parameter integer OW    = 32,  // width of q
-    parameter integer SUB_B = 0    // 1: a - b
+    parameter integer SUB_B = 0,   // 1: a - b
+    parameter integer SAT   = 1    // 0: q holds any sum there is
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] a,
@@ -29,8 +32,8 @@ module ik_sum2 #(
   wire signed [RW-1:0] rounded = $signed(sum + HALF) >>> SH;
   wire fits = (rounded[RW-1:OW-1] == {(RW - OW + 1) {rounded[RW-1]}});
   always @(posedge clk) begin
-    q   <= fits ? rounded[OW-1:0] : {rounded[RW-1], {(OW - 1) {~rounded[RW-1]}}};
-    ovf <= ~fits;
+    q   <= (SAT == 0 || fits) ? rounded[OW-1:0] : {rounded[RW-1], {(OW - 1) {~rounded[RW-1]}}};
+    ovf <= (SAT != 0) && !fits;
   end
 
 endmodule

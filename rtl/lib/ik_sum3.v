@@ -8,7 +8,8 @@ module ik_sum3 #(
     parameter integer IW    = 40,  // width of a, b and c, which have one format
     parameter integer SH    = 8,   // fraction bits dropped
     parameter integer OW    = 32,  // width of q
-    parameter integer SUB_C = 0    // 1: a + b - c
+    parameter integer SUB_C = 0,   // 1: a + b - c
+    parameter integer SAT   = 1    // 0: q holds any sum there is, as in ik_sum2
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] a,
@@ -32,7 +33,8 @@ module ik_sum3 #(
       .IW   (IW + 1),
       .SH   (SH),
       .OW   (OW),
-      .SUB_B(SUB_C)
+      .SUB_B(SUB_C),
+      .SAT  (SAT)
   ) u_sum (
       .clk(clk),
       .a  (ab),

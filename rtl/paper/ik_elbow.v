@@ -32,9 +32,9 @@ module ik_elbow #(
     output wire signed [W-1:0] pp_3_m,
     output reg                 flat,         // T_FLAT: target, elbow and shoulder on one line
     output reg                 back,         // T_BACK: the elbow lies behind the shoulder, seen from the target
-    output reg  signed [W-1:0] p_e_x,        // T_P_E_X
-    output reg  signed [W-1:0] p_e_y,
-    output reg  signed [W-1:0] p_e_z,
+    output wire signed [W-1:0] p_e_x,        // T_P_E_X
+    output wire signed [W-1:0] p_e_y,
+    output wire signed [W-1:0] p_e_z,
     output reg  signed [W-1:0] d_e,          // T_D_E: length of the upper arm in the unit of p_e
     output reg                 sat_elbow     // T_SAT_ELBOW
 );
@@ -71,7 +71,7 @@ module ik_elbow #(
   wire signed [W-1:0] pp_i;
   wire signed [W-1:0] pp_j;
   wire signed [W-1:0] pp_k;
-  ik_delay #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_pi (.clk(clk), .d(k_e), .q(k_e_pi));
+  ik_ring #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_pi (.clk(clk), .d(k_e), .q(k_e_pi));
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_X+F_K_E-F_PP_I), .OW(W)) u_pp_i (
       .clk(clk), .a(pi_swivel_x), .b(k_e_pi), .q(pp_i)
   );
@@ -97,13 +97,13 @@ module ik_elbow #(
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_zx (.clk(clk), .a(p_w_z_pi), .b(pi_swivel_x), .q(c_2_zx));
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_yx (.clk(clk), .a(p_w_y_pi), .b(pi_swivel_x), .q(c_3_yx));
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_xy (.clk(clk), .a(p_w_x_pi), .b(pi_swivel_y), .q(c_3_xy));
-  ik_sum2 #(.IW(WW), .SH(F_C_1_ZY-F_PP_1_M), .OW(W), .SUB_B(1)) u_pp_1_m (
+  ik_sum2 #(.IW(WW), .SH(F_C_1_ZY-F_PP_1_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_1_m (
       .clk(clk), .a(c_1_zy), .b(c_1_yz), .q(pp_1_m), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1)) u_pp_2_m (
+  ik_sum2 #(.IW(WW), .SH(F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_2_m (
       .clk(clk), .a(c_2_xz), .b(c_2_zx), .q(pp_2_m), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_C_3_YX-F_PP_3_M), .OW(W), .SUB_B(1)) u_pp_3_m (
+  ik_sum2 #(.IW(WW), .SH(F_C_3_YX-F_PP_3_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_3_m (
       .clk(clk), .a(c_3_yx), .b(c_3_xy), .q(pp_3_m), .ovf()
   );
 
@@ -115,8 +115,10 @@ module ik_elbow #(
   wire signed [W-1:0] pp_2_p;
   wire signed [W-1:0] pp_3_p;
   localparam integer SH_P = F_D_1_SQ + F_PP_1_M - F_PP_1_P;
-  ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_1_SQ), .OW(W)) u_d_1_sq (.clk(clk), .a(d_1), .b(d_1), .q(d_1_sq));
-  ik_delay #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_m (.clk(clk), .d(d_1_sq), .q(d_1_sq_m));
+  ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_1_SQ), .OW(W), .SQUARE(1)) u_d_1_sq (
+      .clk(clk), .a(d_1), .b(d_1), .q(d_1_sq)
+  );
+  ik_ring #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_m (.clk(clk), .d(d_1_sq), .q(d_1_sq_m));
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_1_p (.clk(clk), .a(d_1_sq_m), .b(pp_1_m), .q(pp_1_p));
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_2_p (.clk(clk), .a(d_1_sq_m), .b(pp_2_m), .q(pp_2_p));
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_3_p (.clk(clk), .a(d_1_sq_m), .b(pp_3_m), .q(pp_3_p));
@@ -145,9 +147,9 @@ module ik_elbow #(
   wire signed [W-1:0] inf_pp;
   wire ovf_inf_pp;
   localparam integer SH_MM = 2 * F_PP_1_M - F_PP_1_SQ;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW)) u_pp_1_sq (.clk(clk), .a(pp_1_m), .b(pp_1_m), .q(pp_1_sq));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW)) u_pp_2_sq (.clk(clk), .a(pp_2_m), .b(pp_2_m), .q(pp_2_sq));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW)) u_pp_3_sq (.clk(clk), .a(pp_3_m), .b(pp_3_m), .q(pp_3_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_1_sq (.clk(clk), .a(pp_1_m), .b(pp_1_m), .q(pp_1_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_2_sq (.clk(clk), .a(pp_2_m), .b(pp_2_m), .q(pp_2_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_3_sq (.clk(clk), .a(pp_3_m), .b(pp_3_m), .q(pp_3_sq));
   ik_sum3 #(.IW(WW), .SH(F_PP_1_SQ-F_INF_PP), .OW(W)) u_inf_pp (
       .clk(clk), .a(pp_1_sq), .b(pp_2_sq), .c(pp_3_sq), .q(inf_pp), .ovf(ovf_inf_pp)
   );
@@ -166,9 +168,9 @@ module ik_elbow #(
   wire ovf_pp_pm;
   wire ovf_tmp1;
   localparam integer SH_II = 2 * F_PP_I - F_PP_I_SQ;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW)) u_pp_i_sq (.clk(clk), .a(pp_i), .b(pp_i), .q(pp_i_sq));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW)) u_pp_j_sq (.clk(clk), .a(pp_j), .b(pp_j), .q(pp_j_sq));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW)) u_pp_k_sq (.clk(clk), .a(pp_k), .b(pp_k), .q(pp_k_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_i_sq (.clk(clk), .a(pp_i), .b(pp_i), .q(pp_i_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_j_sq (.clk(clk), .a(pp_j), .b(pp_j), .q(pp_j_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_k_sq (.clk(clk), .a(pp_k), .b(pp_k), .q(pp_k_sq));
   ik_sum3 #(.IW(WW), .SH(F_PP_I_SQ-F_PP_SQ), .OW(WW)) u_pp_sq (
       .clk(clk), .a(pp_i_sq), .b(pp_j_sq), .c(pp_k_sq), .q(pp_sq), .ovf(ovf_pp_sq)
   );
@@ -221,13 +223,13 @@ module ik_elbow #(
   wire signed [WW-1:0] e_x_pp;  // PP_k PP_2^- - PP_j PP_3^-
   wire signed [WW-1:0] e_y_pp;  // PP_i PP_3^- - PP_k PP_1^-
   wire signed [WW-1:0] e_z_pp;  // PP_j PP_1^- - PP_i PP_2^-
-  ik_sum2 #(.IW(WW), .SH(F_E_X_K-F_E_X_PP), .OW(WW), .SUB_B(1)) u_e_x_pp (
+  ik_sum2 #(.IW(WW), .SH(F_E_X_K-F_E_X_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_x_pp (
       .clk(clk), .a(e_x_k), .b(e_x_j), .q(e_x_pp), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_E_Y_I-F_E_Y_PP), .OW(WW), .SUB_B(1)) u_e_y_pp (
+  ik_sum2 #(.IW(WW), .SH(F_E_Y_I-F_E_Y_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_y_pp (
       .clk(clk), .a(e_y_i), .b(e_y_k), .q(e_y_pp), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_E_Z_J-F_E_Z_PP), .OW(WW), .SUB_B(1)) u_e_z_pp (
+  ik_sum2 #(.IW(WW), .SH(F_E_Z_J-F_E_Z_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_z_pp (
       .clk(clk), .a(e_z_j), .b(e_z_i), .q(e_z_pp), .ovf()
   );
 
@@ -235,7 +237,7 @@ module ik_elbow #(
   wire signed [W-1:0] pp_1_m_sqr;
   wire signed [W-1:0] pp_2_m_sqr;
   wire signed [W-1:0] pp_3_m_sqr;
-  ik_delay #(.W(3*W), .N(T_TMP_SQR-T_PP_1_P)) u_pp_m_sqr (
+  ik_ring #(.W(3*W), .N(T_TMP_SQR-T_PP_1_P)) u_pp_m_sqr (
       .clk(clk), .d({pp_3_m_p, pp_2_m_p, pp_1_m_p}), .q({pp_3_m_sqr, pp_2_m_sqr, pp_1_m_sqr})
   );
   wire signed [WW-1:0] e_x_sqr;
@@ -249,7 +251,7 @@ module ik_elbow #(
   wire signed [WW-1:0] e_x_pp_sqr;
   wire signed [WW-1:0] e_y_pp_sqr;
   wire signed [WW-1:0] e_z_pp_sqr;
-  ik_delay #(.W(3*WW), .N(T_E_X_SQR-T_E_X_PP)) u_e_pp_sqr (
+  ik_ring #(.W(3*WW), .N(T_E_X_SQR-T_E_X_PP)) u_e_pp_sqr (
       .clk(clk), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_sqr, e_y_pp_sqr, e_x_pp_sqr})
   );
   wire signed [WW-1:0] e_x_num;
@@ -274,7 +276,7 @@ module ik_elbow #(
   wire signed [W-1:0] e_z_quo;
   wire [2:0] ovf_quo;
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
-  ik_delay #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_num (.clk(clk), .d(inf_pp), .q(inf_pp_num));
+  ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_num (.clk(clk), .d(inf_pp), .q(inf_pp_num));
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_x_quo (
       .clk(clk), .n(e_x_num), .d(inf_pp_num), .q(e_x_quo), .ovf(ovf_quo[0])
   );
@@ -292,22 +294,26 @@ module ik_elbow #(
   wire signed [W-1:0] p_w_y_quo;
   wire signed [W-1:0] p_w_z_quo;
   ik_delay #(.W(2), .N(T_E_X_QUO-T_K_E)) u_clamp_quo (.clk(clk), .d({away_k_e, clamp_k_e}), .q({away_quo, clamp_quo}));
-  ik_delay #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_quo (
+  ik_ring #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_quo (
       .clk(clk), .d({p_w_z_pi, p_w_y_pi, p_w_x_pi}), .q({p_w_z_quo, p_w_y_quo, p_w_x_quo})
   );
   wire signed [W-1:0] half_x = p_w_x_quo >>> 2;  // the formats differ by one bit
   wire signed [W-1:0] half_y = p_w_y_quo >>> 2;
   wire signed [W-1:0] half_z = p_w_z_quo >>> 2;
-  always @(posedge clk) begin
-    p_e_x <= !clamp_quo ? e_x_quo : away_quo ? -half_x : half_x;
-    p_e_y <= !clamp_quo ? e_y_quo : away_quo ? -half_y : half_y;
-    p_e_z <= !clamp_quo ? e_z_quo : away_quo ? -half_z : half_z;
-  end
+  ik_pick #(.W(W)) u_p_e_x (
+      .clk(clk), .a(e_x_quo), .b(half_x), .use_b(clamp_quo), .minus(away_quo), .q(p_e_x)
+  );
+  ik_pick #(.W(W)) u_p_e_y (
+      .clk(clk), .a(e_y_quo), .b(half_y), .use_b(clamp_quo), .minus(away_quo), .q(p_e_y)
+  );
+  ik_pick #(.W(W)) u_p_e_z (
+      .clk(clk), .a(e_z_quo), .b(half_z), .use_b(clamp_quo), .minus(away_quo), .q(p_e_z)
+  );
 
   wire clamp_l;
   wire signed [W-1:0] d_1_l;
   ik_delay #(.W(1), .N(T_L_SW-T_K_E)) u_clamp_l (.clk(clk), .d(clamp_k_e), .q(clamp_l));
-  ik_delay #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_l (.clk(clk), .d(d_1), .q(d_1_l));
+  ik_ring #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_l (.clk(clk), .d(d_1), .q(d_1_l));
   always @(posedge clk) d_e <= clamp_l ? (l_sw >>> 1) : (d_1_l >>> 1);
 
   // ---- what did not fit ----

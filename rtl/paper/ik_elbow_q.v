@@ -33,20 +33,20 @@ module ik_elbow_q #(
   wire signed [W-1:0] p_a_x_e;
   wire signed [W-1:0] p_a_y_e;
   wire signed [W-1:0] p_a_z_e;
-  ik_delay #(.W(3*W), .N(T_P_E_X-T_P_A_X)) u_p_a_e (
+  ik_ring #(.W(3*W), .N(T_P_E_X-T_P_A_X)) u_p_a_e (
       .clk(clk), .d({p_a_z, p_a_y, p_a_x}), .q({p_a_z_e, p_a_y_e, p_a_x_e})
   );
   wire signed [W-1:0] f_x;  // p_e - p_w
   wire signed [W-1:0] f_y;
   wire signed [W-1:0] f_z;
   localparam integer SH_F = F_P_A_X - F_F_X;
-  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1)) u_f_x (
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_x (
       .clk(clk), .a({p_e_x, 1'b0}), .b({p_a_x_e[W-1], p_a_x_e}), .q(f_x), .ovf()
   );
-  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1)) u_f_y (
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_y (
       .clk(clk), .a({p_e_y, 1'b0}), .b({p_a_y_e[W-1], p_a_y_e}), .q(f_y), .ovf()
   );
-  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1)) u_f_z (
+  ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_z (
       .clk(clk), .a({p_e_z, 1'b0}), .b({p_a_z_e[W-1], p_a_z_e}), .q(f_z), .ovf()
   );
 
@@ -75,7 +75,7 @@ module ik_elbow_q #(
   wire signed [W-1:0] d_12_t;
   wire signed [W-1:0] c4_quo;
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
-  ik_delay #(.W(W), .N(T_T_E-T_D_12)) u_d_12_t (.clk(clk), .d(d_12), .q(d_12_t));
+  ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_t (.clk(clk), .d(d_12), .q(d_12_t));
   ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_c4_quo (
       .clk(clk), .n(t_e), .d(d_12_t), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
   );

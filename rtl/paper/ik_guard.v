@@ -76,11 +76,11 @@ module ik_guard #(
   wire signed [W:0] x_x = {x[W-1], x};
   wire signed [W:0] y_x = {y[W-1], y};
   wire signed [W:0] z_x = {z[W-1], z};
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_x_sq (.clk(clk), .a(x_x), .b(x_x), .q(x_sq));
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_y_sq (.clk(clk), .a(y_x), .b(y_x), .q(y_sq));
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_z_sq (.clk(clk), .a(z_x), .b(z_x), .q(z_sq));
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_r_sq (.clk(clk), .a(r_raw), .b(r_raw), .q(r_sq));
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW)) u_d_sq (.clk(clk), .a(d_raw), .b(d_raw), .q(d_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_x_sq (.clk(clk), .a(x_x), .b(x_x), .q(x_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_y_sq (.clk(clk), .a(y_x), .b(y_x), .q(y_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_z_sq (.clk(clk), .a(z_x), .b(z_x), .q(z_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_r_sq (.clk(clk), .a(r_raw), .b(r_raw), .q(r_sq));
+  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_d_sq (.clk(clk), .a(d_raw), .b(d_raw), .q(d_sq));
 
   reg signed  [XW-1:0] xy_sq;
   reg signed  [XW-1:0] s_raw;
@@ -131,7 +131,8 @@ module ik_guard #(
   // ---- the arms in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit ----
 
   wire [5:0] lz_r;
-  ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r));
+  wire r_empty;
+  ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r), .empty(r_empty));
 
   wire signed [W:0] d1_r;
   wire signed [W:0] d2_r;
@@ -149,11 +150,11 @@ module ik_guard #(
   wire signed [W:0] p_a_x_sh;
   wire signed [W:0] p_a_y_sh;
   wire signed [W:0] p_a_z_sh;
-  ik_shift #(.W(W+1)) u_d_1_sh (.clk(clk), .d(d1_r), .count(lz_r), .q(d_1_sh));
-  ik_shift #(.W(W+1)) u_d_2_sh (.clk(clk), .d(d2_r), .count(lz_r), .q(d_2_sh));
-  ik_shift #(.W(W+1)) u_p_a_x_sh (.clk(clk), .d(x_r), .count(lz_r), .q(p_a_x_sh));
-  ik_shift #(.W(W+1)) u_p_a_y_sh (.clk(clk), .d(y_r), .count(lz_r), .q(p_a_y_sh));
-  ik_shift #(.W(W+1)) u_p_a_z_sh (.clk(clk), .d(z_r), .count(lz_r), .q(p_a_z_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1)) u_d_1_sh (.clk(clk), .d(d1_r), .count(lz_r), .q(d_1_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1)) u_d_2_sh (.clk(clk), .d(d2_r), .count(lz_r), .q(d_2_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1)) u_p_a_x_sh (.clk(clk), .d(x_r), .count(lz_r), .q(p_a_x_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1)) u_p_a_y_sh (.clk(clk), .d(y_r), .count(lz_r), .q(p_a_y_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1)) u_p_a_z_sh (.clk(clk), .d(z_r), .count(lz_r), .q(p_a_z_sh));
 
   wire signed [W:0] d_1_c;
   wire signed [W:0] d_2_c;
@@ -183,7 +184,7 @@ module ik_guard #(
   wire signed [W:0] d_dif_sh;
   wire signed [W:0] d_dif_c;
   ik_delay #(.W(W+1), .N(T_LZ_P - T_D_RAW)) u_d_raw_p (.clk(clk), .d(d_raw), .q(d_raw_p));
-  ik_shift #(.W(W+1)) u_d_dif_sh (.clk(clk), .d(d_raw_p), .count(lz_p), .q(d_dif_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1)) u_d_dif_sh (.clk(clk), .d(d_raw_p), .count(lz_p), .q(d_dif_sh));
   ik_delay #(.W(W+1), .N(T_CLAMP - T_D_DIF_SH)) u_d_dif_c (.clk(clk), .d(d_dif_sh), .q(d_dif_c));
   always @(posedge clk) d_dif_j <= clamp ? {W{1'b0}} : d_dif_c[W:1];
 
@@ -195,7 +196,7 @@ module ik_guard #(
   ik_delay #(.W(6), .N(T_CLAMP - T_LZ_R)) u_lz_r_c (.clk(clk), .d(lz_r), .q(lz_r_c));
   always @(posedge clk) scale_j <= clamp ? 6'd2 : (lz_p_c - lz_r_c + 6'd1);
 
-  wire unused = &{1'b0, lz_b, d_dif_c[0]};
+  wire unused = &{1'b0, lz_b, r_empty, d_dif_c[0]};
 
 endmodule
 

@@ -98,7 +98,7 @@ module ik_paper #(
   wire signed [W-1:0] p_w_x_pi;
   wire signed [W-1:0] p_w_y_pi;
   wire signed [W-1:0] p_w_z_pi;
-  ik_delay #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_pi (
+  ik_ring #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_pi (
       .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_pi, p_w_y_pi, p_w_x_pi})
   );
 
@@ -169,8 +169,8 @@ module ik_paper #(
   wire signed [W-1:0] qe_w_out;
   wire signed [W-1:0] qe_i_out;
   ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_out (.clk(clk), .d(qs_k), .q(qs_k_out));
-  ik_delay #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_out (.clk(clk), .d(qe_w), .q(qe_w_out));
-  ik_delay #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_out (.clk(clk), .d(qe_w), .q(qe_w_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
   assign out_data = {qe_i_out, qe_w_out, qs_k_out, qs_j, qs_i, qs_w};
 
   wire sat_swivel_q;
@@ -194,11 +194,12 @@ module ik_paper #(
   wire at_shoulder_out;
   wire bad_length_out;
   wire saturated_out;
-  ik_delay #(.W(2), .N(T_OUT-T_TOO_FAR)) u_reach_out (
-      .clk(clk), .d({too_near, too_far}), .q({too_near_out, too_far_out})
-  );
-  ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_place_out (
-      .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_out, at_shoulder_out, on_axis_out})
+  wire [2:0] place;  // beside too_far and too_near
+  ik_delay #(.W(3), .N(T_TOO_FAR-T_ON_AXIS)) u_place (.clk(clk), .d({bad_length, at_shoulder, on_axis}), .q(place));
+  ik_ring #(.W(5), .N(T_OUT-T_TOO_FAR)) u_flags_out (
+      .clk(clk),
+      .d  ({place, too_near, too_far}),
+      .q  ({bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out})
   );
   ik_delay #(.W(1), .N(T_OUT-T_SATURATED)) u_saturated_out (.clk(clk), .d(saturated), .q(saturated_out));
   assign out_flags = {

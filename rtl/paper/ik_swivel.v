@@ -34,10 +34,10 @@ module ik_swivel #(
   wire signed [WW-1:0] s_x;
   wire signed [WW-1:0] s_y;
   wire signed [WW-1:0] s_z;
-  ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_X-F_S_X), .OW(WW)) u_s_x (.clk(clk), .a(p_w_x), .b(p_w_x), .q(s_x));
-  ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Y-F_S_Y), .OW(WW)) u_s_y (.clk(clk), .a(p_w_y), .b(p_w_y), .q(s_y));
-  ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Z-F_S_Z), .OW(WW)) u_s_z (.clk(clk), .a(p_w_z), .b(p_w_z), .q(s_z));
-  ik_sum3 #(.IW(WW), .SH(F_S_X-F_S), .OW(W)) u_s (.clk(clk), .a(s_x), .b(s_y), .c(s_z), .q(s), .ovf());
+  ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_X-F_S_X), .OW(WW), .SQUARE(1)) u_s_x (.clk(clk), .a(p_w_x), .b(p_w_x), .q(s_x));
+  ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Y-F_S_Y), .OW(WW), .SQUARE(1)) u_s_y (.clk(clk), .a(p_w_y), .b(p_w_y), .q(s_y));
+  ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Z-F_S_Z), .OW(WW), .SQUARE(1)) u_s_z (.clk(clk), .a(p_w_z), .b(p_w_z), .q(s_z));
+  ik_sum3 #(.IW(WW), .SH(F_S_X-F_S), .OW(W), .SAT(0)) u_s (.clk(clk), .a(s_x), .b(s_y), .c(s_z), .q(s), .ovf());
   ik_root #(.NW(W), .SH(2*F_L_SW-F_S), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_sw (
       .clk(clk), .n(s), .q(l_sw), .neg()
   );
@@ -55,10 +55,10 @@ module ik_swivel #(
   ik_mul #(.AW(W), .BW(W), .SH(F_SIN_H+F_COS_H-1-F_SIN_PHI), .OW(W)) u_sin_phi (
       .clk(clk), .a(sin_h), .b(cos_h), .q(sin_phi)
   );
-  ik_mul #(.AW(W), .BW(W), .SH(2*F_COS_H-1-F_COS2_SQ), .OW(WW)) u_cos2_sq (
+  ik_mul #(.AW(W), .BW(W), .SH(2*F_COS_H-1-F_COS2_SQ), .OW(WW), .SQUARE(1)) u_cos2_sq (
       .clk(clk), .a(cos_h), .b(cos_h), .q(cos2_sq)
   );
-  ik_sum2 #(.IW(WW), .SH(F_COS2_SQ-F_COS_PHI), .OW(W), .SUB_B(1)) u_cos_phi (
+  ik_sum2 #(.IW(WW), .SH(F_COS2_SQ-F_COS_PHI), .OW(W), .SUB_B(1), .SAT(0)) u_cos_phi (
       .clk(clk), .a(cos2_sq), .b(ONE), .q(cos_phi), .ovf()
   );
 
@@ -73,14 +73,14 @@ module ik_swivel #(
   ik_mul #(.AW(W), .BW(W), .SH(F_P_W_Z+F_B_Y-F_A_Y), .OW(W)) u_a_y (.clk(clk), .a(p_w_z), .b(b_y), .q(a_y));
   ik_mul #(.AW(W), .BW(W), .SH(F_P_W_X+F_B_X-F_RHO_X), .OW(WW)) u_rho_x (.clk(clk), .a(p_w_x), .b(b_x), .q(rho_x));
   ik_mul #(.AW(W), .BW(W), .SH(F_P_W_Y+F_B_Y-F_RHO_Y), .OW(WW)) u_rho_y (.clk(clk), .a(p_w_y), .b(b_y), .q(rho_y));
-  ik_sum2 #(.IW(WW), .SH(F_RHO_X-F_RHO), .OW(W)) u_rho (.clk(clk), .a(rho_x), .b(rho_y), .q(rho), .ovf());
+  ik_sum2 #(.IW(WW), .SH(F_RHO_X-F_RHO), .OW(W), .SAT(0)) u_rho (.clk(clk), .a(rho_x), .b(rho_y), .q(rho), .ovf());
 
   // They wait for sin phi.
   wire signed [W-1:0] a_x_sin;
   wire signed [W-1:0] a_y_sin;
   wire signed [W-1:0] rho_sin;
-  ik_delay #(.W(2*W), .N(T_SIN_PHI-T_A_X)) u_a_sin (.clk(clk), .d({a_y, a_x}), .q({a_y_sin, a_x_sin}));
-  ik_delay #(.W(W), .N(T_SIN_PHI-T_RHO)) u_rho_sin (.clk(clk), .d(rho), .q(rho_sin));
+  ik_ring #(.W(2*W), .N(T_SIN_PHI-T_A_X)) u_a_sin (.clk(clk), .d({a_y, a_x}), .q({a_y_sin, a_x_sin}));
+  ik_ring #(.W(W), .N(T_SIN_PHI-T_RHO)) u_rho_sin (.clk(clk), .d(rho), .q(rho_sin));
 
   wire signed [WW-1:0] sa_x;  // sin phi p_z b_x
   wire signed [WW-1:0] sa_y;
@@ -98,7 +98,7 @@ module ik_swivel #(
   // The direction waits for cos phi, the product for |L_sw| or |L_sw| for the product.
   wire signed [W-1:0] b_x_cos;
   wire signed [W-1:0] b_y_cos;
-  ik_delay #(.W(2*W), .N(T_COS_PHI-T_B_X)) u_b_cos (.clk(clk), .d({b_y, b_x}), .q({b_y_cos, b_x_cos}));
+  ik_ring #(.W(2*W), .N(T_COS_PHI-T_B_X)) u_b_cos (.clk(clk), .d({b_y, b_x}), .q({b_y_cos, b_x_cos}));
 
   wire signed [W-1:0] cb_x;  // cos phi b_x
   wire signed [W-1:0] cb_y;
@@ -124,13 +124,13 @@ module ik_swivel #(
   wire signed [WW-1:0] pi_num_x;
   wire signed [WW-1:0] pi_num_y;
   wire signed [WW-1:0] pi_num_z;
-  ik_sum2 #(.IW(WW), .SH(F_SA_X-F_PI_NUM_X), .OW(WW)) u_pi_num_x (
+  ik_sum2 #(.IW(WW), .SH(F_SA_X-F_PI_NUM_X), .OW(WW), .SAT(0)) u_pi_num_x (
       .clk(clk), .a(sa_x_num), .b(lcb_y), .q(pi_num_x), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_SA_Y-F_PI_NUM_Y), .OW(WW), .SUB_B(1)) u_pi_num_y (
+  ik_sum2 #(.IW(WW), .SH(F_SA_Y-F_PI_NUM_Y), .OW(WW), .SUB_B(1), .SAT(0)) u_pi_num_y (
       .clk(clk), .a(sa_y_num), .b(lcb_x), .q(pi_num_y), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_SA_Z-F_PI_NUM_Z), .OW(WW), .SUB_B(1)) u_pi_num_z (
+  ik_sum2 #(.IW(WW), .SH(F_SA_Z-F_PI_NUM_Z), .OW(WW), .SUB_B(1), .SAT(0)) u_pi_num_z (
       .clk(clk), .a({WW{1'b0}}), .b(sa_z_num), .q(pi_num_z), .ovf()
   );
 

@@ -33,13 +33,15 @@ module ik_to_elbow #(
 
   wire signed [W-1:0] d_e_p;
   wire signed [W-1:0] h;
-  ik_delay #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_p (.clk(clk), .d(d_e), .q(d_e_p));
-  reg signed [W-1:0] abs_z;
+  ik_ring #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_p (.clk(clk), .d(d_e), .q(d_e_p));
+  wire signed [W-1:0] abs_z;
+  ik_pick #(.W(W)) u_abs_z (
+      .clk(clk), .a(p_e_z), .b(p_e_z), .use_b(1'b1), .minus(p_e_z[W-1]), .q(abs_z)
+  );
   reg signed [W-1:0] d_e_q;
   reg signed [W-1:0] h_q;
   wire [W:0] h_sum = {1'b0, d_e_q} + {1'b0, abs_z};
   always @(posedge clk) begin
-    abs_z <= p_e_z[W-1] ? -p_e_z : p_e_z;
     d_e_q <= d_e_p;
     // Of an arm that is all upper arm, h can be rounded to 2.
     h_q   <= (h_sum[W:W-1] != 2'b00) ? {1'b0, {(W - 1) {1'b1}}} : h_sum[W-1:0];
@@ -72,7 +74,7 @@ module ik_to_elbow #(
   ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_H-F_UH_Y), .OW(W)) u_uh_y (.clk(clk), .a(u_y), .b(h_u), .q(uh_y));
   ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_P_E_X-F_UU_X), .OW(WW)) u_uu_x (.clk(clk), .a(u_x), .b(p_e_x_u), .q(uu_x));
   ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_P_E_Y-F_UU_Y), .OW(WW)) u_uu_y (.clk(clk), .a(u_y), .b(p_e_y_u), .q(uu_y));
-  ik_sum2 #(.IW(WW), .SH(F_UU_X-F_UU), .OW(W)) u_uu (.clk(clk), .a(uu_x), .b(uu_y), .q(uu), .ovf());
+  ik_sum2 #(.IW(WW), .SH(F_UU_X-F_UU), .OW(W), .SAT(0)) u_uu (.clk(clk), .a(uu_x), .b(uu_y), .q(uu), .ovf());
 
   // ---- (15) the form that does not cancel; x and y are ready before z ----
 
@@ -113,10 +115,10 @@ module ik_to_elbow #(
   wire signed [W-1:0] tmp2;
   wire signed [W-1:0] l_m;
   localparam integer SH_TMP2 = 2 * F_L_M_X - F_TMP2_X;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW)) u_tmp2_x (.clk(clk), .a(l_m_x), .b(l_m_x), .q(tmp2_x));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW)) u_tmp2_y (.clk(clk), .a(l_m_y), .b(l_m_y), .q(tmp2_y));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW)) u_tmp2_z (.clk(clk), .a(l_m_z), .b(l_m_z), .q(tmp2_z));
-  ik_sum3 #(.IW(WW), .SH(F_TMP2_X-F_TMP2), .OW(W)) u_tmp2 (
+  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_x (.clk(clk), .a(l_m_x), .b(l_m_x), .q(tmp2_x));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_y (.clk(clk), .a(l_m_y), .b(l_m_y), .q(tmp2_y));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_z (.clk(clk), .a(l_m_z), .b(l_m_z), .q(tmp2_z));
+  ik_sum3 #(.IW(WW), .SH(F_TMP2_X-F_TMP2), .OW(W), .SAT(0)) u_tmp2 (
       .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
   );
   ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_m (
@@ -132,7 +134,7 @@ module ik_to_elbow #(
   wire ovf_j;
   wire ovf_k;
   localparam integer SH_Q = F_Q12_I - F_L_M_X + F_L_M;
-  ik_delay #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_q (
+  ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_q (
       .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_q, l_m_y_q, l_m_x_q})
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_i (

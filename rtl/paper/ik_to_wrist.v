@@ -45,10 +45,16 @@ module ik_to_wrist #(
   wire signed [W-1:0] pi_inv;
   localparam integer SH_PI = 2 * F_PI_SWIVEL_X - F_PI_SQ_X;
   localparam signed [W-1:0] ONE = {2'b01, {(W - 2) {1'b0}}};
-  ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW)) u_pi_sq_x (.clk(clk), .a(pi_swivel_x), .b(pi_swivel_x), .q(pi_sq_x));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW)) u_pi_sq_y (.clk(clk), .a(pi_swivel_y), .b(pi_swivel_y), .q(pi_sq_y));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW)) u_pi_sq_z (.clk(clk), .a(pi_swivel_z), .b(pi_swivel_z), .q(pi_sq_z));
-  ik_sum3 #(.IW(WW), .SH(F_PI_SQ_X-F_PI_SQ), .OW(W)) u_pi_sq (
+  ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW), .SQUARE(1)) u_pi_sq_x (
+      .clk(clk), .a(pi_swivel_x), .b(pi_swivel_x), .q(pi_sq_x)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW), .SQUARE(1)) u_pi_sq_y (
+      .clk(clk), .a(pi_swivel_y), .b(pi_swivel_y), .q(pi_sq_y)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW), .SQUARE(1)) u_pi_sq_z (
+      .clk(clk), .a(pi_swivel_z), .b(pi_swivel_z), .q(pi_sq_z)
+  );
+  ik_sum3 #(.IW(WW), .SH(F_PI_SQ_X-F_PI_SQ), .OW(W), .SAT(0)) u_pi_sq (
       .clk(clk), .a(pi_sq_x), .b(pi_sq_y), .c(pi_sq_z), .q(pi_sq), .ovf()
   );
   ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_pi_abs (
@@ -63,7 +69,7 @@ module ik_to_wrist #(
   wire signed [W-1:0] pi_x_q;
   wire signed [W-1:0] pi_y_q;
   wire signed [W-1:0] pi_z_q;
-  ik_delay #(.W(3*W), .N(T_Q12_I-T_PI_SWIVEL_X)) u_pi_q (
+  ik_ring #(.W(3*W), .N(T_Q12_I-T_PI_SWIVEL_X)) u_pi_q (
       .clk(clk), .d({pi_swivel_z, pi_swivel_y, pi_swivel_x}), .q({pi_z_q, pi_y_q, pi_x_q})
   );
 
@@ -74,10 +80,10 @@ module ik_to_wrist #(
   wire signed [WW-1:0] q12_k_sq;
   wire signed [W-1:0] r_x;  // q12_k^2 + q12_j^2 - q12_i^2
   localparam integer SH_QQ = 2 * F_Q12_I - F_Q12_I_SQ;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW)) u_q12_i_sq (.clk(clk), .a(q12_i), .b(q12_i), .q(q12_i_sq));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW)) u_q12_j_sq (.clk(clk), .a(q12_j), .b(q12_j), .q(q12_j_sq));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW)) u_q12_k_sq (.clk(clk), .a(q12_k), .b(q12_k), .q(q12_k_sq));
-  ik_sum3 #(.IW(WW), .SH(F_Q12_K_SQ-F_R_X), .OW(W), .SUB_C(1)) u_r_x (
+  ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_i_sq (.clk(clk), .a(q12_i), .b(q12_i), .q(q12_i_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_j_sq (.clk(clk), .a(q12_j), .b(q12_j), .q(q12_j_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_k_sq (.clk(clk), .a(q12_k), .b(q12_k), .q(q12_k_sq));
+  ik_sum3 #(.IW(WW), .SH(F_Q12_K_SQ-F_R_X), .OW(W), .SUB_C(1), .SAT(0)) u_r_x (
       .clk(clk), .a(q12_k_sq), .b(q12_j_sq), .c(q12_i_sq), .q(r_x), .ovf()
   );
 
@@ -88,7 +94,7 @@ module ik_to_wrist #(
   wire signed [W-1:0] g;  // q12_j pi_swivel_y + q12_k pi_swivel_z
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_J+F_PI_SWIVEL_Y-F_G_Y), .OW(WW)) u_g_y (.clk(clk), .a(q12_j), .b(pi_y_q), .q(g_y));
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_K+F_PI_SWIVEL_Z-F_G_Z), .OW(WW)) u_g_z (.clk(clk), .a(q12_k), .b(pi_z_q), .q(g_z));
-  ik_sum2 #(.IW(WW), .SH(F_G_Y-F_G), .OW(W)) u_g (.clk(clk), .a(g_y), .b(g_z), .q(g), .ovf());
+  ik_sum2 #(.IW(WW), .SH(F_G_Y-F_G), .OW(W), .SAT(0)) u_g (.clk(clk), .a(g_y), .b(g_z), .q(g), .ovf());
 
   wire signed [W-1:0] pi_x_r;
   wire signed [W-1:0] q12_i_g;
@@ -109,7 +115,7 @@ module ik_to_wrist #(
 
   wire signed [W-1:0] pi_inv_c3;
   wire signed [W-1:0] c3;
-  ik_delay #(.W(W), .N(T_C3_NUM-T_PI_INV)) u_pi_inv_c3 (.clk(clk), .d(pi_inv), .q(pi_inv_c3));
+  ik_ring #(.W(W), .N(T_C3_NUM-T_PI_INV)) u_pi_inv_c3 (.clk(clk), .d(pi_inv), .q(pi_inv_c3));
   ik_mul #(.AW(W), .BW(W), .SH(F_C3_NUM+F_PI_INV-F_C3), .OW(W)) u_c3 (.clk(clk), .a(c3_num), .b(pi_inv_c3), .q(c3));
 
   // ---- (17) sign: the side of the rotated plane that the target is on. Where shoulder, elbow and target lie on one
@@ -123,27 +129,31 @@ module ik_to_wrist #(
   wire signed [W-1:0] pp_2_m_flat;
   wire signed [W-1:0] pp_3_m_flat;
   wire back_flat;
-  ik_delay #(.W(3*W), .N(T_FLAT-T_PI_SWIVEL_X)) u_p_w_flat (
+  ik_ring #(.W(3*W), .N(T_FLAT-T_PI_SWIVEL_X)) u_p_w_flat (
       .clk(clk), .d({p_w_z_pi, p_w_y_pi, p_w_x_pi}), .q({p_w_z_flat, p_w_y_flat, p_w_x_flat})
   );
-  ik_delay #(.W(3*W), .N(T_FLAT-T_PP_1_M)) u_pp_m_flat (
+  ik_ring #(.W(3*W), .N(T_FLAT-T_PP_1_M)) u_pp_m_flat (
       .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_flat, pp_2_m_flat, pp_1_m_flat})
   );
   ik_delay #(.W(1), .N(T_FLAT-T_BACK)) u_back_flat (.clk(clk), .d(back), .q(back_flat));
-  reg signed [W-1:0] side_x;
-  reg signed [W-1:0] side_y;
-  reg signed [W-1:0] side_z;
-  always @(posedge clk) begin
-    side_x <= !flat ? p_w_x_flat : back_flat ? pp_1_m_flat : -pp_1_m_flat;
-    side_y <= !flat ? p_w_y_flat : back_flat ? pp_2_m_flat : -pp_2_m_flat;
-    side_z <= !flat ? p_w_z_flat : back_flat ? pp_3_m_flat : -pp_3_m_flat;
-  end
+  wire signed [W-1:0] side_x;
+  wire signed [W-1:0] side_y;
+  wire signed [W-1:0] side_z;
+  ik_pick #(.W(W)) u_side_x (
+      .clk(clk), .a(p_w_x_flat), .b(pp_1_m_flat), .use_b(flat), .minus(!back_flat), .q(side_x)
+  );
+  ik_pick #(.W(W)) u_side_y (
+      .clk(clk), .a(p_w_y_flat), .b(pp_2_m_flat), .use_b(flat), .minus(!back_flat), .q(side_y)
+  );
+  ik_pick #(.W(W)) u_side_z (
+      .clk(clk), .a(p_w_z_flat), .b(pp_3_m_flat), .use_b(flat), .minus(!back_flat), .q(side_z)
+  );
 
   wire signed [W-1:0] side_x_q;
   wire signed [W-1:0] side_y_q;
   wire signed [W-1:0] side_z_q;
   wire signed [W-1:0] side_x_r;
-  ik_delay #(.W(3*W), .N(T_Q12_I-T_SIDE_X)) u_side_q (
+  ik_ring #(.W(3*W), .N(T_Q12_I-T_SIDE_X)) u_side_q (
       .clk(clk), .d({side_z, side_y, side_x}), .q({side_z_q, side_y_q, side_x_q})
   );
   ik_delay #(.W(W), .N(T_R_X-T_Q12_I)) u_side_x_r (.clk(clk), .d(side_x_q), .q(side_x_r));
@@ -158,10 +168,10 @@ module ik_to_wrist #(
   ik_mul #(.AW(W), .BW(W), .SH(F_SIDE_X+F_R_X-F_SG_R), .OW(WW)) u_sg_r (.clk(clk), .a(side_x_r), .b(r_x), .q(sg_r));
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_J+F_SIDE_Y-F_SG_Y), .OW(WW)) u_sg_y (.clk(clk), .a(q12_j), .b(side_y_q), .q(sg_y));
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_K+F_SIDE_Z-F_SG_Z), .OW(WW)) u_sg_z (.clk(clk), .a(q12_k), .b(side_z_q), .q(sg_z));
-  ik_sum2 #(.IW(WW), .SH(F_SG_Y-F_SG), .OW(W)) u_sg (.clk(clk), .a(sg_y), .b(sg_z), .q(sg), .ovf());
+  ik_sum2 #(.IW(WW), .SH(F_SG_Y-F_SG), .OW(W), .SAT(0)) u_sg (.clk(clk), .a(sg_y), .b(sg_z), .q(sg), .ovf());
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_I+F_SG-1-F_SG_G), .OW(WW)) u_sg_g (.clk(clk), .a(q12_i_g), .b(sg), .q(sg_g));
   ik_delay #(.W(WW), .N(T_SG_R-T_SG_G)) u_sg_g_r (.clk(clk), .d(sg_g), .q(sg_g_r));
-  ik_sum2 #(.IW(WW), .SH(F_SG_R-F_SIGN), .OW(WW), .SUB_B(1)) u_sign (
+  ik_sum2 #(.IW(WW), .SH(F_SG_R-F_SIGN), .OW(WW), .SUB_B(1), .SAT(0)) u_sign (
       .clk(clk), .a(sg_g_r), .b(sg_r), .q(sign), .ovf()
   );
 
@@ -181,9 +191,11 @@ module ik_to_wrist #(
       .clk(clk), .n({1'b0, h3_m}), .q(q3_abs), .neg()
   );
   wire negative_abs;
-  reg signed [W-1:0] q3_k;
+  wire signed [W-1:0] q3_k;
   ik_delay #(.W(1), .N(T_Q3_ABS-T_SIGN)) u_negative_abs (.clk(clk), .d(sign[WW-1]), .q(negative_abs));
-  always @(posedge clk) q3_k <= negative_abs ? -q3_abs : q3_abs;  // 0 counts as positive: both signs are right there
+  ik_pick #(.W(W)) u_q3_k (  // 0 counts as positive: both signs are right there
+      .clk(clk), .a(q3_abs), .b(q3_abs), .use_b(1'b1), .minus(negative_abs), .q(q3_k)
+  );
 
   // ---- (18) Qs = Q12 Q3 ----
 
@@ -193,7 +205,7 @@ module ik_to_wrist #(
   wire signed [W-1:0] q12_i_k;
   wire signed [W-1:0] q12_j_k;
   wire signed [W-1:0] q12_k_k;
-  ik_delay #(.W(3*W), .N(T_Q3_SCALAR-T_Q12_I)) u_q12_s (
+  ik_ring #(.W(3*W), .N(T_Q3_SCALAR-T_Q12_I)) u_q12_s (
       .clk(clk), .d({q12_k, q12_j, q12_i}), .q({q12_k_s, q12_j_s, q12_i_s})
   );
   ik_delay #(.W(3*W), .N(T_Q3_K-T_Q3_SCALAR)) u_q12_k (
@@ -218,14 +230,14 @@ module ik_to_wrist #(
   wire signed [WW-1:0] i_is_k;
   wire signed [WW-1:0] j_js_k;
   ik_delay #(.W(2*WW), .N(T_I_JK-T_I_IS)) u_js_k (.clk(clk), .d({j_js, i_is}), .q({j_js_k, i_is_k}));
-  ik_sum2 #(.IW(WW), .SH(F_W_KK-F_QS_W), .OW(W), .SUB_B(1)) u_qs_w (
+  ik_sum2 #(.IW(WW), .SH(F_W_KK-F_QS_W), .OW(W), .SUB_B(1), .SAT(0)) u_qs_w (
       .clk(clk), .a({WW{1'b0}}), .b(w_kk), .q(qs_w), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_I_JK-F_QS_I), .OW(W)) u_qs_i (.clk(clk), .a(i_is_k), .b(i_jk), .q(qs_i), .ovf());
-  ik_sum2 #(.IW(WW), .SH(F_J_IK-F_QS_J), .OW(W), .SUB_B(1)) u_qs_j (
+  ik_sum2 #(.IW(WW), .SH(F_I_JK-F_QS_I), .OW(W), .SAT(0)) u_qs_i (.clk(clk), .a(i_is_k), .b(i_jk), .q(qs_i), .ovf());
+  ik_sum2 #(.IW(WW), .SH(F_J_IK-F_QS_J), .OW(W), .SUB_B(1), .SAT(0)) u_qs_j (
       .clk(clk), .a(j_js_k), .b(j_ik), .q(qs_j), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_K_KS-F_QS_K), .OW(W)) u_qs_k (
+  ik_sum2 #(.IW(WW), .SH(F_K_KS-F_QS_K), .OW(W), .SAT(0)) u_qs_k (
       .clk(clk), .a({WW{1'b0}}), .b(k_ks), .q(qs_k), .ovf()
   );
 

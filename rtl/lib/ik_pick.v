@@ -1,0 +1,24 @@
+// Exact, any format: q = a, or b with either sign. -b is modulo 2^W.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Choice and sign change by one carry chain, a LUT a bit: the chosen word, inverted, plus 1.
+// Latency: 1 clock (LAT_MUX).
+`default_nettype none
+
+module ik_pick #(
+    parameter integer W = 32  // width of the words
+) (
+    input  wire                clk,
+    input  wire signed [W-1:0] a,
+    input  wire signed [W-1:0] b,
+    input  wire                use_b,
+    input  wire                minus,  // of b
+    output reg  signed [W-1:0] q
+);
+
+  wire [W-1:0] word = use_b ? (b ^ {W{minus}}) : a;
+  always @(posedge clk) q <= word + {{(W - 1) {1'b0}}, use_b & minus};
+
+endmodule
+
+`default_nettype wire
