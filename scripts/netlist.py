@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A datapath as Yosys elaborates it: which operator drives a node's signal, and from which nodes its operands come.
 
-Wires are followed bit by bit through `ik_delay`, ports, concatenations and shifts by a constant. What is found is the
+Wires are followed bit by bit through delays, ports, concatenations and shifts by a constant. What is found is the
 design that is built, parameters included, and not a list that somebody keeps beside it.
 """
 
@@ -10,6 +10,12 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from functools import cached_property
+
+DELAYS = ("ik_delay", "ik_ring")
+"""Modules whose q is their d of N clocks before."""
+
+OWN = ("ik_pick",)
+"""Modules that are a section's own logic: their instances are proved with the section."""
 
 HIERARCHY = ("ik_lean_root",)
 """Modules besides the sections that are entered; what is inside another module is that module's own affair."""
@@ -90,7 +96,7 @@ class Netlist:
     def _enter(self, path: str) -> None:
         for name, cell in self.modules[self.paths[path]]["cells"].items():
             kind = self.source_name(cell["type"])
-            if kind in HIERARCHY or (path == "" and kind != "ik_delay" and not kind.startswith("$")):
+            if kind in HIERARCHY or (path == "" and kind not in DELAYS and not kind.startswith("$")):
                 inner = f"{path}.{name}".lstrip(".")
                 self.paths[inner] = cell["type"]
                 self._enter(inner)
@@ -131,6 +137,10 @@ class Netlist:
             for path, module in self.paths.items()
         }
 
+    def _operator(self, cell: dict) -> bool:
+        """Whether a cell is an instance that is no part of the logic around it."""
+        return cell["type"] in self.modules and self.source_name(cell["type"]) not in OWN
+
     def _is_output(self, cell: dict, port: str) -> bool:
         if cell["type"] in self.modules:
             return self.modules[cell["type"]]["ports"][port]["direction"] == "output"
@@ -163,10 +173,10 @@ class Netlist:
             inner = f"{path}.{name}".lstrip(".")
             if inner in self.paths:
                 path, bit = inner, self.modules[cell["type"]]["ports"][port]["bits"][index]
-            elif self.source_name(cell["type"]) == "ik_delay":
+            elif self.source_name(cell["type"]) in DELAYS:
                 bit = cell["connections"]["d"][index]
                 clocks += self.parameters(cell["type"])["N"]
-            elif cell["type"] in self.modules:
+            elif self._operator(cell):
                 return Bit("cell", inner, index, port, clocks)
             else:
                 return Bit("local", path, index, port, clocks)
@@ -244,7 +254,7 @@ class Netlist:
 
         def outside(bit) -> bool:
             driver = self._drivers[path].get(bit)
-            return bit in self._inputs[path] or (driver is not None and cells[driver[0]]["type"] in self.modules)
+            return bit in self._inputs[path] or (driver is not None and self._operator(cells[driver[0]]))
 
         return all(map(outside, bits))
 

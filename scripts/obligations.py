@@ -27,7 +27,7 @@ from scripts import exact_values
 from scripts.env import ROOT
 from scripts.exact_values import SECTIONS, UNSIGNED, properties
 from scripts.formal import tool
-from scripts.netlist import Driver, Netlist, NetlistError, Operand, load
+from scripts.netlist import OWN, Driver, Netlist, NetlistError, Operand, load
 from scripts.unrolled import Answer, Unrolled, ask
 
 PROPERTIES = ROOT / "tb" / "formal" / "ranges"
@@ -359,8 +359,10 @@ class Design:
             (self.place / "section").mkdir(exist_ok=True)
             self._append(name, properties(section), self.place / "section")
             sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
-            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {self._here}/section/{section}.v"]
-            lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc", "delete t:ik_*"]
+            own = " ".join(f"{self._here}/rtl/lib/{module}.v" for module in OWN)
+            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {self._here}/section/{section}.v {own}"]
+            lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc"]
+            lines += [f"delete t:ik_* {' '.join(f't:{module} %d' for module in OWN)}"]
             lines += self._formula(files[section, ()])
         self._yosys("formulas", lines)
         for key, name in files.items():
@@ -414,6 +416,7 @@ class Design:
         if "SH" not in driver.values:
             return 0
         ports = {"ik_div": "nd", "ik_root": "n"}.get(driver.module, "ab")
+        ports = "aa" if driver.values.get("SQUARE") else ports
         parts = [self.netlist.operand(driver.path, port) for port in ports]
         fracs = [self.nodes[p.node].format.frac + p.shift for p in parts if p.node]
         own, given = self.nodes[name].format.frac, driver.values["SH"]
@@ -482,20 +485,21 @@ class Design:
         module, parameters = key
         if module not in ("ik_mul", "ik_mul3", "ik_exact"):
             return []
-        formula, values = self.unrolled[key], dict(parameters)
-        width = formula.widths
+        width, values = self.unrolled[key].local, dict(parameters)
+        square = bool(values.get("SQUARE"))
+        if "product" in width:  # one tile
+            facts = [word("a", values["AW"]), word("b", values["BW"]), *(["(= b a)"] if square else [])]
+            return [("product fits", integers("a b", facts, word("(* a b)", width["product"])))]
         low = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
         high = {side: width[f"ghost_{side}_hi"] for side in "ab"}
-        square = bool(values.get("SQUARE"))
         facts = [word(f"{s}h", high[s]) for s in "ab"] + [inside(f"{s}l", 0, (1 << low[s]) - 1) for s in "ab"]
         facts += ["(= bh ah)", "(= bl al)"] if square else []
         names = "ah al bh bl"
-        lh = "g_product.lh" if module == "ik_exact" else "lh"
-        tiles = [("hh", "(* ah bh)"), ("hl", "(* ah bl)")] + ([] if square else [(lh, "(* al bh)")])
+        tiles = [("hh", "(* ah bh)"), ("hl", "(* ah bl)")] + ([] if square else [("lh", "(* al bh)")])
         found = [(f"{tile} fits", integers(names, facts, word(product, width[tile]))) for tile, product in tiles]
         if module != "ik_mul3":
             # the sum takes its low bits beside hh
-            most = (1 << (low["a"] + low["b"])) - 1
+            most = (1 << min(low["a"] + low["b"], width["ll"])) - 1
             found.append(("ll fits", integers(names, facts, inside("(* al bl)", 0, most))))
         if module == "ik_exact":
             both = "(+ (* ah bl) (* al bh))"
@@ -503,6 +507,8 @@ class Design:
         a, b = (f"(+ (* {1 << low[s]} {s}h) {s}l)" for s in "ab")
         outer = f"(+ (* {1 << (low['a'] + low['b'])} ah bh) (* al bl))"
         inner = f"(+ (* {1 << low['a']} ah bl) (* {1 << low['b']} al bh))"
+        if square:  # the operands are one, and hl counts twice
+            a, outer, inner = b, outer.replace("a", "b"), f"(* {1 << (low['b'] + 1)} bh bl)"
         found.append(("tiles make a b", integers(names, [], f"(= (* {a} {b}) (+ {outer} {inner}))")))
         return found
 

@@ -55,6 +55,12 @@ class Unrolled:
         self._clock, self._step = plain[:place], plain[place:]
 
     @cached_property
+    def local(self) -> dict[str, int]:
+        """The widths again, by the names that signals have in the block that declares them, where these are theirs alone."""
+        short = [name.rpartition(".")[2] for name in self.widths]
+        return {name: width for name, width in zip(short, self.widths.values(), strict=True) if short.count(name) == 1}
+
+    @cached_property
     def _made(self) -> dict[int, str]:
         return {}
 

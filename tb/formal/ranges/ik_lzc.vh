@@ -25,4 +25,5 @@ endgenerate
 always @* if (ghost_age == 2'd2) begin
   guard_bits : assert (&ghost_fits);
   count_fits : assert (count < W);
+  none : assert (empty == (ghost_2 == {(N * W) {1'b0}}));
 end
