@@ -50,13 +50,19 @@ class Bug:
     old: str
     new: str
     fails: str = "does not fit"
+    width: int = FULL
 
 
 LIB, PAPER, LEAN = "rtl/lib/", "rtl/paper/", "rtl/lean/"
 HEADER = f"{PAPER}ik_paper_nodes.vh"
 BUGS = (
     # formats and wiring
-    Bug("sum with an integer bit too few", "paper", "s", HEADER, "F_S = W - 3,", "F_S = W - 2,"),
+    Bug("sum with an integer bit too few", "paper", "inf_pp", HEADER, "F_INF_PP = W - 6,", "F_INF_PP = W - 5,"),
+    Bug("sum without saturation, an integer bit too few", "paper", "s", HEADER, "F_S = W - 3,", "F_S = W - 2,"),
+    Bug(
+        "no saturation where the range counts on it", "paper", "t_e",
+        f"{PAPER}ik_elbow_q.v", ".OW(W)) u_t_e (", ".OW(W), .SAT(0)) u_t_e (", "no saturation",
+    ),
     Bug("product with an integer bit too few", "paper", "cb_x", HEADER, "F_CB_X = W - 2,", "F_CB_X = W - 1,"),
     Bug("quotient with an integer bit too few", "paper", "pi_inv", HEADER, "F_PI_INV = W - 3,", "F_PI_INV = W - 2,"),
     Bug("root with an integer bit too few", "paper", "l_sw", HEADER, "F_L_SW = W - 2,", "F_L_SW = W - 1,"),
@@ -74,26 +80,39 @@ BUGS = (
     ),
     # ik_sum2, ik_sum3
     Bug(
-        "no guard bit for the rounding", "paper", "rho", f"{LIB}ik_sum2.v",
+        "no guard bit for the rounding", "paper", "tmp1", f"{LIB}ik_sum2.v",
         "(IW + 2 > OW + SH) ? (IW + 2)", "(IW + 1 > OW + SH) ? (IW + 1)", "bound",
     ),
     Bug(
-        "b extended by zeros", "paper", "rho", f"{LIB}ik_sum2.v",
+        "b extended by zeros", "paper", "tmp1", f"{LIB}ik_sum2.v",
         "b_x = {{(RW - IW) {b[IW-1]}}, b}", "b_x = {{(RW - IW) {1'b0}}, b}", "saturates",
     ),
-    Bug("c extended by a zero", "paper", "r_x", f"{LIB}ik_sum3.v", "{c[IW-1], c}", "{1'b0, c}", "bound"),
+    Bug("rounds down", "paper", "rho", f"{LIB}ik_sum2.v", "$signed(sum + HALF)", "$signed(sum)", "modulo"),
+    Bug("c extended by a zero", "paper", "pp_pm", f"{LIB}ik_sum3.v", "{c[IW-1], c}", "{1'b0, c}", "bound"),
     # ik_mul
     Bug(
         "register of the high tile a bit too short", "paper", "s_x", f"{LIB}ik_mul.v",
         "reg signed [AH+BH-1:0] hh;", "reg signed [AH+BH-2:0] hh;", "hh fits",
     ),
     Bug(
-        "tile extended by zeros", "paper", "s_x", f"{LIB}ik_mul.v",
-        "{{(PW - AL - BH - 1) {lh[AL+BH]}}, lh}", "{{(PW - AL - BH - 1) {1'b0}}, lh}", "recombined",
+        "tile extended by zeros", "paper", "a_x", f"{LIB}ik_mul.v",
+        "{{(PW - AL - BH) {lh[AL+BH-1]}}, lh}", "{{(PW - AL - BH) {1'b0}}, lh}", "recombined",
     ),
     Bug(
         "low half taken for signed", "paper", "s_x", f"{LIB}ik_mul.v",
         "wire signed [AL:0] a_lo = {1'b0,", "wire signed [AL:0] a_lo = {a_q[AL-1],", "tile_ll",
+    ),
+    Bug(
+        "register of the low tile a bit too short", "paper", "a_x", f"{LIB}ik_mul.v",
+        "reg [AL+BL-1:0] ll;", "reg [AL+BL-2:0] ll;", "ll fits",
+    ),
+    Bug(
+        "mixed tile of a square taken once", "paper", "s_x", f"{LIB}ik_mul.v",
+        "hl_x <<< (AL + 1)", "hl_x <<< AL", "recombined",
+    ),
+    Bug(
+        "register of the only tile a bit too short", "paper", "a_x", f"{LIB}ik_mul.v",
+        "reg signed [PW-1:0] product;", "reg signed [PW-2:0] product;", "product fits", SWEEP,
     ),
     # ik_mul3
     Bug(
@@ -120,16 +139,26 @@ BUGS = (
     ),
     Bug("a place too far", "paper", "p_w_x", f"{LIB}ik_norm.v", "<< room;", "<< (room + 6'd1);", "guard_bits"),
     Bug("one too many", "paper", "lz_r", f"{LIB}ik_lzc.v", "room = W - 2 - i;", "room = W - 1 - i;", "guard_bits"),
+    Bug(
+        "-1 taken for nothing", "paper", "p_w_x", f"{LIB}ik_lzc.v",
+        "{(W - 1) {1'b0}}) && !minus;", "{(W - 1) {1'b0}});", "guard_bits",
+    ),
     Bug("no limit at 1", "paper", "h3_p", f"{LIB}ik_half.v", "else if (u[W-1:0] > TOP) q <= TOP;", "", "limited"),
     Bug(
         "shifts zeros in", "lean", "v_a_raw", f"{LIB}ik_shift.v",
         "(d >>> {count[5:3], 3'b000})", "(d >> {count[5:3], 3'b000})", "modulo",
     ),
     Bug(
+        "a power of two too short", "paper", "d_1_sh", f"{LIB}ik_shift.v",
+        "16'd1 << count[3:0]", "16'd1 << count[2:0]", "modulo",
+    ),
+    Bug(
         "a bit too short inside", "lean", "k_t", f"{LIB}ik_shift3.v",
         "TOP = DROP + OW;", "TOP = DROP + OW - 1;", "modulo",
     ),
-    # what sections compute themselves
+    # what sections compute themselves, ik_pick included
+    Bug("a changed with b's sign", "paper", "side_x", f"{LIB}ik_pick.v", "use_b & minus}", "minus}"),
+    Bug("inverted only", "paper", "q3_k", f"{LIB}ik_pick.v", "use_b & minus}", "1'b0}"),
     Bug("wraps", "paper", "d_sum", f"{PAPER}ik_elbow.v", "d_sum <= d_1 + d_2;", "d_sum <= d_1 + d_1 + d_2;"),
     Bug("extended by a zero", "paper", "r_raw", f"{PAPER}ik_guard.v", "d1_x = {d1[W-1], d1}", "d1_x = {1'b0, d1}"),
     Bug("no limit", "paper", "h", f"{PAPER}ik_to_elbow.v", "(h_sum[W:W-1] != 2'b00)", "1'b0"),
@@ -214,8 +243,9 @@ def seed(number: int, runs: dict[str, Run], pool: Executor) -> str:
     bug = BUGS[number]
     place = BUILD / f"bug{number}"
     try:
-        like = runs[bug.datapath].design if bug.file.startswith(LIB) and bug.datapath in runs else None
-        design = Design(bug.datapath, FULL, place, (bug.file, bug.old, bug.new), like)
+        inside = bug.file.startswith(LIB) and bug.datapath in runs and bug.width == FULL
+        like = runs[bug.datapath].design if inside else None
+        design = Design(bug.datapath, bug.width, place, (bug.file, bug.old, bug.new), like)
         row = design.run([bug.node], pool, lambda problem: None)[0]
     except LookupError as error:
         return f"cannot be seeded: {error}"

@@ -360,7 +360,8 @@ class Design:
             self._append(name, properties(section), self.place / "section")
             sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
             own = " ".join(f"{self._here}/rtl/lib/{module}.v" for module in OWN)
-            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {self._here}/section/{section}.v {own}"]
+            read = f"{self._here}/section/{section}.v {own}"
+            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {read}"]
             lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc"]
             lines += [f"delete t:ik_* {' '.join(f't:{module} %d' for module in OWN)}"]
             lines += self._formula(files[section, ()])
@@ -562,6 +563,8 @@ class Design:
                 self._quotient(row, name, driver)
             elif driver.module:
                 self._operator(row, name, driver)
+                if driver.values.get("SAT") == 0 and name in ranges.BY_DESIGN:
+                    row.problem = "no saturation, which its range counts on"
             else:
                 self._local(row, name, driver)
             if not row.problem:

@@ -56,7 +56,7 @@ class Unrolled:
 
     @cached_property
     def local(self) -> dict[str, int]:
-        """The widths again, by the names that signals have in the block that declares them, where these are theirs alone."""
+        """The widths by the names that signals have in the block that declares them, but of names that two share."""
         short = [name.rpartition(".")[2] for name in self.widths]
         return {name: width for name, width in zip(short, self.widths.values(), strict=True) if short.count(name) == 1}
 
