@@ -19,7 +19,10 @@ module \$__XILINX_SHREG_ (input C, input D, input [31:0] L, input E, output Q, o
       // up to four clocks more are flip-flops
       wire [DEPTH-16:0] line;
       SRL16E first (.A0(1'b1), .A1(1'b1), .A2(1'b1), .A3(1'b1), .CE(E), .CLK(C), .D(D), .Q(line[0]));
-      FDRE rest[DEPTH-17:0] (.C(C), .CE(E), .D(line[DEPTH-17:0]), .Q(line[DEPTH-16:1]), .R(1'b0));
+      genvar k;
+      for (k = 1; k <= DEPTH - 16; k = k + 1) begin : rest
+        FDRE place (.C(C), .CE(E), .D(line[k-1]), .Q(line[k]), .R(1'b0));
+      end
       assign Q = line[DEPTH-16];
     end else begin
       wire next;
