@@ -314,6 +314,9 @@ How to read the tables:
   lies in the range of the node's row; that it does is proved in `model/ranges.py` and `model/lean_ranges.py`, not by
   the solver. What the solver proves is that the RTL, with its formats, carries such a result: no bit too few, no sign
   lost. **limited**: the node holds a bound on purpose, and the proof says exactly which.
+- *SAT=0*: a sum without saturation. If it did not fit it would wrap, and nothing would say so. The proof is that of any
+  other sum, from the same ranges: the exact, rounded sum is the word. {unsaturated} That of a node which saturates on
+  purpose is refused.
 - *in range*: why the result lies in the range of its own row, which is what the next operator takes for granted:
   operands, or a rule (*{cases}*: the table's own case distinction).
 - *engine*: **bit vectors**: the module with properties (`tb/formal/ranges`), unrolled over as many clocks as stand
@@ -324,10 +327,12 @@ How to read the tables:
 - Of the lean datapath the ranges are those of targets that are not clamped; so they are of the paper's shifts
   ({wraps}).
   Of a clamped target these words are cut off and not used.
-- *made of*: traced bit by bit through delays, ports and extensions of the netlist; it must be what the model makes the
+- *made of*: traced bit by bit through delays (`ik_delay`, and `ik_ring`, whose N clocks are taken from its parameter
+  here and tested in `tb/test_ik_delay.py`), ports and extensions of the netlist; it must be what the model makes the
   node of. And it must be of one target: clock of the source (`model/dataflow.py`) plus delays on the way plus clocks of
   the operator are the clock of the node, for every operand of every row (netlist, no solver; the operators' own clocks
   are those of their properties, but for dividers, roots, CORDIC, `ik_rsqrt` and `ik_trig`).
+- `ik_pick` is no operator here: its instances are part of the logic of their section, and are proved with it.
 - *time*: seconds of z3 for this node alone. Equal questions (x, y and z often are) are asked once.
 """
 
@@ -335,10 +340,11 @@ METHOD = """## Products
 
 A product of 32-bit words is out of reach for a solver of bits. It is split where the RTL splits it:
 
-1. bit vectors, per operator and parameters: the tile registers hold the products of the halves of the operands of two
-   clocks before (`tile_hh`, `tile_hl`, ...), at the width that they have in the netlist; and the result is the sum of
-   the tiles, *any* values that they may have (`recombined`);
-2. integers: each product of halves fits its register (`hh fits`, ...), so nothing is lost in 1; the tiles make a b;
+1. bit vectors, per operator and parameters: the tile registers hold the products of the parts of the operands of two
+   clocks before (`tile_hh`, `tile_hl`, ...; `tile` where one is enough, up to 18 bits), at the width that they have in
+   the netlist; and the result is the sum of the tiles, *any* values that they may have (`recombined`). With SQUARE=1
+   the operand is a alone, and hl counts twice;
+2. integers: each product of parts fits its register (`hh fits`, ...), so nothing is lost in 1; the tiles make a b;
 3. integers, per node: with a and b in their ranges the product is within its corners, and its rounded sum of tiles
    fits the word and the row. `ik_mul3` leaves out the low tile: it is any number in its range here.
 
@@ -414,6 +420,16 @@ def _count(run: Run) -> dict[str, int]:
     }
 
 
+def unsaturated(runs: list[Run]) -> str:
+    """How many sums have no saturation, and why they fit."""
+    rows = [(row, run) for run in runs for row in run.rows if "SAT=0" in row.parameters]
+    rules = [f"`{row.node}`" for row, run in rows if row.fits == run.design.ranges[row.node].rule]
+    return (
+        f"There are {len(rows)}: {len(rows) - len(rules)} fit by their operands' ranges and {len(rules)} by a rule, "
+        f"with what the table proves of them ({', '.join(rules)})."
+    )
+
+
 def sweep_text(sweeps: list[Sweep]) -> list[str]:
     """What came out with every format a bit shorter."""
     lines = [f"And every operator that rounds, at W = {SWEEP}, with a result of one integer bit less:", ""]
@@ -439,7 +455,7 @@ def page(
     lines = [
         INTRODUCTION.format(
             today=date.today().isoformat(), tools=tools, seconds=seconds, full=FULL, summary=summary, others=others,
-            cases=CASES, wraps=wraps,
+            cases=CASES, wraps=wraps, unsaturated=unsaturated(first),
         )
     ]  # fmt: skip
     for run in first:

@@ -62,7 +62,14 @@ def test_bug_can_be_seeded(bug):
 
 def test_every_kind_of_operator_is_seen_failing():
     broken = {bug.file.split("/")[-1].removesuffix(".v") for bug in formal_ranges.BUGS}
-    assert set(obligations.CLOCKS) - broken == set()
+    assert {*obligations.CLOCKS, *netlist.OWN} - broken == set()
+
+
+def test_every_shape_of_product_and_sum_is_seen_failing():
+    failing = {(bug.file, bug.fails) for bug in formal_ranges.BUGS}
+    wanted = {("ik_mul", "product fits"), ("ik_mul", "ll fits"), ("ik_sum2", "bound"), ("ik_sum2", "modulo")}
+    assert {(f"rtl/lib/{module}.v", fails) for module, fails in wanted} <= failing
+    assert "no saturation" in {fails for _, fails in failing}
 
 
 def test_nothing_is_assumed_in_the_properties():
@@ -102,10 +109,10 @@ def test_corners_bound_every_product(square):
         assert square or low == min(products)
 
 
-def tiny(bits_of_b):
+def tiny(bits_of_b, module="ik_delay"):
     """A top with a section u_s, in which node b is what `bits_of_b` says of node a (bits 2 to 5), delayed."""
     delay = {
-        "attributes": {"hdlname": "ik_delay"}, "parameter_default_values": {"N": "11", "W": "100"}, "cells": {},
+        "attributes": {"hdlname": module}, "parameter_default_values": {"N": "11", "W": "100"}, "cells": {},
         "ports": {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [6]}}, "netnames": {},
     }  # fmt: skip
     section = {
@@ -122,9 +129,24 @@ def tiny(bits_of_b):
     return found.value("b", "u_s", bits_of_b)
 
 
-def test_operand_is_found_behind_delay_shift_and_extension():
-    found = tiny(["0", "0", 6, 7, 8, 9, 9])
+@pytest.mark.parametrize("module", netlist.DELAYS)
+def test_operand_is_found_behind_delay_shift_and_extension(module):
+    found = tiny(["0", "0", 6, 7, 8, 9, 9], module)
     assert found == netlist.Operand("a", shift=2, width=4, clocks=3)
+
+
+@pytest.mark.parametrize(("module", "outside"), [*((m, False) for m in netlist.OWN), ("ik_mul", True)])
+def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
+    """Its results must not be assumed to be in range: they are what is proved."""
+    ports = {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [3]}}
+    inner = {"attributes": {"hdlname": module}, "cells": {}, "netnames": {}, "ports": ports}
+    cell = {"type": "inner", "connections": {"d": [2], "q": [3]}}
+    top = {"attributes": {}, "ports": {}, "netnames": {}, "cells": {"u_s": {"type": "s", "connections": {}}}}
+    section = {"attributes": {}, "ports": {}, "netnames": {"q": {"bits": [3]}}, "cells": {"u_q": cell}}
+    design = {"modules": {"top": top, "s": section, "inner": inner}}
+    found = netlist.Netlist(design, "top", {"q": ("u_s", 1)}, {"q": True})
+    assert found.from_outside("u_s", [3]) == outside
+    assert (found.driver("q").module == module) == outside
 
 
 def test_constant_is_signed():
