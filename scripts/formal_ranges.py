@@ -315,8 +315,9 @@ How to read the tables:
   the solver. What the solver proves is that the RTL, with its formats, carries such a result: no bit too few, no sign
   lost. **limited**: the node holds a bound on purpose, and the proof says exactly which.
 - *SAT=0*: a sum without saturation. If it did not fit it would wrap, and nothing would say so. The proof is that of any
-  other sum, from the same ranges: the exact, rounded sum is the word. {unsaturated} That of a node which saturates on
-  purpose is refused.
+  other sum, from the same ranges: the exact, rounded sum is the word.
+  {unsaturated}
+  One in place of a sum that saturates on purpose is refused.
 - *in range*: why the result lies in the range of its own row, which is what the next operator takes for granted:
   operands, or a rule (*{cases}*: the table's own case distinction).
 - *engine*: **bit vectors**: the module with properties (`tb/formal/ranges`), unrolled over as many clocks as stand
@@ -333,6 +334,7 @@ How to read the tables:
   the operator are the clock of the node, for every operand of every row (netlist, no solver; the operators' own clocks
   are those of their properties, but for dividers, roots, CORDIC, `ik_rsqrt` and `ik_trig`).
 - `ik_pick` is no operator here: its instances are part of the logic of their section, and are proved with it.
+- What a section computes itself is asked in each case of the one-bit signals that it depends on.
 - *time*: seconds of z3 for this node alone. Equal questions (x, y and z often are) are asked once.
 """
 

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 from model import lean_ranges, ranges
@@ -200,6 +201,11 @@ class Lemma:
         return f"{self.module}: {', '.join(bad)}" if bad else ""
 
 
+def _words(expression: str) -> list[str]:
+    """The names in a Verilog expression, each once."""
+    return list(dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)))
+
+
 def spell(parameters: tuple) -> str:
     """AW=32, BW=32, ..."""
     return ", ".join(f"{name}={value}" for name, value in parameters)
@@ -257,6 +263,18 @@ class Question:
     rule: list[str]
     fits: list[str]
     in_range: str
+    cases: tuple[str, ...] = ()  # conditions: asked apart where they hold and where not, which is easier
+
+    def ask(self, assumed: list[str], claims: list[str]) -> Answer:
+        """What z3 says, "unsat" where it says so in every case."""
+        seconds = 0.0
+        for values in product((True, False), repeat=len(self.cases)):
+            case = [c if value else f"(not {c})" for c, value in zip(self.cases, values, strict=True)]
+            answer = ask(self.text([*assumed, *case], claims))
+            seconds += answer.seconds
+            if answer.said != "unsat":
+                break
+        return Answer(answer.said, seconds)
 
 
 # -- a design --------------------------------------------------------------------------------------------------------
@@ -450,7 +468,7 @@ class Design:
         """The nodes behind the signals that an expression of a section names."""
         wires = self.netlist.modules[self.netlist.paths[path]]["netnames"]
         found = []
-        for signal in dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)):
+        for signal in _words(expression):
             if signal in wires:
                 own = self.netlist.homes.get(signal, ("", 0))[0] == path
                 bits = wires[signal]["bits"]
@@ -519,7 +537,7 @@ class Design:
         tries = [(False, True), (False, False)] + ([(True, True)] if own.rule else [])
         for ruled, ranged in tries:
             assumed = question.facts + question.rule * ruled
-            answer = ask(question.text(assumed, [*question.fits, *[question.in_range] * ranged]))
+            answer = question.ask(assumed, [*question.fits, *[question.in_range] * ranged])
             row.seconds += answer.seconds
             if answer.said == "unsat":
                 if (met := ask(question.text(assumed, ["false"])).said) != "sat":
@@ -758,7 +776,9 @@ class Design:
         ruled = self._ruled(formula, f"exact_{name}", self.table[name], depth)
 
         text = self._text(formula, depth)
-        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range))
+        one_bit = (s for s in _words(values[name].expression) if formula.widths.get(s) == 1)
+        cases = tuple(formula.at(signal, 0) for signal in one_bit)
+        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases))
         if values[name].limited and not row.problem:
             row.fits += f"; limited: {values[name].limited}"
 

@@ -212,6 +212,19 @@ def test_integers_bound_a_rounded_product(bits, said):
     assert ask(integers("p v", facts, word("v", bits))).said == said
 
 
+@needs_tools
+@pytest.mark.parametrize(("claim", "said"), [("(or c (= n 1))", "sat"), ("(=> c (= n 1))", "unsat")])
+def test_every_case_is_asked(claim, said):
+    """The first claim holds where c does, the second in both cases."""
+
+    def text(facts, claims):
+        facts = "".join(f"(assert {fact})" for fact in facts)
+        return f"(declare-const c Bool)(declare-const n Int){facts}(assert (not (and {' '.join(claims)})))"
+
+    question = obligations.Question("integers", 0, text, [], [], [], "", ("c",))
+    assert question.ask(["(=> c (= n 1))"], [claim]).said == said
+
+
 def test_unknown_node_is_said(capsys):
     assert formal_ranges.main(["--only", "no_such_node"]) == 2
     assert "no node no_such_node" in capsys.readouterr().err
