@@ -13,18 +13,7 @@ import pytest
 from scripts import exhaustive
 from scripts.env import ROOT
 from scripts.exhaustive import FULL, SMALL, Result, main
-
-
-def table(text, heading):
-    """Rows of the table whose first column is called `heading`."""
-    lines = text.splitlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
-    rows = []
-    for line in lines[start + 2 :]:
-        if not line.startswith("|"):
-            break
-        rows.append([cell.strip().strip("`") for cell in line.strip("|").split("|")])
-    return rows
+from scripts.tests.pages import table
 
 
 @pytest.fixture(scope="module")

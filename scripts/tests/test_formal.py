@@ -11,26 +11,13 @@ import pytest
 
 from scripts import formal
 from scripts.env import ROOT
+from scripts.tests.pages import table
 
 NAMES = [proof.name for proof in formal.PROOFS]
 
 
-def table(text, heading):
-    """Rows of the table whose first column is called `heading`."""
-    lines = text.splitlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
-    rows = []
-    for line in lines[start + 2 :]:
-        if not line.startswith("|"):
-            break
-        rows.append([cell.strip().strip("`") for cell in line.strip("|").split("|")])
-    return rows
-
-
 @pytest.fixture(scope="module")
 def text():
-    if not formal.PAGE.exists():
-        pytest.skip("there is no docs/proofs.md yet: run make formal")
     return formal.PAGE.read_text()
 
 
