@@ -11,7 +11,7 @@ import time
 import pytest
 
 from scripts import exhaustive
-from scripts.env import ROOT
+from scripts.env import ROOT, environment
 from scripts.exhaustive import FULL, SMALL, Result, main
 from scripts.tests.pages import table
 
@@ -224,5 +224,6 @@ def test_the_command_is_there():
 
 
 def test_make_passes_to_it():
-    done = subprocess.run(["make", "-n", "exhaustive"], cwd=ROOT, capture_output=True, text=True, check=True)
+    command = ["make", "-n", "exhaustive"]
+    done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
     assert "scripts/bootstrap.py verilator" in done.stdout and done.stdout.rstrip().endswith("-m scripts.exhaustive")

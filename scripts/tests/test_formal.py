@@ -82,7 +82,13 @@ def test_nothing_is_assumed_but_the_writers_contract():
     assert found == [("ik_fifo.vh", "f_contract : ")]
 
 
-def test_page_of_results():
+@pytest.fixture
+def versions(monkeypatch):
+    """Of tools that need not be installed."""
+    monkeypatch.setattr(formal.metadata, "version", lambda name: "1.2.3")
+
+
+def test_page_of_results(versions):
     """The page that a full run writes, here of results without a proof."""
     results = [formal.Result(p, total=2.0, bugs=[(bug, 1.0) for bug in p.bugs]) for p in formal.PROOFS]
     made = formal.page(results, {"rtl/x.v": "0123"})
@@ -163,7 +169,7 @@ def test_result_is_kept_while_nothing_changes(monkeypatch, tmp_path):
     assert [tuple(cover) for cover in again.covers] == [("7", "full")] and again.failed == []
 
 
-def test_key_depends_on_sources_questions_and_tactic(monkeypatch):
+def test_key_depends_on_sources_questions_and_tactic(versions, monkeypatch):
     first = formal.key(formal.PROOFS[0])
     assert first == formal.key(formal.PROOFS[0]) != formal.key(formal.PROOFS[1])
     monkeypatch.setattr(formal, "TACTIC", "smt")
