@@ -1,9 +1,9 @@
-// Rounds half up, without the product of the low parts: q = a * b / 2^SH, at most 3/2 places too small, all signed.
+// Rounds half up, without the product of the low parts: q = a * b / 2^SH, less than 2^UP + 1/2 places too small, signed.
 // SPDX-License-Identifier: Apache-2.0
 //
 // a and b are cut so that three of the four tile products, which are kept, have 18x18 bits at most: a after its low SH/2
-// bits, b after the other SH - SH/2, or after more where a word is longer than 18 bits above that. The fourth is less
-// than one place of q, or less than 2^UP where the cuts are higher. Does not saturate: q holds the low OW bits.
+// bits, b after the other SH - SH/2, or after more where a word is longer than 18 bits above that, UP together. The
+// fourth is less than 2^UP places of q. Does not saturate: q holds the low OW bits.
 // Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum.
 `default_nettype none
 

@@ -11,20 +11,9 @@ import time
 import pytest
 
 from scripts import exhaustive
-from scripts.env import ROOT
+from scripts.env import ROOT, environment
 from scripts.exhaustive import FULL, SMALL, Result, main
-
-
-def table(text, heading):
-    """Rows of the table whose first column is called `heading`."""
-    lines = text.splitlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
-    rows = []
-    for line in lines[start + 2 :]:
-        if not line.startswith("|"):
-            break
-        rows.append([cell.strip().strip("`") for cell in line.strip("|").split("|")])
-    return rows
+from scripts.tests.pages import table
 
 
 @pytest.fixture(scope="module")
@@ -235,5 +224,6 @@ def test_the_command_is_there():
 
 
 def test_make_passes_to_it():
-    done = subprocess.run(["make", "-n", "exhaustive"], cwd=ROOT, capture_output=True, text=True, check=True)
+    command = ["make", "-n", "exhaustive"]
+    done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
     assert "scripts/bootstrap.py verilator" in done.stdout and done.stdout.rstrip().endswith("-m scripts.exhaustive")

@@ -11,26 +11,13 @@ import pytest
 
 from scripts import formal
 from scripts.env import ROOT
+from scripts.tests.pages import table
 
 NAMES = [proof.name for proof in formal.PROOFS]
 
 
-def table(text, heading):
-    """Rows of the table whose first column is called `heading`."""
-    lines = text.splitlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
-    rows = []
-    for line in lines[start + 2 :]:
-        if not line.startswith("|"):
-            break
-        rows.append([cell.strip().strip("`") for cell in line.strip("|").split("|")])
-    return rows
-
-
 @pytest.fixture(scope="module")
 def text():
-    if not formal.PAGE.exists():
-        pytest.skip("there is no docs/proofs.md yet: run make formal")
     return formal.PAGE.read_text()
 
 
@@ -95,7 +82,13 @@ def test_nothing_is_assumed_but_the_writers_contract():
     assert found == [("ik_fifo.vh", "f_contract : ")]
 
 
-def test_page_of_results():
+@pytest.fixture
+def versions(monkeypatch):
+    """Of tools that need not be installed."""
+    monkeypatch.setattr(formal.metadata, "version", lambda name: "1.2.3")
+
+
+def test_page_of_results(versions):
     """The page that a full run writes, here of results without a proof."""
     results = [formal.Result(p, total=2.0, bugs=[(bug, 1.0) for bug in p.bugs]) for p in formal.PROOFS]
     made = formal.page(results, {"rtl/x.v": "0123"})
@@ -176,7 +169,7 @@ def test_result_is_kept_while_nothing_changes(monkeypatch, tmp_path):
     assert [tuple(cover) for cover in again.covers] == [("7", "full")] and again.failed == []
 
 
-def test_key_depends_on_sources_questions_and_tactic(monkeypatch):
+def test_key_depends_on_sources_questions_and_tactic(versions, monkeypatch):
     first = formal.key(formal.PROOFS[0])
     assert first == formal.key(formal.PROOFS[0]) != formal.key(formal.PROOFS[1])
     monkeypatch.setattr(formal, "TACTIC", "smt")
