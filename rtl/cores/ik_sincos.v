@@ -28,7 +28,15 @@ module ik_sincos #(
   // ---- angle left to turn ----
 
   // An iteration halves it, so from the third on z has a bit less in each: its sign bit stands for those above.
-  // a +- b is written with one adder and the sign as its carry: a + (b ^ s) + s.
+  // a +- b is written with one adder and the sign as its carry: a + (b ^ s) + s. Below the lowest 1 of an angle, of which
+  // the first, an eighth of a turn, has no other, z stays what it is.
+  function integer zeros(input [XW-1:0] angle);
+    begin
+      zeros = 0;
+      while (zeros < XW - 1 && !angle[zeros]) zeros = zeros + 1;
+    end
+  endfunction
+
   genvar i;
   generate
     for (i = 0; i < W; i = i + 1) begin : g_angle
@@ -36,6 +44,8 @@ module ik_sincos #(
       localparam integer NEXT = (i > 0) ? (XW - i) : XW;
       localparam [TABLE_BITS-1:0] ATAN = (atan_turn(i) + (48'd1 << (DROP - 1))) >> DROP;
       localparam [XW-1:0] ANGLE = ATAN[XW-1:0];
+      localparam integer STAY = zeros(ANGLE);
+      localparam [NEXT-1:0] BELOW = ~({NEXT{1'b1}} << STAY);
       wire [ZW-1:0] z;
       if (i == 0) begin : g_first
         assign z = {phi, {SINCOS_GUARD{1'b0}}};
@@ -44,17 +54,17 @@ module ik_sincos #(
       end
       wire right = z[ZW-1];
       wire left = ~right;
+      wire [NEXT-1:0] step = ANGLE[NEXT-1:0] >> STAY;
+      wire [NEXT-1:0] high = (z[NEXT-1:0] >> STAY) + (step ^ {NEXT{left}}) + {{(NEXT - 1) {1'b0}}, left};
       reg [NEXT-1:0] z_q;
-      always @(posedge clk) begin
-        z_q <= z[NEXT-1:0] + (ANGLE[NEXT-1:0] ^ {NEXT{left}}) + {{(NEXT - 1) {1'b0}}, left};
-      end
+      always @(posedge clk) z_q <= (high << STAY) | (z[NEXT-1:0] & BELOW);
       wire unused = &{1'b0, z_q};  // the last one
     end
   endgenerate
 
   // ---- first iterations of the vector ----
 
-  localparam integer FIRST = 9;
+  localparam integer FIRST = 10;
 
   // {x, y} after FIRST iterations; bit FIRST-1-i of signs: iteration i turns right
   function [2*XW-1:0] vector(input integer signs);

@@ -45,6 +45,11 @@ module ik_mul #(
     end
   endgenerate
 
+  // d + HALF, but for its bit at HALF, which is that of d: it is inverted where the LUT of an adder takes it.
+  function [PW-1:0] half_up(input [PW-1:0] d);
+    half_up = ((d + (d & HALF)) & ~HALF) | (d & HALF);
+  endfunction
+
   // tile products, and the sum of those that do not overlap with half a place; the mixed ones
   wire signed [PW-1:0] outer;
   wire signed [PW-1:0] inner;
@@ -54,9 +59,9 @@ module ik_mul #(
       reg signed [PW-1:0] sum;
       always @(posedge clk) begin
         product <= a_q * b_q;
-        sum     <= product + $signed(HALF);
+        sum     <= half_up(product);
       end
-      assign outer = sum;
+      assign outer = sum ^ HALF;
       assign inner = {PW{1'b0}};
     end else begin : g_tiles
       localparam integer AL = (AW > 18) ? 17 : (AW / 2);  // width of a's low part, unsigned
@@ -75,9 +80,9 @@ module ik_mul #(
         hh  <= a_hi * b_hi;
         hl  <= a_hi * b_lo;
         ll  <= a_lo * b_lo;
-        sum <= {hh, ll} + HALF;
+        sum <= half_up({hh, ll});
       end
-      assign outer = sum;
+      assign outer = sum ^ HALF;
 
       wire signed [PW-1:0] hl_x = {{(PW - AH - BL) {hl[AH+BL-1]}}, hl};
       reg signed [PW-1:0] mixed;

@@ -29,7 +29,8 @@ module ik_sum2 #(
   reg signed  [RW-1:0] sum;
   always @(posedge clk) sum <= (SUB_B != 0) ? (a_x - b_x) : (a_x + b_x);
 
-  wire signed [RW-1:0] rounded = $signed(sum + HALF) >>> SH;
+  // Above HALF's bit, sum + HALF is sum plus that bit of it: no inverter for a bit that is dropped.
+  wire signed [RW-1:0] rounded = $signed(sum + (sum & HALF)) >>> SH;
   wire fits = (rounded[RW-1:OW-1] == {(RW - OW + 1) {rounded[RW-1]}});
   always @(posedge clk) begin
     q   <= (SAT == 0 || fits) ? rounded[OW-1:0] : {rounded[RW-1], {(OW - 1) {~rounded[RW-1]}}};

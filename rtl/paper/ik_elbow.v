@@ -293,7 +293,10 @@ module ik_elbow #(
   wire signed [W-1:0] p_w_x_quo;
   wire signed [W-1:0] p_w_y_quo;
   wire signed [W-1:0] p_w_z_quo;
-  ik_delay #(.W(2), .N(T_E_X_QUO-T_K_E)) u_clamp_quo (.clk(clk), .d({away_k_e, clamp_k_e}), .q({away_quo, clamp_quo}));
+  wire ovf_k_e_q;
+  ik_ring #(.W(3), .N(T_E_X_QUO-T_K_E)) u_clamp_quo (
+      .clk(clk), .d({ovf_k_e, away_k_e, clamp_k_e}), .q({ovf_k_e_q, away_quo, clamp_quo})
+  );
   ik_ring #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_quo (
       .clk(clk), .d({p_w_z_pi, p_w_y_pi, p_w_x_pi}), .q({p_w_z_quo, p_w_y_quo, p_w_x_quo})
   );
@@ -318,21 +321,22 @@ module ik_elbow #(
 
   // ---- what did not fit ----
 
-  wire ovf_k_e_q;
-  wire ovf_inf_pp_q;
-  wire ovf_pp_sq_q;
-  wire ovf_pp_pm_q;
-  wire ovf_tmp1_q;
-  wire [2:0] ovf_num_q;
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_K_E)) u_ovf_k_e_q (.clk(clk), .d(ovf_k_e), .q(ovf_k_e_q));
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_INF_PP)) u_ovf_inf_pp_q (.clk(clk), .d(ovf_inf_pp), .q(ovf_inf_pp_q));
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_PP_SQ)) u_ovf_pp_sq_q (.clk(clk), .d(ovf_pp_sq), .q(ovf_pp_sq_q));
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_PP_PM)) u_ovf_pp_pm_q (.clk(clk), .d(ovf_pp_pm), .q(ovf_pp_pm_q));
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_TMP1)) u_ovf_tmp1_q (.clk(clk), .d(ovf_tmp1), .q(ovf_tmp1_q));
-  ik_delay #(.W(3), .N(T_E_X_QUO-T_E_X_NUM)) u_ovf_num_q (.clk(clk), .d(ovf_num), .q(ovf_num_q));
-  always @(posedge clk) begin
-    sat_elbow <= ovf_k_e_q | ovf_inf_pp_q | ovf_pp_sq_q | ovf_pp_pm_q | ovf_tmp1_q | (|ovf_num_q) | (|ovf_quo);
-  end
+  // One line for all: each flag joins it where it is found.
+  wire ovf_inf_pp_t;
+  wire ovf_pp_sq_t;
+  wire ovf_pp_pm_t;
+  wire ovf_tmp1_num;  // up to tmp1
+  wire ovf_num_quo;  // up to the numerators
+  ik_delay #(.W(1), .N(T_TMP1-T_INF_PP)) u_ovf_inf_pp_t (.clk(clk), .d(ovf_inf_pp), .q(ovf_inf_pp_t));
+  ik_delay #(.W(1), .N(T_TMP1-T_PP_SQ)) u_ovf_pp_sq_t (.clk(clk), .d(ovf_pp_sq), .q(ovf_pp_sq_t));
+  ik_delay #(.W(1), .N(T_TMP1-T_PP_PM)) u_ovf_pp_pm_t (.clk(clk), .d(ovf_pp_pm), .q(ovf_pp_pm_t));
+  ik_delay #(.W(1), .N(T_E_X_NUM-T_TMP1)) u_ovf_tmp1_num (
+      .clk(clk), .d(ovf_inf_pp_t | ovf_pp_sq_t | ovf_pp_pm_t | ovf_tmp1), .q(ovf_tmp1_num)
+  );
+  ik_delay #(.W(1), .N(T_E_X_QUO-T_E_X_NUM)) u_ovf_num_quo (
+      .clk(clk), .d(ovf_tmp1_num | (|ovf_num)), .q(ovf_num_quo)
+  );
+  always @(posedge clk) sat_elbow <= ovf_k_e_q | ovf_num_quo | (|ovf_quo);
 
 endmodule
 

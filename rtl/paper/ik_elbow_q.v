@@ -82,11 +82,11 @@ module ik_elbow_q #(
 
   // A clamped arm is straight (-1) or folded (+1).
   wire clamp_t;
+  wire fold_t;
   wire clamp_quo;
   wire fold_quo;
-  ik_delay #(.W(1), .N(T_T_E-T_CLAMP)) u_clamp_t (.clk(clk), .d(clamp), .q(clamp_t));
-  ik_delay #(.W(1), .N(T_C4_QUO-T_T_E)) u_clamp_quo (.clk(clk), .d(clamp_t), .q(clamp_quo));
-  ik_delay #(.W(1), .N(T_C4_QUO-T_FOLD)) u_fold_quo (.clk(clk), .d(fold), .q(fold_quo));
+  ik_ring #(.W(2), .N(T_T_E-T_CLAMP)) u_clamp_t (.clk(clk), .d({fold, clamp}), .q({fold_t, clamp_t}));
+  ik_delay #(.W(2), .N(T_C4_QUO-T_T_E)) u_clamp_quo (.clk(clk), .d({fold_t, clamp_t}), .q({fold_quo, clamp_quo}));
   localparam signed [W-1:0] ONE = {2'b01, {(W - 2) {1'b0}}};
   reg signed [W-1:0] c4;
   always @(posedge clk) c4 <= !clamp_quo ? c4_quo : fold_quo ? ONE : -ONE;

@@ -173,20 +173,23 @@ module ik_paper #(
   ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
   assign out_data = {qe_i_out, qe_w_out, qs_k_out, qs_j, qs_i, qs_w};
 
-  wire sat_swivel_q;
+  // One line for all flags of saturation: each joins it where it is found.
+  wire sat_swivel_s;
   wire sat_elbow_s;
   wire sat_elbow_q_s;
   wire sat_to_elbow_s;
-  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_SWIVEL)) u_sat_swivel (.clk(clk), .d(sat_swivel), .q(sat_swivel_q));
-  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_ELBOW)) u_sat_elbow (.clk(clk), .d(sat_elbow), .q(sat_elbow_s));
-  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_ELBOW_Q)) u_sat_elbow_q (.clk(clk), .d(sat_elbow_q), .q(sat_elbow_q_s));
+  ik_delay #(.W(1), .N(T_SAT_ELBOW-T_SAT_SWIVEL)) u_sat_swivel (.clk(clk), .d(sat_swivel), .q(sat_swivel_s));
+  ik_delay #(.W(1), .N(T_SAT_ELBOW_Q-T_SAT_ELBOW)) u_sat_elbow (
+      .clk(clk), .d(sat_swivel_s | sat_elbow), .q(sat_elbow_s)
+  );
+  ik_delay #(.W(1), .N(T_SAT_TO_ELBOW-T_SAT_ELBOW_Q)) u_sat_elbow_q (
+      .clk(clk), .d(sat_elbow_s | sat_elbow_q), .q(sat_elbow_q_s)
+  );
   ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_TO_ELBOW)) u_sat_to_elbow (
-      .clk(clk), .d(sat_to_elbow), .q(sat_to_elbow_s)
+      .clk(clk), .d(sat_elbow_q_s | sat_to_elbow), .q(sat_to_elbow_s)
   );
   reg saturated;
-  always @(posedge clk) begin
-    saturated <= sat_swivel_q | sat_elbow_s | sat_elbow_q_s | sat_to_elbow_s | sat_to_wrist;
-  end
+  always @(posedge clk) saturated <= sat_to_elbow_s | sat_to_wrist;
 
   wire too_far_out;
   wire too_near_out;

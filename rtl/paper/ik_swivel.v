@@ -39,7 +39,7 @@ module ik_swivel #(
   ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Z-F_S_Z), .OW(WW), .SQUARE(1)) u_s_z (.clk(clk), .a(p_w_z), .b(p_w_z), .q(s_z));
   ik_sum3 #(.IW(WW), .SH(F_S_X-F_S), .OW(W), .SAT(0)) u_s (.clk(clk), .a(s_x), .b(s_y), .c(s_z), .q(s), .ovf());
   ik_root #(.NW(W), .SH(2*F_L_SW-F_S), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_sw (
-      .clk(clk), .n(s), .q(l_sw), .neg()
+      .clk(clk), .n({1'b0, s[W-2:0]}), .q(l_sw), .neg()  // a sum of squares has no sign
   );
 
   // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the square is missing in print ----

@@ -122,7 +122,7 @@ module ik_to_elbow #(
       .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
   );
   ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_m (
-      .clk(clk), .n(tmp2), .q(l_m), .neg()
+      .clk(clk), .n({1'b0, tmp2[W-2:0]}), .q(l_m), .neg()  // a sum of squares has no sign
   );
 
   // ---- (15) q12 = L_m / |L_m| ----
@@ -148,7 +148,7 @@ module ik_to_elbow #(
   );
   always @(posedge clk) sat_to_elbow <= ovf_i | ovf_j | ovf_k;
 
-  wire unused = &{1'b0, lz_u, lz_m, p_e_z_u[W-2:0]};
+  wire unused = &{1'b0, lz_u, lz_m, p_e_z_u[W-2:0], tmp2[W-1]};
 
 endmodule
 

@@ -58,7 +58,7 @@ module ik_to_wrist #(
       .clk(clk), .a(pi_sq_x), .b(pi_sq_y), .c(pi_sq_z), .q(pi_sq), .ovf()
   );
   ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_pi_abs (
-      .clk(clk), .n(pi_sq), .q(pi_abs), .neg()
+      .clk(clk), .n({1'b0, pi_sq[W-2:0]}), .q(pi_abs), .neg()  // a sum of squares has no sign
   );
   ik_div #(.NW(W), .DW(W), .SH(F_PI_INV-(W-2)+F_PI_ABS), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_inv (
       .clk(clk), .n(ONE), .d(pi_abs), .q(pi_inv), .ovf()
@@ -240,6 +240,8 @@ module ik_to_wrist #(
   ik_sum2 #(.IW(WW), .SH(F_K_KS-F_QS_K), .OW(W), .SAT(0)) u_qs_k (
       .clk(clk), .a({WW{1'b0}}), .b(k_ks), .q(qs_k), .ovf()
   );
+
+  wire unused = &{1'b0, pi_sq[W-1]};
 
 endmodule
 
