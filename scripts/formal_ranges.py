@@ -87,7 +87,7 @@ BUGS = (
         "b extended by zeros", "paper", "tmp1", f"{LIB}ik_sum2.v",
         "b_x = {{(RW - IW) {b[IW-1]}}, b}", "b_x = {{(RW - IW) {1'b0}}, b}", "saturates",
     ),
-    Bug("rounds down", "paper", "rho", f"{LIB}ik_sum2.v", "$signed(sum + HALF)", "$signed(sum)", "modulo"),
+    Bug("rounds down", "paper", "rho", f"{LIB}ik_sum2.v", "$signed(sum + (sum & HALF))", "$signed(sum)", "modulo"),
     Bug("c extended by a zero", "paper", "pp_pm", f"{LIB}ik_sum3.v", "{c[IW-1], c}", "{1'b0, c}", "bound"),
     # ik_mul
     Bug(

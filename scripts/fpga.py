@@ -350,7 +350,7 @@ class Run:
         design = netlist
         if self.packed:
             content = json.loads(netlist.read_text())
-            figures["packed"] = pack_multipliers(content["modules"]["fpga_top"])
+            figures["packed"] = pack_registers(content["modules"]["fpga_top"])
             design = folder / "packed.json"
             design.write_text(json.dumps(content))
         command = [program("nextpnr-ecp5"), *PLACE, "--seed", str(self.seed), "--json", design.name]
@@ -360,19 +360,19 @@ class Run:
         return figures | placed(report)
 
 
-# -- registers into multipliers --------------------------------------------------------------------------------------
+# -- registers into multipliers and memories -------------------------------------------------------------------------
 
-PACKER = "2"
+PACKER = "3"
 """Changes when the function below does."""
 
 
-def pack_multipliers(module: dict) -> dict:
-    """Move registers into the MULT18X18D, as Lattice's own tools do and Yosys does not; ``module`` is of write_json.
+def pack_registers(module: dict) -> dict:
+    """Move registers into MULT18X18D and DP16KD, as Lattice's own tools do and Yosys does not (module of write_json).
 
-    The output register, where all that a product goes to is plain flip-flops of one clock.  The input registers of A
-    and B, where both come from plain flip-flops of that clock or are constant; a flip-flop that others read, too,
-    stays for them, and one behind a memory, whose outputs are late, stays near to it.  Returns how many multipliers got
-    which, and how many flip-flops are gone.
+    The output register of a multiplier or of a port of a memory, where all that it goes to is plain flip-flops of one
+    clock.  The input registers of a multiplier, where A and B both come from plain flip-flops of that clock or are
+    constant; a flip-flop that others read, too, stays for them, and one behind a memory, whose outputs are late, stays
+    near to it.  Returns how many got which, and how many flip-flops are gone.
     """
     cells = module["cells"]
     memories = [cell["connections"] for cell in cells.values() if cell["type"] == "DP16KD"]
@@ -406,22 +406,34 @@ def pack_multipliers(module: dict) -> dict:
         nets = cells[name]["connections"]
         return nets.get("DI", nets.get("M", ["0"]))[0]
 
+    def registers(nets, ports):
+        """Port -> flip-flops that it goes to; nothing unless they are all there is behind these ports, of one clock."""
+        behind = {port: readers.get(nets.get(port, ["x"])[0], []) for port in ports}
+        flat = [r for readers_of in behind.values() for r in readers_of]
+        if not all(simple and port == "DI" for _, port, _, simple in flat) or len({clock(r[0]) for r in flat}) != 1:
+            return {}
+        return {port: [r[0] for r in readers_of] for port, readers_of in behind.items() if readers_of}
+
+    def take_over(nets, behind):
+        """Ports take over the nets of the flip-flops behind them; several flip-flops of one bit are one."""
+        for port, flops in behind.items():
+            first, *others = [cells[f]["connections"]["Q"][0] for f in flops]
+            nets[port] = [first]
+            gone.update(flops)
+            for other in others:
+                for reader, its_port, bit, _ in readers.get(other, []):
+                    cells[reader]["connections"][its_port][bit] = first
+                    readers.setdefault(first, []).append((reader, its_port, bit, False))
+            for f in flops:
+                source.pop(cells[f]["connections"]["Q"][0], None)
+
     multipliers = [name for name, cell in cells.items() if cell["type"] == "MULT18X18D"]
     counts = Counter(multipliers=len(multipliers))
     gone = set()
     for name in multipliers:
         nets = cells[name]["connections"]
-        clocks = set()
-        outputs = {}
-        for k in range(36):
-            net = nets.get(f"P{k}", ["x"])[0]
-            for reader in readers.get(net, []) if isinstance(net, int) else []:
-                outputs.setdefault(k, []).append(reader)
-        flat = [r for readers_of in outputs.values() for r in readers_of]
-        registered = bool(flat) and all(simple and port == "DI" for _, port, _, simple in flat)
-        if registered:
-            clocks = {clock(r[0]) for r in flat}
-            registered = len(clocks) == 1
+        outputs = registers(nets, [f"P{k}" for k in range(36)])
+        clocks = {clock(f) for flops in outputs.values() for f in flops}
         ins = {port: nets[port][0] for port in nets if re.fullmatch(r"[AB]\d+", port)}
         fed = [source.get(net) for net in ins.values() if isinstance(net, int)]
         loaded = bool(fed) and all(fed) and len({clock(f) for f in fed} | clocks) == 1
@@ -434,27 +446,24 @@ def pack_multipliers(module: dict) -> dict:
                     readers[net] = [r for r in readers[net] if r[:2] != (name, port)]
                     if isinstance(nets[port][0], int):
                         readers.setdefault(nets[port][0], []).append((name, port, 0, False))
-        if registered:
-            for k, readers_of in outputs.items():
-                flops = [r[0] for r in readers_of]
-                # several flip-flops of one bit are one: their outputs become one net
-                first, *others = [cells[f]["connections"]["Q"][0] for f in flops]
-                nets[f"P{k}"] = [first]
-                gone |= set(flops)
-                for other in others:
-                    for reader, port, bit, _ in readers.get(other, []):
-                        cells[reader]["connections"][port][bit] = first
-                        readers.setdefault(first, []).append((reader, port, bit, False))
-                for f in flops:
-                    source.pop(cells[f]["connections"]["Q"][0], None)
-        if loaded or registered:
+        take_over(nets, outputs)
+        if loaded or outputs:
             nets |= {"CLK0": [clocks.pop()], "CE0": ["1"], "RST0": ["0"]}
             cells[name]["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
-        for which, wanted in (("INPUTA", loaded), ("INPUTB", loaded), ("OUTPUT", registered)):
+        for which, wanted in (("INPUTA", loaded), ("INPUTB", loaded), ("OUTPUT", outputs)):
             if wanted:
                 cells[name]["parameters"] |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
         counts["input"] += loaded
-        counts["output"] += registered
+        counts["output"] += bool(outputs)
+    for cell in cells.values():
+        for side in "AB" if cell["type"] == "DP16KD" else "":
+            nets = cell["connections"]
+            outputs = registers(nets, [f"DO{side}{k}" for k in range(18)])
+            if not outputs or nets[f"CLK{side}"] != [clock(next(iter(outputs.values()))[0])]:
+                continue
+            take_over(nets, outputs)
+            cell["parameters"][f"REGMODE_{side}"] = "OUTREG"
+            counts["memory"] += 1
     # flip-flops that nobody reads any more, and what only they have read
     todo = [f for f in set(source.values())]
     while todo:
@@ -901,7 +910,7 @@ def page(data: dict) -> str:
         f"- *Placed*: *whole* where the device, with its {HOLDS['MULT18X18D']} multipliers, holds the datapath;",
         "  otherwise each of its modules alone, and the clock is that of the slowest. Inputs come from registers and",
         "  outputs go into registers. Registers before and behind a multiplier are put into it, as Lattice's own tools",
-        "  do (`pack_multipliers` in `scripts/fpga.py`). What lies between them, which nextpnr does not time, is taken",
+        "  do (`pack_registers` in `scripts/fpga.py`). What lies between them, which nextpnr does not time, is taken",
         f"  as {MULTIPLIER_NS} ns: no clock is given above {1000 / MULTIPLIER_NS:.0f} MHz.",
         "- *Latency* is that of `ik_axis`; 100 targets take 100 clocks more. *Hand error*: the largest of 4000",
         "  targets anywhere in the workspace, as in [compare.md](compare.md). The paper gives 1/16 mm on an arm of",

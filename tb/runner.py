@@ -10,6 +10,8 @@ import fcntl
 import os
 import re
 import shutil
+import signal
+import threading
 from contextlib import contextmanager, nullcontext
 from importlib.metadata import version
 from pathlib import Path
@@ -74,6 +76,18 @@ def _runtime(folder: Path, kind: str):
             os.replace(copy, store / path.name)
 
 
+@contextmanager
+def _signals():
+    """cocotb-test leaves its handlers of Ctrl-C and SIGTERM behind; the ones before come back."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        if threading.current_thread() is threading.main_thread():
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
 def simulate(
     toplevel: str,
     module: str,
@@ -129,7 +143,7 @@ def simulate(
     if sim == "icarus" and built.exists():
         options["force_compile"] = max(path.stat().st_mtime for path in headers) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
-    with mock.patch.dict(os.environ, SIM=sim):
+    with mock.patch.dict(os.environ, SIM=sim), _signals():
         with alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
             run(compile_only=True, **options)
         return Path(run(**options))

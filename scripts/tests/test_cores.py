@@ -3,6 +3,7 @@
 
 import os
 import re
+import signal
 import subprocess
 
 import pytest
@@ -91,3 +92,11 @@ def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
     monkeypatch.delenv("IK_CORES")
     assert parameters("ik_elbow", W=18) == {"W": 18}
     assert parameters("ik_elbow", W=18, core="digit") == {"W": 18, "DIGIT": CORES.index("digit")}
+
+
+def test_handlers_of_signals_come_back(monkeypatch):
+    """cocotb-test puts its own there and leaves them, which would make Ctrl-C an AssertionError in all that follows."""
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(runner, "run", lambda **_: signal.signal(signal.SIGINT, lambda *_: None) and os.devnull)
+    runner.simulate("ik_guard", "tb.none", sim="icarus")
+    assert signal.getsignal(signal.SIGINT) is before

@@ -125,7 +125,7 @@ def netlist(**cells):
 
 def test_registers_around_a_multiplier_go_into_it():
     design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31))
-    assert fpga.pack_multipliers(design) == {"multipliers": 1, "input": 1, "output": 1, "flip_flops": 3}
+    assert fpga.pack_registers(design) == {"multipliers": 1, "input": 1, "output": 1, "flip_flops": 3}
     assert list(design["cells"]) == ["m"]
     nets = design["cells"]["m"]["connections"]
     assert (nets["A0"], nets["A1"], nets["B0"], nets["B1"], nets["P0"], nets["CLK0"]) == (
@@ -137,7 +137,7 @@ def test_registers_around_a_multiplier_go_into_it():
 def test_a_register_that_others_read_stays():
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [20]}}
     design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31), lut=lut)
-    assert fpga.pack_multipliers(design)["flip_flops"] == 2
+    assert fpga.pack_registers(design)["flip_flops"] == 2
     assert set(design["cells"]) == {"a", "m", "lut"}
 
 
@@ -145,13 +145,13 @@ def test_what_is_no_plain_register_stays():
     """A reset, another clock, or a product that logic reads at once."""
     set_flop = flop(11, 21, REGSET="SET")
     design = netlist(a=flop(10, 20), b=set_flop, m=product(20, 21, 30), p=flop(30, 31))
-    counts = fpga.pack_multipliers(design)
+    counts = fpga.pack_registers(design)
     assert (counts["input"], counts["output"]) == (0, 1)
     design = netlist(a=flop(10, 20), b=flop(11, 21, clk=3), m=product(20, 21, 30), p=flop(30, 31))
-    assert fpga.pack_multipliers(design)["input"] == 0
+    assert fpga.pack_registers(design)["input"] == 0
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [30]}}
     design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31), lut=lut)
-    assert fpga.pack_multipliers(design)["output"] == 0
+    assert fpga.pack_registers(design)["output"] == 0
 
 
 def test_two_multipliers_in_a_row_share_no_register():
@@ -159,7 +159,7 @@ def test_two_multipliers_in_a_row_share_no_register():
     design = netlist(
         a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 22), n=product(22, 22, 40), q=flop(40, 31)
     )
-    fpga.pack_multipliers(design)
+    fpga.pack_registers(design)
     m, n = (design["cells"][k]["connections"] for k in "mn")
     between = ["p"] if "p" in design["cells"] else []
     registers = len(between)
@@ -222,3 +222,34 @@ def test_tools_work_in_their_folder_by_relative_names_only():
     run = fpga.whole("lean", 18, "ecp5", "place")
     assert not re.search(r"(^|\s)/", run.script())
     assert "fpga_top.v" in run.extra()
+
+
+def memory(do, **ports):
+    ports = {"CLKA": [2], "CLKB": [2]} | {f"DO{k}": [net] for k, net in do.items()} | ports
+    return {
+        "type": "DP16KD",
+        "parameters": {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG"},
+        "port_directions": {k: "output" if k[:2] == "DO" else "input" for k in ports},
+        "connections": ports,
+    }
+
+
+def test_registers_behind_a_memory_go_into_it():
+    """Port by port: logic reads one of port B at once, which leaves all of that port as they are."""
+    lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [53]}}
+    rom = memory({"A0": 50, "A1": 51, "B0": 52, "B1": 53})
+    design = netlist(rom=rom, a0=flop(50, 40), a1=flop(51, 41), b0=flop(52, 42), b1=flop(53, 43), lut=lut)
+    readers = ("a", 40), ("b", 41), ("c", 42), ("d", 43)
+    logic = {k: {**lut, "connections": {"A": [net]}} for k, net in readers}
+    design["cells"] |= logic
+    assert fpga.pack_registers(design) == {"multipliers": 0, "memory": 1, "flip_flops": 2}
+    assert not {"a0", "a1"} & set(design["cells"]) and {"b0", "b1"} <= set(design["cells"])
+    nets, parameters = (design["cells"]["rom"][k] for k in ("connections", "parameters"))
+    assert (nets["DOA0"], nets["DOA1"], nets["DOB0"]) == ([40], [41], [52])
+    assert (parameters["REGMODE_A"], parameters["REGMODE_B"]) == ("OUTREG", "NOREG")
+
+
+def test_a_memory_of_another_clock_keeps_its_register_outside():
+    lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [40]}}
+    design = netlist(rom=memory({"A0": 50}, CLKA=[3]), a=flop(50, 40), lut=lut)
+    assert fpga.pack_registers(design)["flip_flops"] == 0
