@@ -249,7 +249,9 @@ def test_registers_behind_a_memory_go_into_it():
     assert (parameters["REGMODE_A"], parameters["REGMODE_B"]) == ("OUTREG", "NOREG")
 
 
-def test_a_memory_of_another_clock_keeps_its_register_outside():
+def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [40]}}
     design = netlist(rom=memory({"A0": 50}, CLKA=[3]), a=flop(50, 40), lut=lut)
+    assert fpga.pack_registers(design)["flip_flops"] == 0
+    design = netlist(rom=memory({"A0": 50}), a=flop(50, 40, REGSET="SET"), lut=lut)
     assert fpga.pack_registers(design)["flip_flops"] == 0
