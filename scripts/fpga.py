@@ -24,7 +24,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
@@ -50,6 +50,9 @@ SECTIONS = {
     "lean": ("ik_lean_guard", "ik_lean_direction", "ik_lean_triangle", "ik_lean_turn"),
     "paper": ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist"),
 }
+
+AIM_MHZ = {"lean": 180, "paper": 150}
+"""A placement starts from a seed, and clocks differ by a tenth: the next seed is tried until this is reached."""
 
 DEVICE = "ECP5-85k, speed grade 8"
 HOLDS = {"MULT18X18D": 156, "TRELLIS_COMB": 83640, "TRELLIS_FF": 83640, "DP16KD": 208}
@@ -270,13 +273,15 @@ class Run:
     packed: bool = True
 
     @property
-    def name(self) -> str:
+    def title(self) -> str:
+        """What is built, for which family."""
         parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items()), self.family]
-        if self.kind != "synth":
-            parts.append(self.kind)
-        if self.kind == "place":
-            parts += [f"seed{self.seed}"] + ([] if self.packed else ["plain"])
-        return "-".join(parts)
+        return "-".join(parts + ([self.kind] if self.kind != "synth" else []))
+
+    @property
+    def name(self) -> str:
+        """The title, and how it is placed."""
+        return self.title + (f"-seed{self.seed}{'' if self.packed else '-plain'}" if self.kind == "place" else "")
 
     def files(self) -> list[Path]:
         return closure(self.top)
@@ -603,7 +608,7 @@ def steps(path: list[dict]) -> list[str]:
         found = re.findall(r"MULT18X18D|CCU2C|LUT4|PFUMX|L6MUX21|DP16KD", step["to"]["cell"])
         kind = found[-1] if found else "logic"
         if step["type"] == "clk-to-q":
-            kind = "DP16KD" if step["delay"] > 2 else "MULT18X18D" if kind == "MULT18X18D" else "FF"
+            kind = kind if kind == "MULT18X18D" else "DP16KD" if step["delay"] > 2 else "FF"
         if step["type"] != "setup" or kind == "MULT18X18D" and step["to"].get("port", "Q")[0] in "AB":
             kinds.append(kind)
     out = []
@@ -622,14 +627,11 @@ def whole(datapath: str, width: int, family: str, kind: str = "synth", **more) -
     return Run(kind, family, TOPS[datapath], {"W": width, **PARAMETERS[datapath]}, **more)
 
 
-def sections(datapath: str, width: int, seed: int) -> list[Run]:
-    """Each module of the datapath, to be placed alone."""
-    runs = []
-    for module in SECTIONS[datapath]:
-        text = content(closure(module)[0]).decode()
-        values = {k: v for k, v in {"W": width, **PARAMETERS[datapath]}.items() if re.search(rf"\b{k}\s*=", text)}
-        runs.append(Run("place", "ecp5", module, values, seed))
-    return runs
+def placement(datapath: str, width: int, module: str) -> Run:
+    """Of a module of the datapath, or of its top, with those parameters that it has; from the first seed."""
+    text = content(closure(module)[0]).decode()
+    values = {k: v for k, v in {"W": width, **PARAMETERS[datapath]}.items() if re.search(rf"\b{k}\s*=", text)}
+    return Run("place", "ecp5", module, values)
 
 
 def fits(cells: dict) -> bool:
@@ -648,8 +650,8 @@ class Figures:
         self.path = path
         self.data = json.loads(path.read_text()) if path.exists() else {"designs": {}, "runs": {}}
 
-    def add(self, run: Run, figures: dict) -> None:
-        self.data["runs"][run.name] = {"date": datetime.date.today().isoformat(), **figures}
+    def add(self, name: str, figures: dict) -> None:
+        self.data["runs"][name] = {"date": datetime.date.today().isoformat(), **figures}
 
     def design(self, datapath: str, width: int) -> dict:
         return self.data["designs"].setdefault(f"{datapath}-{width}", {})
@@ -707,18 +709,38 @@ def measure(figures: Figures, options) -> list[str]:
     """All runs that the options ask for; what was left out, a line each.  Figures are written after every run."""
     left_out = []
 
-    def result(run):
+    def attempt(run):
         try:
-            done = run.done(options.again, options.limit * 60)
+            return run.done(options.again, options.limit * 60)
         except ToolError as error:
             if "not done after" not in str(error):
                 raise
             say(str(error))
             left_out.append(str(error))
             return None
-        figures.add(run, done)
-        figures.write()
+
+    def result(run):
+        done = attempt(run)
+        if done:
+            figures.add(run.name, done)
+            figures.write()
         return done
+
+    def best_placement(datapath, width, module):
+        """The quickest of the seeds tried, with the clocks of all of them."""
+        first, tried = placement(datapath, width, module), []
+        for seed in range(options.seed, options.seed + options.seeds):
+            done = attempt(replace(first, seed=seed))
+            if not done:
+                break
+            tried.append({**done, "seed": seed})
+            if done["mhz"] >= AIM_MHZ[datapath]:
+                break
+        if tried:
+            best = max(tried, key=lambda done: done["mhz"])
+            figures.add(first.title, {**best, "tried": [done["mhz"] for done in tried]})
+            figures.write()
+        return bool(tried)
 
     chosen = [(d, w) for w in sorted(options.width or WIDTHS) for d in options.datapath or TOPS]
     for datapath, width in chosen:
@@ -729,14 +751,12 @@ def measure(figures: Figures, options) -> list[str]:
                 result(whole(datapath, width, family, "tree"))
     for datapath, width in chosen if options.place or not options.family or "ecp5" in options.family else []:
         synthesized = result(whole(datapath, width, "ecp5"))
-        run = whole(datapath, width, "ecp5", "place", seed=options.seed)
-        if synthesized and fits(synthesized["cells"]) and result(run):
+        if synthesized and fits(synthesized["cells"]) and best_placement(datapath, width, TOPS[datapath]):
             figures.design(datapath, width)["placed"] = "whole"
         else:
             figures.design(datapath, width)["placed"] = "by module"
-            for run in sections(datapath, width, options.seed):
-                result(run)
-        figures.design(datapath, width)["seed"] = options.seed
+            for module in SECTIONS[datapath]:
+                best_placement(datapath, width, module)
         figures.write()
     return left_out
 
@@ -753,7 +773,6 @@ PAPER_TABLE = {
 }
 """Tables 5 and 6 of the paper: the Virtex-II Pro 2VP70, Xilinx ISE and Core Generator."""
 
-AIMS = {"paper": (150, 30000), "lean": (180, None)}
 GROUPS = {
     "products": ("ik_mul", "ik_mul3", "ik_exact"),
     "roots, dividers": ("ik_rsqrt", "ik_div_digit", "ik_div_row", "ik_root_digit", "ik_root_row", "ik_div", "ik_root"),
@@ -770,8 +789,7 @@ def place_runs(data: dict, datapath: str, width: int) -> list[tuple[str, dict]]:
     found = []
     for module in modules:
         starts = f"{module.removeprefix('ik_')}-W{width}-"
-        ends = f"ecp5-place-seed{design['seed']}"
-        named = (name for name in data["runs"] if name.startswith(starts) and name.endswith(ends))
+        named = (name for name in data["runs"] if name.startswith(starts) and name.endswith("-ecp5-place"))
         found += [(module, data["runs"][name]) for name in named]
     return found
 
@@ -869,9 +887,9 @@ def critical(data: dict) -> list[str]:
             rows.append([
                 f"{datapath} {width}", f"`{module}`", f"{run['mhz']:.0f}", f"`{path['from']}`", f"`{path['to']}`",
                 ", ".join(path["through"]), f"{path['ns']:.2f}", f"{path['routing_ns']:.2f}",
-                run["used"].get("MULT18X18D", 0), run.get("place_s", ""),
+                run["used"].get("MULT18X18D", 0), ", ".join(f"{mhz:.0f}" for mhz in run["tried"]), run["place_s"],
             ])  # fmt: skip
-    head = ["design", "placed", "MHz", "from", "to", "through", "ns", "of it routing", "multipliers", "time (s)"]
+    head = ["design", "placed", "MHz", "from", "to", "through", "ns", "of it routing", "multipliers", "seeds", "s"]
     return _table(head, rows)
 
 
@@ -919,7 +937,11 @@ def page(data: dict) -> str:
         "## Critical paths",
         "",
         "The slowest path of each placement, from what it starts at through LUTs, multipliers and carry cells (CCU2C),",
-        "a bit each.",
+        "a bit each. A placement starts from a seed; the next one is tried until the clock is what we aim at, "
+        f"{AIM_MHZ['paper']}",
+        f"MHz for the paper's datapath and {AIM_MHZ['lean']} for the lean one, four times at most. The quickest is "
+        "given, and",
+        "under *seeds* the clocks of all; *s* is how long nextpnr took.",
         "",
         *critical(data),
         *tried(data),
@@ -966,7 +988,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rtl", type=Path, metavar="DIR", help="with --module: another folder of Verilog, to try")
     parser.add_argument("--set", action="append", default=[], metavar="P=N", help="with --module: a parameter of it")
     parser.add_argument("--plain", action="store_true", help="with --module: leave registers outside of multipliers")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the placement (default: 1)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the placement, or the first (default: 1)")
+    parser.add_argument(
+        "--seeds", type=int, default=4, metavar="N", help="try so many until the aim is reached (default: 4)"
+    )
     parser.add_argument("--limit", type=float, default=60, metavar="MIN", help="for one tool run (default: 60)")
     parser.add_argument("--again", action="store_true", help="do it again, even if nothing has changed")
     parser.add_argument("--page", action="store_true", help="only write the page anew from docs/fpga.json")
