@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 
-from model.lean_cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, cuts, rsqrt_clocks
+from model.lean_cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
 from model.lean_trig import FRACS, TRIG_CLOCKS
 
 GUARD = 8
@@ -289,9 +289,7 @@ class Domain(ABC):
         """a * b * 2^scale by three tiles (:func:`model.lean_cores.mul3`)."""
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
-        # what is left out, and half a place of rounding
-        left_out = 2.0 ** (sum(cuts(shift, *widths)) - shift)
-        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=(-left_out - 0.5, 0.5))
+        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=mul3_error(shift, *widths))
 
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:

@@ -32,24 +32,35 @@ def rsqrt_clocks(frac: int) -> int:
 # ---- product of three tiles ------------------------------------------------------------------------------------------
 
 
-def cuts(shift: int, a_width: int, b_width: int) -> tuple[int, int]:
-    """Bits below the cut of either operand of :func:`mul3`: together at least ``shift``, and at most 18 bits above."""
-    return max(shift // 2, a_width - 18), max(shift - shift // 2, b_width - 18)
+def cuts(a_width: int, b_width: int) -> tuple[int, int]:
+    """Bits below the cut of either operand of :func:`mul3`, at least one: 18 are above it."""
+    return max(a_width - 18, 1), max(b_width - 18, 1)
 
 
-def mul3(a, b, shift: int, a_width: int = 0, b_width: int = 0):
+def mul3(a, b, shift: int, a_width: int, b_width: int):
     """``ik_mul3``: a b / 2^shift from three tiles, rounded half up; the tile of the low parts is left out.
 
-    The tile left out is never negative, and less than one place of the result where the cuts add up to ``shift``, than
-    2^k places where they add up to k more: with k = 0 the error lies in (-3/2, 1/2] places.
+    Each tile is cut off two bits below the result's last place; the half place of the rounding is a carry into each of
+    the two sums.  Errors: :func:`mul3_error`.
     """
-    a_bits, b_bits = cuts(shift, a_width, b_width)
+    a_bits, b_bits = cuts(a_width, b_width)
     a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)
     b_hi, b_lo = b >> b_bits, b & ((1 << b_bits) - 1)
-    least = min(a_bits, b_bits)
-    mid = ((a_hi * b_lo) << (a_bits - least)) + ((a_lo * b_hi) << (b_bits - least))
-    drop = shift - least
-    return ((a_hi * b_hi) << (a_bits + b_bits - shift)) + (mid >> drop) + ((mid >> (drop - 1)) & 1)
+    drop = shift - 2
+    mid = (a_hi * b_lo >> drop - a_bits) + (a_lo * b_hi >> drop - b_bits) + 1
+    high = drop - a_bits - b_bits
+    outer = a_hi * b_hi >> high if high > 0 else a_hi * b_hi << -high
+    return outer + mid + 1 >> 2
+
+
+def mul3_error(shift: int, a_width: int, b_width: int) -> tuple[float, float]:
+    """Least and greatest error of :func:`mul3`, in places of the result.
+
+    The tile left out is never negative and less than 2^(cuts - shift) places; each of the others loses less than a
+    quarter where bits of it are cut off, and the rounding is half up.
+    """
+    low = sum(cuts(a_width, b_width)) - shift
+    return -(2.0**low) - 0.25 * (2 + (low < -2)) - 0.5, 0.5
 
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ SETS = sets(
         mul3(19, 23, 15, 23),
         mul3(6, 5, 4, 4),  # the low bits of the result
         mul3(4, 6, 3, 12),  # more bits than the result has
+        mul3(5, 6, 7, 4),  # one bit of each mixed tile
         mul3(33, 33, 30, 33),
         mul3(33, 35, 33, 33),
         mul3(32, 33, 29, 35),
@@ -36,10 +37,11 @@ def test_ik_mul3(parameters):
     run_unit("ik_mul3", parameters)
 
 
-@pytest.mark.parametrize(
-    "parameters", [mul3(36, 33, 31, 33), mul3(33, 36, 30, 33), mul3(33, 33, 36, 33), mul3(9, 9, 1, 9)], ids=title
-)
+ILLEGAL = mul3(36, 33, 31, 33), mul3(33, 36, 30, 33), mul3(1, 9, 4, 9), mul3(9, 9, 2, 9), mul3(5, 5, 8, 3)
+
+
+@pytest.mark.parametrize("parameters", ILLEGAL, ids=title)
 def test_tiles_that_do_not_fit_stop_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
         run_unit("ik_mul3", parameters, sim="icarus")
-    assert "ik_mul3_needs_parts_of_a_and_b_that_fit_18x18_bits" in caplog.text
+    assert "ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut" in caplog.text

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from model import lean_cores
-from model.lean_cores import even, mul3, quadratic, rsqrt, rsqrt_error, rsqrt_error_bound, rsqrt_rows
+from model.lean_cores import cuts, even, mul3, mul3_error, quadratic, rsqrt, rsqrt_error, rsqrt_error_bound, rsqrt_rows
 
 # ---- product of three tiles ------------------------------------------------------------------------------------------
 
@@ -21,30 +21,36 @@ def signed(width: int):
 
 @st.composite
 def factors(draw):
-    """Factors with high parts of at most 18 bits, which is all that the tiles take, and the shift."""
-    shift = draw(st.integers(2, 34))
-    return draw(signed(shift // 2 + 18)), draw(signed(shift - shift // 2 + 18)), shift
+    """Factors, their widths, and a shift that leaves each of the low parts beyond the two bits that are kept."""
+    widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
+    shift = draw(st.integers(2 + max(cuts(*widths)), 36))
+    return *(draw(signed(width)) for width in widths), shift, *widths
 
 
 @given(factors())
-@example((-1, -1, 31))
-@example((-(1 << 32), -(1 << 32), 30))
-@example(((1 << 33) - 1, -(1 << 34), 33))
-@example(((1 << 15) - 1, (1 << 16) - 1, 31))  # nearly a place, left out
-def test_mul3_is_the_product_without_the_low_parts(case):
-    a, b, shift = case
-    kept = a * b - a % (1 << shift // 2) * (b % (1 << shift - shift // 2))
-    expected = (Fraction(kept, 1 << shift) + Fraction(1, 2)).__floor__()
-    assert mul3(a, b, shift) == expected
-    assert mul3(np.array([a]), np.array([b]), shift).tolist() == [expected]
-    assert Fraction(-3, 2) < expected - Fraction(a * b, 1 << shift) <= Fraction(1, 2)
+@example((-1, -1, 31, 33, 35))
+@example((-(1 << 32), -(1 << 32), 30, 33, 33))
+@example(((1 << 33) - 1, -(1 << 34), 33, 34, 35))
+@example(((1 << 32) - 1, (1 << 33) - 1, 31, 33, 34))
+@example((-1, (1 << 21) - 1, 20, 22, 22))
+def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
+    a, b, shift, *widths = case
+    (a_one, b_one), place = (1 << cut for cut in cuts(*widths)), 1 << shift
+    a_lo, b_lo = a % a_one, b % b_one
+    a_hi, b_hi = a - a_lo, b - b_lo
+    expected = (sum(4 * tile // place for tile in (a_hi * b_hi, a_hi * b_lo, a_lo * b_hi)) + 2) // 4
+    assert mul3(a, b, shift, *widths) == expected
+    assert mul3(np.array([a]), np.array([b]), shift, *widths).tolist() == [expected]
+    least, greatest = mul3_error(shift, *widths)
+    assert Fraction(least) < expected - Fraction(a * b, place) <= Fraction(greatest)
 
 
 def test_mul3_of_every_small_pair():
-    a, b = np.meshgrid(np.arange(-32, 32), np.arange(-32, 32))
-    for shift in range(2, 6):
-        low = (a % (1 << shift // 2)) * (b % (1 << shift - shift // 2))
-        assert (mul3(a, b, shift) == (2 * (a * b - low) + (1 << shift)) // (2 << shift)).all()
+    a, b = np.meshgrid(np.arange(-64, 64), np.arange(-64, 64))
+    for shift in range(3, 10):
+        tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1)
+        q = mul3(a, b, shift, 7, 7)
+        assert (q == (sum((4 * tile) // (1 << shift) for tile in tiles) + 2) // 4).all()
 
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------

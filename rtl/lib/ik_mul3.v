@@ -1,9 +1,10 @@
-// Rounds half up, without the product of the low parts: q = a * b / 2^SH, less than 2^UP + 1/2 places too small, signed.
+// Rounds half up, what is left of a * b / 2^SH without its lowest bits: less than 2^(AL+BL-SH) + 5/4 places too small.
 // SPDX-License-Identifier: Apache-2.0
 //
-// a and b are cut so that three of the four tile products, which are kept, have 18x18 bits at most: a after its low SH/2
-// bits, b after the other SH - SH/2, or after more where a word is longer than 18 bits above that, UP together. The
-// fourth is less than 2^UP places of q. Does not saturate: q holds the low OW bits.
+// a and b are cut below their highest 18 bits, into AL and BL low ones. Three of the four tile products, which are kept
+// have 18x18 bits; the fourth is less than 2^(AL+BL-SH) places of q. Each tile is cut off two bits below the last
+// place of q, which leaves the sum of the mixed ones short; both halves of half a place are carries into the two sums.
+// Does not saturate: q holds the low OW bits.
 // Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum.
 `default_nettype none
 
@@ -19,16 +20,16 @@ module ik_mul3 #(
     output wire signed [OW-1:0] q
 );
 
-  localparam integer AL = (AW - 18 > SH / 2) ? AW - 18 : SH / 2;  // width of a's low part, unsigned
-  localparam integer BL = (BW - 18 > SH - SH / 2) ? BW - 18 : SH - SH / 2;
-  localparam integer ML = (AL < BL) ? AL : BL;
-  localparam integer UP = AL + BL - SH;
+  localparam integer AL = (AW > 19) ? AW - 18 : 1;  // width of a's low part, unsigned
+  localparam integer BL = (BW > 19) ? BW - 18 : 1;
   localparam integer AH = AW - AL;  // width of a's high part, signed
   localparam integer BH = BW - BL;
+  localparam integer CUT = SH - 2;  // fraction bits of the product that no sum sees
 
   generate
-    if (ML < 1 || AL > 17 || BL > 17 || AH < 1 || BH < 1) begin : g_illegal
-      ik_mul3_needs_parts_of_a_and_b_that_fit_18x18_bits u_stop ();
+    if (AW < 2 || AW > 35 || BW < 2 || BW > 35 ||
+        CUT < AL || CUT < BL || CUT >= AW + BL || CUT >= BW + AL) begin : g_illegal
+      ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut u_stop ();
     end
   endgenerate
 
@@ -54,34 +55,38 @@ module ik_mul3 #(
     lh <= a_lo * b_hi;
   end
 
-  // middle sum, in places of 2^ML; below its rounding bit only the carries count
-  localparam integer DROP = SH - ML;
-  localparam integer HLW = AH + BL + AL - ML;
-  localparam integer LHW = AL + BH + BL - ML;
+  // A sum's carry is a place more below it, of two ones: one carry chain.
+
+  // mixed tiles, cut, and their sum
+  localparam integer HLW = AH + BL + AL - CUT;
+  localparam integer LHW = AL + BH + BL - CUT;
   localparam integer MW = ((HLW > LHW) ? HLW : LHW) + 1;
-  wire signed [MW-1:0] hl_x = {{(MW - AH - BL) {hl[AH+BL-1]}}, hl};
-  wire signed [MW-1:0] lh_x = {{(MW - AL - BH) {lh[AL+BH-1]}}, lh};
-  wire signed [MW-1:0] middle = (hl_x <<< (AL - ML)) + (lh_x <<< (BL - ML));
-  reg signed [MW-DROP:0] mid;
+  wire signed [HLW-1:0] hl_cut = hl[AH+BL-1:CUT-AL];
+  wire signed [LHW-1:0] lh_cut = lh[AL+BH-1:CUT-BL];
+  wire signed [MW:0] hl_x = {{(MW - HLW) {hl_cut[HLW-1]}}, hl_cut, 1'b1};
+  wire signed [MW:0] lh_x = {{(MW - LHW) {lh_cut[LHW-1]}}, lh_cut, 1'b1};
+  wire signed [MW:0] middle = hl_x + lh_x;
+  reg signed [MW-1:0] mid;
   reg signed [AH+BH-1:0] outer;
   always @(posedge clk) begin
-    mid   <= middle[MW-1:DROP-1];
+    mid   <= middle[MW:1];
     outer <= hh;
   end
 
-  // The rounding bit comes in as the carry of a place below: one carry chain.
-  localparam integer NW = (AH + BH + UP > MW - DROP) ? (AH + BH + UP) : (MW - DROP);
-  localparam integer SW = ((NW + 1 > OW) ? (NW + 1) : OW) + 1;
-  wire half = mid[0];
+  // rounded sum
+  localparam integer UP = (AL + BL > CUT) ? AL + BL - CUT : 0;
+  localparam integer DOWN = (AL + BL > CUT) ? 0 : CUT - AL - BL;
+  localparam integer NW = (AH + BH + UP > MW) ? (AH + BH + UP) : MW;
+  localparam integer SW = (NW + 1 > OW + 2) ? (NW + 1) : (OW + 2);
   wire signed [SW-1:0] outer_x = {{(SW - AH - BH) {outer[AH+BH-1]}}, outer};
-  wire signed [SW-1:0] mid_x = {{(SW - MW + DROP - 1) {mid[MW-DROP]}}, mid};
-  wire signed [SW-1:0] rounding = {{(SW - 1) {1'b0}}, half};
-  wire signed [SW-1:0] sum = ((outer_x <<< (UP + 1)) | rounding) + mid_x;
+  wire signed [SW-1:0] outer_cut = (outer_x <<< UP) >>> DOWN;
+  wire signed [SW-1:0] mid_x = {{(SW - MW) {mid[MW-1]}}, mid};
+  wire signed [SW:0] sum = {outer_cut, 1'b1} + {mid_x, 1'b1};
   reg signed [OW-1:0] p;
-  always @(posedge clk) p <= sum[OW:1];
+  always @(posedge clk) p <= sum[OW+2:3];
   assign q = p;
 
-  wire unused = &{1'b0, middle, sum};
+  wire unused = &{1'b0, hl, lh, middle[0], sum};
 
 endmodule
 
