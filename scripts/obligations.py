@@ -700,17 +700,16 @@ class Design:
             return
         facts = [inside("p", low, high)]
         if driver.module == "ik_mul3":
-            names = "p v f hh hl lh ll"
+            names = "p v fh fa fb hh hl lh ll"
             cut = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
-            least = min(cut.values())
-            drop = shift - least
             facts.append(inside("ll", 0, ((1 << cut["a"]) - 1) * ((1 << cut["b"]) - 1)))
             facts.append(
                 f"(= p (+ (* {1 << sum(cut.values())} hh) (* {1 << cut['a']} hl) (* {1 << cut['b']} lh) ll))"
             )
-            middle = f"(+ (* {1 << (cut['a'] - least)} hl) (* {1 << (cut['b'] - least)} lh) {1 << (drop - 1)})"
-            facts.append(floor_of("f", middle, drop))
-            facts.append(f"(= v (+ (* {1 << (sum(cut.values()) - shift)} hh) f))")
+            facts.append(floor_of("fh", f"(* {1 << sum(cut.values())} hh)", shift - 2))
+            facts.append(floor_of("fa", f"(* {1 << cut['a']} hl)", shift - 2))
+            facts.append(floor_of("fb", f"(* {1 << cut['b']} lh)", shift - 2))
+            facts.append(floor_of("v", "(+ fh fa fb 2)", 2))
             goal = "true"
             if a.low >= 0 and b.low >= 0:  # parts of numbers that are not negative
                 facts += ["(<= 0 hh)", "(<= 0 hl)", "(<= 0 lh)"]

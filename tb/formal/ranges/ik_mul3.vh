@@ -12,12 +12,13 @@ wire signed [AL:0] ghost_a_lo = {1'b0, ghost_a[AL-1:0]};
 wire signed [BL:0] ghost_b_lo = {1'b0, ghost_b[BL-1:0]};
 
 localparam integer GW = AW + BW + OW + 4;
-wire signed [GW-1:0] ghost_half = {{(GW - 1) {1'b0}}, 1'b1} << (SH - ML - 1);
+wire signed [GW-1:0] ghost_two = {{(GW - 2) {1'b0}}, 2'b10};
 wire signed [GW-1:0] ghost_hh = hh;
 wire signed [GW-1:0] ghost_hl = hl;
 wire signed [GW-1:0] ghost_lh = lh;
-wire signed [GW-1:0] ghost_middle = (ghost_hl <<< (AL - ML)) + (ghost_lh <<< (BL - ML));
-wire signed [GW-1:0] ghost_value = (ghost_hh <<< (AL + BL - SH)) + ((ghost_middle + ghost_half) >>> (SH - ML));
+wire signed [GW-1:0] ghost_outer = (ghost_hh <<< (AL + BL)) >>> CUT;
+wire signed [GW-1:0] ghost_mixed = (ghost_hl >>> (CUT - AL)) + (ghost_lh >>> (CUT - BL));
+wire signed [GW-1:0] ghost_value = (ghost_outer + ghost_mixed + ghost_two) >>> 2;
 reg signed [GW-1:0] ghost_1;
 reg signed [GW-1:0] ghost_2;
 reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
