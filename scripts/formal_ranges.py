@@ -123,6 +123,10 @@ BUGS = (
         "middle sum extended by zeros", "lean", "cc", f"{LIB}ik_mul3.v",
         "{{(SW - MW) {mid[MW-1]}}, mid}", "{{(SW - MW) {1'b0}}, mid}", "recombined",
     ),
+    Bug(
+        "guess at the low tile from other bits", "lean", "cc", f"{LIB}ik_mul3.v",
+        "{2'b00, a_low[AL-:2]}", "{2'b00, a_low[AL-1-:2]}", "tile_ll",
+    ),
     # ik_exact, ik_wide
     Bug(
         "no carry into the upper half", "lean", "x_sq", f"{LIB}ik_exact.v",
@@ -348,8 +352,8 @@ A product of 32-bit words is out of reach for a solver of bits. It is split wher
    the operand is a alone, and hl counts twice;
 2. integers: each product of parts fits its register (`hh fits`, ...), so nothing is lost in 1; the tiles make a b;
 3. integers, per node: with a and b in their ranges the product is within its corners, and its rounded sum of tiles
-   fits the word and the row. `ik_mul3` leaves out the low tile: it is any number in its range here; the other three
-   are cut off one by one.
+   fits the word and the row. `ik_mul3` leaves out the low tile: it is any number in its range here, but no less than
+   what is guessed of it where words are longest (`guess is no more than ll`); the others are cut off one by one.
 
 A quotient or root is the floor ([proofs.md](proofs.md) has that of the cores); from this the integers give its range.
 Results of the CORDIC, of `ik_rsqrt` and `ik_trig` have a bounded error instead; the table says where. What is inside

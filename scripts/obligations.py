@@ -516,7 +516,13 @@ class Design:
         names = "ah al bh bl"
         tiles = [("hh", "(* ah bh)"), ("hl", "(* ah bl)")] + ([] if square else [("lh", "(* al bh)")])
         found = [(f"{tile} fits", integers(names, facts, word(product, width[tile]))) for tile, product in tiles]
-        if module != "ik_mul3":
+        if module == "ik_mul3":
+            # a low part is its highest two bits and a rest: what they make is no more than the tile left out
+            parts = [f"(<= (* {1 << low[s]} {s}t) (* 4 {s}l))" for s in "ab"]
+            parts += [inside(f"{s}t", 0, 3) for s in "ab"]
+            least = f"(<= (* {1 << (low['a'] + low['b'])} (* at bt)) (* 16 (* al bl)))"
+            found.append(("guess is no more than ll", integers(f"{names} at bt", [*facts, *parts], least)))
+        else:
             # the sum takes its low bits beside hh
             most = (1 << min(low["a"] + low["b"], width["ll"])) - 1
             found.append(("ll fits", integers(names, facts, inside("(* al bl)", 0, most))))
@@ -700,13 +706,19 @@ class Design:
             return
         facts = [inside("p", low, high)]
         if driver.module == "ik_mul3":
-            names = "p v fh fa fb hh hl lh ll"
+            names = "p v fh fa fb hh hl lh ll two guess"
             cut = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
             facts.append(inside("ll", 0, ((1 << cut["a"]) - 1) * ((1 << cut["b"]) - 1)))
             facts.append(
                 f"(= p (+ (* {1 << sum(cut.values())} hh) (* {1 << cut['a']} hl) (* {1 << cut['b']} lh) ll))"
             )
-            facts.append(floor_of("fh", f"(* {1 << sum(cut.values())} hh)", shift - 2))
+            up = sum(cut.values()) - shift + 2
+            if up > 0:  # the guess at ll, in sixteenths: see 'guess is no more than ll'
+                facts.append(f"(and (<= 0 two) (<= (* {1 << sum(cut.values())} two) (* 16 ll)))")
+                facts.append(floor_of("guess", f"(* {1 << up} two)", 4))
+                facts.append(f"(= fh (+ (* {1 << up} hh) guess))")
+            else:
+                facts.append(floor_of("fh", f"(* {1 << sum(cut.values())} hh)", shift - 2))
             facts.append(floor_of("fa", f"(* {1 << cut['a']} hl)", shift - 2))
             facts.append(floor_of("fb", f"(* {1 << cut['b']} lh)", shift - 2))
             facts.append(floor_of("v", "(+ fh fa fb 2)", 2))

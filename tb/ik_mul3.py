@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_mul3`` against three exact products of parts, cut off and rounded half up, and against its model."""
+"""``ik_mul3`` against exact products of parts, cut off and rounded half up, and against its model."""
 
 import random
 
@@ -18,7 +18,9 @@ EXHAUSTIVE = AW + BW <= 12
 
 def exact(a: int, b: int) -> int:
     a_lo, b_lo = a % A_LOW, b % B_LOW
-    tiles = (a - a_lo) * (b - b_lo), (a - a_lo) * b_lo, a_lo * (b - b_lo)
+    tiles = [(a - a_lo) * (b - b_lo), (a - a_lo) * b_lo, a_lo * (b - b_lo)]
+    if 4 * A_LOW * B_LOW > 1 << SH:  # two bits of each
+        tiles.append(4 * a_lo // A_LOW * (4 * b_lo // B_LOW) * A_LOW * B_LOW // 16)
     return (sum(4 * tile // (1 << SH) for tile in tiles) + 2) // 4
 
 
@@ -51,7 +53,7 @@ CASES = {
     "low_by_minus_high": (A_LOW // 2, -B_LOW),
     "high_by_high": (A_LOW, B_LOW),
     "high_by_minus_high": (A_LOW, -B_LOW),
-    "low_by_low": (A_LOW - 1, B_LOW - 1),  # left out
+    "low_by_low": (A_LOW - 1, B_LOW - 1),  # left out, or guessed
     "minus_one_by_low": (-1, B_LOW - 1),  # the low part of -1 is all ones
     "minus_one_squared": (-1, -1),
 }

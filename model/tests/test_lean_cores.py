@@ -34,11 +34,15 @@ def factors(draw):
 @example(((1 << 32) - 1, (1 << 33) - 1, 31, 33, 34))
 @example((-1, (1 << 21) - 1, 20, 22, 22))
 def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
+    """And a guess at the fourth, where there is room below the highest."""
     a, b, shift, *widths = case
     (a_one, b_one), place = (1 << cut for cut in cuts(*widths)), 1 << shift
     a_lo, b_lo = a % a_one, b % b_one
     a_hi, b_hi = a - a_lo, b - b_lo
-    expected = (sum(4 * tile // place for tile in (a_hi * b_hi, a_hi * b_lo, a_lo * b_hi)) + 2) // 4
+    quarters = [4 * tile // place for tile in (a_hi * b_hi, a_hi * b_lo, a_lo * b_hi)]
+    if 4 * a_one * b_one > place:
+        quarters.append(4 * a_one * b_one * (4 * a_lo // a_one) * (4 * b_lo // b_one) // (16 * place))
+    expected = (sum(quarters) + 2) // 4
     assert mul3(a, b, shift, *widths) == expected
     assert mul3(np.array([a]), np.array([b]), shift, *widths).tolist() == [expected]
     least, greatest = mul3_error(shift, *widths)
@@ -48,7 +52,7 @@ def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
 def test_mul3_of_every_small_pair():
     a, b = np.meshgrid(np.arange(-64, 64), np.arange(-64, 64))
     for shift in range(3, 10):
-        tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1)
+        tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1), (shift < 4) * (a & 1) * (b & 1)
         q = mul3(a, b, shift, 7, 7)
         assert (q == (sum((4 * tile) // (1 << shift) for tile in tiles) + 2) // 4).all()
 

@@ -4,6 +4,8 @@
 // a and b are cut below their highest 18 bits, into AL and BL low ones. Three of the four tile products, which are kept
 // have 18x18 bits; the fourth is less than 2^(AL+BL-SH) places of q. Each tile is cut off two bits below the last
 // place of q, which leaves the sum of the mixed ones short; both halves of half a place are carries into the two sums.
+// Where words are so long that the highest tile ends above these two bits, the free bits below it take the fourth one's
+// place: the product of the highest two bits of both low parts.
 // Does not saturate: q holds the low OW bits.
 // Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum.
 `default_nettype none
@@ -49,10 +51,16 @@ module ik_mul3 #(
   reg signed [AH+BH-1:0] hh;
   reg signed [AH+BL-1:0] hl;
   reg signed [AL+BH-1:0] lh;
+  wire [AL:0] a_low = {a_q[AL-1:0], 1'b0};
+  wire [BL:0] b_low = {b_q[BL-1:0], 1'b0};
+  wire [3:0] a_two = {2'b00, a_low[AL-:2]};
+  wire [3:0] b_two = {2'b00, b_low[BL-:2]};
+  reg [3:0] ll;
   always @(posedge clk) begin
     hh <= a_hi * b_hi;
     hl <= a_hi * b_lo;
     lh <= a_lo * b_hi;
+    ll <= a_two * b_two;
   end
 
   // A sum's carry is a place more below it, of two ones: one carry chain.
@@ -67,10 +75,10 @@ module ik_mul3 #(
   wire signed [MW:0] lh_x = {{(MW - LHW) {lh_cut[LHW-1]}}, lh_cut, 1'b1};
   wire signed [MW:0] middle = hl_x + lh_x;
   reg signed [MW-1:0] mid;
-  reg signed [AH+BH-1:0] outer;
+  reg signed [AH+BH+3:0] outer;
   always @(posedge clk) begin
     mid   <= middle[MW:1];
-    outer <= hh;
+    outer <= {hh, ll};
   end
 
   // rounded sum
@@ -78,15 +86,15 @@ module ik_mul3 #(
   localparam integer DOWN = (AL + BL > CUT) ? 0 : CUT - AL - BL;
   localparam integer NW = (AH + BH + UP > MW) ? (AH + BH + UP) : MW;
   localparam integer SW = (NW + 1 > OW + 2) ? (NW + 1) : (OW + 2);
-  wire signed [SW-1:0] outer_x = {{(SW - AH - BH) {outer[AH+BH-1]}}, outer};
-  wire signed [SW-1:0] outer_cut = (outer_x <<< UP) >>> DOWN;
+  wire signed [SW+3:0] outer_x = {{(SW - AH - BH) {outer[AH+BH+3]}}, outer};
+  wire signed [SW+3:0] outer_cut = (outer_x <<< UP) >>> (4 + DOWN);
   wire signed [SW-1:0] mid_x = {{(SW - MW) {mid[MW-1]}}, mid};
-  wire signed [SW:0] sum = {outer_cut, 1'b1} + {mid_x, 1'b1};
+  wire signed [SW:0] sum = {outer_cut[SW-1:0], 1'b1} + {mid_x, 1'b1};
   reg signed [OW-1:0] p;
   always @(posedge clk) p <= sum[OW+2:3];
   assign q = p;
 
-  wire unused = &{1'b0, hl, lh, middle[0], sum};
+  wire unused = &{1'b0, a_low, b_low, hl, lh, middle[0], outer_cut, sum};
 
 endmodule
 

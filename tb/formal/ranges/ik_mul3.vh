@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_mul3: its registers hold the three products of parts, and the result is their rounded sum, any values
-// that the three may have. That the sum fits is left to the integers.
+// Appended to ik_mul3: its registers hold the products of parts, and the result is their rounded sum, any values that
+// they may have. That the sum fits is left to the integers.
 
 reg signed [AW-1:0] ghost_a_1;
 reg signed [BW-1:0] ghost_b_1;
@@ -10,13 +10,15 @@ wire signed [AH-1:0] ghost_a_hi = ghost_a[AW-1:AL];
 wire signed [BH-1:0] ghost_b_hi = ghost_b[BW-1:BL];
 wire signed [AL:0] ghost_a_lo = {1'b0, ghost_a[AL-1:0]};
 wire signed [BL:0] ghost_b_lo = {1'b0, ghost_b[BL-1:0]};
+wire [5:0] ghost_a_two = {ghost_a_lo, 2'b00} >> AL;  // times 2^(AL-2), it is at most the low part
+wire [5:0] ghost_b_two = {ghost_b_lo, 2'b00} >> BL;
 
 localparam integer GW = AW + BW + OW + 4;
 wire signed [GW-1:0] ghost_two = {{(GW - 2) {1'b0}}, 2'b10};
 wire signed [GW-1:0] ghost_hh = hh;
 wire signed [GW-1:0] ghost_hl = hl;
 wire signed [GW-1:0] ghost_lh = lh;
-wire signed [GW-1:0] ghost_outer = (ghost_hh <<< (AL + BL)) >>> CUT;
+wire signed [GW-1:0] ghost_outer = (((ghost_hh <<< 4) | {{(GW - 4) {1'b0}}, ll}) <<< UP) >>> (4 + DOWN);
 wire signed [GW-1:0] ghost_mixed = (ghost_hl >>> (CUT - AL)) + (ghost_lh >>> (CUT - BL));
 wire signed [GW-1:0] ghost_value = (ghost_outer + ghost_mixed + ghost_two) >>> 2;
 reg signed [GW-1:0] ghost_1;
@@ -36,5 +38,6 @@ always @* if (ghost_age == 2'd2) begin
   tile_hh : assert (hh == ghost_a_hi * ghost_b_hi);
   tile_hl : assert (hl == ghost_a_hi * ghost_b_lo);
   tile_lh : assert (lh == ghost_a_lo * ghost_b_hi);
+  tile_ll : assert (ll == (ghost_a_two * ghost_b_two));
   recombined : assert (q == $signed(ghost_2[OW-1:0]));
 end
