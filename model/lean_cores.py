@@ -62,11 +62,12 @@ def mul3_error(shift: int, a_width: int, b_width: int) -> tuple[float, float]:
     """Least and greatest error of :func:`mul3`, in places of the result.
 
     The tile left out is never negative and less than 2^(cuts - shift) places, of which the guess leaves 7/16; each of
-    the others, and the guess, loses less than a quarter where bits of it are cut off; the rounding is half up.
+    the mixed tiles loses less than a quarter.  What else is cut off is below all of the sum's other words, and goes with
+    the rounding, which is half up.
     """
     up = sum(cuts(a_width, b_width)) - shift + 2
     left_out = 2.0 ** (up - 2) * (7 / 16 if up > 0 else 1)
-    return -left_out - 0.25 * (2 + (up < 0 or 0 < up < 4)) - 0.5, 0.5
+    return -left_out - 1, 0.5
 
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// Rounds half up, what is left of a * b / 2^SH without its lowest bits: less than 2^(AL+BL-SH) + 5/4 places too small.
+// Rounds half up, what is left of a * b / 2^SH without its lowest bits: less than 2^(AL+BL-SH) + 1 places too small.
 // SPDX-License-Identifier: Apache-2.0
 //
 // a and b are cut below their highest 18 bits, into AL and BL low ones. Three of the four tile products, which are kept
