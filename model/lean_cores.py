@@ -62,7 +62,7 @@ def mul3_error(shift: int, a_width: int, b_width: int) -> tuple[float, float]:
     """Least and greatest error of :func:`mul3`, in places of the result.
 
     The tile left out is never negative and less than 2^(cuts - shift) places, of which the guess leaves 7/16; each of
-    the mixed tiles loses less than a quarter.  What else is cut off is below all of the sum's other words, and goes with
+    the mixed tiles loses less than a quarter.  What else is cut off is below all other words of the sum, and goes with
     the rounding, which is half up.
     """
     up = sum(cuts(a_width, b_width)) - shift + 2

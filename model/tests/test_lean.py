@@ -28,8 +28,8 @@ COUNT = 9000
 """Targets of a region and width: 108,000 a width."""
 
 HAND_BAR = {16: 2.05e-4, 18: 5e-5, 24: 1e-6, 27: 1.25e-7, 32: 2e-8}
-"""Hand error / reach: 3.3 ulps for 18 and 3.4 for 16; 4.2 for 24 and as many for 27; 21.5 for 32, whose inner words have
-three bits more than the results where the others have seven, and whose roots have one."""
+"""Hand error / reach: 3.3 ulps for 18 and 3.4 for 16; 4.2 for 24 and as many for 27; 21.5 for 32, whose inner words
+have three bits more than the results where the others have seven, and whose roots have one."""
 
 WORST = {
     16: (-28352, -2, -5, 14435, 503, 28359),
@@ -38,9 +38,9 @@ WORST = {
     27: (-187, -59176645, -168, 42026300, 3472264, 59278467),
     32: (2043587052, -2530, 1734, 87642706, 65595619, 2049611425),
 }
-"""The worst targets that hill climbing over millions of targets has found, 2.01e-4, 4.88e-5, 7.9e-7, 9.6e-8 and 1.54e-8:
-half angles of azimuth, tilt and shoulder all next to where their branch changes, so that the unit length rests on
-words of 0.35, and every rounding to one side."""
+"""The worst targets that hill climbing over millions of targets has found, 2.01e-4, 4.88e-5, 7.9e-7, 9.6e-8 and
+1.54e-8: half angles of azimuth, tilt and shoulder all next to where their branch changes, so that the unit length rests
+on words of 0.35, and every rounding to one side."""
 
 ANGLE_ULPS = {16: 3, 18: 3, 24: 3, 27: 3, 32: 21}
 """Shoulder and elbow angle: 2e-8 rad for W = 32."""

@@ -1,11 +1,11 @@
 // Rounds half up, what is left of a * b / 2^SH without its lowest bits: less than 2^(AL+BL-SH) + 1 places too small.
 // SPDX-License-Identifier: Apache-2.0
 //
-// a and b are cut below their highest 18 bits, into AL and BL low ones. Three of the four tile products, which are kept
-// have 18x18 bits; the fourth is less than 2^(AL+BL-SH) places of q. Each tile is cut off two bits below the last
-// place of q, which leaves the sum of the mixed ones short; both halves of half a place are carries into the two sums.
-// Where words are so long that the highest tile ends above these two bits, the free bits below it take the fourth one's
-// place: the product of the highest two bits of both low parts.
+// a and b are cut below their highest 18 bits, into AL and BL low ones. Three of the four tile products are kept, of
+// 18x18 bits each; the fourth is less than 2^(AL+BL-SH) places of q. Each tile is cut off two bits below the last place
+// of q, which leaves the sum of the mixed ones short; both halves of half a place are carries into the two sums. Where
+// words are so long that the highest tile ends above these two bits, the free bits below it take a guess at the fourth:
+// the product of the highest two bits of both low parts.
 // Does not saturate: q holds the low OW bits.
 // Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum.
 `default_nettype none
