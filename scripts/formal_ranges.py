@@ -494,6 +494,7 @@ def everything(options: argparse.Namespace) -> int:
     widths = options.width or (WIDTHS if not options.only else (FULL,))
     failed, runs, bugs = [], [], []
     pool = ThreadPoolExecutor(os.cpu_count())
+    several = ThreadPoolExecutor(os.cpu_count())  # bugs, which wait for the pool
     try:
         for width in widths:
             for datapath in DATAPATHS:
@@ -501,12 +502,19 @@ def everything(options: argparse.Namespace) -> int:
                     runs.append(prove(datapath, width, names, pool))
                     failed += runs[-1].failed
         plain = {run.datapath: run for run in runs if run.width == FULL and run.design}
-        for number, bug in enumerate(BUGS):
-            if bug.datapath not in plain or bug.node not in chosen(bug.datapath, FULL, options.only):
-                continue
+        wanted = [
+            (number, bug)
+            for number, bug in enumerate(BUGS)
+            if bug.datapath in plain and bug.node in chosen(bug.datapath, FULL, options.only)
+        ]
+
+        def seeded(number: int) -> tuple[str, float]:
             began = time.monotonic()
-            wrong = seed(number, plain, pool)
-            took = time.monotonic() - began
+            return seed(number, plain, pool), time.monotonic() - began
+
+        answers = [several.submit(seeded, number) for number, _ in wanted]
+        for (_, bug), answer in zip(wanted, answers, strict=True):
+            wrong, took = answer.result()
             bugs.append((bug, took))
             if wrong:
                 failed.append(f"seeded bug '{bug.what}' in {bug.file}: {wrong}")
@@ -516,6 +524,7 @@ def everything(options: argparse.Namespace) -> int:
         sweeps = [] if options.only or options.width else [sweep(datapath, pool) for datapath in DATAPATHS]
         failed += [f"{s.datapath}: {s.problem}" for s in sweeps if s.problem]
     finally:
+        several.shutdown(wait=False, cancel_futures=True)
         pool.shutdown(cancel_futures=True)
     seconds = time.monotonic() - start
     nodes = sum(len(run.rows) for run in runs)

@@ -54,13 +54,13 @@ module ik_mul3 #(
   wire [AL:0] a_low = {a_q[AL-1:0], 1'b0};
   wire [BL:0] b_low = {b_q[BL-1:0], 1'b0};
   wire [3:0] a_two = {2'b00, a_low[AL-:2]};
-  wire [3:0] b_two = {2'b00, b_low[BL-:2]};
+  wire [1:0] b_two = b_low[BL-:2];
   reg [3:0] ll;
   always @(posedge clk) begin
     hh <= a_hi * b_hi;
     hl <= a_hi * b_lo;
     lh <= a_lo * b_hi;
-    ll <= a_two * b_two;
+    ll <= (a_two & {4{b_two[0]}}) + ({a_two[2:0], 1'b0} & {4{b_two[1]}});  // logic: too little for a multiplier
   end
 
   // A sum's carry is a place more below it, of two ones: one carry chain.
