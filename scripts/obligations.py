@@ -343,8 +343,10 @@ class Design:
 
     def _elaborate(self) -> None:
         own = " ".join(f"{self._here}/{folder}/*.v" for folder in ("rtl/lib", "rtl/cores", f"rtl/{self.datapath}"))
-        lines = [f"read_verilog {self._include()} {own}", f"chparam -set W {self.width} {self.top}"]
-        lines += [f"hierarchy -check -top {self.top}", "proc", f"write_json {self._here}/design.json"]
+        # -defer: what has a large table in a memory is looked at once, or never
+        lines = [f"read_verilog -defer {self._include()} {own}"]
+        lines += [f"hierarchy -check -top {self.top} -chparam W {self.width}", "proc"]
+        lines += [f"write_json {self._here}/design.json"]
         self._yosys("elaborate", lines)
         at_top = ("results",)
         homes = {
