@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """scripts/fpga.py without its tools: what it makes of their reports, of the RTL and of its own figures."""
 
+import argparse
 import json
 import re
 import shutil
@@ -255,3 +256,41 @@ def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
     assert fpga.pack_registers(design)["flip_flops"] == 0
     design = netlist(rom=memory({"A0": 50}), a=flop(50, 40, REGSET="SET"), lut=lut)
     assert fpga.pack_registers(design)["flip_flops"] == 0
+
+
+def measured(monkeypatch, tmp_path, clocks):
+    """What fpga.json has of placing the lean datapath at 18 bits, if each seed gives that clock or none in time."""
+    def done(run, again, limit):
+        if run.kind != "place":
+            return {"cells": dict.fromkeys(fpga.KINDS, 1)}
+        if clocks.get(run.seed) is None:
+            raise fpga.ToolError(f"{run.name}: not done after {limit / 60:.0f} min, left out")
+        return {"mhz": clocks[run.seed]}
+
+    monkeypatch.setattr(fpga.Run, "done", done)
+    monkeypatch.setattr(fpga, "describe", lambda *_: {})
+    figures = fpga.Figures(tmp_path / "fpga.json")
+    options = argparse.Namespace(
+        width=[18], datapath=["lean"], family=None, place=True, seed=1, seeds=4, again=False, limit=1
+    )
+    left_out = fpga.measure(figures, options)
+    return figures.data, left_out
+
+
+def test_the_quickest_of_the_seeds_is_kept(monkeypatch, tmp_path):
+    data, left_out = measured(monkeypatch, tmp_path, {1: 170.0, 2: None, 3: 175.0, 4: 171.0})
+    run = data["runs"]["lean-W18-ecp5-place"]
+    assert (run["mhz"], run["seed"], run["tried"]) == (175.0, 3, [170.0, 175.0, 171.0])
+    assert data["designs"]["lean-18"]["placed"] == "whole" and not left_out
+
+
+def test_no_seed_is_tried_after_the_aim_is_reached(monkeypatch, tmp_path):
+    data, _ = measured(monkeypatch, tmp_path, {1: 170.0, 2: 181.0, 3: 190.0})
+    assert data["runs"]["lean-W18-ecp5-place"]["tried"] == [170.0, 181.0]
+
+
+def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tmp_path):
+    data, left_out = measured(monkeypatch, tmp_path, {})
+    assert data["designs"]["lean-18"]["placed"] == "by module"
+    modules = [fpga.TOPS["lean"], *fpga.SECTIONS["lean"]]
+    assert [line.split("-")[0] for line in left_out] == [name.removeprefix("ik_") for name in modules]
