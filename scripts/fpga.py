@@ -754,12 +754,10 @@ def measure(figures: Figures, options) -> list[str]:
                 result(whole(datapath, width, family, "tree"))
     for datapath, width in chosen if options.place or not options.family or "ecp5" in options.family else []:
         synthesized = result(whole(datapath, width, "ecp5"))
-        if synthesized and fits(synthesized["cells"]) and best_placement(datapath, width, TOPS[datapath]):
-            figures.design(datapath, width)["placed"] = "whole"
-        else:
-            figures.design(datapath, width)["placed"] = "by module"
-            for module in SECTIONS[datapath]:
-                best_placement(datapath, width, module)
+        holds = synthesized and fits(synthesized["cells"]) and best_placement(datapath, width, TOPS[datapath])
+        figures.design(datapath, width)["placed"] = "whole" if holds else "by module"
+        for module in SECTIONS[datapath]:
+            best_placement(datapath, width, module)
         figures.write()
     return left_out
 
@@ -783,12 +781,8 @@ GROUPS = {
 }
 
 
-def place_runs(data: dict, datapath: str, width: int) -> list[tuple[str, dict]]:
-    """(module, figures) of what was placed for a design."""
-    design = data["designs"].get(f"{datapath}-{width}", {})
-    if "placed" not in design:
-        return []
-    modules = [TOPS[datapath]] if design["placed"] == "whole" else SECTIONS[datapath]
+def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> list[tuple[str, dict]]:
+    """(module, figures) of those of the modules that were placed alone, or of the top, placed whole."""
     found = []
     for module in modules:
         starts = f"{module.removeprefix('ik_')}-W{width}-"
@@ -797,13 +791,10 @@ def place_runs(data: dict, datapath: str, width: int) -> list[tuple[str, dict]]:
     return found
 
 
-def clock(data: dict, datapath: str, width: int) -> float | None:
-    """MHz: of the whole, or of the slowest module if all of them are there."""
-    design = data["designs"].get(f"{datapath}-{width}", {})
-    found = place_runs(data, datapath, width)
-    if len(found) < (1 if design.get("placed") == "whole" else len(SECTIONS[datapath])):
-        return None
-    return min(run["mhz"] for _, run in found)
+def slowest(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> float | None:
+    """MHz, if all of the modules were placed."""
+    found = place_runs(data, datapath, width, modules)
+    return min(run["mhz"] for _, run in found) if len(found) == len(modules) else None
 
 
 def _table(head: list, rows: list[list], left: int = 1) -> list[str]:
@@ -844,10 +835,13 @@ def comparison(data: dict) -> list[str]:
         put(f"{carry}", of("carry"))
         put(multiplier, of("multipliers"))
         put(memory, of("RAM"))
-    mhz = [clock(data, d, w) for d, w in columns]
     designs = [data["designs"][f"{d}-{w}"] for d, w in columns]
+    alone = [slowest(data, d, w, SECTIONS[d]) for d, w in columns]
+    one = [slowest(data, d, w, (TOPS[d],)) for d, w in columns]
+    mhz = [whole or modules for whole, modules in zip(one, alone, strict=True)]
     put("clock (MHz)", [m and f"{m:.0f}" for m in mhz])
     put("placed", [d.get("placed") for d in designs])
+    put("slowest of its modules alone (MHz)", [m and f"{m:.0f}" for m in alone])
     put("latency (clocks)", [d["latency"] for d in designs])
     put("latency (ns)", [m and f"{1000 * d['latency'] / m:.0f}" for m, d in zip(mhz, designs, strict=True)])
     put("100 targets (us)", [m and f"{(d['latency'] + 100) / m:.2f}" for m, d in zip(mhz, designs, strict=True)])
@@ -885,7 +879,7 @@ def critical(data: dict) -> list[str]:
     rows = []
     for design in data["designs"]:
         datapath, width = design.split("-")
-        for module, run in place_runs(data, datapath, int(width)):
+        for module, run in place_runs(data, datapath, int(width), (TOPS[datapath], *SECTIONS[datapath])):
             path = run["path"]
             rows.append([
                 f"{datapath} {width}", f"`{module}`", f"{run['mhz']:.0f}", f"`{path['from']}`", f"`{path['to']}`",
@@ -929,10 +923,12 @@ def page(data: dict) -> str:
         f"- *Clock*: after place and route on an {DEVICE}, by nextpnr's timing model; there is no open place and route",
         "  for Xilinx. ECP5 is a later and faster chip than the Virtex-II Pro, its multipliers are not.",
         f"- *Placed*: *whole* where the device, with its {HOLDS['MULT18X18D']} multipliers, holds the datapath;",
-        "  otherwise each of its modules alone, and the clock is that of the slowest. Inputs come from registers and",
-        "  outputs go into registers. Registers before and behind a multiplier are put into it, as Lattice's own tools",
-        "  do (`pack_registers` in `scripts/fpga.py`). What lies between them, which nextpnr does not time, is taken",
-        f"  as {MULTIPLIER_NS} ns: no clock is given above {1000 / MULTIPLIER_NS:.0f} MHz.",
+        "  otherwise each of its modules alone, and the clock is that of the slowest. The whole has longer ways, as",
+        "  multipliers stand in columns and it takes most of them, and would be slower: compare both at W = 18. Inputs",
+        "  come from registers and outputs go into registers. Registers before and behind a multiplier and behind a",
+        "  memory are put into them, as Lattice's own tools do (`pack_registers` in `scripts/fpga.py`). What lies",
+        f"  between those of a multiplier, which nextpnr does not time, is taken as {MULTIPLIER_NS} ns: no clock is",
+        f"  given above {1000 / MULTIPLIER_NS:.0f} MHz.",
         "- *Latency* is that of `ik_axis`; 100 targets take 100 clocks more. *Hand error*: the largest of 4000",
         "  targets anywhere in the workspace, as in [compare.md](compare.md). The paper gives 1/16 mm on an arm of",
         "  0.6 m, 1e-4.",

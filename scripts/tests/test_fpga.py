@@ -269,6 +269,7 @@ def measured(monkeypatch, tmp_path, clocks):
 
     monkeypatch.setattr(fpga.Run, "done", done)
     monkeypatch.setattr(fpga, "describe", lambda *_: {})
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
     figures = fpga.Figures(tmp_path / "fpga.json")
     options = argparse.Namespace(
         width=[18], datapath=["lean"], family=None, place=True, seed=1, seeds=4, again=False, limit=1
