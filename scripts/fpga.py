@@ -624,8 +624,8 @@ def steps(path: list[dict]) -> list[str]:
 # -- what is measured ------------------------------------------------------------------------------------------------
 
 
-def whole(datapath: str, width: int, family: str, kind: str = "synth", **more) -> Run:
-    return Run(kind, family, TOPS[datapath], {"W": width, **PARAMETERS[datapath]}, **more)
+def whole(datapath: str, width: int, family: str, kind: str = "synth") -> Run:
+    return Run(kind, family, TOPS[datapath], {"W": width, **PARAMETERS[datapath]})
 
 
 def placement(datapath: str, width: int, module: str) -> Run:
@@ -773,12 +773,6 @@ PAPER_TABLE = {
     "results a clock": "1",
 }
 """Tables 5 and 6 of the paper: the Virtex-II Pro 2VP70, Xilinx ISE and Core Generator."""
-
-GROUPS = {
-    "products": ("ik_mul", "ik_mul3", "ik_exact"),
-    "roots, dividers": ("ik_rsqrt", "ik_div_digit", "ik_div_row", "ik_root_digit", "ik_root_row", "ik_div", "ik_root"),
-    "delay lines": ("ik_delay",),
-}
 
 
 def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> list[tuple[str, dict]]:
