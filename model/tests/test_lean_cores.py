@@ -55,6 +55,8 @@ def test_mul3_of_every_small_pair():
         tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1), (shift < 4) * (a & 1) * (b & 1)
         q = mul3(a, b, shift, 7, 7)
         assert (q == (sum((4 * tile) // (1 << shift) for tile in tiles) + 2) // 4).all()
+        error, (least, greatest) = q - a * b / (1 << shift), mul3_error(shift, 7, 7)
+        assert least < error.min() and error.max() <= greatest
 
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------
