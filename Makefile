@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# The front door. Each target sets up what it needs first (scripts/bootstrap.py), at once if nothing is missing.
+# The front door. Each target sets up what it needs first (scripts/setup/bootstrap.py), at once if nothing is missing.
 
 PYTHON ?= python3
 SIM    ?= icarus
 VENV   := .venv/bin/python
-SETUP   = $(PYTHON) -ES scripts/bootstrap.py
+SETUP   = $(PYTHON) -ES scripts/setup/bootstrap.py
 
 ifneq ($(value SIM),icarus)
 ifneq ($(value SIM),verilator)
@@ -54,21 +54,21 @@ test: ## all tests [SIM=icarus|verilator CORES=behavioural|digit]
 
 test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
-	@SIM=$(SIM) $(VENV) -m pytest scripts/tests/browser_test_report.py
+	@SIM=$(SIM) $(VENV) -m pytest scripts/report/tests/browser_test_report.py
 
 docs: ## write the generated pages and headers anew
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.gen_headers
-	@$(VENV) -m scripts.gen_docs --sim $(SIM)
+	@$(VENV) -m scripts.pages.gen_headers
+	@$(VENV) -m scripts.pages.gen_docs --sim $(SIM)
 
 derive: ## docs/derivation.md, the paper's equations from its geometry, and docs/lean.md, the lean ones from them
 	@$(SETUP)
-	@$(VENV) -m scripts.derive
-	@$(VENV) -m scripts.derive_lean
+	@$(VENV) -m scripts.derive.paper
+	@$(VENV) -m scripts.derive.lean
 
 wordlengths: ## ranges proved and seen, errors of every node: docs/wordlengths.md and .svg
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.wordlengths
+	@$(VENV) -m scripts.pages.wordlengths
 
 compare: ## both datapaths on the same targets, clocks, operations, errors: docs/compare.md and .svg
 	@$(SETUP) icarus
@@ -76,11 +76,11 @@ compare: ## both datapaths on the same targets, clocks, operations, errors: docs
 
 operations: ## table 4 of the paper counted from the equations and the elaborated RTL: docs/operations.md
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.opcounts
+	@$(VENV) -m scripts.pages.opcounts
 
 figures: ## figures 6 and 7 of the paper for the whole design: docs/figures.md
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.figures
+	@$(VENV) -m scripts.pages.figures
 
 bench: ## simulated targets per second, both simulators in one run
 	@$(SETUP) icarus verilator
@@ -108,8 +108,8 @@ lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff o
 
 formal: ## proofs, and that they fail on seeded bugs: streams, divider, root: docs/proofs.md; no overflow: docs/ranges_proofs.md
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.formal
-	@$(VENV) -m scripts.formal_ranges
+	@$(VENV) -m tb.formal.proofs
+	@$(VENV) -m tb.formal.overflow
 
 fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga

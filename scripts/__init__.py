@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What people run: the command line, set-up, lint, reports."""
+"""Entry points of the commands of the Makefile."""

@@ -13,11 +13,12 @@ import time
 
 import numpy as np
 
-from model import fixed, predict
-from model.datapaths import DATAPATHS
-from scripts.env import SIMULATORS
-from scripts.simulate import Job, simulate
-from tb.stimuli import random_reachable
+from model.bounds import predict
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.targets.stimuli import random_reachable
+from tb.sim.env import SIMULATORS
+from tb.sim.simulate import Job, simulate
 
 
 def timed(action) -> float:

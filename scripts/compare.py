@@ -17,17 +17,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model import fixed
-from model.dataflow import WIDTHS
-from model.datapaths import DATAPATHS
-from model.kinematics import angle_between, forward
-from model.lean_equations import solve_lean
-from model.targets import RESULT_FIELDS, from_words, result_values
-from scripts.env import ROOT, SIMULATORS
-from scripts.opcounts import counted_run
-from scripts.simulate import Job, simulate
-from scripts.wordlengths import differing
-from tb.stimuli import REGIONS, SINGULAR, at_distance, region
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import WIDTHS
+from model.reference.kinematics import angle_between, forward
+from model.reference.lean_equations import solve_lean
+from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
+from model.targets.words import RESULT_FIELDS, from_words, result_values
+from scripts.pages.opcounts import counted_run
+from scripts.pages.wordlengths import differing
+from tb.sim.env import ROOT, SIMULATORS
+from tb.sim.simulate import Job, simulate
 
 PAGE = ROOT / "docs" / "compare.md"
 PLOT = ROOT / "docs" / "compare.svg"
@@ -190,7 +190,7 @@ def page(measured: Measured, targets: int, seed: int) -> str:
         "Errors are those of the bit-true model, which the RTL equals in every bit, against the input words: the hand",
         "against the target in parts of the reach d1 + d2, angles of the joints (rad) against double precision. There",
         f"are {targets} reachable targets of each of the regions below, the same ones for both. They are a sample: a",
-        "search for bad targets finds worse ones (`WORST` in `model/tests/test_lean.py`).",
+        "search for bad targets finds worse ones (`WORST` in `model/dataflow/tests/test_lean.py`).",
         "",
         "## Side by side",
         "",

@@ -3,7 +3,8 @@
 
     python -m scripts.exhaustive [--only NAME] [--small] [--jobs N] [--list]
 
-A case is a module with its parameters, in a program that Verilator makes of it and of tb/exhaustive.cpp, which drives
+A case is a module with its parameters, in a program that Verilator makes of it and of tb/units/exhaustive.cpp, which
+drives
 one argument a clock and holds each answer against the module's definition in integers of C++: no Python in the loop,
 and no line in common with the model. The arguments are cut into pieces, a process each. A full run without a failure
 writes docs/exhaustive.md; --small takes short words and seconds, and writes nothing.
@@ -31,17 +32,17 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from model.dataflow import Latency
-from model.lean_cores import rsqrt_clocks
-from model.scoring import write_atomically
-from scripts.env import CORES, ROOT
-from scripts.fpga import closure
+from model.dataflow.cores import rsqrt_clocks
+from model.dataflow.nodes import Latency
+from model.targets.scoring import write_atomically
+from scripts.fpga.measure import closure
 from scripts.run import InputError, _Parser, exit_status
-from scripts.simulate import SimulationError
 from scripts.soak import _whole
-from tb.native import build
+from tb.sim.env import CORES, ROOT
+from tb.sim.native import build
+from tb.sim.simulate import SimulationError
 
-HARNESS = ROOT / "tb" / "exhaustive.cpp"
+HARNESS = ROOT / "tb" / "units" / "exhaustive.cpp"
 PAGE = ROOT / "docs" / "exhaustive.md"
 
 PIECE = 1 << 23
@@ -56,7 +57,7 @@ RECIPROCAL = "y = 1/(2 sqrt m), error below a place, also where m was cut off; 0
 class Case:
     """A module with its parameters, and the width of all its arguments together, each of which comes once.
 
-    clocks: from argument to answer. harness: what stands in tb/exhaustive.cpp for this module.
+    clocks: from argument to answer. harness: what stands in tb/units/exhaustive.cpp for this module.
     """
 
     name: str
@@ -283,7 +284,7 @@ INTRODUCTION = """# Every argument
 Written by `make exhaustive` (`python -m scripts.exhaustive`) on {today}, with Verilator {verilator}; {jobs} processes,
 {seconds:.0f} s. Do not edit.
 
-Verilator makes a program of each core and of `tb/exhaustive.cpp`, which drives one argument a clock through the
+Verilator makes a program of each core and of `tb/units/exhaustive.cpp`, which drives one argument a clock through the
 pipeline and holds each answer, in order and after the core's clocks, against the definition in the core's first line:
 in integers of C++, without the model. Each argument comes once, in an order in which neighbours have nothing in common.
 The dividers and the root are those made of rows for a chip (`DIGIT=1`). `make test SIM=verilator` does the same with

@@ -16,7 +16,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from scripts.env import ROOT, environment
+from tb.sim.env import ROOT, environment
 
 # parameter: values it is linted at. A module is linted at every combination of those it has.
 PARAMETER_SETS = {"W": (32, 18)}

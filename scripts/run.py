@@ -27,15 +27,16 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from model import flags as flag_bits
-from model import trajectories
-from model.dataflow import WIDTHS
-from model.predict import hand_bar
-from model.scoring import Score, score, write_results_csv, write_score_json
-from model.targets import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, read_csv, to_words
-from scripts.env import CORES, SIMULATORS
-from scripts.simulate import DATAPATHS, Job, Run, SimulationError, simulate
+from model.bounds.predict import hand_bar
+from model.dataflow.nodes import WIDTHS
+from model.targets import flags as flag_bits
+from model.targets import trajectories
+from model.targets.files import read_csv
+from model.targets.scoring import Score, score, write_results_csv, write_score_json
+from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, to_words
 from scripts.waves import write_save_file
+from tb.sim.env import CORES, SIMULATORS
+from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
 
 ALL = "all"
 

@@ -6,12 +6,13 @@
 
 Targets come in chunks; a chunk depends on seed, width and its number only. After each chunk the state file
 OUT/<datapath>-<width>-<seed>.json holds how far the soak is and the hardest targets so far; a run with more targets, or
-after Ctrl-C, goes on there. At the end the hardest go into OUT/hardest.csv and, with --keep, into tb/hardest.csv, the
-regression list.
+after Ctrl-C, goes on there. At the end the hardest go into OUT/hardest.csv and, with --keep, into
+tb/core/hardest.csv, the regression list.
 
 It stops at the first chunk in which a bit or a flag is wrong, a quaternion is not of unit length or a hand of the lean
 datapath is further off than its bar, and writes the targets to OUT/failing.csv. The paper's equations are held to no
-bar here: near two singular poses at once their errors pass even what `model.predict` explains; they are reported.
+bar here: near two singular poses at once their errors pass even what `model.bounds.predict` explains; they are
+reported.
 
 Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 input that cannot be used (one line on
 stderr), 130 after Ctrl-C.
@@ -39,17 +40,17 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from model import fixed
-from model.dataflow import WIDTHS
-from model.flags import expected_flags, names
-from model.scoring import write_atomically
-from model.targets import FIELDS
-from scripts.env import ROOT, SIMULATORS
+from model.dataflow import fixed
+from model.dataflow.nodes import WIDTHS
+from model.targets.flags import expected_flags, names
+from model.targets.scoring import write_atomically
+from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
+from model.targets.words import FIELDS
+from scripts.pages.wordlengths import edges
 from scripts.run import PLAIN_COLUMNS, InputError, _one_of, _Parser, _width, check_out, exit_status
-from scripts.simulate import DATAPATHS, Job, Run, SimulationError, simulate
-from scripts.wordlengths import edges
-from tb import hardest
-from tb.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
+from tb.core import hardest
+from tb.sim.env import ROOT, SIMULATORS
+from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
 
 CHUNK = 20000
 TARGETS = 100_000
@@ -367,7 +368,7 @@ def _parser() -> argparse.ArgumentParser:
         help="folder for the state, hardest.csv and failing.csv, made if need be (default: %(default)s)",
     )  # fmt: skip
     parser.add_argument("--restart", action="store_true", help="begin anew instead of going on where the state is")
-    parser.add_argument("--keep", action="store_true", help="put the hardest targets into tb/hardest.csv too")
+    parser.add_argument("--keep", action="store_true", help="put the hardest targets into tb/core/hardest.csv too")
     parser.add_argument("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
     return parser
 

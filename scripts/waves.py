@@ -3,8 +3,8 @@
 
     python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
 
-The groups are the streams and the sections of the datapath (:mod:`model.datapaths`).  A node's label carries the
-equation it belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after it was admitted.
+The groups are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`).  A node's label carries
+the equation it belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after it was admitted.
 
 GTKWave shows a fixed-point word through its "fixed point shift", right for words of more than 31 fraction bits since
 3.3.107.  It cannot show a decimal word of more than 64 bits: of those the first 64 bits are shown.
@@ -20,10 +20,10 @@ import numpy as np
 from vcd.gtkw import GTKWFlag, GTKWSave
 from vcd.reader import TokenKind, tokenize
 
-from model import fixed
-from model.dataflow import Format, Node
-from model.datapaths import DATAPATHS
-from model.targets import FIELDS, RESULT_FIELDS
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import Format, Node
+from model.targets.words import FIELDS, RESULT_FIELDS
 
 TOP = "ik_axis"
 SHOWN_BITS = 64

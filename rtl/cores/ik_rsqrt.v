@@ -1,7 +1,7 @@
 // Rounds to nearest, faithful: y = 1/(2 sqrt m), m unsigned with F+3 fraction bits in [1/4, 1), y F fraction bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The error is below one place of y, also where m is a longer mantissa cut off (model/lean_cores.py has the proof).
+// The error is below one place of y, also where m is a longer mantissa cut off (model/dataflow/cores.py has the proof).
 // m below 1/4 gives 0. A quadratic c0 - u (c1 - c2 u) in each of 256 segments of [0, 1), u in [-1/2, 1/2) the place in
 // the segment; with F > 21 it gives a seed y0 of 17 bits for one Newton step, y0 (1 - (4 m y0^2 - 1) / 2).
 // The memory of the table has its address a clock before m is valid: m_next is m before a register.

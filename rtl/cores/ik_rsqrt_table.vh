@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.gen_headers` from model/lean_cores.py; do not edit.
+// Written by `python -m scripts.pages.gen_headers` from model/dataflow/cores.py; do not edit.
 
 // For the body of ik_rsqrt: {c0, c1, c2} of each segment. <WORD>_BITS: its width, <WORD>_FRAC: its fraction bits.
 

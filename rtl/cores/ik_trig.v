@@ -4,7 +4,7 @@
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. With the nearest of 512 table points,
 // s = sin and c = cos of it, and v = sin(delta) of what is left of |phi|/2 (at most pi/2048):
 //   sin = s + v (c - s v/2)    cos = c - v (s + c v/2)
-// Words inside have TRIG_GUARD more fraction bits. model/lean_trig.py has the proof of the bound.
+// Words inside have TRIG_GUARD more fraction bits. model/dataflow/trig.py has the proof of the bound.
 // Multiplier tiles of 18x18 bits: 9, or 5 up to F = 21.
 // Latency: 10 clocks (LAT_TRIG): magnitude, table point, fine product, v, slope product, slope, tiles, tile sums, sum,
 // sign.

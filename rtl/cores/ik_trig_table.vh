@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.gen_headers` from model/lean_trig.py; do not edit.
+// Written by `python -m scripts.pages.gen_headers` from model/dataflow/trig.py; do not edit.
 
 // For the body of ik_trig: sin(i/512 quarter turns) with TRIG_FRAC fraction bits, and what sin(delta) is made of.
 

@@ -7,12 +7,12 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from model import fixed
-from model.flags import AT_SHOULDER, UNREACHABLE, expected_flags
-from model.kinematics import forward
-from model.targets import result_values
+from model.dataflow import fixed
+from model.reference.kinematics import forward
+from model.targets.flags import AT_SHOULDER, UNREACHABLE, expected_flags
+from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
+from model.targets.words import result_values
 from scripts import compare
-from tb.stimuli import REGIONS, SINGULAR, at_distance, region
 
 
 @pytest.fixture(scope="module")

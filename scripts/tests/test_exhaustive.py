@@ -11,9 +11,9 @@ import time
 import pytest
 
 from scripts import exhaustive
-from scripts.env import ROOT, environment
 from scripts.exhaustive import FULL, SMALL, Result, main
-from scripts.tests.pages import table
+from scripts.pages.tables import table
+from tb.sim.env import ROOT, environment
 
 
 @pytest.fixture(scope="module")
@@ -226,4 +226,5 @@ def test_the_command_is_there():
 def test_make_passes_to_it():
     command = ["make", "-n", "exhaustive"]
     done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
-    assert "scripts/bootstrap.py verilator" in done.stdout and done.stdout.rstrip().endswith("-m scripts.exhaustive")
+    assert "scripts/setup/bootstrap.py verilator" in done.stdout
+    assert done.stdout.rstrip().endswith("-m scripts.exhaustive")

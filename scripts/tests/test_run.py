@@ -15,18 +15,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model import trajectories
-from model.equations import solve_clamped
-from model.flags import expected_flags
-from model.targets import FIELDS, RESULT_FIELDS, from_words
+from model.reference.equations import solve_clamped
+from model.targets import trajectories
+from model.targets.flags import expected_flags
+from model.targets.words import FIELDS, RESULT_FIELDS, from_words
 from scripts import run
-from scripts.simulate import Run, SimulationError
+from tb.sim.simulate import Run, SimulationError
 
 ROOT = Path(__file__).parents[2]
 
 
 class FakeSimulator:
-    """Stands in for `scripts.simulate`; `spoil` may change its runs, `calls` records what it was given."""
+    """Stands in for `tb.sim.simulate`; `spoil` may change its runs, `calls` records what it was given."""
 
     def __init__(self):
         self.calls = []

@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model import fixed
-from model.equations import solve_clamped
-from model.flags import UNREACHABLE, expected_flags
-from model.targets import from_words
+from model.dataflow import fixed
+from model.reference.equations import solve_clamped
+from model.targets.flags import UNREACHABLE, expected_flags
+from model.targets.stimuli import corners
+from model.targets.words import from_words
 from scripts import soak
-from scripts.env import ROOT, environment
-from scripts.simulate import Run, SimulationError
 from scripts.tests.test_run import ctrl_c
-from tb import hardest
-from tb.stimuli import corners
+from tb.core import hardest
+from tb.sim.env import ROOT, environment
+from tb.sim.simulate import Run, SimulationError
 
 STATE = "build/soak/lean-32-1.json"
 MISMATCH = (
@@ -32,7 +32,7 @@ MISMATCH = (
 
 
 class FakeSimulator:
-    """Stands in for `scripts.simulate`: the bit-true model, whose runs `spoil` may change; `calls` records words."""
+    """Stands in for `tb.sim.simulate`: the bit-true model, whose runs `spoil` may change; `calls` records words."""
 
     def __init__(self):
         self.calls = []

@@ -5,11 +5,11 @@ import pytest
 from vcd.gtkw import GTKWFlag
 from vcd.reader import TokenKind, tokenize
 
-from model import fixed
+from model.dataflow import fixed
+from model.targets.stimuli import random_reachable
 from scripts import waves
-from scripts.env import simulator
-from scripts.simulate import Job, simulate
-from tb.stimuli import random_reachable
+from tb.sim.env import simulator
+from tb.sim.simulate import Job, simulate
 
 WIDTH = 32
 TARGETS = 3

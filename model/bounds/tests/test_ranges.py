@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proved ranges: they fit the formats, hold what random targets do, and name a node whose format is too short."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.bounds import ranges
+from model.dataflow import fixed
+from model.targets.stimuli import corners, extremes, random_reachable, unreachable
+from scripts.pages import wordlengths
+
+WIDTHS = (16, 18, 24, 32)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_node_fits(width):
+    ranges.check(width)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_proved_ranges_stay_inside_the_formats(width):
+    for name, proof in ranges.proved(width).items():
+        fmt = proof.node.format
+        assert fmt.low * fmt.ulp <= proof.low <= proof.high <= fmt.high * fmt.ulp, name
+
+
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [("s", 32), ("l_sw", 16), ("pi_swivel_y", 32), ("k_e", 24), ("inf_pp", 16), ("e_x_num", 32), ("qs_j", 18)],
+)
+def test_a_format_one_bit_too_short_is_named(name, width):
+    fmt = ranges.proved(width)[name].node.format
+    found = ranges.analyse(width, {name: replace(fmt, width=fmt.width - 1)})[1]
+    assert name in found
+    assert name in found[name] and f"{fmt.width - 1} bits" in found[name] and f"W = {width}" in found[name]
+
+
+def test_check_names_a_node_that_does_not_fit(monkeypatch):
+    monkeypatch.setattr(ranges, "failures", lambda width: {"pp_i": f"pp_i does not fit, W = {width}"})
+    with pytest.raises(ranges.RangeError, match="pp_i does not fit, W = 32"):
+        ranges.check(32)
+
+
+@pytest.mark.parametrize("rule", [r for r in ranges.RULES if r.nodes[0] in ("tmp1", "inf_pp", "c3_g", "e_x_quo")])
+def test_without_a_rule_something_does_not_fit(rule, monkeypatch):
+    monkeypatch.setattr(ranges, "RULES", tuple(r for r in ranges.RULES if r is not rule))
+    try:
+        found = ranges.analyse(32)[1]
+    except ranges.RangeError as error:  # a divisor that may be 0
+        found = {str(error): ""}
+    assert found
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("kind", ["reachable", "edges", "unreachable", "extremes", "corners"])
+def test_random_targets_stay_inside_the_proved_ranges(width, kind):
+    words = {
+        "reachable": lambda: random_reachable(20000, width, 7),
+        "edges": lambda: wordlengths.edges(5000, width, 7),
+        "unreachable": lambda: unreachable(2000, width, 7),
+        "extremes": lambda: extremes(5000, width, 7),
+        "corners": lambda: np.array(list(corners(width).values()), dtype=np.int64),
+    }[kind]()
+    seen = wordlengths.Observed()
+    wordlengths.observe(seen, words, width)
+    assert not seen.beyond, seen.first
+    for name, node in seen.nodes.items():
+        proof = ranges.proved(width)[name]
+        ulp = proof.node.format.ulp
+        assert proof.low <= node.low * ulp and node.high * ulp <= proof.high, name
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_nothing_is_seen_beyond_its_format(width):
+    seen = wordlengths.monte_carlo(2 * wordlengths.CHUNK, width, 1)
+    assert not seen.beyond, seen.first
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_proved_errors_hold_in_the_swivel_plane(width):
+    """Before the first restart an error that is seen and one that is proved are the same thing."""
+    seen = wordlengths.monte_carlo(wordlengths.CHUNK, width, 2).nodes
+    table = ranges.proved(width)
+    checked = [n for n, p in table.items() if p.node.section == "swivel" and n in seen and seen[n].count]
+    assert len(checked) > 20
+    for name in checked:
+        assert seen[name].worst <= table[name].error_ulps * (1 + 1e-6) + 1e-3, name
+
+
+def test_the_cases_hold_every_unit_of_the_target():
+    for width in WIDTHS:
+        parts = ranges.cases(width)
+        units = {j for c in parts if c.long for j in range(c.j[0], c.j[1] + 1)}
+        assert units == set(range(width + 1))
+        words = np.concatenate([wordlengths.edges(4000, width, 3), random_reachable(4000, width, 3)])
+        bits = fixed.run(words, width).bits
+        j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
+        assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()
+
+
+def test_bits_wasted_are_leading_bits_that_nothing_sets():
+    proof = ranges.proved(32)["s_j"]
+    limit = 2.0 ** (proof.node.format.width - 1 - proof.node.format.frac - proof.bits_wasted)
+    assert limit / 2 < max(-proof.low, proof.high) <= limit

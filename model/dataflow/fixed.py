@@ -1,0 +1,176 @@
+"""Layer 4: the bit-true fixed-point model of the RTL, every node, in integers.
+
+A node's value is an int64 array over targets (object arrays of Python integers where 64 bits do not hold it).  There
+is no float in any result: products and sums are exact and rounded once, division and root take the floor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import mpmath
+import numpy as np
+
+from model.dataflow import cores as lean_cores
+from model.dataflow import trig as lean_trig
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import CORDIC, Domain, Format, Node, wrap
+from model.targets.flags import FLAGS
+from model.targets.words import FIELDS, RESULT_FIELDS
+
+SINCOS_GUARD = 6
+"""Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
+
+TABLE_BITS = 48
+"""Fraction bits of the CORDIC's tables, before they are rounded to the word length in use."""
+
+
+@cache
+def atan_table() -> tuple[int, ...]:
+    """round(atan(2^-i) / pi * 2^TABLE_BITS), i = 0..31: the CORDIC's angles as fractions of half a turn."""
+    with mpmath.workprec(200):
+        angles = (mpmath.atan(mpmath.mpf(2) ** -i) / mpmath.pi for i in range(32))
+        return tuple(int(mpmath.nint(a * 2**TABLE_BITS)) for a in angles)
+
+
+@cache
+def cordic_gain() -> int:
+    """round(2^TABLE_BITS prod_i 1/sqrt(1 + 4^-i)): what the rotations stretch, taken out in advance."""
+    with mpmath.workprec(200):
+        gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
+        return int(mpmath.nint(gain * 2**TABLE_BITS))
+
+
+def round_shift(value, shift: int):
+    """value / 2^shift, rounded half up."""
+    return (value + (1 << (shift - 1))) >> shift if shift else value
+
+
+def floor_div(n, d, shift: int, fmt: Format):
+    """``ik_div``: floor(n 2^shift / d) saturated to ``fmt``; by the sign of n where d <= 0.
+
+    Returns the quotient and a mask: did not fit.
+    """
+    positive = d > 0
+    q = (n << shift) // np.where(positive, d, 1)
+    q = np.where(positive, q, np.where(n < 0, fmt.low, fmt.high))
+    fits = positive & (q >= fmt.low) & (q <= fmt.high)
+    return np.clip(q, fmt.low, fmt.high), ~fits
+
+
+def floor_root(n, shift: int):
+    """``ik_root``: floor(sqrt(n 2^shift)), 0 where n < 0.  n 2^shift must stay below 2^63."""
+    v = np.maximum(n, 0) << shift
+    r = np.sqrt(v.astype(np.float64)).astype(np.int64)
+    # The float of v is off by 2^-53 of it at most, its root by half a place: too large by 1 at most, never too small.
+    return r - (r * r > v)
+
+
+def cordic(phi, width: int):
+    """``ik_sincos``: (sin, cos) of phi/2 in words with one integer bit, phi a binary angle (one turn = 2^width)."""
+    drop = TABLE_BITS - (width + SINCOS_GUARD)
+    inner = width + SINCOS_GUARD - 2  # fraction bits inside
+    angles = [round_shift(a, drop) for a in atan_table()]
+    z = phi << SINCOS_GUARD
+    x = np.full_like(z, round_shift(cordic_gain(), TABLE_BITS - inner))
+    y = np.zeros_like(z)
+    for i in range(width):
+        left = z >= 0
+        x, y = np.where(left, x - (y >> i), x + (y >> i)), np.where(left, y + (x >> i), y - (x >> i))
+        z = np.where(left, z - angles[i], z + angles[i])
+    return round_shift(y, SINCOS_GUARD), round_shift(x, SINCOS_GUARD)
+
+
+class Bits(Domain):
+    """Runs the dataflow in integers.  ``overflow`` keeps for every product, sum and quotient where it did not fit."""
+
+    def __init__(self, width: int, datapath: str = "paper") -> None:
+        super().__init__(width, DATAPATHS[datapath].widths)
+        self.datapath = datapath
+        self.overflow: dict[str, np.ndarray] = {}
+
+    def input(self, name: str, words) -> Node:
+        """An input word, in the clock in which the target is accepted."""
+        fmt = self.word(1) if name != "phi" else self.word(0)
+        return self.make(name, "input", (), fmt, None, np.asarray(words, dtype=np.int64))
+
+    def constant(self, value, fmt):
+        return Node("", "", "", "constant", (), fmt, None, 0, np.int64(round(value * 2.0**fmt.frac)))
+
+    def apply(self, name, operands, fmt, bits, real):
+        return bits(*(n.value for n in operands))
+
+    def overflowed(self, watched, unless):
+        mask = np.logical_or.reduce([self.overflow[n] for n in watched])
+        return mask & ~self.nodes[unless].value if unless else mask
+
+    def _narrow(self, name, value, fmt):
+        self.overflow[name] = (value < fmt.low) | (value > fmt.high)
+        return np.clip(value, fmt.low, fmt.high)
+
+    def product(self, name, a, b, fmt, scale):
+        value = round_shift(a.value * b.value, a.format.frac + b.format.frac - scale - fmt.frac)
+        return self._narrow(name, value, fmt)
+
+    def total(self, name, signs, nodes, fmt):
+        value = sum(s * n.value for s, n in zip(signs, nodes, strict=True))
+        return self._narrow(name, round_shift(value, nodes[0].format.frac - fmt.frac), fmt)
+
+    def quotient(self, name, n, d, fmt):
+        value, self.overflow[name] = floor_div(n.value, d.value, fmt.frac - n.format.frac + d.format.frac, fmt)
+        return value
+
+    def square_root(self, name, n, fmt):
+        return floor_root(n.value, 2 * fmt.frac - n.format.frac)
+
+    def product3(self, name, a, b, fmt, scale):
+        # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
+        shift, widths = self.cut(a, b, fmt, scale)
+        return wrap(lean_cores.mul3(a.value, b.value, shift, *widths), fmt.width)
+
+    def even_mantissa(self, name, value, width, fmt):
+        return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
+
+    def reciprocal_root(self, name, m, fmt):
+        # A root has no more fraction bits than its mantissa is made for; an inner word may have more.
+        frac = m.format.frac - 3
+        return lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
+
+    def half_sincos(self, phi, fmt):
+        # An angle of fewer than 16 bits is one of 16 that ends in zeros.
+        width = max(self.width, 16)
+        frac = min(fmt.frac, lean_trig.FRACS[-1])
+        pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac)
+        return tuple(v << (fmt.frac - frac) for v in pair)
+
+    def mantissa(self, name, word, words, counts, fill):
+        empty = np.logical_and.reduce([w.value == 0 for w in words])
+        return np.where(empty, fill, word.value << counts.value)
+
+    def sincos(self, sin, cos, phi):
+        values = cordic(phi.value, self.width)
+        return tuple(
+            self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC)
+            for n, v in zip((sin, cos), values, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the datapath gives for N targets: ``results`` (N, 6) words in the order of ``RESULT_FIELDS``, ``flags``
+    (N,), and every node."""
+
+    results: np.ndarray
+    flags: np.ndarray
+    bits: Bits
+
+
+def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
+    """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
+    bits = Bits(width, datapath)
+    DATAPATHS[datapath].flow(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(FIELDS)})
+    value = {k: n.value for k, n in bits.nodes.items()}
+    # The lean datapath has nothing that saturates.
+    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)
+    return Answer(np.stack([value[k] for k in RESULT_FIELDS], axis=1), flags, bits)

@@ -1,0 +1,383 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The language in which the dataflows are written: formats, nodes, latencies, and the operations of a domain.
+
+A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`) is written once against a small set of operations
+(:class:`Domain`) and therefore runs in several ways:
+
+* :class:`model.dataflow.fixed.Bits` - integers, equal to the RTL in every bit of every node;
+* :class:`model.dataflow.reals.Real` - double precision with any single node disturbed, for predicted errors;
+* :class:`model.bounds.ranges.Ranges` and :class:`model.bounds.affine.Affine` - intervals and affine forms, for proofs;
+* as a table of formats and clocks, from which ``scripts/pages/gen_headers.py`` writes the ``*_nodes.vh`` of the RTL.
+
+Formats.  A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i``
+fraction bits.  Products that wait for the sum they belong to, and sums of such products that feed a root or a
+division, carry ``GUARD`` more fraction bits (``wide``).
+
+Rounding.  ``mul`` and ``sum`` round half up (add half an ulp, drop the bits); ``div`` and ``root`` take the floor.
+A product always fits its format; a sum and a quotient are narrowed by geometry (|p_e| <= d1, ...), saturate, and
+raise the flag ``saturated``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from model.dataflow.cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
+from model.dataflow.trig import FRACS, TRIG_CLOCKS
+
+GUARD = 8
+"""Extra fraction bits of a product that waits for its sum."""
+
+EXACT = (0.0, 0.0)
+HALF_UP = (-0.5, 0.5)
+FLOOR = (-1.0, 0.0)
+JAM = (-1.0, 1.0)
+CORDIC = (-2.0, 2.0)
+"""What each rounding rule adds, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded ulps
+each in both coordinates, the angle left over is below one ulp, and the result is rounded."""
+
+WIDTHS = range(16, 33)
+"""Word lengths that the datapaths are built for."""
+
+INNER_FRACS = 21, 33
+"""Fraction bits of an inner word of the lean datapath, least and most: words of 33 and two integer bits are cut into
+tiles of 18 bits and less."""
+
+ROOT_FRACS = 21, 31
+"""Fraction bits of its roots: up to 18 bits a word, where no Newton step is needed, and at most."""
+
+
+def inner_frac(width: int) -> int:
+    """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
+    least, most = INNER_FRACS
+    return min(max(width + 5, least), most)
+
+
+def root_frac(width: int) -> int:
+    """Fraction bits of the lean datapath's roots at word length ``width``."""
+    short, most = ROOT_FRACS
+    return short if width <= 18 else min(inner_frac(width), most)
+
+
+class FormatError(ValueError):
+    """A node's format does not go with its operands'; the text names the node."""
+
+
+@dataclass(frozen=True)
+class Latency:
+    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
+
+    width: int
+
+    # kind -> (clocks a bit of the word, clocks besides, what they are)
+    TABLE = {
+        "mul": (0, 4, "operands, tile products, tile sums, rounding"),
+        "sum2": (0, 2, "add, round and saturate"),
+        "sum3": (0, 3, "add, add, round and saturate"),
+        "norm": (0, 3, "magnitudes, leading-zero count, shift"),
+        "lzc": (0, 2, "magnitudes, leading-zero count"),
+        "shift": (0, 2, "barrel shift: by eights, by ones"),
+        "mux": (0, 1, "an exact addition, a choice, a sign change or a comparison"),
+        "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
+        "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
+        "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
+        "mul3": (0, MUL3_CLOCKS, "operands, three tile products, tile sums, rounded sum"),
+        "square": (0, 5, "operands, tile products, tile sums, lower half, upper half"),
+        "wide": (0, 2, "lower half, upper half"),
+        "even": (0, EVEN_CLOCKS, "zero pairs in groups, shift by groups, shift by pairs"),
+        "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
+        "rsqrt": (0, 0, "table and two multiplications; beyond 21 fraction bits a Newton step"),
+        "trig": (0, TRIG_CLOCKS, "table, Taylor series of the rest, addition theorem"),
+    }
+
+    def __getitem__(self, kind: str) -> int:
+        """Clocks of operation ``kind``."""
+        if kind == "rsqrt":
+            return rsqrt_clocks(root_frac(self.width))
+        bits, besides, _ = self.TABLE[kind]
+        return bits * self.width + besides
+
+    @classmethod
+    def expression(cls, kind: str) -> str:
+        """The same as a Verilog expression of ``W`` and ``ROOT_FRAC``."""
+        if kind == "rsqrt":
+            short, long = (rsqrt_clocks(SEED_FRAC + k) for k in (0, 1))
+            return f"(ROOT_FRAC > {SEED_FRAC}) ? {long} : {short}"
+        bits, besides, _ = cls.TABLE[kind]
+        return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
+
+
+@dataclass(frozen=True)
+class Format:
+    """A fixed-point format: ``width`` bits of which ``frac`` are fraction bits.
+
+    ``frac_expr`` is the same fraction length as a Verilog expression of ``W`` (and ``GUARD``).
+    """
+
+    width: int
+    frac: int
+    frac_expr: str
+    signed: bool = True
+
+    @property
+    def low(self) -> int:
+        """Smallest word."""
+        return -(1 << (self.width - 1)) if self.signed else 0
+
+    @property
+    def high(self) -> int:
+        """Largest word."""
+        return (1 << (self.width - (1 if self.signed else 0))) - 1
+
+    @property
+    def ulp(self) -> float:
+        """Value of the last place."""
+        return 2.0**-self.frac
+
+
+@dataclass
+class Node:
+    """One named value of the dataflow.
+
+    ``time`` counts clocks from the clock in which the target stands at the input; ``value`` is whatever the domain
+    computes with (an array over targets).  ``after`` is a node that the operation waits for without using it, to
+    leave together with its neighbours.  ``error`` is the range, in ulps, of the rounding that the operation adds.
+    """
+
+    name: str
+    section: str
+    equation: str
+    op: str
+    operands: tuple[Node, ...]
+    format: Format
+    latency: str | None
+    time: int
+    value: Any = field(repr=False, default=None)
+    after: Node | None = None
+    error: tuple[float, float] = (0.0, 0.0)
+
+    def __neg__(self) -> Negated:
+        return Negated(self)
+
+    @property
+    def instance(self) -> str:
+        """The instance in ``ik_paper`` that holds the node's signal: its section's; none for inputs and final flags."""
+        return "" if self.op == "input" or self.section == "results" else f"u_{self.section}"
+
+
+@dataclass(frozen=True)
+class Negated:
+    """A node with a minus sign in front of it, as a term of a sum."""
+
+    node: Node
+
+
+class Domain(ABC):
+    """The operations that :func:`paper` is written in.  Each makes one named node, one or more clocks later."""
+
+    def __init__(self, width: int, widths: range = WIDTHS) -> None:
+        if width not in widths:
+            raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
+        self.width = width
+        self.latency = Latency(width)
+        self.nodes: dict[str, Node] = {}
+        self._section = "guard"
+        self._equation = ""
+
+    # ---- where we are in the paper -------------------------------------------------------------------------------
+
+    def at(self, section: str | None = None, equation: str = "") -> None:
+        """Names the section and the equation that the following nodes belong to."""
+        self._section = section or self._section
+        self._equation = equation
+
+    # ---- formats -------------------------------------------------------------------------------------------------
+
+    def word(self, i: int) -> Format:
+        """A ``W``-bit word with ``i`` integer bits."""
+        return Format(self.width, self.width - 1 - i, f"W - {1 + i}" if i != -1 else "W")
+
+    def wide(self, i: int) -> Format:
+        """A product before its rounding: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
+        return Format(self.width + GUARD, self.width + GUARD - 1 - i, f"W + GUARD - {1 + i}")
+
+    def unsigned(self, width: int, frac: int, frac_expr: str) -> Format:
+        """An unsigned format: masks, shift counts and the radicands of half angles."""
+        return Format(width, frac, frac_expr, signed=False)
+
+    @property
+    def bit(self) -> Format:
+        """A yes or no."""
+        return self.unsigned(1, 0, "0")
+
+    # ---- making nodes --------------------------------------------------------------------------------------------
+
+    def make(
+        self, name, op, operands: tuple[Node, ...], fmt: Format, latency: str | None, value, after=None, error=EXACT
+    ) -> Node:
+        """Records a node that is ready ``latency`` after the last of its operands (and of ``after``)."""
+        if name in self.nodes:
+            raise ValueError(f"node {name} is made twice")
+        start = max((n.time for n in (*operands, after) if n), default=0)
+        time = start + (self.latency[latency] if latency else 0)
+        node = Node(name, self._section, self._equation, op, operands, fmt, latency, time, value, after, error)
+        self.nodes[name] = node
+        return node
+
+    # ---- operations ----------------------------------------------------------------------------------------------
+
+    def op(self, name, operands, fmt, latency, bits: Callable, real: Callable | None = None, error=EXACT) -> Node:
+        """A choice, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
+
+        ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.
+        """
+        operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
+        value = self.apply(name, operands, fmt, bits, real)
+        return self.make(name, "choose", operands, fmt, latency, value, error=error)
+
+    def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
+        """a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
+        spare = a.format.frac + b.format.frac - scale - fmt.frac
+        if spare < 0:
+            raise FormatError(f"{name}: {fmt.frac} fraction bits, the product has only {fmt.frac + spare}")
+        value = self.product(name, a, b, fmt, scale)
+        return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if spare else EXACT)
+
+    def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None) -> Node:
+        """Sum of two or three terms of one format, rounded half up and saturated; raises :class:`FormatError`."""
+        signs = tuple(-1 if isinstance(t, Negated) else 1 for t in terms)
+        nodes = tuple(t.node if isinstance(t, Negated) else t for t in terms)
+        if len({n.format.frac for n in nodes}) != 1:
+            raise FormatError(f"{name}: terms are not aligned: {[(n.name, n.format.frac) for n in nodes]}")
+        if fmt.frac > nodes[0].format.frac:
+            raise FormatError(f"{name}: {fmt.frac} fraction bits, its terms have only {nodes[0].format.frac}")
+        error = HALF_UP if nodes[0].format.frac > fmt.frac else EXACT
+        value = self.total(name, signs, nodes, fmt)
+        return self.make(name, "sum", nodes, fmt, f"sum{len(nodes)}", value, after, error)
+
+    def div(self, name: str, n: Node, d: Node, fmt: Format) -> Node:
+        """floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
+        return self.make(name, "div", (n, d), fmt, "div", self.quotient(name, n, d, fmt), error=FLOOR)
+
+    def root(self, name: str, n: Node, fmt: Format) -> Node:
+        """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
+        return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt), error=FLOOR)
+
+    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
+        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`)."""
+        shift, widths = self.cut(a, b, fmt, scale)
+        value = self.product3(name, a, b, fmt, scale)
+        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=mul3_error(shift, *widths))
+
+    @staticmethod
+    def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
+        """What :meth:`mul3` drops of the product's fraction bits, and the widths of its operands as signed words."""
+        widths = tuple(n.format.width + (not n.format.signed) for n in (a, b))
+        return a.format.frac + b.format.frac - scale - fmt.frac, widths
+
+    def even(self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format) -> None:
+        """Shifts the low ``width`` bits left by pairs until the first is not empty: the shift and a mantissa."""
+        shift, mantissa = self.even_mantissa(name, value, width, fmt)
+        self.make(count, "even", (value,), count_fmt, "even", shift)
+        self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
+
+    def rsqrt(self, name: str, m: Node, fmt: Format) -> Node:
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0."""
+        value = self.reciprocal_root(name, m, fmt)
+        return self.make(name, "rsqrt", (m,), fmt, "rsqrt", value, error=_faithful(fmt, m.format.frac - 3))
+
+    def trig(self, sin: str, cos: str, phi: Node, fmt: Format) -> None:
+        """Sine and cosine of phi/2."""
+        for name, value in zip((sin, cos), self.half_sincos(phi, fmt), strict=True):
+            self.make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
+
+    def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
+        """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""
+        nodes = tuple(self.nodes[n] for n in watched) + ((self.nodes[unless],) if unless else ())
+        return self.make(name, "saturated", nodes, self.bit, "mux", self.overflowed(watched, unless))
+
+    def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str) -> Node:
+        """Shifts words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
+
+        Makes the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
+        """
+        width = words[0].format.width
+        counts = self.op(
+            count, words, self.unsigned(6, 0, "0"), "norm",
+            lambda *v: np.where(_all_zero(v), 0, np.minimum.reduce([room(u, width) for u in v])),
+        )  # fmt: skip
+        for k, (name, word) in enumerate(zip(names, words, strict=True)):
+            fill = 1 << (width - 2) if k == 0 else 0
+            self.make(name, "normalize", words, self.word(0), "norm", self.mantissa(name, word, words, counts, fill))
+        return counts
+
+    @abstractmethod
+    def apply(self, name, operands, fmt, bits, real): ...
+
+    @abstractmethod
+    def overflowed(self, watched, unless): ...
+
+    @abstractmethod
+    def product(self, name, a, b, fmt, scale): ...
+
+    @abstractmethod
+    def total(self, name, signs, nodes, fmt): ...
+
+    @abstractmethod
+    def quotient(self, name, n, d, fmt): ...
+
+    @abstractmethod
+    def square_root(self, name, n, fmt): ...
+
+    @abstractmethod
+    def mantissa(self, name, word, words, counts, fill): ...
+
+    @abstractmethod
+    def sincos(self, sin: str, cos: str, phi: Node) -> tuple[Node, Node]:
+        """Sine and cosine of phi/2, words with one integer bit."""
+
+    @abstractmethod
+    def constant(self, value: float, fmt: Format) -> Node:
+        """A constant: wiring, ready at any time."""
+
+    # Operations of the lean datapath only; a domain of the paper's datapath does without.
+
+    def product3(self, name, a, b, fmt, scale):
+        raise NotImplementedError
+
+    def even_mantissa(self, name, value, width, fmt):
+        raise NotImplementedError
+
+    def reciprocal_root(self, name, m, fmt):
+        raise NotImplementedError
+
+    def half_sincos(self, phi, fmt):
+        raise NotImplementedError
+
+
+def _faithful(fmt: Format, frac: int) -> tuple[float, float]:
+    """Less than a place of ``frac`` fraction bits, in places of ``fmt``, which may have more."""
+    places = 2.0 ** max(fmt.frac - frac, 0)
+    return -places, places
+
+
+def _all_zero(words):
+    return np.logical_and.reduce([u == 0 for u in words])
+
+
+def room(words, width: int):
+    """How far ``width``-bit words can be shifted left without overflow; ``width - 1`` for 0 and -1."""
+    magnitude = np.where(words < 0, ~words, words)
+    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
+    return width - 1 - np.frexp(magnitude.astype(np.float64))[1].astype(np.int64)
+
+
+def wrap(words, width: int):
+    """The low ``width`` bits as a signed word: only the words of a clamped target ever lose bits here."""
+    half = 1 << (width - 1)
+    return ((words + half) & (2 * half - 1)) - half

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dataflow in double precision, with any node moved off its exact value: what :mod:`model.bounds.predict` runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import CORDIC, Domain, Node
+from model.reference.kinematics import forward
+from model.targets.words import RESULT_FIELDS
+
+
+class Real(Domain):
+    """The dataflow in double precision at the pose of ``bits``, with some nodes moved.
+
+    ``moves`` maps a node's name to an array (N,), in ulps.  Decisions and everything of the guard come from the run
+    in integers.
+    """
+
+    def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
+        super().__init__(bits.width, DATAPATHS[bits.datapath].widths)
+        self.bits = bits
+        self.moves = moves
+        for name, node in bits.nodes.items():
+            if node.section == "guard":
+                value = np.asarray(node.value * node.format.ulp, float) if node.format.signed else node.value
+                self.nodes[name] = Node(**{**node.__dict__, "value": self._moved(name, value, node.format)})
+        DATAPATHS[bits.datapath].after_guard(self, self.nodes["phi"])
+
+    def _moved(self, name, value, fmt):
+        return value + self.moves[name] * fmt.ulp if name in self.moves else value
+
+    def constant(self, value, fmt):
+        return Node("", "", "", "constant", (), fmt, None, 0, value)
+
+    def apply(self, name, operands, fmt, bits, real):
+        if real is None:
+            return self.bits.nodes[name].value
+        return self._moved(name, real(*(n.value for n in operands)), fmt)
+
+    def overflowed(self, watched, unless):
+        return False
+
+    def product(self, name, a, b, fmt, scale):
+        return self._moved(name, a.value * b.value * 2.0**scale, fmt)
+
+    def total(self, name, signs, nodes, fmt):
+        return self._moved(name, sum(s * n.value for s, n in zip(signs, nodes, strict=True)), fmt)
+
+    def quotient(self, name, n, d, fmt):
+        value = n.value / np.where(d.value > 0, d.value, fmt.ulp)
+        return self._moved(name, np.clip(value, fmt.low * fmt.ulp, fmt.high * fmt.ulp), fmt)
+
+    def square_root(self, name, n, fmt):
+        return self._moved(name, np.sqrt(np.maximum(n.value, 0)), fmt)
+
+    def mantissa(self, name, word, words, counts, fill):
+        empty = np.logical_and.reduce([w.value == 0 for w in self.bits.nodes[name].operands])
+        scaled = word.value * 2.0 ** (counts.value - (word.format.width - 1 - word.format.frac))
+        return self._moved(name, np.where(empty, 0.5 if fill else 0.0, scaled), self.word(0))
+
+    def sincos(self, sin, cos, phi):
+        # phi's word has its sign in the top bit: half a turn is 1
+        half = phi.value * (np.pi / 2)
+        return tuple(
+            self.make(n, "sincos", (phi,), self.word(1), "sincos", self._moved(n, v, self.word(1)), error=CORDIC)
+            for n, v in ((sin, np.sin(half)), (cos, np.cos(half)))
+        )
+
+    # of the lean datapath; nodes of several results are moved where they are made
+
+    def product3(self, name, a, b, fmt, scale):
+        return self.product(name, a, b, fmt, scale)
+
+    def even_mantissa(self, name, value, width, fmt):
+        shift, mantissa = (self.bits.nodes[k].value for k in (f"e{name[1:]}", name))
+        exact = value.value / value.format.ulp * 2.0 ** (2 * shift - width)
+        return shift, self._moved(name, np.where(mantissa == 0, 0.0, exact), fmt)
+
+    def reciprocal_root(self, name, m, fmt):
+        inverse = 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25))
+        return self._moved(name, np.where(m.value > 0, inverse, 0.0), fmt)
+
+    def half_sincos(self, phi, fmt):
+        half = phi.value * (np.pi / 2)
+        return tuple(self._moved(n, v, fmt) for n, v in (("sin_h", np.sin(half)), ("cos_h", np.cos(half))))
+
+    def hand(self, d1, d2) -> np.ndarray:
+        """The wrist (N, 3) of an arm d1, d2 in the pose found."""
+        q = np.stack([self.nodes[k].value for k in RESULT_FIELDS], axis=1)
+        return forward(q[:, :4], q[:, 4:], d1, d2)[1]

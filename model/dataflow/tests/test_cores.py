@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lean datapath's cores against their definitions, and the reciprocal square root's proof against measurements."""
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from model.dataflow import cores as lean_cores
+from model.dataflow.cores import (
+    cuts,
+    even,
+    mul3,
+    mul3_error,
+    quadratic,
+    rsqrt,
+    rsqrt_error,
+    rsqrt_error_bound,
+    rsqrt_rows,
+)
+
+# ---- product of three tiles ------------------------------------------------------------------------------------------
+
+
+def signed(width: int):
+    return st.integers(-(1 << width - 1), (1 << width - 1) - 1)
+
+
+@st.composite
+def factors(draw):
+    """Factors, their widths, and a shift that leaves each of the low parts beyond the two bits that are kept."""
+    widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
+    shift = draw(st.integers(2 + max(cuts(*widths)), 36))
+    return *(draw(signed(width)) for width in widths), shift, *widths
+
+
+@given(factors())
+@example((-1, -1, 31, 33, 35))
+@example((-(1 << 32), -(1 << 32), 30, 33, 33))
+@example(((1 << 33) - 1, -(1 << 34), 33, 34, 35))
+@example(((1 << 32) - 1, (1 << 33) - 1, 31, 33, 34))
+@example((-1, (1 << 21) - 1, 20, 22, 22))
+def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
+    """And a guess at the fourth, where there is room below the highest."""
+    a, b, shift, *widths = case
+    (a_one, b_one), place = (1 << cut for cut in cuts(*widths)), 1 << shift
+    a_lo, b_lo = a % a_one, b % b_one
+    a_hi, b_hi = a - a_lo, b - b_lo
+    quarters = [4 * tile // place for tile in (a_hi * b_hi, a_hi * b_lo, a_lo * b_hi)]
+    if 4 * a_one * b_one > place:
+        quarters.append(4 * a_one * b_one * (4 * a_lo // a_one) * (4 * b_lo // b_one) // (16 * place))
+    expected = (sum(quarters) + 2) // 4
+    assert mul3(a, b, shift, *widths) == expected
+    assert mul3(np.array([a]), np.array([b]), shift, *widths).tolist() == [expected]
+    least, greatest = mul3_error(shift, *widths)
+    assert Fraction(least) < expected - Fraction(a * b, place) <= Fraction(greatest)
+
+
+def test_mul3_of_every_small_pair():
+    a, b = np.meshgrid(np.arange(-64, 64), np.arange(-64, 64))
+    for shift in range(3, 10):
+        tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1), (shift < 4) * (a & 1) * (b & 1)
+        q = mul3(a, b, shift, 7, 7)
+        assert (q == (sum((4 * tile) // (1 << shift) for tile in tiles) + 2) // 4).all()
+        error, (least, greatest) = q - a * b / (1 << shift), mul3_error(shift, 7, 7)
+        assert least < error.min() and error.max() <= greatest
+
+
+# ---- normalization by an even shift ----------------------------------------------------------------------------------
+
+
+def normalized(v: int, width: int, bits: int) -> tuple[int, int]:
+    """The most pairs of places by which v goes left and still fits, and v there, cut."""
+    k = max(k for k in range(width // 2) if v << 2 * k < 1 << width)
+    return k, (Fraction(v << 2 * k, 1 << width) * (1 << bits)).__floor__()
+
+
+@given(st.integers(1, 32), st.integers(1, 50), st.data())
+def test_even_is_its_definition(pairs, bits, data):
+    width = 2 * pairs
+    v = data.draw(st.integers(0, (1 << width) - 1))
+    for kind in (object, np.int64) if width < 64 else (object,):
+        k, m = even(np.array([v], dtype=kind), width, bits)
+        assert (int(k[0]), int(m[0])) == normalized(v, width, bits)
+        assert k.dtype == m.dtype == np.int64
+    if v and bits >= 2:
+        assert 1 << bits <= 4 * int(m[0]) < 4 << bits
+
+
+def test_even_of_every_small_word():
+    for width in (2, 8, 10):
+        for bits in (3, width, width + 5):
+            k, m = even(np.arange(1 << width), width, bits)
+            expected = [normalized(v, width, bits) for v in range(1 << width)]
+            assert list(zip(k.tolist(), m.tolist(), strict=True)) == expected
+
+
+def test_even_of_zero():
+    """A shift that a word has, and a mantissa that rsqrt gives 0 for."""
+    k, m = even(np.array([0], dtype=object), 64, 34)
+    assert (int(k[0]), int(m[0])) == (31, 0)
+
+
+# ---- reciprocal square root ------------------------------------------------------------------------------------------
+
+NEWTON = range(lean_cores.SEED_FRAC + 1, 32)
+
+
+@pytest.mark.parametrize("frac", range(19, lean_cores.SEED_FRAC + 1))
+def test_rsqrt_of_every_mantissa_is_faithful(frac):
+    """y - 1 < 1/(2 sqrt V) < y + 1 in places, for V from m to all but m + 1: squared, in integers.
+
+    (y +- 1)^2 m is compared with 2^(3 frac + 1) by their difference modulo 2^64, which is the difference: in double
+    precision it is seen to be small.
+    """
+    bits = frac + 3
+    square = 2 ** (3 * frac + 1) % 2**64
+    low, high = np.inf, -np.inf
+    for start in range(1 << bits - 2, 1 << bits, 1 << bits - 2):
+        m = np.arange(start, start + (1 << bits - 2))
+        y = rsqrt(m, frac)
+        assert y.min() >= 1 << frac - 1 and y.max() <= 1 << frac
+        for side, at in ((1, m), (-1, m + 1)):
+            near = (y + side).astype(np.float64) ** 2 * at / 2.0 ** (3 * frac + 1)
+            assert np.abs(near - 1).max() < 2**-10
+            beside = (y + side) ** 2 * at - square
+            assert (beside > 0).all() if side > 0 else (beside <= 0).all()
+        root = 2.0**frac / 2 / np.sqrt(np.stack([m, m + 1]) / 2.0**bits)
+        low, high = min(low, (y - root[0]).min()), max(high, (y - root[1]).max())
+    proved = rsqrt_error(frac)
+    print(f"rsqrt, {frac} fraction bits: errors from {low:.3f} to {high:.3f}, proved {show(proved)}")
+    assert proved.low < low < -0.5 and 0.5 < high < proved.high
+
+
+def show(proved) -> str:
+    return f"{float(proved.low):.3f} to {float(proved.high):.3f}"
+
+
+@pytest.mark.parametrize("frac", range(19, 32))
+def test_rsqrt_is_proved_faithful(frac):
+    assert rsqrt_error_bound(frac) < 1
+    # Rounding costs half a place, cutting m off up to a quarter: a bound below is wrong.
+    assert rsqrt_error(frac).low < -0.5 and rsqrt_error(frac).high > 0.75
+
+
+@pytest.mark.parametrize("frac", NEWTON)
+def test_residual_is_proved_to_fit(frac):
+    assert lean_cores.rsqrt_residual_bound(frac) < 1 << lean_cores.RESIDUAL_BITS - 1
+
+
+def mantissas(frac: int) -> np.ndarray:
+    """A million: any, at and next to the segments' ends and middles, the first and the last."""
+    bits = frac + 3
+    first, last = 1 << bits - 2, 1 << bits
+    rng = np.random.default_rng(frac)
+    places = np.arange(first, last, 1 << bits - 9)  # ends and middles
+    near = (places[:, None] + np.arange(-50, 50)).ravel()
+    every = np.concatenate(
+        [rng.integers(first, last, 900_000), near, np.arange(first, first + 50_000), np.arange(last - 50_000, last)]
+    )
+    return every[(every >= first) & (every < last)]
+
+
+@pytest.mark.parametrize("frac", NEWTON)
+def test_rsqrt_is_within_its_proved_error(frac):
+    """Double precision resolves 2^-21 of a place."""
+    m = mantissas(frac)
+    assert len(m) >= 1_000_000
+    y = rsqrt(m, frac)
+    assert y.min() >= 1 << frac - 1 and y.max() <= 1 << frac
+    low, high = (y - 2.0**frac / 2 / np.sqrt(v / 2.0 ** (frac + 3)) for v in (m, m + 1))
+    proved = rsqrt_error(frac)
+    print(f"rsqrt, {frac} fraction bits: errors from {low.min():.3f} to {high.max():.3f}, proved {show(proved)}")
+    assert proved.low - 2**-20 < low.min() < -0.49
+    assert 0.74 < high.max() < proved.high + 2**-20
+
+
+@given(st.integers(19, 31), st.data())
+def test_rsqrt_of_any_mantissa_is_faithful(frac, data):
+    """In integers, at any width."""
+    m = data.draw(st.integers(1 << frac + 1, (1 << frac + 3) - 1))
+    y = int(rsqrt(np.array([m]), frac)[0])
+    assert (y - 1) ** 2 * (m + 1) <= 1 << 3 * frac + 1 < (y + 1) ** 2 * m
+
+
+@pytest.mark.parametrize("frac", [19, 21, 22, 31])
+def test_rsqrt_below_a_quarter_is_zero(frac):
+    first = 1 << frac + 1
+    m = np.concatenate([[0, 1, first - 1], np.random.default_rng(1).integers(0, first, 1000)])
+    assert not rsqrt(m, frac).any()
+
+
+def test_seed_is_less_than_one():
+    """All places of the first segment, where the root reaches 1; with 22 fraction bits u has all of m's."""
+    first = 1 << 23
+    m = np.arange(first, first + (1 << 17))
+    assert quadratic(m, 22).max() < 1 << lean_cores.C0_FRAC
+    assert quadratic(m, 22).max() + (1 << 10) >= 1 << lean_cores.C0_FRAC, "rounded to nearest it would not be"
+
+
+def test_table_fits_its_words():
+    rows = rsqrt_rows()
+    assert len(rows) == lean_cores.SEGMENTS and not any(map(any, rows[: lean_cores.FIRST]))
+    for row in rows[lean_cores.FIRST :]:
+        for word, bits in zip(row, (lean_cores.C0_BITS, lean_cores.C1_BITS, lean_cores.C2_BITS), strict=True):
+            assert 0 < word < 1 << bits
+    # A slope is never more than the first one at its left end.
+    _, c1, c2 = rows[lean_cores.FIRST]
+    assert c1 + (c2 >> lean_cores.C2_FRAC - lean_cores.C1_FRAC + 1) + 1 < 1 << lean_cores.C1_BITS
+
+
+def test_table_meets_the_root_at_its_nodes():
+    """To the places of its words, c1's of 2^-24 times the node sqrt(3)/4; at 100 digits."""
+    with mpmath.workdps(100):
+        node = mpmath.sqrt(3) / 4
+        for row in range(lean_cores.FIRST, lean_cores.SEGMENTS):
+            c0, c1, c2 = (mpmath.mpf(c) / 2**f for c, f in zip(rsqrt_rows()[row], (28, 24, 27), strict=True))
+            for u, places in ((0, 1), (node, 8.2), (-node, 8.2)):
+                exact = 1 / (2 * mpmath.sqrt((row + mpmath.mpf("0.5") + u) / 256))
+                off = (c0 - c1 * u + c2 * u * u - exact) * 2**28
+                assert abs(off) <= places, f"row {row}, u = {float(u)}: {float(off)} places of c0"
+
+
+def test_parts_of_the_proof():
+    """Segment by segment: interpolation where it is worst, next to its bound; then the quadratic within its own."""
+    with mpmath.workdps(100):
+        proved = {}
+        for row in range(lean_cores.FIRST, lean_cores.SEGMENTS):
+            c0, c1, c2 = lean_cores._interpolant(row)
+            ends = [mpmath.mpf(k) / 4 for k in (-2, -1, 1, 2)]
+            off = [c0 - c1 * u + c2 * u * u - mpmath.sqrt(256 / (row + mpmath.mpf("0.5") + u)) / 2 for u in ends]
+            most = max(map(abs, off))
+            assert 0.95 < most / lean_cores._interpolation_error(row) <= 1, f"row {row}"
+            proved[row] = lean_cores._quadratic_error(row, 22)
+            room = proved[row].high - proved[row].low - mpmath.mpf(2) ** -24 - mpmath.mpf(2) ** -28
+            assert room > 2 * most, f"row {row}: no room for the slope and the product beside the interpolation"
+    rng = np.random.default_rng(3)
+    for row, bound in proved.items():
+        m = (row << 17) + np.concatenate([rng.integers(0, 1 << 17, 2000), np.arange(64), (1 << 17) - 1 - np.arange(64)])
+        half = 0 if row == lean_cores.FIRST else 1 << 10
+        off = (quadratic(m, 22) - half) / 2**28 - 0.5 / np.sqrt(m / 2**25)
+        assert bound.low < off.min() and off.max() < bound.high, f"row {row}: {off.min()} to {off.max()}"

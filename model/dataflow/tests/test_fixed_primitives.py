@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The primitives of the bit-true model against other people's arithmetic: APyTypes, Python integers, ``math``.
+
+The model and the RTL could share a misunderstanding; what they are compared with here shares nothing with either.
+"""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from apytypes import APyFixed, APyFixedArray, OverflowMode, QuantizationMode
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from model.dataflow.fixed import Bits, atan_table, cordic, cordic_gain, floor_div, floor_root, round_shift
+from model.dataflow.nodes import Format
+from tb.units.unit import sincos_bound
+
+ROOT_LIMIT = 1 << 63
+"""Arguments of floor_root stay below this; none in the datapath reaches 2^62."""
+
+
+def signed(width: int):
+    return st.integers(-(1 << width - 1), (1 << width - 1) - 1)
+
+
+def to_signed(value: APyFixed) -> int:
+    half = 1 << value.bits - 1
+    return (value.to_bits() + half) % (2 * half) - half
+
+
+# ---- rounding --------------------------------------------------------------------------------------------------------
+
+
+@given(signed(64), st.integers(0, 40))
+@example(1, 1)  # ties, on either side of 0
+@example(-1, 1)
+@example(3, 1)
+@example(-3, 1)
+@example(-(1 << 63), 40)
+def test_round_shift_is_apytypes_round_half_up(value, shift):
+    word = APyFixed(value % (1 << 64), int_bits=64 - shift, frac_bits=shift)
+    rounded = word.cast(int_bits=66, frac_bits=0, quantization=QuantizationMode.RND)
+    assert round_shift(value, shift) == to_signed(rounded)
+
+
+def test_round_shift_of_every_small_word():
+    for shift in range(5):
+        for value in range(-64, 64):
+            exact = math.floor(Fraction(value, 1 << shift) + Fraction(1, 2))
+            assert round_shift(value, shift) == exact, f"{value} / 2^{shift}"
+            assert round_shift(np.array([value]), shift).tolist() == [exact], f"array of {value} / 2^{shift}"
+
+
+# ---- products and sums of the dataflow -------------------------------------------------------------------------------
+
+W = 16  # of these nodes; nothing in the operations depends on it
+
+
+def node(bits: Bits, name: str, words, fmt: Format):
+    return bits.make(name, "input", (), fmt, None, np.array(words, dtype=np.int64))
+
+
+def apy(words, fmt: Format) -> APyFixedArray:
+    mask = (1 << fmt.width) - 1
+    return APyFixedArray([w & mask for w in words], int_bits=fmt.width - fmt.frac, frac_bits=fmt.frac)
+
+
+def narrowed(value: APyFixedArray, fmt: Format) -> tuple[list[int], list[bool]]:
+    """APyTypes' rounding and saturation to ``fmt``; and where that saturated."""
+    cast = {"int_bits": fmt.width - fmt.frac, "frac_bits": fmt.frac, "quantization": QuantizationMode.RND}
+    words = value.cast(**cast, overflow=OverflowMode.SAT)
+    wide = value.cast(**{**cast, "int_bits": value.int_bits + 2 + fmt.width})
+    half, wide_half = 1 << words.bits - 1, 1 << wide.bits - 1
+    saturated = [(int(v) + half) % (2 * half) - half for v in words.to_bits()]
+    exact = [(int(v) + wide_half) % (2 * wide_half) - wide_half for v in wide.to_bits()]
+    return saturated, [s != e for s, e in zip(saturated, exact, strict=True)]
+
+
+PAIRS = st.lists(st.tuples(signed(W), signed(W)), min_size=1, max_size=20)
+TRIPLES = st.lists(st.tuples(signed(W), signed(W), signed(W)), min_size=1, max_size=20)
+ENDS = [-(1 << W - 1), -1, 0, 1, (1 << W - 1) - 1]
+
+
+@given(PAIRS, st.integers(-1, 3), st.booleans(), st.integers(0, 1))
+@example([(a, b) for a in ENDS for b in ENDS], 0, True, 0)
+@example([(a, b) for a in ENDS for b in ENDS], -1, True, 1)
+def test_product_is_apytypes_product(pairs, integer_bits, narrow, scale):
+    a, b = zip(*pairs, strict=True)
+    bits = Bits(W)
+    fmt = bits.word(integer_bits) if narrow else bits.wide(integer_bits)
+    result = bits.mul("q", node(bits, "a", a, bits.word(1)), node(bits, "b", b, bits.word(0)), fmt, scale=scale)
+    # times 2^scale: the same bits with the point moved
+    left = Format(W, bits.word(1).frac - scale, "")
+    words, saturated = narrowed(apy(a, left) * apy(b, bits.word(0)), fmt)
+    assert result.value.tolist() == words
+    assert bits.overflow["q"].tolist() == saturated
+
+
+@given(TRIPLES, st.integers(-2, 3), st.booleans(), st.booleans(), st.booleans())
+@example([(a, b, c) for a in ENDS for b in ENDS for c in ENDS], 0, True, True, True)
+@example([(a, b, c) for a in ENDS for b in ENDS for c in ENDS], 2, False, True, True)
+def test_sum_is_apytypes_sum(triples, integer_bits, minus_b, minus_c, three):
+    bits = Bits(W)
+    terms = [
+        node(bits, name, words, bits.word(0)) for name, words in zip("abc", zip(*triples, strict=True), strict=True)
+    ]
+    a, b, c = (apy(t.value.tolist(), t.format) for t in terms)
+    signs = [terms[0], -terms[1] if minus_b else terms[1], -terms[2] if minus_c else terms[2]]
+    total = a - b if minus_b else a + b
+    if three:
+        total = total - c if minus_c else total + c
+    fmt = bits.word(max(integer_bits, 0))  # a sum never gets fraction bits
+    result = bits.sum("q", *signs[: 3 if three else 2], fmt=fmt)
+    words, saturated = narrowed(total, fmt)
+    assert result.value.tolist() == words
+    assert bits.overflow["q"].tolist() == saturated
+
+
+# ---- division --------------------------------------------------------------------------------------------------------
+
+
+def divided(n: int, d: int, shift: int, fmt: Format) -> tuple[int, bool]:
+    """The quotient as it is written down: floor, saturated, by the sign of n where d <= 0."""
+    if d <= 0:
+        return (fmt.low if n < 0 else fmt.high), True
+    q = math.floor(Fraction(n << shift, d))
+    return min(max(q, fmt.low), fmt.high), not fmt.low <= q <= fmt.high
+
+
+@given(signed(40), signed(32))
+@example(0, 0)
+@example(-1, 0)
+@example(1, -1)
+@example(-(1 << 39), -(1 << 31))
+@example(-(1 << 39), 1)
+@example((1 << 39) - 1, 1)
+@example(-1, (1 << 31) - 1)
+def test_floor_div_is_the_floor_of_a_fraction(n, d):
+    fmt = Format(32, 30, "")
+    q, bad = floor_div(np.array([n]), np.array([d]), 22, fmt)
+    assert (int(q[0]), bool(bad[0])) == divided(n, d, 22, fmt)
+
+
+@given(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1))
+def test_floor_div_beside_exact_quotients(d, q, beside):
+    """n 2^22 / d next to an integer: where a float would go wrong."""
+    n = (q * d >> 22) + beside
+    if -(1 << 39) <= n < 1 << 39:
+        got, bad = floor_div(np.array([n]), np.array([d]), 22, Format(32, 30, ""))
+        assert (int(got[0]), bool(bad[0])) == divided(n, d, 22, Format(32, 30, ""))
+
+
+def test_floor_div_of_every_small_pair():
+    fmt = Format(5, 3, "")
+    pairs = [(n, d) for n in range(-32, 32) for d in range(-16, 16)]
+    for shift in (0, 2):
+        q, bad = floor_div(*np.array(pairs).T, shift, fmt)
+        expected = [divided(n, d, shift, fmt) for n, d in pairs]
+        assert list(zip(q.tolist(), bad.tolist(), strict=True)) == expected
+
+
+# ---- square root -----------------------------------------------------------------------------------------------------
+
+
+@given(signed(33), st.integers(0, 29))
+@example(0, 0)
+@example(-1, 29)
+@example(-(1 << 32), 29)
+@example((1 << 32) - 1, 29)
+def test_floor_root_is_isqrt(n, shift):
+    assert int(floor_root(np.array([n]), shift)[0]) == (math.isqrt(n << shift) if n > 0 else 0)
+
+
+@given(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1))
+@example(math.isqrt(ROOT_LIMIT), 1)
+@example(1 << 31, -1)
+@example((1 << 31) - 1, -1)
+def test_floor_root_beside_squares(r, beside):
+    """Next to a square of more digits than a float has."""
+    v = r * r + beside
+    assert int(floor_root(np.array([v]), 0)[0]) == math.isqrt(v)
+
+
+def test_floor_root_of_every_small_word():
+    n = np.arange(-512, 512)
+    for shift in (0, 1, 2, 5):
+        expected = [math.isqrt(v << shift) if v >= 0 else 0 for v in n.tolist()]
+        assert floor_root(n, shift).tolist() == expected
+
+
+# ---- sine and cosine -------------------------------------------------------------------------------------------------
+
+
+def errors(phi, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of sine and cosine, in last places; double precision is exact enough beside a last place of 2^-30."""
+    sin, cos = cordic(phi, width)
+    half = np.pi * phi.astype(np.float64) / 2**width
+    one = 1 << width - 2
+    return sin - np.sin(half) * one, cos - np.cos(half) * one
+
+
+@pytest.mark.parametrize("width", [16, 18, 24, 27, 32])
+def test_cordic_is_within_its_bound(width):
+    """Every angle of 16 and 18 bits, 300000 of the others, both ends and the quarter turns among them."""
+    half = 1 << width - 1
+    if width <= 18:
+        phi = np.arange(-half, half)
+    else:
+        near = np.array([q + e for q in (-half, -half // 2, 0, half // 2, half) for e in range(-100, 101)])
+        phi = np.concatenate(
+            [np.random.default_rng(width).integers(-half, half, 300000), near[(near >= -half) & (near < half)]]
+        )
+    off = errors(phi, width)
+    largest = np.maximum(*np.abs(off))
+    worst = int(largest.argmax())
+    bound = sincos_bound(width)
+    print(f"cordic, {width} bits: largest error {largest[worst]:.3f} last places, bound {bound:.3f}")
+    assert largest[worst] <= bound, f"{largest[worst]:.3f} last places at phi={phi[worst]}, bound {bound:.3f}"
+    assert largest[worst] >= 0.5, f"largest error {largest[worst]:.3f}: the rounding alone costs half a place"
+    # Half up with 6 guard bits leaves 1/128 of a place, the iterations about as much; cutting the bits off leaves 1/2.
+    means = [float(e.mean()) for e in off]
+    assert max(map(abs, means)) < 1 / 16, f"mean errors of sine and cosine: {means} last places"
+
+
+@given(signed(32))
+def test_cordic_of_any_angle(phi):
+    assert np.max(np.abs(errors(np.array([phi]), 32))) <= sincos_bound(32), f"phi={phi}"
+
+
+def test_cordic_tables():
+    """Double precision has 53 bits, the tables 48."""
+    table = atan_table()
+    assert len(table) == 32
+    for i, entry in enumerate(table):
+        assert abs(entry - math.atan(2.0**-i) / math.pi * 2**48) <= 0.55, f"angle {i}"
+    gain = math.prod(1 / math.sqrt(1 + 4.0**-i) for i in range(40))
+    assert abs(cordic_gain() - gain * 2**48) <= 0.55

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layer 2 of the reference: section 3 of the paper as geometry in the conformal algebra.
+
+Planes, spheres, circles and lines are built, intersected and rotated as the text says; no component of any
+equation (11)-(18) is written down here. That is what `model.reference.equations` does, and the two must agree.
+
+The functions, one a subsection, take multivectors of any coefficients that `model.reference.cga` takes, so they also
+work on sympy symbols; `solve` runs them over N targets. Names are the paper's: capital letters are
+multivectors, and `pi_...` are planes. Lengths have the user's unit, angles are in radians.
+"""
+
+import numpy as np
+import sympy
+
+from model.reference import cga
+from model.reference.cga import e1, e3, e_0, e_inf
+
+
+def swivel_plane(P_w, phi):
+    """3.1: the line L_sw from shoulder to wrist and the swivel plane, turned by phi (rad) about that line.
+
+    Returns (L_sw, |L_sw|, pi_swivel), both entities in standard representation. At phi = 0 the plane is the
+    vertical one, through the z axis and P_w, with normal (p_wy, -p_wx, 0). Undefined for P_w on the z axis.
+    """
+    L_sw = cga.dual(cga.line_direct(e_0, P_w))
+    length = cga.norm(L_sw)  # (10)
+    # The direction e3 stands for any second point of the z axis; this order gives the normal its sign.
+    pi_vertical = cga.dual(e_0 ^ e3 ^ P_w ^ e_inf)
+    turn = cga.rotation(L_sw * cga.scalar(1 / length), phi)  # (4)
+    return L_sw, length, cga.rotate(turn, pi_vertical)  # (11)
+
+
+def elbow_point_pair(P_w, pi_swivel, d1, d2):
+    """3.2: the two possible elbows. Returns (S_1, S_2, Z_e, PP), all in standard representation.
+
+    The forearm's length d2 is the radius about the wrist, the upper arm's d1 that about the shoulder: table 3
+    names them the other way round.
+    """
+    S_1 = cga.sphere(P_w, d2)
+    S_2 = cga.sphere(e_0, d1)
+    Z_e = cga.circle(S_1, S_2)
+    PP = Z_e ^ pi_swivel  # (12), there as the coefficients of PP*
+    return S_1, S_2, Z_e, PP
+
+
+def elbow_point(PP):
+    """3.2: the point of the pair PP that (13) decides for: P_e, with e_0 coefficient 1.
+
+    With pi_swivel's normal n, it lies on the side of L_sw that n x p_w points to.
+    """
+    pair = cga.dual(PP)
+    square = cga.inner(pair, pair)
+    if isinstance(square, sympy.Expr):
+        root = sympy.sqrt(square)
+    else:
+        # Roundoff goes below 0 at full stretch and full fold, where the pair is one point.
+        root = np.sqrt(np.maximum(square, 0.0))
+    # The two points of a pair are (PP* -+ |PP*|) / (e_inf . PP*); the divisor is a vector.
+    direction = e_inf | pair
+    P_e = ((pair - cga.scalar(root)) * direction).grade(1)
+    return P_e * cga.scalar(-1 / cga.inner(e_inf, P_e))  # (13)
+
+
+def elbow_quaternion(P_e, P_w):
+    """3.3: the rotation at the elbow, about the local x axis. Returns (L_se, L_ew, c4, Q_e).
+
+    L_ew runs through elbow and wrist; the text says "shoulder and wrist".
+    """
+    L_se = cga.dual(cga.line_direct(e_0, P_e))
+    L_ew = cga.dual(cga.line_direct(P_e, P_w))
+    # Lines in standard representation, hence the cosine of the interior angle.
+    c4 = cga.cos_angle(L_se, L_ew)  # (5)
+    cos_half, sin_half = cga.half_angle(c4)  # (8), (9)
+    return L_se, L_ew, c4, cga.quaternion(cos_half, -sin_half, 0, 0)  # (14)
+
+
+def elbow_rotation(P_e, d1):
+    """3.4: the half turn Q_12 that brings the z axis to the elbow. Returns (P_ze, pi_m, pi_e, L_m, Q_12).
+
+    Undefined for an elbow on the z axis.
+    """
+    P_ze = cga.point(0, 0, d1)
+    pi_m = P_ze - P_e
+    pi_e = cga.dual(e_0 ^ P_ze ^ P_e ^ e_inf)
+    L_m = cga.line(pi_e, pi_m)
+    return P_ze, pi_m, pi_e, L_m, L_m * cga.scalar(1 / cga.norm(L_m))  # (15)
+
+
+def wrist_rotation(Q_12, pi_swivel, P_w):
+    """3.5: the rotation about the upper arm that brings the wrist home. Returns (pi_yz2, c3, sign, Q_3)."""
+    pi_yz = e1
+    pi_yz2 = cga.rotate(Q_12, pi_yz)
+    c3 = cga.cos_angle(cga.dual(pi_yz2), cga.dual(pi_swivel))  # (5); planes in direct representation
+    cos_half, sin_half = cga.half_angle(c3)  # (8), (9)
+    side = cga.inner(pi_yz2, P_w)
+    if isinstance(side, sympy.Expr):
+        sign = side / sympy.Abs(side)
+    else:
+        sign = np.where(side < 0, -1.0, 1.0)  # 0 counts as +
+    return pi_yz2, c3, sign, cga.quaternion(cos_half, 0, 0, sign * sin_half)  # (16), with the sign as in (17)
+
+
+def solve(x, y, z, phi, d1, d2):
+    """Inverse kinematics of N targets by geometry.
+
+    x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or
+    arrays that broadcast to (N,). Returns a dict: float64 arrays (N,) under qs_w, qs_i, qs_j, qs_k, qe_w,
+    qe_i, p_e_x, p_e_y, p_e_z, l_sw, c3, c4, sign, and the multivectors under their names: P_w, L_sw,
+    pi_swivel, S_1, S_2, Z_e, PP, P_e, L_se, L_ew, Q_e, P_ze, pi_m, pi_e, L_m, Q_12, pi_yz2, Q_3, Q_s.
+
+    Domain: reachable targets off the z axis, with the elbow off the z axis and the arm neither straight nor
+    folded. Elsewhere a plane or line of the text vanishes, and the result may be nan; `model.reference.equations` has
+    rules for that. Raises ValueError for inputs that do not broadcast.
+    """
+    inputs = np.broadcast_arrays(*np.atleast_1d(x, y, z, phi, d1, d2))
+    x, y, z, phi, d1, d2 = (np.asarray(values, dtype=np.float64) for values in inputs)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        P_w = cga.point(x, y, z)
+        L_sw, l_sw, pi_swivel = swivel_plane(P_w, phi)
+        S_1, S_2, Z_e, PP = elbow_point_pair(P_w, pi_swivel, d1, d2)
+        P_e = elbow_point(PP)
+        L_se, L_ew, c4, Q_e = elbow_quaternion(P_e, P_w)
+        P_ze, pi_m, pi_e, L_m, Q_12 = elbow_rotation(P_e, d1)
+        pi_yz2, c3, sign, Q_3 = wrist_rotation(Q_12, pi_swivel, P_w)
+        Q_s = Q_12 * Q_3  # (18)
+    qs_w, qs_i, qs_j, qs_k = cga.quaternion_coefficients(Q_s)
+    qe_w, qe_i, _, _ = cga.quaternion_coefficients(Q_e)
+    p_e_x, p_e_y, p_e_z = cga.euclidean_coordinates(P_e)
+    scalars = {
+        "qs_w": qs_w, "qs_i": qs_i, "qs_j": qs_j, "qs_k": qs_k, "qe_w": qe_w, "qe_i": qe_i,
+        "p_e_x": p_e_x, "p_e_y": p_e_y, "p_e_z": p_e_z, "l_sw": l_sw, "c3": c3, "c4": c4, "sign": sign,
+    }  # fmt: skip
+    entities = {
+        "P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel,
+        "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP, "P_e": P_e,
+        "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e,
+        "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m, "Q_12": Q_12,
+        "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s,
+    }  # fmt: skip
+    return scalars | entities

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lean dataflow in double precision: the answers of (10)-(18) without division, elbow point or half angle roots.
+
+docs/lean.md derives it from the paper's equations. With r = d1 + d2 and q = d1 - d2, for a target in reach:
+
+    rho_sq = x^2 + y^2    s = rho_sq + z^2                                       (10)
+    A = r^2 - s           B = s - q^2           K = s + r q                      a_far, b_near, k_law
+    Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                     (13), (14)
+    (u_x, u_y) = (x, y)/rho     sin_el = z/|p|     cos_el = rho/|p|              (11) over its length
+    cos_a = K/(2 d1 |p|)        sin_a = sqrt(A) sqrt(B)/(2 d1 |p|)               (12), (13)
+    Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)              (15)-(18)
+
+Each factor of Qs is a quaternion along half its angle, but not of unit length (`half`), so one reciprocal root at the
+end makes up for all of them. Every root takes an argument that was scaled by an even power of two, as in the core.
+
+A, B and K come from sums of exact products, rounded once: like the core, which has them as integers, this model keeps
+its relative precision next to the z axis, the stretched and the folded arm, where `equations.solve` loses up to half
+of its digits. Lengths have any one unit, angles are in radians, arrays are float64 of shape (N,).
+"""
+
+import numpy as np
+
+from model.reference.equations import LENGTH_RANGE, _columns, pose_flags
+from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+
+_SPLIT = 2.0**27 + 1
+
+
+def half(c, s):
+    """A quaternion (c', s') along half the angle whose cosine and sine are c and s, of squared length (1 + |c|)/2.
+
+    ((1 + c)/2, s/2) for c >= 0, (s/2, (1 - c)/2) for c < 0: no root, and no difference of nearly equal numbers.
+    Which of the two opposite quaternions it is depends on the branch.
+    """
+    large, small = (1 + np.abs(c)) / 2, s / 2
+    return np.where(c >= 0, large, small), np.where(c >= 0, small, large)
+
+
+def _scaled(*columns):
+    """The columns times 2^-e, and e (N,): the largest magnitude of each row comes to lie in [1/2, 1)."""
+    _, e = np.frexp(np.max(np.abs(columns), axis=0))
+    return *(np.ldexp(v, -e) for v in columns), e
+
+
+def _even(v):
+    """v 4^-k in [1/4, 1), and k; for v > 0."""
+    _, e = np.frexp(v)
+    k = (e + 1) // 2
+    return np.ldexp(v, -2 * k), k
+
+
+def _two_sum(a, b):
+    """a + b rounded, and what the rounding left out: exact together."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
+def _two_product(a, b):
+    """a b rounded, and what the rounding left out: exact together for numbers of moderate size."""
+    product = a * b
+    a_high, b_high = (v * _SPLIT - (v * _SPLIT - v) for v in (a, b))
+    a_low, b_low = a - a_high, b - b_high
+    return product, a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
+
+
+def _sum_of_products(*pairs):
+    """The sum of the products of the pairs, as if summed with 150 bits and rounded once."""
+    terms = [part for pair in pairs for part in _two_product(*pair)]
+    for _ in range(2):
+        for n in range(1, len(terms)):
+            terms[n], terms[n - 1] = _two_sum(terms[n], terms[n - 1])
+    return sum(terms[:-1]) + terms[-1]
+
+
+def _directions(x, y, z, on_axis, at_shoulder):
+    """Azimuth and elevation of the target: (10), and what (11) is made of."""
+    x_r, y_r, e_rho = _scaled(x, y)
+    x_s, y_s, z_s, e_s = _scaled(x, y, z)
+    rho_sq, s = x_r**2 + y_r**2, x_s**2 + y_s**2 + z_s**2
+    root_rho, root_s = 1 / np.sqrt(np.where(on_axis, 1.0, rho_sq)), 1 / np.sqrt(np.where(at_shoulder, 1.0, s))
+    return {
+        "rho_sq": np.ldexp(rho_sq, 2 * e_rho),
+        "s": np.ldexp(s, 2 * e_s),  # (10) squared
+        "u_x": np.where(on_axis, 1.0, x_r * root_rho),
+        "u_y": np.where(on_axis, 0.0, y_r * root_rho),
+        "sin_el": np.where(at_shoulder, 1.0, z_s * root_s),
+        "cos_el": np.ldexp(rho_sq * root_rho, e_rho - e_s) * root_s,
+    }, (root_s, e_s)
+
+
+def _triangle(x, y, z, d1, d2, root_s, e_s):
+    """The triangle shoulder, elbow, wrist: elbow quaternion and angle at the shoulder, for a target in reach."""
+    r, r_low = _two_sum(d1, d2)
+    q, q_low = _two_sum(d1, -d2)
+
+    x_a, y_a, z_a, r_a, low, e_a = _scaled(x, y, z, r, r_low)
+    a_far = _sum_of_products((r_a, r_a), (2 * r_a, low), (low, low), (-x_a, x_a), (-y_a, y_a), (-z_a, z_a))
+    x_b, y_b, z_b, q_b, low, e_b = _scaled(x, y, z, q, q_low)
+    b_near = _sum_of_products((x_b, x_b), (y_b, y_b), (z_b, z_b), (-q_b, q_b), (-2 * q_b, low), (-low, low))
+    x_k, y_k, z_k, r_k, r_l, q_k, q_l, e_k = _scaled(x, y, z, r, r_low, q, q_low)
+    k_law = _sum_of_products(
+        (x_k, x_k), (y_k, y_k), (z_k, z_k), (r_k, q_k), (r_k, q_l), (r_l, q_k), (r_l, q_l)
+    )  # 2 PP / pi_swivel (12)
+
+    root_a, root_b = (np.sqrt(np.maximum(v, 0.0)) for v in (a_far, b_near))  # tmp_sqr (13)
+    d1, k1 = _even(np.where(d1 > 0, d1, 1.0))
+    d2, k2 = _even(np.where(d2 > 0, d2, 1.0))
+    root_1, root_2 = 1 / np.sqrt(d1), 1 / np.sqrt(d2)
+    nodes = {
+        "a_far": np.ldexp(a_far, 2 * e_a),
+        "b_near": np.ldexp(b_near, 2 * e_b),
+        "k_law": np.ldexp(k_law, 2 * e_k),
+    }
+    elbow, shoulder = root_1 * root_2 / 2, root_1**2 * root_s / 2
+    # Where d1 + d2 or d1 - d2 is not a double, a target may be out of reach by less than its rounding, A or B be
+    # negative, and the other of each pair above 1: then it is at the limit.
+    return nodes, {
+        "qe_w": np.minimum(np.ldexp(root_a * elbow, e_a - k1 - k2), 1.0),  # (14)
+        "qe_i": -np.minimum(np.ldexp(root_b * elbow, e_b - k1 - k2), 1.0),  # (14)
+        "cos_a": np.clip(np.ldexp(k_law * shoulder, 2 * (e_k - k1) - e_s), -1.0, 1.0),  # (13)
+        "sin_a": np.ldexp(root_a * root_b * shoulder, e_a + e_b - 2 * k1 - e_s),  # (13)
+    }
+
+
+def _shoulder(u_x, u_y, sin_el, cos_el, cos_a, sin_a, phi):
+    """Qs, (15)-(18), as a product of four rotations about coordinate axes."""
+    h1_c, h1_s = half(-u_y, u_x)  # z, azimuth + 90 deg
+    ht_c, ht_s = half(sin_el, cos_el)  # x, 90 deg - elevation
+    ha_c, ha_s = half(cos_a, sin_a)  # x, -a
+    cos_half, sin_half = np.cos(phi / 2), np.sin(phi / 2)  # z, phi (11)
+
+    c_plus, s_plus = h1_c * cos_half - h1_s * sin_half, h1_s * cos_half + h1_c * sin_half
+    c_minus, s_minus = h1_c * cos_half + h1_s * sin_half, h1_s * cos_half - h1_c * sin_half
+    w_0, i_0, j_0, k_0 = ht_c * c_plus, ht_s * c_minus, ht_s * s_minus, ht_c * s_plus
+    w = w_0 * ha_c + i_0 * ha_s
+    i = i_0 * ha_c - w_0 * ha_s
+    j = j_0 * ha_c - k_0 * ha_s
+    k = k_0 * ha_c + j_0 * ha_s
+    t = (1 + np.abs(u_y)) / 2 * ((1 + np.abs(sin_el)) / 2) * ((1 + np.abs(cos_a)) / 2)
+    root_t = np.where(k < 0, -1.0, 1.0) / np.sqrt(t)
+    return {
+        "h1_c": h1_c, "h1_s": h1_s, "ht_c": ht_c, "ht_s": ht_s, "ha_c": ha_c, "ha_s": ha_s,
+        "cos_half": cos_half, "sin_half": sin_half, "t": t,
+        "qs_w": w * root_t, "qs_i": i * root_t, "qs_j": j * root_t, "qs_k": k * root_t,  # (18)
+    }  # fmt: skip
+
+
+def solve_lean(x, y, z, phi, d1, d2):
+    """A pose for any N targets, with flags, by the lean dataflow.
+
+    x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or arrays that
+    broadcast to (N,). Targets need not be in reach nor lengths positive: such targets get the pose that
+    `equations.solve_clamped` gives them. Returns a dict of arrays (N,): rho_sq, s, a_far, b_near, k_law (squares of
+    the user's unit; 0 or inf where a double cannot hold them, which the others do not depend on), u_x, u_y, sin_el,
+    cos_el, cos_a, sin_a, h1_c, h1_s, ht_c, ht_s, ha_c, ha_s, cos_half, sin_half (of phi/2), t, qs_w, qs_i, qs_j,
+    qs_k (k >= 0), qe_w, qe_i, flags (int64). Never nan, provided that d1 + d2 and d1 - d2 are finite. Raises ValueError
+    for inputs that are not finite or do not broadcast, and for arm lengths outside LENGTH_RANGE of a target in reach.
+    """
+    x, y, z, phi, d1, d2 = _columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
+    flags = pose_flags(x, y, z, d1, d2)
+    on_axis, at_shoulder = flags & ON_AXIS != 0, flags & AT_SHOULDER != 0
+    clamped = flags & (UNREACHABLE | AT_SHOULDER) != 0
+    straight = flags & (TOO_FAR | BAD_LENGTH) != 0
+    away = (flags & TOO_NEAR != 0) & (d1 < d2)  # folded, with the upper arm away from the target
+    low, high = LENGTH_RANGE
+    for name, d in (("d1", d1), ("d2", d2)):
+        if (~clamped & ~((d >= low) & (d <= high))).any():
+            raise ValueError(f"{name} of a target in reach must lie in [{low:g}, {high:g}]")
+
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):  # squares; triangles that are not used
+        directions, root = _directions(x, y, z, on_axis, at_shoulder)
+        squares, triangle = _triangle(x, y, z, d1, d2, *root)
+    rule = {
+        "qe_w": np.where(straight, 0.0, 1.0),
+        "qe_i": np.where(straight, -1.0, 0.0),
+        "cos_a": np.where(away, -1.0, 1.0),
+        "sin_a": np.zeros(len(x)),
+    }
+    triangle = {name: np.where(clamped, rule[name], value) for name, value in triangle.items()}
+    elbow = {name: triangle.pop(name) for name in ("qe_w", "qe_i")}
+    angles = {name: directions[name] for name in ("u_x", "u_y", "sin_el", "cos_el")} | triangle
+    squares = {name: directions[name] for name in ("rho_sq", "s")} | squares
+    return squares | angles | _shoulder(**angles, phi=phi) | elbow | {"flags": flags}

@@ -1,0 +1,484 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layer 3, equations (10)-(18): against forward kinematics, the print, and at poses the print leaves out.
+
+Measured largest errors over 10^5 targets of the domain of `random_targets`: with theta_3 0.05 rad or more
+from 0 and pi, hand 2e-14 of the reach and shoulder 3e-14 rad against the rotation matrix; with any theta_3,
+1e-11 and 3e-11, at the pose nearest to 0 or pi. At such a pose itself both are about 1e-8.
+"""
+
+import numpy as np
+import pytest
+
+from model.reference import equations, kinematics
+from model.reference.equations import clamp, pose_flags, shoulder_quaternion, solve, solve_clamped, swivel_normal
+from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
+
+PHIS = np.linspace(-np.pi, np.pi, 17)
+
+HALF_OF_THE_DIGITS = 6e-8
+"""Rad, and of the reach: what the roots of (14) and (17) leave at a half angle of 0 or pi/2."""
+
+
+def random_targets(size, seed):
+    """x, y, z, phi, d1, d2 of reachable targets all over the workspace, off the singular poses.
+
+    The elbow's interior angle is 0.05 rad or more from 0 and pi, wrist and elbow are 0.05 rad or more from
+    the z axis. theta_3 is not restricted.
+    """
+    rng = np.random.default_rng(seed)
+    d1, d2 = rng.uniform(0.2, 1, (2, 4 * size))
+    interior = rng.uniform(0.05, np.pi - 0.05, 4 * size)
+    p = rng.normal(size=(4 * size, 3))
+    p *= (np.sqrt(d1**2 + d2**2 - 2 * d1 * d2 * np.cos(interior)) / np.linalg.norm(p, axis=1))[:, None]
+    targets = (*p.T, rng.uniform(-np.pi, np.pi, 4 * size), d1, d2)
+    e = elbow_direction(targets)
+    off_axis = np.hypot(p[:, 0], p[:, 1]) > np.sin(0.05) * np.linalg.norm(p, axis=1)
+    keep = np.flatnonzero(off_axis & (np.hypot(e[:, 0], e[:, 1]) > np.sin(0.05)))[:size]
+    return tuple(column[keep] for column in targets)
+
+
+def elbow_direction(targets):
+    """p_e/d1 (N, 3) by the law of cosines, no equation of the paper used."""
+    x, y, z, phi, d1, d2 = (np.asarray(column, dtype=float) for column in targets)
+    p = np.stack((x, y, z), axis=-1)
+    distance = np.linalg.norm(p, axis=1)
+    cos_a = np.clip((distance**2 + d1**2 - d2**2) / (2 * d1 * distance), -1, 1)
+    m = np.cross(swivel_normal(x, y, z, phi), p / distance[:, None])
+    return cos_a[:, None] * p / distance[:, None] + np.sqrt(1 - cos_a**2)[:, None] * m
+
+
+def shoulder(result):
+    return np.stack([result[f"qs_{part}"] for part in "wijk"], axis=-1)
+
+
+def elbow(result):
+    return np.stack([result["qe_w"], result["qe_i"]], axis=-1)
+
+
+def vector(result, name):
+    return np.stack([result[f"{name}_{axis}"] for axis in "xyz"], axis=-1)
+
+
+def hand_error(result, targets):
+    """Distance of the forward kinematics' wrist from the target, over the reach."""
+    *p, _, d1, d2 = targets
+    _, wrist = kinematics.forward(shoulder(result), elbow(result), d1, d2)
+    return np.linalg.norm(wrist - np.stack(p, axis=-1), axis=1) / (np.asarray(d1) + d2)
+
+
+def matrix_form(targets):
+    """The shoulder from the directions of normal and elbow, which has no singular pose."""
+    return shoulder_quaternion(swivel_normal(*targets[:4]), elbow_direction(targets))
+
+
+def columns(*values):
+    return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
+
+
+def assert_defined(result):
+    for name, values in result.items():
+        assert np.isfinite(values).all(), f"{name} is not finite"
+    np.testing.assert_allclose((shoulder(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qs| = 1")
+    np.testing.assert_allclose((elbow(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qe| = 1")
+    assert (result["qs_k"] >= 0).all(), "the k part of Qs is never negative"
+
+
+# -- regular poses
+
+TARGETS = random_targets(20_000, seed=1)
+RESULT = solve(*TARGETS)
+REGULAR = (RESULT["q3_scalar"] > np.sin(0.05 / 2)) & (np.abs(RESULT["q3_k"]) > np.sin(0.05 / 2))
+"""theta_3 is 0.05 rad or more from 0 and pi, where (17) keeps its digits."""
+
+
+def test_hand_is_at_the_target():
+    error = hand_error(RESULT, TARGETS)
+    assert error[REGULAR].max() < 1e-12, "forward kinematics of Qs, Qe"
+    assert error.max() < HALF_OF_THE_DIGITS, "and for any theta_3"
+    assert_defined(RESULT)
+
+
+def test_elbow_of_forward_kinematics_is_the_elbow_point():
+    found, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), *TARGETS[4:])
+    np.testing.assert_allclose(vector(RESULT, "p_e"), found, rtol=0, atol=1e-13, err_msg="(13) against Qs")
+    expected = TARGETS[4][:, None] * elbow_direction(TARGETS)
+    np.testing.assert_allclose(vector(RESULT, "p_e"), expected, rtol=0, atol=1e-13, err_msg="(13) against trigonometry")
+
+
+def test_shoulder_is_the_rotation_of_the_matrix_form():
+    error = kinematics.angle_between(shoulder(RESULT), matrix_form(TARGETS))
+    assert error.max() < 1e-9, "(15)-(18) against columns -n, e x (-n), e"
+    assert error[REGULAR].max() < 1e-12, "theta_3 0.05 rad off 0 and pi"
+
+
+def signed_swivel(targets, normal):
+    """Angle (rad) of the plane with this normal from the vertical plane, about the way to the wrist."""
+    p = np.stack(targets[:3], axis=-1)
+    axis = p / np.linalg.norm(p, axis=1, keepdims=True)
+    vertical = np.stack((p[:, 1], -p[:, 0], 0 * p[:, 0]), axis=-1)
+    return np.arctan2((axis * np.cross(vertical, normal)).sum(axis=1), (vertical * normal).sum(axis=1))
+
+
+def test_swivel_angle_is_phi():
+    """Modulo a turn, with its sign, of the plane and of the arm."""
+    found, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), *TARGETS[4:])
+    arm = np.cross(np.stack(TARGETS[:3], axis=-1), found)
+    for what, normal in (("pi_swivel (11)", vector(RESULT, "pi_swivel")), ("the arm itself", arm)):
+        error = np.angle(np.exp(1j * (signed_swivel(TARGETS, normal) - TARGETS[3])))
+        assert np.abs(error).max() < 1e-11, f"swivel angle of {what}"
+
+
+def test_elbow_angle_is_the_interior_one():
+    x, y, z, _, d1, d2 = TARGETS
+    cosine = (d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2)
+    np.testing.assert_allclose(RESULT["c4"], cosine, rtol=0, atol=1e-13, err_msg="(14), law of cosines")
+    assert (RESULT["qe_w"] > 0).all() and (RESULT["qe_i"] < 0).all(), "signs of (14)"
+
+
+def test_equations_are_equal_to_the_print():
+    """The sums that are written in another form than printed, from the coefficients they are printed with."""
+    _, _, _, _, d1, _ = TARGETS
+    r = RESULT
+    inf_pp = (r["pp_35"] - r["pp_34"]) ** 2 + (r["pp_14"] - r["pp_15"]) ** 2 + (r["pp_25"] - r["pp_24"]) ** 2
+    np.testing.assert_allclose(r["inf_pp"], inf_pp, rtol=1e-10, err_msg="inf_PP (13)")
+    squares = [-(r[f"pp_{u}"] ** 2) for u in ("i", "j", "k", "14", "24", "34")]
+    squares += [r[f"pp_{u}"] ** 2 for u in ("15", "25", "35")]
+    scale = np.sum(np.abs(squares), axis=0)
+    assert (np.abs(r["tmp1"] - np.sum(squares, axis=0)) <= 1e-14 * scale).all(), "tmp1 (13)"
+    p_e = np.stack(
+        (
+            r["pp_j"] * (r["pp_34"] - r["pp_35"])
+            + r["pp_k"] * (r["pp_25"] - r["pp_24"])
+            + r["tmp_sqr"] * (r["pp_15"] - r["pp_14"]),
+            r["pp_i"] * (r["pp_35"] - r["pp_34"])
+            + r["pp_k"] * (r["pp_14"] - r["pp_15"])
+            + r["tmp_sqr"] * (r["pp_25"] - r["pp_24"]),
+            r["pp_j"] * (r["pp_15"] - r["pp_14"])
+            + r["pp_i"] * (r["pp_24"] - r["pp_25"])
+            + r["tmp_sqr"] * (r["pp_35"] - r["pp_34"]),
+        ),
+        axis=-1,
+    )
+    np.testing.assert_allclose(vector(r, "p_e"), p_e / inf_pp[:, None], atol=1e-12, err_msg="p_e (13)")
+    x, y, z = vector(r, "p_e").T
+    tmp2 = (
+        d1**4 * y**2 - 2 * d1**3 * y**2 * z + d1**2 * y**2 * z**2 + d1**4 * x**2 - 2 * d1**3 * x**2 * z
+        + d1**2 * x**2 * z**2 + d1**2 * x**4 + 2 * d1**2 * x**2 * y**2 + d1**2 * y**4
+    )  # fmt: skip
+    np.testing.assert_allclose(r["tmp2"], tmp2, rtol=1e-10, err_msg="tmp2 (15)")
+
+
+@pytest.mark.parametrize("exponent", [-40, -9, 9, 40])
+def test_unit_of_length_does_not_matter(exponent):
+    x, y, z, phi, d1, d2 = TARGETS
+    scaled = solve(*(np.ldexp(v, exponent) for v in (x, y, z)), phi, *(np.ldexp(v, exponent) for v in (d1, d2)))
+    for name in ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i"):
+        # Powers of two are exact, so even roundoff is the same.
+        np.testing.assert_array_equal(scaled[name], RESULT[name], err_msg=f"{name} in a unit of 2^{-exponent}")
+
+
+def test_numbers_and_arrays_broadcast():
+    x, y, z, phi, d1, d2 = 0.3, 0.2, 0.1, np.array([0.0, 1.0]), 0.3, 0.25
+    both = solve(x, y, z, phi, d1, d2)
+    for n in range(2):
+        one = solve(x, y, z, phi[n], d1, d2)
+        for name, values in one.items():
+            assert values.shape == (1,) and values[0] == both[name][n], name
+
+
+# -- poses at which the printed equations are 0/0
+
+
+@pytest.mark.parametrize("z", [0.5, -0.5])
+def test_target_on_the_z_axis_takes_azimuth_0(z):
+    targets = columns(0, 0, z, PHIS, 0.3, 0.4)
+    result = solve(*targets)
+    assert_defined(result)
+    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    # The limit of a target that comes to the axis along +x, as its azimuth is 0.
+    limit = solve(*columns(1e-12, 0, z, PHIS, 0.3, 0.4))
+    gap = kinematics.angle_between(shoulder(result), shoulder(limit))
+    assert gap.max() < HALF_OF_THE_DIGITS, "shoulder against a target 1e-12 off the axis in the direction of x"
+    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+
+
+def test_swivel_normal_on_the_z_axis():
+    """Azimuth 0 is (u_x, u_y) = (1, 0); the shoulder counts as lying on the positive axis."""
+    for z, elevation in ((0.5, 1), (-0.5, -1), (0.0, 1)):
+        expected = np.stack((elevation * np.sin(PHIS), -np.cos(PHIS), 0 * PHIS), axis=-1)
+        np.testing.assert_allclose(swivel_normal(0, 0, z, PHIS), expected, atol=1e-15, err_msg=f"z = {z}")
+
+
+@pytest.mark.parametrize("up", [1, -1], ids=["elbow up", "elbow down"])
+@pytest.mark.parametrize("bend", [0.3, 1.5, 2.8])
+def test_elbow_on_the_z_axis(up, bend):
+    """Exactly for a wrist in the x-z or y-z plane, where roundoff allows; else but for roundoff."""
+    azimuth = np.linspace(0, 2 * np.pi, 33)
+    direction = np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend) * up
+    phi = 0 if up > 0 else np.pi
+    targets = columns(0.25 * direction[0], 0.25 * direction[1], 0.5 * up + 0.25 * direction[2], phi, 0.5, 0.25)
+    result = solve(*targets)
+    assert np.hypot(result["p_e_x"], result["p_e_y"]).max() < 1e-14, "the pose that was meant"
+    assert_defined(result)
+    # An elbow that is on the axis but for roundoff has a Q_12 of no meaning; Q_3 must make up for it.
+    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+
+
+def test_elbow_exactly_on_the_z_axis():
+    for p_e_z, expected in ((0.5, (0, 0, 1)), (-0.5, (1, 0, 0))):
+        q12 = equations._rotate_to_elbow(*(np.array([v]) for v in (0.5, 0.0, 0.0, p_e_z)))
+        assert tuple(q12[f"q12_{u}"][0] for u in "ijk") == expected, f"Q12 for an elbow at z = {p_e_z}"
+
+
+def test_inner_product_of_0_gives_sign_plus():
+    targets = columns(0, [0.5, -0.5, 0.5, -0.5], [0.2, 0.2, -0.3, -0.3], 0, 0.4, 0.3)
+    result = solve(*targets)
+    assert (result["sign"] == 1).all(), "x = 0, phi = 0: P_w lies in pi_yz2"
+    assert_defined(result)
+    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+
+
+@pytest.mark.parametrize("p", [(0.75, 0, 0), (0, -0.75, 0), (0.25, 0.5, 0.5), (-0.5, 0.25, -0.5), (0, 0, 0.75)])
+@pytest.mark.parametrize("lengths", [(0.5, 0.25), (1.25, 0.5), (0.5, 1.25)], ids=["straight", "folded", "folded back"])
+def test_straight_and_folded_arm_keep_their_swivel(p, lengths):
+    """Reached exactly. P_w is then in pi_yz2 for every theta_3, and the printed sign is only roundoff."""
+    targets = columns(*p, PHIS, *lengths)
+    assert (pose_flags(*targets[:3], *lengths) & ~ON_AXIS == 0).all(), "these targets are in reach"
+    result = solve(*targets)
+    assert_defined(result)
+    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+
+
+def test_wrist_at_the_shoulder():
+    targets = columns(0, 0, 0, PHIS, 0.5, 0.5)
+    result = solve(*targets)
+    assert_defined(result)
+    assert hand_error(result, targets).max() < 1e-15, "hand"
+    assert (result["qe_w"] == 1).all(), "the arm is folded"
+    np.testing.assert_array_equal(vector(result, "p_e"), [(0, 0, 0.5)] * len(PHIS), err_msg="the elbow is straight up")
+    up = np.tile((0.0, 0.0, 1.0), (len(PHIS), 1))
+    expected = shoulder_quaternion(swivel_normal(0, 0, 0, PHIS), up)
+    assert kinematics.angle_between(shoulder(result), expected).max() < HALF_OF_THE_DIGITS, "shoulder"
+
+
+@pytest.mark.parametrize("exponent", range(-1, -13, -1))
+def test_near_singular_poses(exponent):
+    """10^-1 .. 10^-12 off full stretch, full fold, wrist on the axis, elbow on the axis; else random."""
+    rng = np.random.default_rng(-exponent)
+    off, size = 10.0**exponent, 300
+    d1, d2, azimuth, phi = (
+        rng.uniform(0.3, 1, size),
+        rng.uniform(0.3, 1, size),
+        *rng.uniform(-3, 3, (2, size)),
+    )
+    any_way = rng.normal(size=(3, size))
+    any_way /= np.linalg.norm(any_way, axis=0)
+    up = np.stack((off * np.cos(azimuth), off * np.sin(azimuth), np.sqrt(1 - off**2) * rng.choice((-1, 1), size)))
+    middle = np.abs(d1 - d2) + rng.uniform(0.1, 0.9, size) * (d1 + d2 - np.abs(d1 - d2))
+    bend = rng.uniform(0.2, 2.9, size) * np.array((np.cos(azimuth), np.sin(azimuth), 0 * azimuth))
+    forearm = np.stack((np.sin(bend[0]) * np.sin(azimuth), np.sin(bend[0]) * np.cos(azimuth), np.cos(bend[0])))
+    kinds = {
+        "full stretch": ((d1 + d2) * (1 - off) * any_way, phi),
+        "full fold": ((np.abs(d1 - d2) * (1 + off) + off * d1) * any_way, phi),
+        "wrist near the z axis": (middle * up, phi),
+        "elbow near the z axis": (d1 * up + d2 * forearm, off * phi),
+    }
+    for kind, (p, swivel) in kinds.items():
+        targets = (*p, swivel, d1, d2)
+        result = solve(*targets)
+        assert_defined(result)
+        assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, f"{kind}: hand"
+        # At the fold the elbow's direction is as uncertain as roundoff over |p|: compare against the elbow
+        # found.
+        e = vector(result, "p_e")
+        e /= np.linalg.norm(e, axis=1, keepdims=True)
+        expected = shoulder_quaternion(swivel_normal(*targets[:4]), e)
+        assert kinematics.angle_between(shoulder(result), expected).max() < HALF_OF_THE_DIGITS, f"{kind}: shoulder"
+
+
+def test_never_nan():
+    """Reachable targets at the ends of the number range: all lengths and offsets, on and near each axis."""
+    lengths = [1e-15, 1e-6, 1.0, 1e15]
+    offsets = [0.0, 5e-324, 1e-300, 1e-160, 1e-100, 1e-31, 1e-29, 1e-16, 1e-8, 0.5, 1.0]
+    grid = np.array(np.meshgrid(lengths, offsets, offsets, offsets, [0.0, 1.0, np.pi])).reshape(5, -1)
+    d, x, y, z, phi = grid
+    targets = (d * x, -d * y, d * z, phi, d, d)
+    result = solve(*targets)
+    assert_defined(result)
+    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+
+
+# -- clamped poses
+
+
+def clamped_case(targets, flags):
+    result = solve_clamped(*targets)
+    assert_defined(result)
+    assert (result["flags"] == flags).all(), f"flags {sorted(set(result['flags']))}, not {flags}"
+    _, wrist = kinematics.forward(shoulder(result), elbow(result), *targets[4:])
+    p = np.stack(targets[:3], axis=-1)
+    return result, p / np.maximum(np.linalg.norm(p, axis=1, keepdims=True), 1e-300), wrist
+
+
+def random_directions(size=50, seed=3):
+    rng = np.random.default_rng(seed)
+    v = rng.normal(size=(3, size))
+    return v / np.linalg.norm(v, axis=0), rng.uniform(-np.pi, np.pi, size)
+
+
+def assert_swivel(result, targets):
+    """The shoulder's local x axis is minus the swivel plane's normal: the arm is in the swivel plane."""
+    local_x = kinematics.rotate(shoulder(result), np.array([(1.0, 0.0, 0.0)]))
+    np.testing.assert_allclose(local_x, -swivel_normal(*targets[:4]), atol=1e-14, err_msg="swivel plane")
+
+
+def test_too_far_is_a_straight_arm_toward_the_target():
+    v, phi = random_directions()
+    targets = columns(*(1.5 * v), phi, 0.4, 0.3)
+    result, direction, wrist = clamped_case(targets, TOO_FAR)
+    np.testing.assert_allclose(wrist, 0.7 * direction, atol=1e-14, err_msg="the nearest point in reach")
+    np.testing.assert_allclose(vector(result, "p_e"), 0.4 * direction, atol=1e-15, err_msg="elbow")
+    assert (result["qe_w"] == 0).all() and (result["qe_i"] == -1).all(), "Qe = -i"
+    assert_swivel(result, targets)
+
+
+@pytest.mark.parametrize("d1, d2", [(0.5, 0.2), (0.2, 0.5)], ids=["long upper arm", "long forearm"])
+def test_too_near_is_a_folded_arm(d1, d2):
+    v, phi = random_directions()
+    targets = columns(*(0.1 * v), phi, d1, d2)
+    result, direction, wrist = clamped_case(targets, TOO_NEAR)
+    np.testing.assert_allclose(wrist, 0.3 * direction, atol=1e-15, err_msg="the nearest point in reach")
+    np.testing.assert_allclose(
+        vector(result, "p_e"),
+        d1 * np.sign(d1 - d2) * direction,
+        atol=1e-15,
+        err_msg="the longer link points to the target",
+    )
+    assert (result["qe_w"] == 1).all() and (result["qe_i"] == 0).all(), "Qe = 1"
+    assert_swivel(result, targets)
+
+
+@pytest.mark.parametrize(
+    "d1, d2, flags, elbow_z",
+    [
+        (0.5, 0.5, ON_AXIS | AT_SHOULDER, 0.5),
+        (0.5, 0.25, ON_AXIS | AT_SHOULDER | TOO_NEAR, 0.5),
+        (0.25, 0.5, ON_AXIS | AT_SHOULDER | TOO_NEAR, -0.25),
+    ],
+)
+def test_target_at_the_shoulder_counts_as_straight_up(d1, d2, flags, elbow_z):
+    targets = columns(0, 0, 0, PHIS, d1, d2)
+    assert clamp(0, 0, 0, d1, d2)["clamped"], "such a target has no pose of its own"
+    result, _, wrist = clamped_case(targets, flags)
+    np.testing.assert_allclose(vector(result, "p_e"), [(0, 0, elbow_z)] * len(PHIS), atol=1e-15, err_msg="elbow")
+    np.testing.assert_allclose(wrist, [(0, 0, abs(d1 - d2))] * len(PHIS), atol=1e-15, err_msg="wrist")
+    assert (result["qe_w"] == 1).all() and (result["qe_i"] == 0).all(), "Qe = 1"
+    assert_swivel(result, targets)
+
+
+@pytest.mark.parametrize("d1, d2", [(0, 0.3), (0.3, 0), (-0.1, 0.3), (0.3, -1), (0, 0), (-1, -1)])
+def test_bad_lengths_give_a_straight_arm(d1, d2):
+    v, phi = random_directions()
+    targets = columns(*(0.5 * v), phi, d1, d2)
+    result, direction, _ = clamped_case(targets, BAD_LENGTH)
+    local_z = kinematics.rotate(shoulder(result), np.array([(0.0, 0.0, 1.0)]))
+    np.testing.assert_allclose(local_z, direction, atol=1e-14, err_msg="the arm points to the target")
+    assert (result["qe_w"] == 0).all() and (result["qe_i"] == -1).all(), "Qe = -i"
+    assert_swivel(result, targets)
+    at_shoulder = solve_clamped(0, 0, 0, 0.5, d1, d2)
+    assert_defined(at_shoulder)
+    assert at_shoulder["flags"] == BAD_LENGTH | ON_AXIS | AT_SHOULDER, "flags at the shoulder"
+    assert at_shoulder["qe_i"] == -1, "straight up at the shoulder"
+
+
+def test_on_axis_flag_does_not_clamp():
+    targets = columns(0, 0, [0.5, -0.5], 0.3, 0.4, 0.3)
+    result = solve_clamped(*targets)
+    assert (result["flags"] == ON_AXIS).all(), "flags"
+    assert hand_error(result, targets).max() < 1e-14, "the target is reached all the same"
+    far = solve_clamped(*columns(0, 0, [2, -2], 0.3, 0.4, 0.3))
+    assert (far["flags"] == ON_AXIS | TOO_FAR).all(), "both flags, where both hold"
+
+
+def test_flags_are_exact_at_the_limits():
+    """3-4-5 triangles of 31-bit words and one last place more, which squares in doubles cannot tell apart."""
+    ulp = 2.0**-30
+    x, y = 3 * (2**28 - 1) * ulp, 4 * (2**28 - 1) * ulp
+    reach = 5 * (2**28 - 1) * ulp
+    z = np.array([0, ulp])
+    np.testing.assert_array_equal(pose_flags(x, y, z, reach - 0.5, 0.5), [0, TOO_FAR], err_msg="far limit")
+    np.testing.assert_array_equal(pose_flags(x, y, z, reach + 0.5, 0.5), [0, 0], err_msg="near limit")
+    np.testing.assert_array_equal(
+        pose_flags(x, y, z, reach + 0.5 + ulp, 0.5),
+        [TOO_NEAR, TOO_NEAR],
+        err_msg="one unit inside the near limit",
+    )
+    inside = solve_clamped(x, y, z, 0.7, reach - 0.5, 0.5)
+    assert_defined(inside)
+
+
+def test_flags_are_those_of_the_integer_rule():
+    rng = np.random.default_rng(6)
+    words = rng.integers(-(2**31), 2**31, (3000, 6))
+    words[::2] = rng.integers(-3, 4, (1500, 6))  # small words: ties, axis, shoulder, bad lengths
+    found = pose_flags(*(words[:, [0, 1, 2, 4, 5]].T * 2.0**-30))
+    np.testing.assert_array_equal(found, expected_flags(words, 32), err_msg="model.targets.flags on the same words")
+
+
+def test_mixed_stream_keeps_its_order():
+    x = np.array([0.5, 2.0, 0.01, 0.5, 0.3])
+    d1 = np.array([0.4, 0.4, 0.4, -1.0, 0.4])
+    mixed = solve_clamped(x, 0.1, 0.2, 0.3, d1, 0.3)
+    np.testing.assert_array_equal(mixed["flags"], [0, TOO_FAR, 0, BAD_LENGTH, 0], err_msg="flags")
+    for n in range(5):
+        alone = solve_clamped(x[n], 0.1, 0.2, 0.3, d1[n], 0.3)
+        for name, value in alone.items():
+            assert value[0] == mixed[name][n], f"{name} of target {n}"
+
+
+def test_reachable_targets_are_solved_not_clamped():
+    answer = solve_clamped(*TARGETS)
+    assert (answer["flags"] == 0).all(), "no flags"
+    for name in set(answer) - {"flags"}:
+        np.testing.assert_array_equal(answer[name], RESULT[name], err_msg=name)
+    pose = clamp(*TARGETS[:3], *TARGETS[4:])
+    assert not pose["clamped"].any() and np.isnan(pose["e_x"]).all(), "clamp has nothing to say on them"
+
+
+def test_a_clamped_pose_continues_the_reachable_ones():
+    v, phi = random_directions()
+    for limit, sign in ((0.7, 1), (0.1, -1)):
+        inside = solve_clamped(*((limit - sign * 1e-9) * v), phi, 0.4, 0.3)
+        outside = solve_clamped(*((limit + sign * 1e-9) * v), phi, 0.4, 0.3)
+        assert (inside["flags"] == 0).all() and (outside["flags"] != 0).all(), "the pair straddles the limit"
+        gap = kinematics.angle_between(shoulder(inside), shoulder(outside))
+        assert gap.max() < 1e-3, "shoulder: the root of 1e-9 is the natural step"
+
+
+# -- refused input
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ((np.nan, 0, 0.5, 0, 0.4, 0.3), "x must be finite"),
+        ((0.1, 0, 0.5, np.inf, 0.4, 0.3), "phi must be finite"),
+        ((0.1, 0, 0.5, 0, 0.0, 0.3), "d1 must lie in"),
+        ((0.1, 0, 0.5, 0, 0.4, -0.3), "d2 must lie in"),
+        ((0.1, 0, 0.5, 0, 0.4, 1e16), "d2 must lie in"),
+        ((0.1, 0, [0.5, 0.8], 0, 0.4, 0.3), "target 1 cannot be reached"),
+        ((0.0, 0, 0.05, 0, 0.4, 0.3), "target 0 cannot be reached"),
+        ((np.zeros((2, 2)), 0, 0.5, 0, 0.4, 0.3), r"of shape \(N,\), not \(2, 2\)"),
+        ((np.zeros(2), np.zeros(3), 0.5, 0, 0.4, 0.3), "broadcast"),
+    ],
+)
+def test_solve_refuses(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        solve(*arguments)
+
+
+def test_no_targets_give_no_results():
+    assert all(values.shape == (0,) for values in solve_clamped(*[np.zeros(0)] * 6).values()), "N = 0"

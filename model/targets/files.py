@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of targets: CSV with a header, in the user's units.
+
+Every mistake in a file is a `TargetError`, whose text is one line that names file, row, column and value.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+
+from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, FIELDS, TargetError, Targets, cell_error
+
+REQUIRED = ("x", "y", "z")
+
+# What float() takes beyond this (underscores, non-ASCII digits) is a slip in a target file.
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+
+
+def read_csv(
+    path: str | os.PathLike[str],
+    *,
+    d1: float | None = None,
+    d2: float | None = None,
+    phi: float = DEFAULT_PHI,
+) -> Targets:
+    """Read targets from a CSV file with a header.
+
+    Columns x, y, z are required; phi (rad), d1 and d2 may be left out and then come from the arguments
+    (None: the default arm). Columns may stand in any order. A byte order mark, CRLF and blank lines at the
+    end are accepted. Rows in messages are line numbers, as an editor shows them.
+
+    Raises TargetError for everything that is wrong with the file or with a value in it.
+    """
+    path = os.fspath(path)
+    defaults = {
+        "phi": phi,
+        "d1": DEFAULT_D1 if d1 is None else d1,
+        "d2": DEFAULT_D2 if d2 is None else d2,
+    }
+    for column, default in defaults.items():
+        reason = _value_reason(column, default)
+        if reason:
+            raise TargetError(f"default of {column}: '{default!r}' {reason}")
+
+    rows = _read_rows(path)
+    if not rows:
+        raise TargetError(f"{path}: the file is empty; its first line must be a header such as {','.join(FIELDS)}")
+    header_row, header = rows[0]
+    columns = _check_header(path, header_row, header)
+    if len(rows) == 1:
+        raise TargetError(f"{path}: row {header_row}: a header but no targets below it")
+
+    values = {column: np.full(len(rows) - 1, default) for column, default in defaults.items()}
+    values |= {column: np.empty(len(rows) - 1) for column in columns}
+    for n, (row, cells) in enumerate(rows[1:]):
+        if len(cells) != len(columns):
+            raise _length_error(path, row, cells, columns)
+        for column, cell in zip(columns, cells, strict=True):
+            values[column][n] = _parse(path, row, column, cell)
+    return Targets(name=Path(path).stem, path=path, rows=np.array([row for row, _ in rows[1:]]), **values)
+
+
+def _read_rows(path: str) -> list[tuple[int, list[str]]]:
+    """The file's CSV rows, each with the number of its first line; blank lines at the end are dropped."""
+    try:
+        data = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise TargetError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise TargetError(f"{path}: is a directory, not a file of targets") from None
+    except OSError as exc:
+        raise TargetError(f"{path}: cannot be read: {exc.strerror}") from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as exc:
+        row = data[: exc.start].count(b"\n") + 1
+        raise TargetError(f"{path}: row {row}: not UTF-8 text (byte 0x{data[exc.start]:02x})") from None
+
+    rows: list[tuple[int, list[str]]] = []
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    first_line = 1
+    try:
+        for cells in reader:
+            rows.append((first_line, cells))
+            first_line = reader.line_num + 1
+    except csv.Error as exc:
+        raise TargetError(f"{path}: row {first_line}: not CSV: {exc}") from None
+    while rows and not "".join(rows[-1][1]).strip() and len(rows[-1][1]) <= 1:
+        rows.pop()
+    return rows
+
+
+def _check_header(path: str, row: int, header: list[str]) -> list[str]:
+    """The column names in the file's order. Raises TargetError for unknown, repeated or missing ones."""
+    columns = [cell.strip() for cell in header]
+    for column in columns:
+        if column not in FIELDS:
+            raise cell_error(
+                path, row, column or "(no name)", column,
+                f"is not a column of targets; the header names {','.join(FIELDS)}, separated by commas",
+            )  # fmt: skip
+        if columns.count(column) > 1:
+            raise cell_error(path, row, column, column, "stands twice in the header")
+    for column in REQUIRED:
+        if column not in columns:
+            raise TargetError(f"{path}: row {row}, column {column}: is missing; the header is {','.join(columns)!r}")
+    return columns
+
+
+def _length_error(path: str, row: int, cells: list[str], columns: list[str]) -> TargetError:
+    """The error for a row whose number of cells is not that of the header."""
+    count = f"the header has {len(columns)} columns, this row has {len(cells)}"
+    if len(cells) > len(columns):
+        extra = len(columns)
+        return cell_error(path, row, str(extra + 1), cells[extra], f"is one too many: {count}")
+    missing = columns[len(cells)]
+    return cell_error(path, row, missing, "", f"is missing: {count}")
+
+
+def _parse(path: str, row: int, column: str, cell: str) -> float:
+    text = cell.strip()
+    if _NOT_FINITE.fullmatch(text):
+        raise cell_error(path, row, column, text, "is not a finite number")
+    if not _NUMBER.fullmatch(text):
+        raise cell_error(path, row, column, text, "is not a number" if text else "is empty")
+    value = float(text)
+    reason = _value_reason(column, value)
+    if reason:
+        raise cell_error(path, row, column, text, reason)
+    return value
+
+
+def _value_reason(column: str, value: float) -> str | None:
+    """Why `value` cannot stand in `column`, or None when it can."""
+    if not math.isfinite(value):
+        return "is not a finite number"
+    if column in ("d1", "d2") and value <= 0:
+        return "is not positive: an arm length must be greater than 0"
+    return None
+
+
+def format_csv(targets: Targets) -> str:
+    """The text of a target file: a header with all six columns and a row a target, every bit kept."""
+    lines = [",".join(FIELDS)]
+    table = np.column_stack([getattr(targets, field) for field in FIELDS])
+    lines += [",".join(map(repr, row)) for row in table.tolist()]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scores of a trajectory that ran through the core: how far off the hand is, and whether that is good enough.
+
+What is compared with what (DESIGN, section 5):
+
+* the hand: forward kinematics of the core's quaternions, with the arm as the user gave it, against the
+  target as the user gave it; so quantisation of the target counts as an error of the core
+* angles and elbow point: against double precision at the words that the core was really asked
+* a target that cannot be reached: the hand against that of the clamped pose, apart from the reachable targets
+
+Lengths are scaled by the power of two that `targets.scale_exponent` found before anything is squared, so
+that arms in any unit are scored alike; errors of the hand and the elbow are relative to d1+d2.
+
+Bars. With words of 32 bits, a trajectory whose every target keeps `REGULAR_DISTANCE` from the singular
+poses of the equations has the fixed bar `REGULAR_BAR`. Any other has a bar for each target, which the
+caller predicts from word length and conditioning (`model.bounds.predict`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from model.reference.equations import solve_clamped
+from model.reference.kinematics import angle_between, forward
+from model.targets import flags as flag_bits
+from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
+
+REGULAR_DISTANCE = 0.2
+"""How far from every singular pose a regular trajectory keeps (rad)."""
+
+REGULAR_BAR = 1e-4
+"""Largest hand error / reach of a regular trajectory: the paper group's 1/16 mm on an arm of 0.6 m."""
+
+REGULAR_WIDTH = 32
+"""Word length for which the fixed bar holds; shorter words have a predicted one."""
+
+LEAN_BAR = 2e-8
+"""The same of the lean datapath, in any pose."""
+
+NORM_ULPS = 16
+"""Ulps that abs(norm^2 - 1) of a quaternion may have: its words are rounded, and so are the factors and the length
+that they come from."""
+
+
+def singular_distance(targets: Targets) -> np.ndarray:
+    """Distance (rad) of each target's pose from the nearest singular pose of equations (10)-(18); shape (N,).
+
+    The least of: the angle of wrist and of elbow to the z axis (either pole), and the distances of the half
+    angles theta_3/2 and theta_4/2 from 0 and from pi/2, where a square root in (14) or (17) ends at 0. It
+    is 0 for a target out of reach, whose arm is straight or folded. Raises ValueError for lengths outside
+    `equations.LENGTH_RANGE`.
+    """
+    pose = solve_clamped(targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
+    wrist = np.arctan2(np.hypot(targets.x, targets.y), np.abs(targets.z))
+    elbow = np.arctan2(np.hypot(pose["p_e_x"], pose["p_e_y"]), np.abs(pose["p_e_z"]))
+    half_angles = [
+        # By (18), qs_w : qs_k = -q3_k : q3_scalar; with q12_k = 0 as well, the elbow is on the z axis.
+        np.arctan2(np.abs(pose["qs_w"]), np.abs(pose["qs_k"])),
+        np.arctan2(np.abs(pose["qe_i"]), np.abs(pose["qe_w"])),
+    ]
+    return np.min([wrist, elbow, *(np.minimum(half, np.pi / 2 - half) for half in half_angles)], axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Each:
+    """What a score is made of, target by target: points (N, 3) in scaled lengths, errors (N,) in parts of the reach
+    or in rad.
+
+    `hand_error` is against the target; where it is out of reach (`clamped`), `judged_error` is against the nearest
+    pose instead. `bar` is what either is held to.
+    """
+
+    elbow: np.ndarray
+    wrist: np.ndarray
+    clamped: np.ndarray
+    hand_error: np.ndarray
+    judged_error: np.ndarray
+    predicted: np.ndarray
+    bar: np.ndarray
+    shoulder_angle_error: np.ndarray
+    elbow_angle_error: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """The figures of one trajectory; all but `each` stand in score.json under the same names.
+
+    Errors named `_max` and `_rms` are over the reachable targets and None when there are none; those of
+    `clamped_error` are over the targets out of reach. `hand_error_bar` and `clamped_error_bar` are the
+    largest bars of a target; `hand_error_over_bar` is the largest error in units of the target's own bar,
+    and so is at most 1 when all is well. `failures` is empty exactly when `passed`.
+    """
+
+    trajectory: str
+    datapath: str
+    width: int
+    simulator: str
+    targets: int
+    bit_mismatches: int
+    hand_error_max: float | None
+    hand_error_rms: float | None
+    hand_error_bar: float | None
+    hand_error_predicted: float | None
+    hand_error_over_bar: float | None
+    angle_error_max: float | None
+    shoulder_angle_error_max: float | None
+    elbow_angle_error_max: float | None
+    elbow_point_error_max: float | None
+    norm_error_max: float
+    clamped_error_max: float | None
+    clamped_error_bar: float | None
+    singular_distance_min: float
+    latency_cycles: int
+    total_cycles: int
+    results_per_cycle: float
+    flagged: int
+    scale_exponent: int
+    passed: bool
+    failures: tuple[str, ...]
+    each: Each
+
+    def as_json(self) -> dict[str, Any]:
+        """The object of this trajectory in score.json."""
+        # Not dataclasses.asdict: it would copy the arrays too.
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "each"}
+
+
+def score(
+    targets: Targets,
+    words: np.ndarray,
+    exponent: int,
+    results: np.ndarray,
+    flags: np.ndarray,
+    *,
+    width: int,
+    datapath: str,
+    simulator: str,
+    latency_cycles: int,
+    total_cycles: int,
+    bit_mismatches: int,
+    first_mismatch: str | None = None,
+    predicted: np.ndarray,
+) -> Score:
+    """Score what the core answered.
+
+    * targets: N of them, as the user gave them
+    * words (N, 6), exponent: what `targets.to_words` made of them
+    * results (N, 6): the core's signed words, columns as `RESULT_FIELDS`; flags (N,): its flag bits
+    * latency_cycles: clocks from the first target in to the first result out
+    * total_cycles: clocks from the first target in to the last result out, both counted
+    * predicted (N,): hand error / reach that word length and conditioning explain
+
+    Raises ValueError for arrays whose shapes do not fit, since a lost result would otherwise go unseen, and
+    for a prediction that is not positive and finite, since it would let everything pass.
+    """
+    count = len(targets)
+    shapes = {"words": (count, 6), "results": (count, 6), "flags": (count,), "predicted": (count,)}
+    for name, array in (("words", words), ("results", results), ("flags", flags), ("predicted", predicted)):
+        if np.shape(array) != shapes[name]:
+            raise ValueError(f"{targets.name}: {name} has shape {np.shape(array)}, not {shapes[name]}")
+    if not (np.isfinite(predicted) & (np.asarray(predicted) > 0)).all():
+        raise ValueError(f"{targets.name}: the predicted hand error is not positive and finite")
+
+    asked = from_words(words, 0, width, targets.name)  # in scaled lengths, as everything below
+    d1, d2 = np.ldexp(targets.d1, exponent), np.ldexp(targets.d2, exponent)
+    reach = d1 + d2
+    pose = solve_clamped(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
+    pose_qs = np.column_stack([pose[field] for field in RESULT_FIELDS[:4]])
+    pose_qe = np.column_stack([pose[field] for field in RESULT_FIELDS[4:]])
+    values = result_values(results, width)
+    qs, qe = values[:, :4], values[:, 4:]
+
+    elbow, wrist = forward(qs, qe, d1, d2)
+    pose_elbow = np.column_stack([pose[name] for name in ("p_e_x", "p_e_y", "p_e_z")])
+    _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
+    hand_error = _distance(wrist, np.ldexp(targets.position, exponent)) / reach
+    clamped_error = _distance(wrist, pose_wrist) / reach
+    elbow_error = _distance(elbow, pose_elbow) / reach
+    shoulder_angle = angle_between(qs, pose_qs)
+    elbow_angle = angle_between(_as_quaternion(qe), _as_quaternion(pose_qe))
+    qs_norm = np.abs((qs**2).sum(axis=1) - 1)
+    qe_norm = np.abs((qe**2).sum(axis=1) - 1)
+
+    expected = flag_bits.expected_flags(words, width)
+    clamped = (expected & flag_bits.UNREACHABLE) != 0
+    reachable = ~clamped
+    distance = singular_distance(asked)
+    lean = datapath == "lean"
+    if width == REGULAR_WIDTH and (lean or (distance >= REGULAR_DISTANCE).all()):
+        bar = np.full(count, LEAN_BAR if lean else REGULAR_BAR)
+    else:
+        bar = np.asarray(predicted, dtype=np.float64)
+    norm_bar = np.full(count, np.ldexp(float(NORM_ULPS), 2 - width))
+    everywhere = np.ones(count, dtype=bool)
+
+    failures = [
+        *_mismatch_failures(bit_mismatches, first_mismatch),
+        *_flag_failures(np.asarray(flags), expected),
+        *_bar_failures("hand error", hand_error, bar, reachable),
+        *_bar_failures("error of the clamped hand", clamped_error, bar, clamped),
+        *_bar_failures("abs(norm^2-1) of Qs", qs_norm, norm_bar, everywhere),
+        *_bar_failures("abs(norm^2-1) of Qe", qe_norm, norm_bar, everywhere),
+    ]
+    return Score(
+        trajectory=targets.name,
+        datapath=datapath,
+        width=width,
+        simulator=simulator,
+        targets=count,
+        bit_mismatches=int(bit_mismatches),
+        hand_error_max=_max(hand_error, reachable),
+        hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
+        hand_error_bar=_max(bar, reachable),
+        hand_error_predicted=_max(np.asarray(predicted), reachable),
+        hand_error_over_bar=_max(hand_error / bar, reachable),
+        angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
+        shoulder_angle_error_max=_max(shoulder_angle, reachable),
+        elbow_angle_error_max=_max(elbow_angle, reachable),
+        elbow_point_error_max=_max(elbow_error, reachable),
+        norm_error_max=float(np.max([qs_norm, qe_norm])),
+        clamped_error_max=_max(clamped_error, clamped),
+        clamped_error_bar=_max(bar, clamped),
+        singular_distance_min=float(distance.min()),
+        latency_cycles=int(latency_cycles),
+        total_cycles=int(total_cycles),
+        # While results flow: over the clocks from the first result to the last, both counted.
+        results_per_cycle=count / (int(total_cycles) - int(latency_cycles)),
+        flagged=int(np.count_nonzero(flags)),
+        scale_exponent=int(exponent),
+        passed=not failures,
+        failures=tuple(failures),
+        each=Each(
+            elbow=elbow,
+            wrist=wrist,
+            clamped=clamped,
+            hand_error=hand_error,
+            judged_error=np.where(clamped, clamped_error, hand_error),
+            predicted=np.asarray(predicted, dtype=np.float64),
+            bar=bar,
+            shoulder_angle_error=shoulder_angle,
+            elbow_angle_error=elbow_angle,
+        ),
+    )
+
+
+def _distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Distance between points a and b, both (N, 3); (N,)."""
+    return np.linalg.norm(a - b, axis=1)
+
+
+def _as_quaternion(qe: np.ndarray) -> np.ndarray:
+    """Q_e (N, 2) as quaternions (N, 4): it has no j and k."""
+    return np.column_stack((qe, np.zeros_like(qe)))
+
+
+def _max(values: np.ndarray, where: np.ndarray) -> float | None:
+    return float(values[where].max()) if where.any() else None
+
+
+def _mismatch_failures(count: int, first: str | None) -> list[str]:
+    if count == 0:
+        return []
+    return [f"{count} bits differ from the bit-true model" + (f"; {first}" if first else "")]
+
+
+def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
+    """Flags other than those owed; `saturated` is never owed, not even by a clamped target."""
+    wrong = flags != expected
+    if not wrong.any():
+        return []
+    n = int(np.argmax(wrong))
+    return [
+        f"{np.count_nonzero(wrong)} targets with wrong flags; first: target {n} has "
+        f"{flag_bits.names(int(flags[n]))} instead of {flag_bits.names(int(expected[n]))}"
+    ]
+
+
+def _bar_failures(what: str, error: np.ndarray, bar: np.ndarray, where: np.ndarray) -> list[str]:
+    """The target that is furthest above its bar, if any is."""
+    above = where & (error > bar)
+    if not above.any():
+        return []
+    ratio = np.where(above, error / bar, 0.0)
+    n = int(np.argmax(ratio))
+    return [
+        f"{what} {error[n]:.3g} at target {n} is {ratio[n]:.3g} times its bar {bar[n]:.3g}"
+        f" ({np.count_nonzero(above)} targets above)"
+    ]
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+def write_results_csv(
+    path: str | os.PathLike[str],
+    targets: Targets,
+    results: np.ndarray,
+    flags: np.ndarray,
+    hand_error: np.ndarray,
+    width: int,
+) -> None:
+    """Write results.csv: a row a target in input order, lengths in the user's unit, angles in rad.
+
+    Every float is written so that reading it gives the same bits. The bytes depend on the arguments only,
+    so the files of two simulators can be compared. Raises OSError; then the file is what it was before.
+    """
+    lines = [",".join(("n", *FIELDS, *RESULT_FIELDS, "flags", "hand_error"))]
+    given = np.column_stack([getattr(targets, field) for field in FIELDS]).tolist()
+    answers = result_values(results, width).tolist()
+    for n, (target, answer, flag, error) in enumerate(
+        zip(given, answers, np.asarray(flags).tolist(), hand_error.tolist(), strict=True)
+    ):
+        lines.append(",".join((str(n), *map(repr, target), *map(repr, answer), str(flag), repr(error))))
+    write_atomically(Path(path), "\n".join(lines) + "\n")
+
+
+def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> None:
+    """Write score.json: a list, an object a trajectory. Raises OSError; then the file is what it was before.
+
+    Holds nothing that changes from run to run: no times, no paths.
+    """
+    text = json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False)
+    write_atomically(Path(path), text + "\n")
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Write a file in one step: a reader, or a user who presses Ctrl-C, finds the old file or the new one."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets for testbenches: (N, 6) signed input words of a width, the same ones for the same seed.
+
+Columns are ``FIELDS`` of :mod:`model.targets.files`: x, y, z, phi, d1, d2.
+"""
+
+from __future__ import annotations
+
+from math import isqrt
+
+import numpy as np
+
+from model.reference.lean_equations import solve_lean
+from model.targets.flags import UNREACHABLE, expected_flags
+from model.targets.words import FIELDS
+
+
+def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
+    """Targets without any flag: directions and swivel angles uniform, arms of all sizes.
+
+    Every other target has arms that fill their words; the size of the others is spread evenly over the bits, so small
+    arms, unequal arms and targets near the shoulder or near the end of the reach all come up.
+    """
+    random = np.random.default_rng((seed, width, 1))
+    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
+    while len(rows) < count:
+        rows = np.concatenate([rows, _reachable(random, count + 16, width)])
+    return rows[:count]
+
+
+def _reachable(random, count: int, width: int) -> np.ndarray:
+    one = 2.0 ** (width - 2)
+    size = np.where(np.arange(count) % 2, 0.0, random.uniform(3 - width, 0, count))  # log2 of d1 + d2, or nearly
+    total = np.exp2(size) * random.uniform(0.5, 1.9, count)
+    share = random.uniform(0.03, 0.97, count)
+    d1, d2 = total * share, total * (1 - share)
+    distance = random.uniform(np.abs(d1 - d2), total)
+    direction = random.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    lengths = np.column_stack([direction * distance[:, None], d1, d2]) * one
+    words = np.rint(lengths).astype(np.int64)
+    words = np.insert(words, 3, random.integers(-(1 << (width - 1)), 1 << (width - 1), count), axis=1)
+    return words[expected_flags(words, width) == 0]
+
+
+def unreachable(count: int, width: int, seed: int) -> np.ndarray:
+    """Clamped targets, the kinds in turn: too far, too near (either arm the longer), at the shoulder, on the axis and
+    out of reach, arms without a length."""
+    random = np.random.default_rng((seed, width, 2))
+    top = (1 << (width - 1)) - 1
+    rows = np.zeros((count, len(FIELDS)), dtype=np.int64)
+    for k, row in enumerate(rows):
+        size = int(random.integers(2, width - 1))  # bits of the target
+        row[:3] = random.integers(-(1 << size), 1 << size, 3)
+        row[3] = random.integers(-top - 1, top + 1)
+        row[4:] = random.integers(1, 1 << int(random.integers(1, width - 1)), 2)
+        kind = k % 7
+        if kind == 0:  # too far
+            row[:3] |= 1 << (width - 3)
+            row[4:] = random.integers(1, 1 << (width - 5), 2)
+        elif kind in (1, 2):  # too near
+            row[:3] >>= 4
+            row[3 + kind], row[6 - kind] = top - int(random.integers(0, 1 << (width - 3))), 1 << (width - 5)
+        elif kind == 3:
+            row[:3] = 0
+        elif kind == 4:  # out of reach on the axis, on either side
+            row[:3] = 0, 0, (1 << (width - 2)) * (1 if k % 2 else -1)
+            row[4:] >>= 3
+        elif kind == 5:
+            row[4 + int(random.integers(2))] = 0
+        else:
+            row[4 + int(random.integers(2))] *= -1
+    np.clip(rows, -top - 1, top, out=rows)
+    stray = (expected_flags(rows, width) & UNREACHABLE == 0) & rows[:, :3].any(axis=1)
+    rows[stray, 4] = 0
+    return rows
+
+
+def corners(width: int) -> dict[str, tuple[int, ...]]:
+    """Named targets at the edges of formats, reach and equations."""
+    low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    k = 1 << (width - 6)  # exact multiples: 3-4-5 and 1-2-2-3
+    half_turn, quarter = low, 1 << (width - 2)
+    place = (3 * k, 2 * k, k)  # somewhere in reach of (3k, 2k)
+    arm = (3 * k, 2 * k)
+    return {
+        # words
+        "zero": (0, 0, 0, 0, 0, 0),
+        "all lowest": (low, low, low, low, low, low),
+        "all highest": (top, top, top, top, top, top),
+        "x = -2, longest arm": (low, 0, 0, 0, top, top),
+        "y = -2, longest arm": (0, low, 0, quarter, top, top),
+        "z = -2, longest arm": (0, 0, low, 0, top, top),
+        "cube corner, longest arm": (low, low, low, 12345, top, top),
+        "opposite corner, longest arm": (top, top, top, half_turn, top, top),
+        "1 lsb, longest arm": (1, 0, 0, 0, top, top),
+        "-1 lsb each, longest arm": (-1, -1, -1, quarter, top, top),
+        "arms of 1 lsb": (1, 0, 0, 0, 1, 1),
+        "arms of 1 lsb, -1 lsb each": (-1, -1, -1, 1, 1, 1),
+        "arms of 1 lsb, stretched": (0, 2, 0, 0, 1, 1),
+        "arms of 1 lsb, far": (top, 1, low, 0, 1, 1),
+        "forearm of 1 lsb": (0, top, 0, quarter, top, 1),
+        "forearm of 1 lsb, down": (0, 1, 2 - top, quarter, top - 2, 1),  # d1 + |p_ez| is rounded to 2
+        "odd long arms, 2 lsb apart": (1, 0, 2, top, quarter + 3 * k + 1, quarter + 3 * k - 1),
+        "odd long arms, 1 lsb apart": (-1, 0, -1, low, quarter + 3 * k, quarter + 3 * k - 1),
+        "upper arm of 1 lsb": (top, 0, 0, quarter, 1, top),
+        "arms of 2^n exactly": (k, k, k, 0, 2 * k, 2 * k),
+        # reach
+        "exactly full stretch": (3 * k, 4 * k, 0, quarter, 2 * k, 3 * k),
+        "exactly full stretch, off the planes": (-k, 2 * k, -2 * k, 777, 2 * k, k),
+        "full stretch, 1 lsb less": (3 * k, 4 * k, 0, quarter, 2 * k, 3 * k + 1),
+        "full stretch, 1 lsb more": (3 * k, 4 * k, 0, quarter, 2 * k, 3 * k - 1),
+        "exactly folded, upper arm longer": (3 * k, 0, -4 * k, 999, 7 * k, 2 * k),
+        "exactly folded, forearm longer": (3 * k, 0, -4 * k, 999, 2 * k, 7 * k),
+        "folded, 1 lsb less": (3 * k, 0, -4 * k, 999, 7 * k - 1, 2 * k),
+        "folded, 1 lsb more": (3 * k, 0, -4 * k, 999, 7 * k + 1, 2 * k),
+        "at the shoulder, equal arms": (0, 0, 0, 5, 3 * k, 3 * k),
+        "at the shoulder, unequal arms": (0, 0, 0, 5, 3 * k, 2 * k),
+        # the z axis
+        "target on +z": (0, 0, 4 * k, 0, *arm),
+        "target on -z": (0, 0, -4 * k, 0, *arm),
+        "target on +z, swivel": (0, 0, 4 * k, quarter + 3, *arm),
+        "target 1 lsb off +z": (0, -1, 4 * k, quarter, *arm),
+        "target 1 lsb off -z": (1, 0, -4 * k, -quarter, *arm),
+        "exactly full stretch on +z": (0, 0, 5 * k, 0, *arm),
+        "exactly full stretch on -z": (0, 0, -5 * k, 0, *arm),
+        "too far on +z": (0, 0, 6 * k, 0, *arm),
+        "too far on -z": (0, 0, -6 * k, 0, *arm),
+        "exactly folded on +z": (0, 0, k, 0, *arm),
+        "exactly folded on -z": (0, 0, -k, half_turn, *arm),
+        "too near on +z": (0, 0, k >> 1, 0, *arm),
+        "too near on -z, forearm longer": (0, 0, -(k >> 1), 0, *arm[::-1]),
+        # an upper arm of 5k along the axis, a forearm (3k, 0, +-4k) or (4k, 0, -+3k)
+        "elbow on +z, forearm up": (3 * k, 0, 9 * k, 0, 5 * k, 5 * k),
+        "elbow on +z, forearm down": (0, 3 * k, k, 0, 5 * k, 5 * k),
+        "elbow on -z, forearm up": (-3 * k, 0, -k, half_turn, 5 * k, 5 * k),
+        "elbow on -z, forearm down": (3 * k, 0, -9 * k, half_turn, 5 * k, 5 * k),
+        # the swivel angle
+        "phi = 0": (*place, 0, *arm),
+        "phi = half a turn": (*place, half_turn, *arm),
+        "phi = half a turn - 1 lsb": (*place, top, *arm),
+        "phi = 1 lsb": (*place, 1, *arm),
+        "phi = -1 lsb": (*place, -1, *arm),
+        "phi = a quarter turn": (*place, quarter, *arm),
+        "phi = minus a quarter turn": (*place, -quarter, *arm),
+        # lengths
+        "d1 = 0": (*place, 77, 0, 2 * k),
+        "d2 = 0": (*place, 77, 3 * k, 0),
+        "d1 = -1 lsb": (*place, 77, -1, 2 * k),
+        "d2 = -2": (*place, 77, 3 * k, low),
+        "d1 = d2 = -2": (*place, 77, low, low),
+        "d1 = -d2": (*place, 77, -2 * k, 2 * k),
+    }
+
+
+def extremes(count: int, width: int, seed: int) -> np.ndarray:
+    """Words that are each lowest, highest, around 0 or anything: most of them targets that make no sense."""
+    random = np.random.default_rng((seed, width, 3))
+    low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(FIELDS)))
+    anything = random.integers(low, top + 1, (count, len(FIELDS)))
+    return np.where(random.random((count, len(FIELDS))) < 0.6, edge, anything)
+
+
+def mixed(count: int, width: int, seed: int) -> np.ndarray:
+    """All of the above, shuffled: every corner, the rest half reachable, a quarter clamped, a quarter extreme.
+
+    With a ``count`` below that of the corners, some of the corners.
+    """
+    random = np.random.default_rng((seed, width, 4))
+    rows = np.array(list(corners(width).values()), dtype=np.int64)
+    rest = max(0, count - len(rows))
+    rows = np.concatenate(
+        [
+            random.permutation(rows)[:count],
+            random_reachable(rest - 2 * (rest // 4), width, seed),
+            unreachable(rest // 4, width, seed),
+            extremes(rest // 4, width, seed),
+        ]
+    )
+    return random.permutation(rows)
+
+
+REGIONS = {
+    "anywhere": "any direction, any distance from fold to stretch",
+    "near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
+    "near full stretch": "0.1 to 1e-10 of the reach short of it, or at it",
+    "near full fold": "0.1 to 1e-10 of the reach beyond it, or at it, either arm the longer",
+    "near the shoulder": "0.1 to 1e-9 of the reach off it",
+    "unequal arms": "1:5 to 1:20",
+    "most unequal arms": "1:20 and beyond, down to an arm of 1 lsb",
+    "short arms": "of 1 to 60 lsb",
+    "stretched near the z axis": "both at once",
+    "folded near the z axis": "both at once",
+    "elbow near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
+    "where a branch changes": "x, y, z, the cosine at the shoulder or the k part of Qs within a few lsb of 0",
+}
+"""Parts of the reachable workspace, most of them near singular poses of equations (10)-(18), and what is in them."""
+
+
+def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
+    """Targets of one of the ``REGIONS``, all in reach.  Arms are of all sizes and up to 1:20 where nothing else is
+    said; a quarter of the swivel angles lies within 2 lsb of a multiple of an eighth of a turn."""
+    random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
+    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
+    while len(rows) < count:
+        more = _region(name, random, count + 16, width)
+        low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
+        more = more[((more >= low) & (more <= top)).all(axis=1)]
+        rows = np.concatenate([rows, more[expected_flags(more, width) & UNREACHABLE == 0]])
+    return rows[:count]
+
+
+def _region(name: str, random, count: int, width: int) -> np.ndarray:
+    eighth = 1 << (width - 3)
+    phi = random.integers(-4 * eighth, 4 * eighth, count)
+    special = random.integers(-4, 4, count) * eighth + random.integers(-2, 3, count)
+    phi = np.where(random.random(count) < 0.25, np.clip(special, -4 * eighth, 4 * eighth - 1), phi)
+
+    mild = random.random(count) < 0.5
+    ratio = np.exp(np.where(mild, random.uniform(-0.5, 0.5, count), random.uniform(-1, 1, count) * np.log(20)))
+    if "unequal" in name:
+        ends = (np.log2(20), width - 2) if "most" in name else (np.log2(5), np.log2(20))
+        ratio = np.exp2(random.uniform(*ends, count) * random.choice([-1, 1], count))
+    share = ratio / (1 + ratio)
+    bits = np.where(random.random(count) < 0.5, width - 1, random.uniform(4, width - 1, count))
+    if name == "short arms":
+        bits = random.uniform(1, 7, count)
+    reach = np.exp2(bits) * random.uniform(0.5, 1, count) * np.where(mild & (random.random(count) < 0.5), 1.4, 1)
+    d1, d2 = (np.maximum(np.rint(reach * part), 1).astype(np.int64) for part in (share, 1 - share))
+    gap = np.where(random.random(count) < 0.9, 10 ** random.uniform(-10, -1, count), 0)
+
+    direction = _near_z(random, count) if "the z axis" in name else random.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    distance = random.uniform(np.abs(d1 - d2), d1 + d2)
+    if name == "near the shoulder":
+        distance = reach * 10 ** random.uniform(-9, -1, count)
+    elif "fold" in name:
+        distance = random.uniform(0, 0.9, count) * reach
+    position = np.rint(direction * distance[:, None]).astype(np.int64)
+    if name == "elbow near the z axis":
+        return _elbow_near_z(random, width, d1, d2)
+    if name == "where a branch changes":
+        return _branches(random, width, position, phi, d1, d2)
+    if "fold" in name or "stretch" in name or "shoulder" in name:
+        squares = (position.astype(object) ** 2).sum(axis=1)
+        floor = np.array([isqrt(s) for s in squares])
+        if "stretch" in name:
+            total = floor + (floor.astype(object) ** 2 < squares) + np.floor(gap * floor).astype(np.int64)
+            d1 = np.clip(np.rint(total * share).astype(np.int64), 1, np.maximum(total - 1, 1))
+            d2 = total - d1
+        else:  # the longer arm, where the shorter one is given
+            part = random.uniform(-1, 1, count) if "shoulder" in name else 1 - gap
+            longer = np.minimum(d1, d2) + np.rint(floor * part).astype(np.int64)
+            d1, d2 = np.where(d1 < d2, d1, longer), np.where(d1 < d2, longer, d2)
+    return np.column_stack([position, phi, d1, d2])
+
+
+def _near_z(random, count: int) -> np.ndarray:
+    """Directions next to the z axis and on it."""
+    off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count), 0)
+    azimuth = random.uniform(-np.pi, np.pi, count)
+    side = random.choice([-1, 1], count)
+    return np.column_stack([np.sin(off) * np.cos(azimuth), np.sin(off) * np.sin(azimuth), side * np.cos(off)])
+
+
+def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
+    """The wrist where the swivel plane at phi = 0 (half a turn for an elbow below) holds the z axis."""
+    count = len(d1)
+    elbow = _near_z(random, count) * d1[:, None]
+    # Of a forearm that points away from the wrist's side the elbow would be on the other side.
+    bend = random.uniform(0, np.pi, count)
+    azimuth = random.uniform(-np.pi, np.pi, count)
+    side = np.column_stack([np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend)])
+    off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count) * random.choice([-1, 1], count), 0)
+    phi = np.rint(off / (2 * np.pi) * 2.0**width).astype(np.int64)
+    half = 1 << (width - 1)
+    phi = np.where(elbow[:, 2] > 0, phi, np.where(phi < 0, phi + half, phi - half))
+    return np.column_stack([np.rint(elbow + side * d2[:, None]).astype(np.int64), phi, d1, d2])
+
+
+def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
+    """Around 0, in turn: each word of the position, the cosine of the angle at the shoulder, k of Qs."""
+    count = len(phi)
+    kind = np.arange(count) % 5
+    few = random.integers(-4, 5, count)
+    for axis in range(3):
+        position[:, axis] = np.where(kind == axis, few, position[:, axis])
+    squares = (position.astype(object) ** 2).sum(axis=1) + d1.astype(object) ** 2  # cos a = 0: d2^2 = s + d1^2
+    d2 = np.where(kind == 3, np.array([isqrt(s) for s in squares]) + few, d2)
+    rows = np.column_stack([position, phi, d1, d2])
+    rows[kind == 4] = _k_around_0(random, width, rows[kind == 4])
+    return rows
+
+
+def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
+    """The same targets with such swivel angles.  Qs is q_0 cos(phi/2) + q_pi sin(phi/2), each up to its sign."""
+    x, y, z, _, d1, d2 = rows.T.astype(float)
+    at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
+    both = [2 * np.arctan2(-at_0, side * at_pi) for side in (1, -1)]
+    k = [solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in both]
+    phi = np.rint(np.where(k[0] < k[1], *both) / (2 * np.pi) * 2.0**width).astype(np.int64)
+    half = 1 << (width - 1)
+    rows[:, 3] = (phi + random.integers(-2, 3, len(rows)) + half) % (2 * half) - half
+    return rows
+
+
+SINGULAR = ("the z axis", "full stretch", "full fold", "the shoulder")
+"""Targets toward which the equations of the paper lose digits."""
+
+
+def at_distance(kind: str, distance: float, count: int, width: int, seed: int) -> np.ndarray:
+    """Targets in reach about so far from one of the ``SINGULAR``, by up to a factor of 3 either way.
+
+    ``distance`` is the angle to the z axis, a part of the reach that is left to the stretched or folded arm, or the
+    distance from the shoulder as a part of the reach.  Arms are at most as unequal as 1:3 and large: a distance below
+    an lsb is 0 or 1.
+    """
+    random = np.random.default_rng((seed, width, 11, SINGULAR.index(kind)))
+    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
+    low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    while len(rows) < count:
+        more = count + 16
+        off = distance * 10 ** random.uniform(-0.5, 0.5, more)
+        ratio = np.exp(random.uniform(-1, 1, more) * np.log(3))
+        reach = random.uniform(0.6, 1, more) * top
+        d1, d2 = (np.rint(reach * part).astype(np.int64) for part in (ratio / (1 + ratio), 1 / (1 + ratio)))
+        direction = random.normal(size=(more, 3))
+        if kind == "the z axis":
+            direction[:, :2] *= (np.tan(off) * abs(direction[:, 2]) / np.hypot(*direction[:, :2].T))[:, None]
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        length = random.uniform(abs(d1 - d2), d1 + d2)
+        if kind == "full stretch":
+            length = (d1 + d2) * (1 - off)
+        elif kind == "full fold":
+            length = random.uniform(0.2, 0.6, more) * d2
+        elif kind == "the shoulder":
+            length = off * 2 * d2
+        position = np.rint(direction * length[:, None]).astype(np.int64)
+        floor = np.array([isqrt(v) for v in (position.astype(object) ** 2).sum(axis=1)])
+        if kind == "full stretch":  # by d2, so that the rounding of the position does not matter
+            d2 = floor - d1 + 1 + np.floor(off * reach).astype(np.int64)
+        elif kind == "full fold":
+            d1 = d2 + random.choice([-1, 1], more) * np.maximum(floor - np.floor(off * 2 * d2).astype(np.int64), 0)
+        elif kind == "the shoulder":
+            d1 = d2 + np.rint(floor * random.uniform(-1, 1, more)).astype(np.int64)
+        rows_more = np.column_stack([position, random.integers(low, top + 1, more), d1, d2])
+        rows_more = rows_more[((rows_more >= low) & (rows_more <= top)).all(axis=1)]
+        rows = np.concatenate([rows, rows_more[expected_flags(rows_more, width) & UNREACHABLE == 0]])
+    return rows[:count]

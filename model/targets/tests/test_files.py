@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Target files, host scaling and fixed-point words."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from model.targets.files import format_csv, read_csv
+from model.targets.words import (
+    DEFAULT_D1,
+    DEFAULT_D2,
+    FIELDS,
+    HEADROOM_BITS,
+    TargetError,
+    Targets,
+    from_words,
+    pack,
+    result_values,
+    scale_exponent,
+    to_words,
+    unpack,
+)
+
+WIDTHS = st.sampled_from((16, 17, 24, 31, 32))
+ROUND_TRIP = settings(max_examples=100, deadline=None)
+
+
+def signed_words(width):
+    low, high = -(2 ** (width - 1)), 2 ** (width - 1) - 1
+    edges = st.sampled_from((low, -1, 0, 1, high))
+    return arrays(np.int64, st.tuples(st.integers(1, 5), st.just(6)), elements=edges | st.integers(low, high))
+
+
+def targets(x=0.3, y=0.0, z=0.0, phi=0.0, d1=0.33, d2=0.27):
+    return Targets("t", x, y, z, phi, d1, d2)
+
+
+def assert_same(a, b):
+    for field in FIELDS:
+        np.testing.assert_array_equal(getattr(a, field), getattr(b, field), err_msg=field)
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Write text (or bytes) to a file and read it as targets."""
+
+    def read(content, **defaults):
+        path = tmp_path / "t.csv"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_csv(path, **defaults)
+
+    return read
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+def test_required_columns_alone_take_the_default_arm(read):
+    result = read("x,y,z\n0.1,0.2,0.3\n-4e-1,+.5,6.\n")
+    assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], 0.0, DEFAULT_D1, DEFAULT_D2))
+    assert result.name == "t"
+    assert DEFAULT_D1 + DEFAULT_D2 == pytest.approx(0.6)
+
+
+def test_defaults_come_from_the_arguments_and_a_column_overrides_them(read):
+    result = read("d2,z,x,y\n0.5,3,1,2\n", d1=0.7, d2=9.0, phi=0.25)
+    assert_same(result, Targets("t", 1, 2, 3, 0.25, 0.7, 0.5))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\xef\xbb\xbfx,y,z\n1,2,3\n",
+        b"x,y,z\r\n1,2,3\r\n",
+        b"x,y,z\r1,2,3\r",
+        b"\xef\xbb\xbfx,y,z\r\n1,2,3\r\n\r\n\r\n",
+        b"x,y,z\n1,2,3\n\n  \n\n",
+        b"x,y,z\n1,2,3",
+        b" x , y , z \n 1 ,\t2 , 3 \n",
+        b'"x","y","z"\n"1","2","3"\n',
+    ],
+    ids=["bom", "crlf", "cr", "bom-crlf-blank", "blank-end", "no-newline", "spaces", "quotes"],
+)
+def test_accepted_forms(read, content):
+    assert_same(read(content), Targets("t", 1, 2, 3, 0.0, DEFAULT_D1, DEFAULT_D2))
+
+
+@pytest.mark.parametrize("count", [1, 10_000])
+def test_any_number_of_targets(read, count):
+    assert len(read("x,y,z\n" + "0.1,0.2,0.3\n" * count)) == count
+
+
+HEADER = "x,y,z,d1,d2\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "the file is empty"),
+        ("\n\n", "the file is empty"),
+        ("x,y,z\n", "row 1: a header but no targets below it"),
+        ("x,y\n1,2\n", "row 1, column z: is missing"),
+        ("\nx,y,z\n1,2,3\n", "row 1, column x: is missing"),
+        ("x,y,z,w\n1,2,3,4\n", "row 1, column w: 'w' is not a column of targets"),
+        ("x;y;z\n1;2;3\n", "row 1, column x;y;z: 'x;y;z' is not a column of targets"),
+        ("1,2,3\n4,5,6\n", "row 1, column 1: '1' is not a column of targets"),
+        ("x,y,z,\n1,2,3,\n", "row 1, column (no name): '' is not a column of targets"),
+        ("x,y,X,z\n1,2,3,4\n", "row 1, column X: 'X' is not a column of targets"),
+        ("x,y,z,x\n1,2,3,4\n", "row 1, column x: 'x' stands twice in the header"),
+        ("x,y,z\n1,2,3\n1,2\n", "row 3, column z: '' is missing: the header has 3 columns, this row has 2"),
+        (
+            "x,y,z\n1,2,3,4\n",
+            "row 2, column 4: '4' is one too many: the header has 3 columns, this row has 4",
+        ),
+        (
+            "x,y,z\n1,2,3\n\n1,2,3\n",
+            "row 3, column x: '' is missing: the header has 3 columns, this row has 0",
+        ),
+        ("x,y,z\n1,abc,3\n", "row 2, column y: 'abc' is not a number"),
+        ("x,y,z\n1,,3\n", "row 2, column y: '' is empty"),
+        ("x,y,z\n1,1_0,3\n", "row 2, column y: '1_0' is not a number"),
+        ("x,y,z\n1,٣,3\n", "row 2, column y: '٣' is not a number"),
+        ("x,y,z\n1,0x10,3\n", "row 2, column y: '0x10' is not a number"),
+        ('x,y,z\n1,"2\n2",3\n', r"row 2, column y: '2\n2' is not a number"),
+        ('x,y,z\n1,2,"3\n"\nq,2,3\n', "row 4, column x: 'q' is not a number"),
+        ("x,y,z\n1," + "q" * 1000 + ",3\n", "row 2, column y: '" + "q" * 40 + "...' is not a number"),
+        ("x,y,z\n1,2,nan\n", "row 2, column z: 'nan' is not a finite number"),
+        ("x,y,z\n1,2,-Inf\n", "row 2, column z: '-Inf' is not a finite number"),
+        ("x,y,z\n1,2,1e999\n", "row 2, column z: '1e999' is not a finite number"),
+        (HEADER + "1,2,3,0,1\n", "row 2, column d1: '0' is not positive"),
+        (HEADER + "1,2,3,1,-0.5\n", "row 2, column d2: '-0.5' is not positive"),
+        (HEADER + "1,2,3,1,1e-400\n", "row 2, column d2: '1e-400' is not positive"),
+        ('x,y,z\n1,2,3\n1,"2,3\n', "row 3: not CSV: unexpected end of data"),
+        (b"x,y,z\n1,2,3\n1,\xff,3\n", "row 3: not UTF-8 text (byte 0xff)"),
+        ("x,y,z\n1,2,3\n".encode("utf-16"), "row 1: not UTF-8 text (byte 0xff)"),
+    ],
+)
+def test_bad_files_are_named_in_one_line(read, tmp_path, content, message):
+    with pytest.raises(TargetError) as error:
+        read(content)
+    text = str(error.value)
+    assert text.startswith(f"{tmp_path / 't.csv'}: {message}")
+    assert len(text.splitlines()) == 1
+
+
+def test_missing_file_and_directory(tmp_path):
+    with pytest.raises(TargetError, match=r"none\.csv: no such file$"):
+        read_csv(tmp_path / "none.csv")
+    with pytest.raises(TargetError, match="is a directory"):
+        read_csv(tmp_path)
+    (tmp_path / "file").touch()
+    with pytest.raises(TargetError, match="cannot be read: Not a directory"):
+        read_csv(tmp_path / "file" / "t.csv")
+
+
+@pytest.mark.parametrize("default", [{"d1": 0.0}, {"d2": math.nan}, {"phi": math.inf}])
+def test_bad_defaults(read, default):
+    with pytest.raises(TargetError, match=f"default of {next(iter(default))}: '.*' is not"):
+        read("x,y,z\n1,2,3\n", **default)
+
+
+@ROUND_TRIP
+@given(arrays(np.float64, (3, 6), elements=st.floats(allow_nan=False, allow_infinity=False)))
+def test_files_keep_every_bit(tmp_path_factory, table):
+    table[:, 4:] = np.abs(table[:, 4:]) + 1e-300
+    path = tmp_path_factory.mktemp("csv") / "t.csv"
+    given_targets = Targets("t", *table.T)
+    path.write_text(format_csv(given_targets), newline="\n")
+    assert_same(read_csv(path), given_targets)
+    assert path.read_bytes() == format_csv(given_targets).encode()
+
+
+def test_shapes():
+    assert targets(x=[1, 2, 3]).position.shape == (3, 3)
+    assert targets(x=[1, 2, 3]).reach.shape == (3,)
+    with pytest.raises(ValueError, match="one-dimensional"):
+        targets(x=np.zeros((2, 2)))
+
+
+# -- fixed point -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("d1", "d2", "exponent"),
+    [(0.5, 0.5, 0), (0.33, 0.27, 1), (1.0, 0.9999, 0), (1.0, 1.0, -1), (330.0, 270.0, -9), (1e-9, 1e-9, 29)],
+)
+def test_reach_is_scaled_to_one_or_above(d1, d2, exponent):
+    t = targets(x=0.0, d1=d1, d2=d2)
+    assert scale_exponent(t, 32) == exponent
+    assert 1 <= (d1 + d2) * 2.0**exponent < 2
+
+
+def test_the_longest_arm_of_a_file_decides():
+    assert scale_exponent(targets(d1=[0.1, 0.5, 0.2], d2=[0.1, 0.5, 0.2]), 32) == 0
+
+
+def test_far_targets_lower_the_exponent_until_the_headroom_ends():
+    """The arm reaches 1, so the format ends at 2, and at 2 * 2^HEADROOM_BITS after giving up all headroom."""
+    arm = {"d1": 0.5, "d2": 0.5}
+    limit = 2.0 * 2**HEADROOM_BITS
+    assert scale_exponent(targets(x=math.nextafter(2, 0), **arm), 32) == 0
+    assert scale_exponent(targets(x=2.0, **arm), 32) == -1
+    assert scale_exponent(targets(x=-2.0, **arm), 32) == 0
+    assert scale_exponent(targets(x=math.nextafter(-2, -3), **arm), 32) == -1
+    assert scale_exponent(targets(x=math.nextafter(limit, 0), **arm), 32) == -HEADROOM_BITS
+    assert scale_exponent(targets(x=-limit, **arm), 32) == -HEADROOM_BITS
+    for x in (limit, math.nextafter(-limit, -math.inf), 1e300):
+        with pytest.raises(TargetError, match=f"column x: '{x!r}' is too far out.*ends at 32".replace("+", r"\+")):
+            scale_exponent(targets(x=x, **arm), 32)
+
+
+def test_a_target_beyond_the_format_is_named_with_its_row(read):
+    with pytest.raises(TargetError, match=r"t\.csv: row 4, column z: '-1000000.0' is too far out"):
+        to_words(read("x,y,z\n0.1,0.2,0.3\n0.1,50,0.3\n0.1,0.2,-1e6\n"), 32)
+
+
+def test_an_arm_that_rounds_to_nothing_is_named_with_its_row(read):
+    text = "x,y,z,d1,d2\n0.1,0.2,0.3,1,1\n0.1,0.2,0.3,1,1e-5\n"
+    with pytest.raises(TargetError, match=r"t\.csv: row 3, column d2: '1e-05' is too short.*word of 16 bits"):
+        to_words(read(text), 16)
+    assert to_words(read(text), 32)[0][1, FIELDS.index("d2")] == round(1e-5 * 2**29)
+
+
+def test_an_arm_beyond_double_precision():
+    with pytest.raises(TargetError, match="target 1, column d1: '1e\\+308' is too long"):
+        scale_exponent(targets(d1=[1, 1e308], d2=[1, 1e308]), 32)
+
+
+def test_the_edge_below_two_saturates_instead_of_wrapping():
+    words, exponent = to_words(targets(x=math.nextafter(2, 0), y=-2.0, d1=0.5, d2=0.5), 16)
+    assert exponent == 0
+    assert words[0].tolist() == [2**15 - 1, -(2**15), 0, 0, 2**13, 2**13]
+
+
+def test_lengths_round_half_to_even():
+    ulp = 2.0**-14
+    words, _ = to_words(targets(x=0.5 * ulp, y=1.5 * ulp, z=-2.5 * ulp, d1=0.5, d2=0.5), 16)
+    assert words[0, :3].tolist() == [0, 2, -2]
+
+
+@pytest.mark.parametrize(
+    ("turns", "word"),
+    [(0, 0), (0.25, 2**14), (0.5, -(2**15)), (-0.5, -(2**15)), (0.75, -(2**14)), (1, 0), (-7.25, -(2**14)),
+     (0.5 - 1e-9, -(2**15)), (1e6 + 0.125, 2**13)],
+)  # fmt: skip
+def test_angles_wrap_at_a_turn(turns, word):
+    assert to_words(targets(phi=turns * 2 * math.pi), 16)[0][0, FIELDS.index("phi")] == word
+
+
+@ROUND_TRIP
+@given(WIDTHS, st.integers(-40, 40), st.data())
+def test_words_come_back_from_their_targets(width, exponent, data):
+    words = data.draw(signed_words(width))
+    there = from_words(words, exponent, width, "t")
+    assert ((there.phi >= -math.pi) & (there.phi < math.pi)).all()
+    back, same = to_words(there, width, exponent)
+    np.testing.assert_array_equal(back, words)
+    assert same == exponent
+
+
+@ROUND_TRIP
+@given(
+    WIDTHS,
+    st.floats(1e-6, 1e6),
+    arrays(np.float64, (4, 3), elements=st.floats(-1, 1)),
+    arrays(np.float64, 4, elements=st.floats(-10, 10)),
+    arrays(np.float64, (4, 2), elements=st.floats(0.1, 1)),
+)
+def test_quantisation_is_within_half_an_ulp(width, unit, position, phi, arm):
+    given_targets = Targets("t", *(unit * position).T, phi, *(unit * arm).T)
+    words, exponent = to_words(given_targets, width)
+    asked = from_words(words, exponent, width, "t")
+    ulp = 2.0 ** (2 - width - exponent)
+    for field in ("x", "y", "z", "d1", "d2"):
+        # A whole ulp where a length saturates just below 2.
+        edge = np.where(words[:, FIELDS.index(field)] == 2 ** (width - 1) - 1, 1.0, 0.5)
+        assert (np.abs(getattr(asked, field) - getattr(given_targets, field)) <= edge * ulp * (1 + 1e-9)).all()
+    turn = (asked.phi - phi) / (2 * math.pi)
+    assert (np.abs(turn - np.rint(turn)) <= 0.5 * 2.0**-width + 1e-14).all()
+
+
+@ROUND_TRIP
+@given(WIDTHS, st.data())
+def test_pack_and_unpack_are_inverse(width, data):
+    words = data.draw(signed_words(width))
+    packed = pack(words, width)
+    assert all(0 <= value < 2 ** (6 * width) for value in packed)
+    np.testing.assert_array_equal(unpack(packed, width), words)
+
+
+def test_the_first_field_is_in_the_lowest_bits():
+    assert pack(np.array([[1, -1, 0, 2, 0, -(2**15)]]), 16) == [0x8000_0000_0002_0000_FFFF_0001]
+    assert unpack([], 16).shape == (0, 6)
+    with pytest.raises(ValueError, match="16 bits"):
+        pack(np.array([[2**15, 0, 0, 0, 0, 0]]), 16)
+
+
+def test_result_words_have_two_integer_bits():
+    np.testing.assert_array_equal(result_values(np.array([2**14, -(2**15), 1]), 16), [1.0, -2.0, 2.0**-14])

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The flags that the core owes, from exact integers."""
+
+import numpy as np
+import pytest
+
+from model.targets.flags import (
+    AT_SHOULDER,
+    BAD_LENGTH,
+    FLAG_BITS,
+    FLAGS,
+    ON_AXIS,
+    SATURATED,
+    TOO_FAR,
+    TOO_NEAR,
+    UNREACHABLE,
+    expected_flags,
+    names,
+)
+
+TOP = 2**31 - 1
+LOW = -(2**31)
+
+
+@pytest.mark.parametrize(
+    ("target", "flags"),
+    [
+        ((3, 4, 0, 0, 3, 2), 0),  # |p| = d1 + d2 exactly: reached
+        ((3, 4, 1, 0, 3, 2), TOO_FAR),
+        ((3, 4, 0, 0, 6, 1), 0),  # |p| = d1 - d2 exactly: reached
+        ((3, 4, 0, 0, 7, 1), TOO_NEAR),
+        ((3, 4, 0, 0, 1, 7), TOO_NEAR),
+        ((0, 0, 5, 77, 3, 3), ON_AXIS),
+        ((0, 0, -7, 0, 3, 3), ON_AXIS | TOO_FAR),
+        ((0, 1, 0, 0, 3, 3), 0),
+        ((1, 0, 0, 0, 3, 3), 0),
+        ((0, 0, 0, 0, 3, 3), ON_AXIS | AT_SHOULDER),  # folded fully: the hand is at the shoulder
+        ((0, 0, 0, 0, 3, 2), ON_AXIS | AT_SHOULDER | TOO_NEAR),
+        ((9, 9, 9, 0, 0, 3), BAD_LENGTH),
+        ((9, 9, 9, 0, 3, 0), BAD_LENGTH),
+        ((9, 9, 9, 0, -3, -3), BAD_LENGTH),
+        ((0, 0, 0, 0, -1, 3), BAD_LENGTH | ON_AXIS | AT_SHOULDER),
+        ((TOP, TOP, TOP, 0, TOP, TOP), 0),  # squares whose sum needs 64 bits and more
+        ((LOW, LOW, LOW, LOW, TOP, TOP), 0),
+        ((LOW, LOW, LOW, 0, TOP, 2**30), TOO_FAR),
+    ],
+)
+def test_expected_flags(target, flags):
+    assert names(int(expected_flags(np.array([target]), 32)[0])) == names(flags)
+
+
+def test_one_ulp_decides_at_full_word_length():
+    """The limits are exact: near 2^31, doubles of the squares could not tell these apart."""
+    d1, d2 = 2**30 + 1, 2**30 - 3
+    words = np.array([[reach, 0, 0, 0, d1, d2] for reach in (d1 + d2, d1 + d2 + 1, d1 - d2, d1 - d2 - 1)])
+    assert expected_flags(words, 32).tolist() == [0, TOO_FAR, 0, TOO_NEAR]
+    slanted = np.array([[d1 + d2, 1, 0, 0, d1, d2]])  # further than d1 + d2 by 2^-33 of it
+    assert expected_flags(slanted, 32).tolist() == [TOO_FAR]
+
+
+def test_word_length_is_checked():
+    with pytest.raises(ValueError, match="16 bits"):
+        expected_flags(np.array([[2**15, 0, 0, 0, 1, 1]]), 16)
+
+
+def test_bits_are_those_of_the_design():
+    assert [(flag.name, flag.bit) for flag in FLAGS] == [
+        ("too_far", 1), ("too_near", 2), ("on_axis", 4),
+        ("at_shoulder", 8), ("bad_length", 16), ("saturated", 32),
+    ]  # fmt: skip
+    assert UNREACHABLE == 1 + 2 + 16
+    assert FLAG_BITS == 8
+
+
+def test_names():
+    assert names(0) == "-"
+    assert names(TOO_FAR | SATURATED) == "too_far+saturated"
+    assert names(ON_AXIS | 1 << 7) == "on_axis+bit7"

@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scores: each figure against a known error, each reason to fail, and the files."""
+
+import csv
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+from model.reference.equations import pose_flags, solve_clamped
+from model.reference.kinematics import forward
+from model.targets import scoring
+from model.targets.flags import AT_SHOULDER, ON_AXIS, SATURATED, TOO_FAR, TOO_NEAR, expected_flags
+from model.targets.scoring import REGULAR_BAR, score, singular_distance, write_results_csv, write_score_json
+from model.targets.trajectories import make
+from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
+
+ULP = 2.0**-30
+
+
+class Case:
+    """A trajectory with the answers of an ideal core, double precision rounded to words; tests spoil it."""
+
+    def __init__(self, targets, width=32, predicted=1e-6):
+        self.targets, self.width = targets, width
+        self.words, self.exponent = to_words(targets, width)
+        asked = from_words(self.words, 0, width, targets.name)
+        pose = solve_clamped(*(getattr(asked, field) for field in FIELDS))
+        exact = np.column_stack([pose[field] for field in RESULT_FIELDS])
+        self.results = np.rint(np.ldexp(exact, width - 2)).astype(np.int64)
+        self.flags = expected_flags(self.words, width)
+        self.predicted = np.full(len(targets), predicted)
+        self.run = {"latency_cycles": 400, "total_cycles": 400 + len(targets), "bit_mismatches": 0}
+
+    def score(self):
+        return score(
+            self.targets, self.words, self.exponent, self.results, self.flags, width=self.width,
+            datapath="paper", simulator="icarus", predicted=self.predicted, **self.run,
+        )  # fmt: skip
+
+    def turn_shoulder(self, n, angle):
+        """Turn the core's shoulder at target n by `angle` (rad) about the z axis."""
+        w, i, j, k = np.ldexp(self.results[n, :4].astype(float), 2 - self.width)
+        c, s = math.cos(angle / 2), math.sin(angle / 2)
+        turned = np.array([c * w - s * k, c * i - s * j, c * j + s * i, c * k + s * w])
+        self.results[n, :4] = np.rint(np.ldexp(turned, self.width - 2))
+
+
+@pytest.fixture
+def case():
+    return Case(make("reach"))
+
+
+def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
+    return Targets("arm", x, y, z, phi, d1, d2)
+
+
+# -- distance from singular poses ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("pose", "distance"),
+    [
+        # Elbow at (0, 0, 0.3): the wrist and both half angles are pi/4 or more away.
+        ({"x": 0.3, "z": 0.3, "d1": 0.3, "d2": 0.3, "phi": 0.0}, 0.0),
+        # Elbow at (0.3, 0, 0), right below the wrist, so theta_4 = pi/2; azimuth 0 and phi = pi give
+        # theta_3 = pi/2.
+        ({"x": 0.3, "z": 0.3, "d1": 0.3, "d2": 0.3, "phi": np.pi}, np.pi / 4),
+        # The same pose turned to azimuth 90 - 34.4 degrees: theta_3 = azimuth + pi/2, so 0.3 rad from pi/2
+        # when halved.
+        ({"x": 0.3 * math.cos(np.pi / 2 - 0.6), "y": 0.3 * math.sin(np.pi / 2 - 0.6), "z": 0.3,
+          "d1": 0.3, "d2": 0.3, "phi": np.pi}, 0.3),
+        # Wrist 0.1 rad from the upper and from the lower pole.
+        ({"x": 0.4 * math.sin(0.1), "z": 0.4 * math.cos(0.1)}, 0.1),
+        ({"x": 0.4 * math.sin(0.1), "z": -0.4 * math.cos(0.1)}, 0.1),
+        # An elbow angle of pi - 0.2: a half angle 0.1 from pi/2.
+        ({"x": math.sqrt(2 * 0.3**2 * (1 + math.cos(0.2))), "d1": 0.3, "d2": 0.3, "phi": np.pi}, 0.1),
+        # An elbow angle of 0.2.
+        ({"x": math.sqrt(2 * 0.3**2 * (1 - math.cos(0.2))), "d1": 0.3, "d2": 0.3, "phi": np.pi / 2}, 0.1),
+        ({"x": 0.7}, 0.0),
+        ({"x": 0.01}, 0.0),
+    ],
+)  # fmt: skip
+def test_singular_distance(pose, distance):
+    assert singular_distance(arm(**pose)) == pytest.approx([distance], abs=1e-7)
+
+
+def test_singular_distance_does_not_depend_on_the_unit():
+    reach = make("reach")
+    in_mm = Targets("mm", *(1e3 * reach.position.T), reach.phi, 1e3 * reach.d1, 1e3 * reach.d2)
+    np.testing.assert_allclose(singular_distance(in_mm), singular_distance(reach), rtol=1e-9)
+
+
+# -- figures ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["reach", "two_arms", "unequal_arms"])
+def test_an_ideal_core_passes(name):
+    result = Case(make(name)).score()
+    assert result.failures == () and result.passed
+    assert result.targets == len(result.each.hand_error) == 100
+    assert 0 < result.hand_error_rms < result.hand_error_max == result.each.hand_error.max() < 4 * ULP
+    assert 0 < result.shoulder_angle_error_max < 4 * ULP
+    assert 0 < result.elbow_angle_error_max < 4 * ULP
+    assert result.angle_error_max == max(result.shoulder_angle_error_max, result.elbow_angle_error_max)
+    assert 0 < result.elbow_point_error_max < 4 * ULP
+    assert 0 < result.norm_error_max < 4 * ULP
+    assert result.clamped_error_max is None and result.clamped_error_bar is None
+    assert result.flagged == 0
+    assert result.hand_error_over_bar == pytest.approx(result.hand_error_max / REGULAR_BAR)
+
+
+def test_clocks(case):
+    result = case.score()
+    assert (result.latency_cycles, result.total_cycles) == (400, 500)
+    assert result.results_per_cycle == 1.0
+    case.run["total_cycles"] = 400 + 1 + 2 * 99  # a result every other clock
+    assert case.score().results_per_cycle == pytest.approx(0.5, abs=0.01)
+
+
+def test_hand_error_is_measured_at_the_users_target():
+    """A target 0.4 ulp beside its word is asked of the core as that word; rounding counts as its error."""
+    words, exponent = to_words(make("reach"), 16)
+    on_grid = from_words(words, exponent, 16, "reach")
+    aside = dataclasses.replace(on_grid, x=on_grid.x + 0.4 * 2.0 ** (-14 - exponent))
+    case = Case(aside, width=16, predicted=1e-3)
+    np.testing.assert_array_equal(case.words, words)
+    values = result_values(case.results, 16)
+    _, wrist = forward(values[:, :4], values[:, 4:], aside.d1, aside.d2)
+    from_aside, from_grid = (
+        np.linalg.norm(wrist - targets.position, axis=1) / targets.reach for targets in (aside, on_grid)
+    )
+    np.testing.assert_allclose(case.score().each.hand_error, from_aside, rtol=1e-9)
+    assert np.abs(from_aside - from_grid).max() > 1e-6
+
+
+def test_a_turned_shoulder_shows_its_angle(case):
+    n, angle = 40, 1e-5
+    case.turn_shoulder(n, angle)
+    result = case.score()
+    t = case.targets
+    assert result.shoulder_angle_error_max == pytest.approx(angle, rel=1e-3)
+    assert result.elbow_angle_error_max < 4 * ULP
+    assert result.each.hand_error[n] == pytest.approx(angle * math.hypot(t.x[n], t.y[n]) / 0.6, rel=1e-3)
+    assert result.each.hand_error.argmax() == n
+    assert result.hand_error_rms == pytest.approx(result.hand_error_max / 10, rel=1e-2)
+    elbow = solve_clamped(*(getattr(t, field)[n] for field in FIELDS))
+    off_axis = math.hypot(elbow["p_e_x"][0], elbow["p_e_y"][0])
+    assert result.elbow_point_error_max == pytest.approx(angle * off_axis / 0.6, rel=1e-3)
+    assert result.passed
+
+
+def test_the_sign_of_a_quaternion_does_not_matter(case):
+    before = case.score()
+    case.results[:, :4] *= -1
+    case.results[::2, 4:] *= -1
+    after = case.score()
+    assert (after.hand_error_max, after.angle_error_max) == (before.hand_error_max, before.angle_error_max)
+
+
+def test_units_do_not_matter(case):
+    t = case.targets
+    scaled = Targets("reach", *(2.0**400 * t.position.T), t.phi, 2.0**400 * t.d1, 2.0**400 * t.d2)
+    a, b = case.score(), Case(scaled).score()
+    assert b.scale_exponent == a.scale_exponent - 400
+    np.testing.assert_array_equal(a.each.hand_error, b.each.hand_error)
+
+
+# -- reasons to fail -------------------------------------------------------------------------------
+
+
+def test_bit_mismatches_fail(case):
+    case.run |= {"bit_mismatches": 3, "first_mismatch": "c4 at target 7"}
+    result = case.score()
+    assert not result.passed
+    assert result.failures == ("3 bits differ from the bit-true model; c4 at target 7",)
+
+
+def test_hand_above_its_bar_fails(case):
+    case.turn_shoulder(99, 4e-4)
+    result = case.score()
+    assert result.hand_error_max > REGULAR_BAR
+    assert [text.split(" is ")[0] for text in result.failures] == [
+        f"hand error {result.hand_error_max:.3g} at target 99"
+    ]
+    assert f"times its bar {REGULAR_BAR:.3g} (1 targets above)" in result.failures[0]
+    assert result.hand_error_over_bar > 1
+
+
+def test_the_fixed_bar_needs_distance_and_32_bits():
+    """Else the bars are the predicted ones, target by target, whether they are tighter or wider."""
+    regular = Case(make("reach"), predicted=1e-12)
+    near = Case(make("punch"), predicted=1e-12)
+    short = Case(make("reach"), width=31, predicted=1e-12)
+    assert regular.score().hand_error_bar == REGULAR_BAR
+    assert regular.score().hand_error_predicted == 1e-12
+    assert regular.score().passed
+    for case in (near, short):
+        assert case.score().hand_error_bar == 1e-12
+        assert not case.score().passed
+        case.predicted[:] = 1e-6
+        assert case.score().passed
+    near.predicted[50] = 1e-12
+    result = near.score()
+    assert result.hand_error_bar == 1e-6 and result.hand_error_max < 1e-8
+    assert result.hand_error_over_bar > 1
+    assert "at target 50" in result.failures[0]
+
+
+@pytest.mark.parametrize(("distance", "bar"), [(0.19, 1e-6), (0.21, REGULAR_BAR)])
+def test_the_fixed_bar_begins_at_a_fifth_of_a_radian(distance, bar):
+    polar = np.array([1.0, distance])
+    result = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar))).score()
+    assert result.singular_distance_min == pytest.approx(distance)
+    assert result.hand_error_bar == bar
+
+
+def test_the_failure_furthest_above_its_bar_is_named():
+    case = Case(make("punch"), predicted=1e-7)
+    case.turn_shoulder(10, 1e-6)
+    assert "at target 10 is" in case.score().failures[0]
+    case.predicted[50] = 1e-12
+    assert "at target 50 is" in case.score().failures[0]
+    assert "(2 targets above)" in case.score().failures[0]
+
+
+def test_wrong_flags_fail(case):
+    case.flags[[3, 5]] = TOO_NEAR
+    assert case.score().failures == ("2 targets with wrong flags; first: target 3 has too_near instead of -",)
+    assert case.score().flagged == 2
+
+
+def test_no_target_may_saturate():
+    case = Case(arm([0.3, 0.7, 0.3]))
+    case.flags[1] |= SATURATED
+    assert "target 1 has too_far+saturated instead of too_far" in case.score().failures[0]
+
+
+@pytest.mark.parametrize(("columns", "name"), [(slice(0, 4), "Qs"), (slice(4, 6), "Qe")])
+def test_a_quaternion_that_is_not_of_unit_length_fails(case, columns, name):
+    case.results[60, columns] += np.rint(2e-6 * case.results[60, columns]).astype(np.int64)
+    result = case.score()
+    assert result.norm_error_max == pytest.approx(4e-6, rel=1e-2)
+    assert [text.split(" 4e-06")[0] for text in result.failures] == [f"abs(norm^2-1) of {name}"]
+
+
+def test_an_undefined_quaternion_fails(case):
+    case.results[10, :4] = 0
+    assert case.score().norm_error_max == pytest.approx(1.0)
+    assert any("abs(norm^2-1) of Qs 1 at target 10" in text for text in case.score().failures)
+
+
+# -- targets out of reach --------------------------------------------------------------------------
+
+
+def test_clamped_targets_are_judged_apart():
+    case = Case(arm([0.3, 0.7, 0.01], y=[0.1, 0.1, 0.0]))
+    assert case.flags.tolist() == [0, TOO_FAR, TOO_NEAR]
+    result = case.score()
+    assert result.passed and result.flagged == 2
+    # In the file, the distance to the target itself; apart from that, to the nearest point in reach.
+    assert result.each.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
+    assert result.each.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
+    assert result.hand_error_max == result.each.hand_error[0] < 1e-8
+    assert result.clamped_error_max < 1e-8
+    assert result.clamped_error_bar == 1e-6
+
+    case.turn_shoulder(1, 1e-3)
+    result = case.score()
+    assert result.hand_error_max < 1e-8 and result.angle_error_max < 1e-8
+    assert result.clamped_error_max == pytest.approx(1e-3, rel=1e-2)
+    assert "error of the clamped hand 0.001 at target 1" in result.failures[0]
+
+
+def test_no_reachable_target_at_all():
+    result = Case(arm([0.7, 0.8])).score()
+    assert result.passed
+    assert result.hand_error_max is None and result.hand_error_rms is None and result.angle_error_max is None
+    json.dumps(result.as_json(), allow_nan=False)
+
+
+def test_targets_at_the_poles_and_at_the_shoulder():
+    case = Case(arm([0.0, 0.0, 0.0], z=[0.4, -0.4, 0.0], d2=[0.27, 0.27, 0.33]))
+    assert case.flags.tolist() == [ON_AXIS, ON_AXIS, ON_AXIS | AT_SHOULDER]
+    result = case.score()
+    assert result.passed, result.failures
+    assert result.hand_error_max < 1e-8
+
+
+@pytest.mark.parametrize("name", ["punch", "overhead", "out_of_reach", "fold_in"])
+def test_flags_agree_with_the_double_precision_model(name):
+    words, _ = to_words(make(name), 32)
+    asked = from_words(words, 0, 32, name)
+    np.testing.assert_array_equal(expected_flags(words, 32), pose_flags(asked.x, asked.y, asked.z, asked.d1, asked.d2))
+
+
+# -- what the caller hands in ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["words", "results", "flags", "predicted"])
+def test_lost_rows_are_noticed(case, name):
+    setattr(case, name, getattr(case, name)[:-1])
+    with pytest.raises(ValueError, match=f"{name} has shape"):
+        case.score()
+
+
+@pytest.mark.parametrize("value", [math.inf, math.nan, 0.0])
+def test_a_bar_without_bound_is_refused(case, value):
+    case.predicted[3] = value
+    with pytest.raises(ValueError, match="not positive and finite"):
+        case.score()
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+def test_results_file_gives_every_bit_back(tmp_path):
+    case = Case(make("two_arms"))
+    case.flags[2] = ON_AXIS
+    result = case.score()
+    path = tmp_path / "results.csv"
+    write_results_csv(path, case.targets, case.results, case.flags, result.each.hand_error, 32)
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header == "n,x,y,z,phi,d1,d2,qs_w,qs_i,qs_j,qs_k,qe_w,qe_i,flags,hand_error".split(",")
+    table = np.array(rows, dtype=np.float64)
+    np.testing.assert_array_equal(table[:, 0], np.arange(100))
+    np.testing.assert_array_equal(table[:, 1:7], np.column_stack([getattr(case.targets, f) for f in FIELDS]))
+    np.testing.assert_array_equal(np.ldexp(table[:, 7:13], 30).astype(np.int64), case.results)
+    np.testing.assert_array_equal(table[:, 13], case.flags)
+    np.testing.assert_array_equal(table[:, 14], result.each.hand_error)
+    assert rows[2][13] == "4"
+    assert b"\r" not in path.read_bytes()
+
+
+def test_score_file_has_the_fields_of_the_design(tmp_path, case):
+    path = tmp_path / "score.json"
+    write_score_json(path, [case.score(), case.score()])
+    first, second = json.loads(path.read_text(encoding="utf-8"))
+    assert first == second
+    assert {
+        "trajectory", "datapath", "width", "simulator", "targets", "bit_mismatches", "hand_error_max",
+        "hand_error_rms", "angle_error_max", "latency_cycles", "total_cycles", "results_per_cycle", "flagged",
+        "passed",
+    } <= first.keys()  # fmt: skip
+    assert "hand_error" not in first
+    assert first["hand_error_max"] == case.score().hand_error_max
+    assert first["passed"] is True and first["failures"] == []
+
+
+@pytest.mark.parametrize("stopped_in", ["write_text", "replace"])
+def test_files_are_never_half_written(tmp_path, case, monkeypatch, stopped_in):
+    path = tmp_path / "score.json"
+    path.write_text("old", encoding="utf-8")
+
+    def stop(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(
+        *((scoring.Path, "write_text") if stopped_in == "write_text" else (scoring.os, "replace")), stop
+    )
+    with pytest.raises(KeyboardInterrupt):
+        write_score_json(path, [case.score()])
+    monkeypatch.undo()
+    assert path.read_text(encoding="utf-8") == "old"
+    assert list(tmp_path.iterdir()) == [path]

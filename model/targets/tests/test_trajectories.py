@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The built-in trajectories: what each promises, and the example files made from them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.targets import trajectories
+from model.targets.files import format_csv, read_csv
+from model.targets.flags import TOO_FAR, expected_flags
+from model.targets.scoring import REGULAR_DISTANCE, singular_distance
+from model.targets.words import FIELDS, to_words
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+NAMES = list(trajectories.TRAJECTORIES)
+
+
+def relative_distance(targets):
+    """|p| / (d1+d2)."""
+    return np.linalg.norm(targets.position, axis=1) / targets.reach
+
+
+def test_all_are_there():
+    assert NAMES == [
+        "reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "punch", "overhead", "fold_in",
+        "swivel_sweep", "unequal_arms", "two_arms", "random_walk", "out_of_reach",
+    ]  # fmt: skip
+    assert trajectories.DEFAULT == "reach"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_name_sentence_and_length(name):
+    targets = trajectories.make(name)
+    assert targets.name == name
+    assert len(targets) == 100
+    assert all(np.isfinite(getattr(targets, field)).all() for field in FIELDS)
+    sentence = trajectories.describe(name)
+    assert sentence[0].isupper() and sentence.endswith(".") and sentence.count(".") == 1
+    assert "\n" not in sentence
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_call_makes_the_same_targets(name):
+    assert format_csv(trajectories.make(name)) == format_csv(trajectories.make(name))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("width", [16, 32])
+def test_only_out_of_reach_leaves_the_reach(name, width):
+    words, _ = to_words(trajectories.make(name), width)
+    flags = set(expected_flags(words, width).tolist())
+    assert flags == ({0, TOO_FAR} if name == "out_of_reach" else {0})
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_distance_from_singular_poses(name):
+    """The trajectories with the fixed bar keep away from singular poses; the others do come near one."""
+    least = singular_distance(trajectories.make(name)).min()
+    assert (least >= REGULAR_DISTANCE) == (name in trajectories.REGULAR), f"{name}: {least:.3f} rad"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_motion_is_smooth(name):
+    """In one step no hand moves more than 5 cm (8 % of the reach) or changes its step by 2 cm."""
+    targets = trajectories.make(name)
+    arms = 2 if name == "two_arms" else 1
+    for arm in range(arms):
+        step = np.diff(targets.position[arm::arms], axis=0)
+        assert np.linalg.norm(step, axis=1).max() < 0.05
+        assert np.linalg.norm(np.diff(step, axis=0), axis=1).max() < 0.02
+        assert np.abs(np.diff(targets.phi[arm::arms])).max() < 0.25
+
+
+def test_reach_starts_and_ends_at_rest():
+    step = np.linalg.norm(np.diff(trajectories.make("reach").position, axis=0), axis=1)
+    assert step[[0, -1]].max() < 0.01 * step.max()
+    assert 45 <= step.argmax() <= 54, "a minimum-jerk motion is fastest halfway"
+
+
+def test_circle_is_round():
+    position = trajectories.make("circle").position
+    np.testing.assert_allclose(np.linalg.norm(position - [0.38, -0.08, -0.10], axis=1), 0.12)
+
+
+def test_via_rests_at_its_points():
+    path = trajectories._via([(0.0, 1.0), (2.0, 1.0), (2.0, -1.0)], [0.0, 0.5, 1.0], steps=101)
+    np.testing.assert_allclose(path[[0, 50, 100]], [[0, 1], [2, 1], [2, -1]], atol=1e-12)
+    assert np.abs(path[51] - path[50]).max() < 1e-3
+
+
+def test_poses_approached_on_purpose():
+    distance = {name: relative_distance(trajectories.make(name)) for name in NAMES}
+    assert 0.995 < distance["punch"].max() < 1
+    inner = (0.33 - 0.27) / 0.6
+    assert inner < distance["fold_in"].min() < inner + 0.01
+    assert distance["out_of_reach"].max() > 1.2
+    assert distance["out_of_reach"][[0, -1]].max() < 0.8
+    overhead = trajectories.make("overhead")
+    assert np.hypot(overhead.x, overhead.y).min() < 0.02 < overhead.z.max()
+    assert overhead.x[0] > 0.2 and overhead.x[-1] < -0.2
+
+
+def test_swivel_sweep_turns_once_at_a_fixed_target():
+    targets = trajectories.make("swivel_sweep")
+    assert np.ptp(targets.position, axis=0).max() == 0
+    assert np.ptp(targets.phi) == pytest.approx(2 * np.pi)
+    assert (np.diff(targets.phi) > 0).all()
+
+
+def test_arms():
+    unequal, two = trajectories.make("unequal_arms"), trajectories.make("two_arms")
+    np.testing.assert_allclose(unequal.d1, 3 * unequal.d2)
+    assert len(set(zip(two.d1[0::2], two.d2[0::2], strict=True))) == 1
+    assert len(set(zip(two.d1[1::2], two.d2[1::2], strict=True))) == 1
+    assert two.d1[0] != two.d1[1] and two.d2[0] != two.d2[1]
+
+
+def test_punch_is_the_fastest_reaching_motion():
+    def fastest(name):
+        return np.linalg.norm(np.diff(trajectories.make(name).position, axis=0), axis=1).max()
+
+    assert fastest("punch") > 3 * fastest("reach")
+
+
+@pytest.mark.parametrize("name", trajectories.EXAMPLES)
+def test_example_files_are_up_to_date(name):
+    path = EXAMPLES / f"{name}.csv"
+    made = format_csv(trajectories.make(name))
+    command = f"python -m model.targets.trajectories {name} > examples/{name}.csv"
+    assert path.read_text(encoding="utf-8") == made, f"run: {command}"
+    assert format_csv(read_csv(path)) == made
+
+
+def test_command_line(capsys):
+    assert trajectories.main(["reach"]) == 0
+    assert capsys.readouterr().out == format_csv(trajectories.make("reach"))
+    assert trajectories.main([]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == NAMES
+    assert trajectories.main(["nothing"]) == 2
+    assert "usage" in capsys.readouterr().err

@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets of the arm in the user's units, and the fixed-point words of the core.
+
+A target is a wrist position x, y, z, a swivel angle phi and the two arm lengths d1 (upper arm: shoulder to
+elbow) and d2 (forearm: elbow to wrist). Lengths are in whatever unit the user likes; kinematics is
+scale-free, so `scale_exponent` picks one power of two for a whole set of targets that brings every length into
+the format of the core:
+
+* x, y, z, d1, d2: signed words of `width` bits with `width`-2 fraction bits, so [-2, 2)
+* phi: a binary angle, one turn = 2^width, as a signed word
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+FIELDS = ("x", "y", "z", "phi", "d1", "d2")
+"""Columns of a target file and fields of a target word, lowest bits first."""
+
+RESULT_FIELDS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
+"""Fields of a result word, lowest bits first; all signed with width-2 fraction bits."""
+
+LENGTHS = ("x", "y", "z", "d1", "d2")
+
+DEFAULT_D1 = 0.33
+"""Upper arm of the default arm (m); with `DEFAULT_D2` it reaches the 0.6 m of the paper group's arm."""
+
+DEFAULT_D2 = 0.27
+"""Forearm of the default arm (m)."""
+
+DEFAULT_PHI = 0.0
+"""Swivel angle of a target that gives none (rad)."""
+
+HEADROOM_BITS = 4
+"""How many low bits the scaling may give up for targets further out than the arm reaches."""
+
+SHOWN = 40  # characters of a bad value that a message repeats
+
+
+class TargetError(ValueError):
+    """A target, or a file of targets, that cannot be used. The text is one line for the user."""
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """N targets in the user's units; every array is float64 of shape (N,).
+
+    `path` and `rows` say where the targets came from (line numbers in the file), so that a mistake which is
+    found only later, in the scaling, can still name its row; both are None for targets made in Python.
+    """
+
+    name: str
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    phi: np.ndarray
+    d1: np.ndarray
+    d2: np.ndarray
+    path: str | None = None
+    rows: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        """Make every field float64 (N,), broadcasting scalars. ValueError for shapes that do not fit."""
+        columns = [np.asarray(getattr(self, field), dtype=np.float64) for field in FIELDS]
+        shape = np.broadcast_shapes((1,), *(column.shape for column in columns))
+        if len(shape) != 1:
+            raise ValueError(f"targets are one-dimensional, not of shape {shape}")
+        for field, column in zip(FIELDS, columns, strict=True):
+            object.__setattr__(self, field, np.broadcast_to(column, shape).copy())
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @property
+    def position(self) -> np.ndarray:
+        """Wrist targets, shape (N, 3), user's unit."""
+        return np.column_stack((self.x, self.y, self.z))
+
+    @property
+    def reach(self) -> np.ndarray:
+        """d1 + d2, shape (N,), user's unit."""
+        return self.d1 + self.d2
+
+    def error(self, n: int, column: str, reason: str) -> TargetError:
+        """The TargetError for the value in `column` of target `n` (counted from 0)."""
+        value = repr(float(getattr(self, column)[n]))
+        if self.rows is None:
+            return TargetError(f"{self.name}: target {n}, column {column}: '{value}' {reason}")
+        return cell_error(self.path, int(self.rows[n]), column, value, reason)
+
+
+def cell_error(path: str | None, row: int, column: str, value: str, reason: str) -> TargetError:
+    """The TargetError for a value of a file; long values are shortened."""
+    shown = value if len(value) <= SHOWN else value[:SHOWN] + "..."
+    return TargetError(f"{path}: row {row}, column {column}: {shown!r} {reason}")
+
+
+# -- fixed point -----------------------------------------------------------------------------------
+
+
+def scale_exponent(targets: Targets, width: int) -> int:
+    """The exponent e of the host's scaling: the core works on lengths times 2^e.
+
+    One power of two serves the whole file. The largest reach d1+d2 comes to [1, 2). Where a coordinate
+    would then leave [-2, 2), e is lowered by at most `HEADROOM_BITS` more, which costs as many low bits.
+
+    Raises TargetError for a coordinate that is further out than that, and for an arm length that is so
+    small beside the others that its word would be 0.
+    """
+    with np.errstate(over="ignore"):
+        reach = targets.reach
+    longest = int(np.argmax(reach))
+    if not np.isfinite(reach[longest]):
+        raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
+    exponent = 1 - math.frexp(reach[longest])[1]
+
+    # -2 itself fits and +2 does not, hence two bounds.
+    low, high = targets.position.min(), targets.position.max()
+    lowest = exponent - HEADROOM_BITS
+    while exponent > lowest and not (_ldexp(low, exponent) >= -2 and _ldexp(high, exponent) < 2):
+        exponent -= 1
+    scaled = _ldexp(targets.position, exponent)
+    outside = (scaled < -2) | (scaled >= 2)
+    if outside.any():
+        size = np.where(outside, np.abs(targets.position), 0)
+        n, axis = np.unravel_index(np.argmax(size), size.shape)
+        limit = math.ldexp(2.0, -exponent)
+        raise targets.error(
+            int(n), FIELDS[axis],
+            f"is too far out: for the longest arm, {reach[longest]:.6g}, the format ends at {limit:.6g}",
+        )  # fmt: skip
+
+    for column in ("d1", "d2"):
+        words = _quantise(_ldexp(getattr(targets, column), exponent), width)
+        if not words.all():
+            n = int(np.argmin(words != 0))
+            raise targets.error(
+                n,
+                column,
+                f"is too short: beside the longest arm, {reach[longest]:.6g}, its word of {width} bits is 0",
+            )
+    return exponent
+
+
+def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
+    """values * 2^exponent; beyond double precision it is inf, which is out of every format."""
+    with np.errstate(over="ignore", under="ignore"):
+        return np.ldexp(values, exponent)
+
+
+def _quantise(values: np.ndarray, width: int) -> np.ndarray:
+    """int64 words with width-2 fraction bits of `values` in [-2, 2): round half to even, saturate.
+
+    Only a value within half an ulp of +2 saturates, to 2 - ulp; without that it would wrap to -2.
+    """
+    words = np.rint(np.ldexp(values, width - 2))
+    return np.clip(words, -(2 ** (width - 1)), 2 ** (width - 1) - 1).astype(np.int64)
+
+
+def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple[np.ndarray, int]:
+    """The core's input words and the exponent of the scaling.
+
+    Returns words (N, 6) int64, signed, columns as `FIELDS`, and the exponent e: a length word is the length
+    times 2^(e + width - 2), rounded half to even. `exponent` None asks `scale_exponent` for it. Angles wrap
+    to one turn. Raises TargetError as `scale_exponent` does.
+    """
+    if exponent is None:
+        exponent = scale_exponent(targets, width)
+    words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
+    for column, field in enumerate(FIELDS):
+        if field in LENGTHS:
+            words[:, column] = _quantise(np.ldexp(getattr(targets, field), exponent), width)
+    turns = targets.phi / (2 * np.pi)
+    angle = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
+    half = 2 ** (width - 1)
+    words[:, FIELDS.index("phi")] = (angle + half) % (2 * half) - half
+    return words, exponent
+
+
+def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
+    """The targets that `words` (N, 6) stand for: what the core was really asked, in the user's units.
+
+    Exact for lengths; phi comes back in [-pi, pi). `to_words(..., exponent=exponent)` gives `words` again.
+    """
+    columns = np.asarray(words, dtype=np.int64).T
+    values = {
+        field: np.ldexp(column.astype(np.float64), 2 - width - exponent)
+        for field, column in zip(FIELDS, columns, strict=True)
+        if field in LENGTHS
+    }
+    values["phi"] = np.ldexp(columns[FIELDS.index("phi")].astype(np.float64), -width) * (2 * np.pi)
+    return Targets(name=name, **values)
+
+
+def pack(fields: np.ndarray, width: int) -> list[int]:
+    """The tdata integers of signed words `fields` (N, 6): field 0 in the lowest `width` bits.
+
+    Serves targets (`FIELDS`) and results (`RESULT_FIELDS`) alike. Raises ValueError for a word that does
+    not fit.
+    """
+    half = 2 ** (width - 1)
+    array = np.asarray(fields, dtype=np.int64)
+    if ((array < -half) | (array >= half)).any():
+        raise ValueError(f"a word does not fit {width} bits")
+    mask = 2**width - 1
+    return [sum((word & mask) << (width * i) for i, word in enumerate(row)) for row in array.tolist()]
+
+
+def unpack(data: list[int], width: int) -> np.ndarray:
+    """The signed words (N, 6) int64 of tdata integers; the inverse of `pack`."""
+    half = 2 ** (width - 1)
+    mask = 2**width - 1
+    rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(len(FIELDS))] for value in data]
+    return np.array(rows, dtype=np.int64).reshape(len(rows), len(FIELDS))
+
+
+def result_values(words: np.ndarray, width: int) -> np.ndarray:
+    """The real values, exact in float64, of result words with width-2 fraction bits; same shape."""
+    return np.ldexp(np.asarray(words, dtype=np.float64), 2 - width)

@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: Apache-2.0
+"""scripts/fpga/measure.py without its tools: what it makes of their reports, of the RTL and of its own figures."""
+
+import argparse
+import json
+import re
+import shutil
+import warnings
+
+import pytest
+
+from scripts.fpga import measure as fpga
+
+DATA = json.loads(fpga.FIGURES.read_text())
+
+STAT = {
+    "modules": {
+        "\\ik_top": {
+            "num_cells_by_type": {
+                "LUT2": 3, "INV": 1, "MUXCY": 4, "FDRE": 2,
+                "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": 2, "$paramod$0a1b\\ik_mul3": 1,
+            },
+        },
+        "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": {"num_cells_by_type": {"SRL16E": 8, "FDRE": 1}},
+        "$paramod$0a1b\\ik_mul3": {
+            "num_cells_by_type": {
+                "LUT4": 10, "MULT18X18": 3, "XORCY": 9, "MUXF5": 2, "$scopeinfo": 5,
+                "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": 1,
+            },
+        },
+    },
+}  # fmt: skip
+
+
+def test_cells_of_the_modules_inside_are_counted():
+    assert fpga.counted(STAT, "xc2vp") == {
+        "LUT": 3 + 1 + 10 + 3 * 8, "shift": 24, "FF": 2 + 3, "carry": 4, "MUXF": 2, "multipliers": 3, "RAM": 0,
+    }  # fmt: skip
+
+
+def test_modules_have_their_own_cells_only_and_sections_all_inside():
+    modules = fpga.by_module(STAT, "xc2vp")
+    assert modules["ik_delay"]["instances"] == 3 and modules["ik_delay"]["shift"] == 24
+    assert modules["ik_mul3"]["LUT"] == 10 and modules["ik_top"]["LUT"] == 4
+    assert sum(m["LUT"] for m in modules.values()) == fpga.counted(STAT, "xc2vp")["LUT"]
+    sections = fpga.by_section(STAT, "xc2vp")
+    assert sections["ik_mul3"]["LUT"] == 18 and sections["ik_delay"]["LUT"] == 16 and sections["itself"]["LUT"] == 4
+
+
+def test_a_carry_cell_of_ecp5_is_two_luts():
+    stat = {"modules": {"\\ik_top": {"num_cells_by_type": {"CCU2C": 5, "LUT4": 7, "PFUMX": 2, "TRELLIS_FF": 3}}}}
+    assert fpga.counted(stat, "ecp5")["LUT"] == 17
+
+
+def test_an_unknown_cell_is_named():
+    with pytest.raises(fpga.ToolError, match="SRLC32E_X"):
+        fpga.counted({"modules": {"\\t": {"num_cells_by_type": {"SRLC32E_X": 1}}}}, "xc2vp")
+
+
+REPORT = {
+    "fmax": {"clk": {"achieved": 98.64851379394531, "constraint": 200}},
+    "utilization": {
+        "MULT18X18D": {"available": 156, "used": 149}, "TRELLIS_FF": {"available": 83640, "used": 15033},
+        "DCCA": {"available": 56, "used": 1},
+    },
+    "critical_paths": [
+        {"from": "posedge clk", "to": "<async>", "path": []},
+        {
+            "from": "posedge clk", "to": "posedge clk",
+            "path": [
+                {"type": "clk-to-q", "delay": 4.263, "from": {"cell": "dut.u_q.rom.0.0"},
+                 "to": {"cell": "dut.u_q.rom.0.0"}},
+                {"type": "routing", "delay": 1.948, "from": {"cell": "dut.u_q.rom.0.0"},
+                 "to": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19"}},
+                {"type": "logic", "delay": 3.066, "from": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19"},
+                 "to": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19"}},
+                {"type": "routing", "delay": 0.86, "from": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19"},
+                 "to": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_8"}},
+                {"type": "setup", "delay": 0, "from": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_8"},
+                 "to": {"cell": "dut.u_q.bend_2_TRELLIS_FF_Q_8"}},
+            ],
+        },
+    ],
+}  # fmt: skip
+"""As nextpnr wrote it for the lean datapath at 18 bits, shortened."""
+
+
+def test_clock_and_critical_path_of_a_report():
+    assert fpga.placed(REPORT) == {
+        "mhz": 98.6,
+        "used": {"MULT18X18D": 149, "TRELLIS_FF": 15033},
+        "path": {
+            "from": "u_q.rom.0.0", "to": "u_q.bend_2", "through": ["DP16KD", "MULT18X18D"],
+            "ns": 10.14, "routing_ns": 2.81,
+        },
+    }  # fmt: skip
+
+
+def test_no_clock_is_quoted_that_a_multiplier_could_not_keep():
+    report = {**REPORT, "fmax": {"clk": {"achieved": 400.0}}}
+    assert fpga.placed(report)["mhz"] == round(1000 / fpga.MULTIPLIER_NS, 1)
+
+
+def flop(d, q, clk=2, **parameters):
+    return {
+        "type": "TRELLIS_FF",
+        "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK", "REGSET": "RESET", **parameters},
+        "port_directions": {"CLK": "input", "DI": "input", "LSR": "input", "Q": "output"},
+        "connections": {"CLK": [clk], "DI": [d], "LSR": ["0"], "Q": [q]},
+    }
+
+
+def product(a, b, p):
+    ports = {"A0": a, "A1": "0", "B0": b, "B1": b, "P0": p}
+    return {
+        "type": "MULT18X18D",
+        "parameters": {},
+        "port_directions": {k: "output" if k[0] == "P" else "input" for k in ports},
+        "connections": {k: [net] for k, net in ports.items()},
+    }
+
+
+def netlist(**cells):
+    return {"cells": cells, "ports": {"out": {"direction": "output", "bits": [31]}}}
+
+
+def test_registers_around_a_multiplier_go_into_it():
+    design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31))
+    assert fpga.pack_registers(design) == {"multipliers": 1, "input": 1, "output": 1, "flip_flops": 3}
+    assert list(design["cells"]) == ["m"]
+    nets = design["cells"]["m"]["connections"]
+    assert (nets["A0"], nets["A1"], nets["B0"], nets["B1"], nets["P0"], nets["CLK0"]) == (
+        [10], ["0"], [11], [11], [31], [2],
+    )  # fmt: skip
+    assert design["cells"]["m"]["parameters"]["REG_INPUTA_CLK"] == "CLK0"
+
+
+def test_a_register_that_others_read_stays():
+    lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [20]}}
+    design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31), lut=lut)
+    assert fpga.pack_registers(design)["flip_flops"] == 2
+    assert set(design["cells"]) == {"a", "m", "lut"}
+
+
+def test_what_is_no_plain_register_stays():
+    """A reset, another clock, or a product that logic reads at once."""
+    set_flop = flop(11, 21, REGSET="SET")
+    design = netlist(a=flop(10, 20), b=set_flop, m=product(20, 21, 30), p=flop(30, 31))
+    counts = fpga.pack_registers(design)
+    assert (counts["input"], counts["output"]) == (0, 1)
+    design = netlist(a=flop(10, 20), b=flop(11, 21, clk=3), m=product(20, 21, 30), p=flop(30, 31))
+    assert fpga.pack_registers(design)["input"] == 0
+    lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [30]}}
+    design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31), lut=lut)
+    assert fpga.pack_registers(design)["output"] == 0
+
+
+def test_two_multipliers_in_a_row_share_no_register():
+    """The register between them goes into one of them, once."""
+    design = netlist(
+        a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 22), n=product(22, 22, 40), q=flop(40, 31)
+    )
+    fpga.pack_registers(design)
+    m, n = (design["cells"][k]["connections"] for k in "mn")
+    between = ["p"] if "p" in design["cells"] else []
+    registers = len(between)
+    registers += "REG_OUTPUT_CLK" in design["cells"]["m"]["parameters"]
+    registers += "REG_INPUTA_CLK" in design["cells"]["n"]["parameters"]
+    assert registers == 1
+    assert n["A0"] == (design["cells"]["p"]["connections"]["Q"] if between else m["P0"])
+
+
+def test_sources_of_a_module_are_all_it_needs_and_no_more():
+    names = {p.name for p in fpga.closure("ik_lean")}
+    assert {"ik_lean.v", "ik_rsqrt.v", "ik_rsqrt_table.vh", "ik_delay.v", "ik_lean_nodes.vh"} <= names
+    assert not names & {"ik_axis.v", "ik_div.v", "ik_paper.v"}
+
+
+def test_hash_follows_the_sources(tmp_path):
+    shutil.copytree(fpga.RTL, tmp_path / "rtl")
+    files = fpga.closure("ik_lean", tmp_path / "rtl")
+    before = fpga.source_hash(files)
+    assert before == fpga.rtl_hash("lean")
+    with next(p for p in files if p.name == "ik_mul3.v").open("a") as stream:
+        stream.write("// one more line\n")
+    fpga.content.cache_clear()
+    assert fpga.source_hash(files) != before
+
+
+@pytest.mark.parametrize("module", ["ik_lean", "ik_paper", "ik_axis", "ik_mul3", *fpga.SECTIONS["lean"]])
+def test_wrapper_connects_every_port(module):
+    text = fpga.closure(module)[0].read_text()
+    made = fpga.wrapper(text, {"W": 18})
+    header = re.sub(r"//[^\n]*", "", fpga.HEADER.search(text)[3])
+    for name in re.findall(r"(\w+)\s*(?:,|$)", header, re.M):
+        assert f".{name}({name})" in made
+    if re.search(r"integer W\b", made):
+        assert "W = 18" in made
+    assert made.count("input wire") == 3 and made.count("output wire") == 1
+
+
+def test_page_is_made_from_the_figures():
+    assert fpga.PAGE.read_text() == fpga.page(DATA), "run `python -m scripts.fpga --page`"
+
+
+def test_page_says_which_sources_it_was_measured_at():
+    text = fpga.PAGE.read_text()
+    for name, design in DATA["designs"].items():
+        assert design["rtl"] in text and design["commit"] in text
+        now = fpga.rtl_hash(name.split("-")[0])
+        if design["rtl"] != now:
+            warnings.warn(f"docs/fpga.md: {name} was measured at RTL {design['rtl']}, it is {now} now", stacklevel=1)
+
+
+def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
+    monkeypatch.setattr(fpga.shutil, "which", lambda *_, **__: None)
+    assert fpga.main(["--quick"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "make fpga" in said
+
+
+def test_tools_work_in_their_folder_by_relative_names_only():
+    run = fpga.whole("lean", 18, "ecp5", "place")
+    assert not re.search(r"(^|\s)/", run.script())
+    assert "fpga_top.v" in run.extra()
+
+
+def memory(do, **ports):
+    ports = {"CLKA": [2], "CLKB": [2]} | {f"DO{k}": [net] for k, net in do.items()} | ports
+    return {
+        "type": "DP16KD",
+        "parameters": {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG"},
+        "port_directions": {k: "output" if k[:2] == "DO" else "input" for k in ports},
+        "connections": ports,
+    }
+
+
+def test_registers_behind_a_memory_go_into_it():
+    """Port by port: logic reads one of port B at once, which leaves all of that port as they are."""
+    lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [53]}}
+    rom = memory({"A0": 50, "A1": 51, "B0": 52, "B1": 53})
+    design = netlist(rom=rom, a0=flop(50, 40), a1=flop(51, 41), b0=flop(52, 42), b1=flop(53, 43), lut=lut)
+    readers = ("a", 40), ("b", 41), ("c", 42), ("d", 43)
+    logic = {k: {**lut, "connections": {"A": [net]}} for k, net in readers}
+    design["cells"] |= logic
+    assert fpga.pack_registers(design) == {"multipliers": 0, "memory": 1, "flip_flops": 2}
+    assert not {"a0", "a1"} & set(design["cells"]) and {"b0", "b1"} <= set(design["cells"])
+    nets, parameters = (design["cells"]["rom"][k] for k in ("connections", "parameters"))
+    assert (nets["DOA0"], nets["DOA1"], nets["DOB0"]) == ([40], [41], [52])
+    assert (parameters["REGMODE_A"], parameters["REGMODE_B"]) == ("OUTREG", "NOREG")
+
+
+def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
+    lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [40]}}
+    design = netlist(rom=memory({"A0": 50}, CLKA=[3]), a=flop(50, 40), lut=lut)
+    assert fpga.pack_registers(design)["flip_flops"] == 0
+    design = netlist(rom=memory({"A0": 50}), a=flop(50, 40, REGSET="SET"), lut=lut)
+    assert fpga.pack_registers(design)["flip_flops"] == 0
+
+
+def measured(monkeypatch, tmp_path, clocks):
+    """What fpga.json has of placing the lean datapath at 18 bits, if each seed gives that clock or none in time."""
+    def done(run, again, limit):
+        if run.kind != "place":
+            return {"cells": dict.fromkeys(fpga.KINDS, 1)}
+        if clocks.get(run.seed) is None:
+            raise fpga.ToolError(f"{run.name}: not done after {limit / 60:.0f} min, left out")
+        return {"mhz": clocks[run.seed]}
+
+    monkeypatch.setattr(fpga.Run, "done", done)
+    monkeypatch.setattr(fpga, "describe", lambda *_: {})
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
+    figures = fpga.Figures(tmp_path / "fpga.json")
+    options = argparse.Namespace(
+        width=[18], datapath=["lean"], family=None, place=True, seed=1, seeds=4, again=False, limit=1
+    )
+    left_out = fpga.measure(figures, options)
+    return figures.data, left_out
+
+
+def test_the_quickest_of_the_seeds_is_kept(monkeypatch, tmp_path):
+    data, left_out = measured(monkeypatch, tmp_path, {1: 170.0, 2: None, 3: 175.0, 4: 171.0})
+    run = data["runs"]["lean-W18-ecp5-place"]
+    assert (run["mhz"], run["seed"], run["tried"]) == (175.0, 3, [170.0, 175.0, 171.0])
+    assert data["designs"]["lean-18"]["placed"] == "whole" and not left_out
+
+
+def test_no_seed_is_tried_after_the_aim_is_reached(monkeypatch, tmp_path):
+    data, _ = measured(monkeypatch, tmp_path, {1: 170.0, 2: 181.0, 3: 190.0})
+    assert data["runs"]["lean-W18-ecp5-place"]["tried"] == [170.0, 181.0]
+
+
+def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tmp_path):
+    data, left_out = measured(monkeypatch, tmp_path, {})
+    assert data["designs"]["lean-18"]["placed"] == "by module"
+    modules = [fpga.TOPS["lean"], *fpga.SECTIONS["lean"]]
+    assert [line.split("-")[0] for line in left_out] == [name.removeprefix("ik_") for name in modules]

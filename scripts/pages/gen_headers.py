@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the Verilog headers that Python is the source of: node formats and clocks, and the CORDIC's table.
+
+    python -m scripts.pages.gen_headers           writes the headers that are out of date
+    python -m scripts.pages.gen_headers --check   only names them, and exits with 1 if there are any
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from model.dataflow import cores as lean_cores
+from model.dataflow import trig as lean_trig
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
+from model.dataflow.nodes import GUARD, INNER_FRACS, ROOT_FRACS, WIDTHS, Latency, Node
+from model.targets.words import RESULT_FIELDS
+from tb.sim.env import ROOT
+
+NOTE = """// SPDX-License-Identifier: Apache-2.0
+// Written by `python -m scripts.pages.gen_headers` from {source}; do not edit.
+"""
+
+
+def traced(datapath: str) -> dict[int, Bits]:
+    """A dataflow at every width, run on one target: formats and clocks do not depend on the target."""
+    one = {w: 1 << (w - 3) for w in DATAPATHS[datapath].widths}
+    return {w: run(np.array([[d, 0, 0, 0, d, d]]), w, datapath).bits for w, d in one.items()}
+
+
+def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
+    """The T_ of the operand that is ready last; where that depends on the width, the larger of them."""
+    times = {}
+    for node in operands:
+        if node.name:  # constants are always ready
+            times.setdefault(tuple(run.nodes[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
+    last = tuple(max(column) for column in zip(*times, strict=True))
+    if last in times:
+        return times[last]
+    for (a, first), (b, second) in itertools.combinations(times.items(), 2):
+        if tuple(map(max, a, b)) == last:
+            return f"({first} > {second} ? {first} : {second})"
+    raise ValueError(f"no two of {sorted(times.values())} are the last at every width")
+
+
+def nodes_header(datapath: str) -> str:
+    """``rtl/<datapath>/ik_<datapath>_nodes.vh``."""
+    runs = traced(datapath)
+    nodes = runs[WIDTHS[-1]].nodes
+    used = {node.latency for node in nodes.values()}
+    lines = [
+        NOTE.format(source="model/dataflow/paper.py" if datapath == "paper" else f"model/dataflow/{datapath}.py"),
+        "// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
+        "// which it is valid, counted from the clock in which its target stands at the datapath's input.",
+        "// LAT_<OPERATION>: clocks of an operation.",
+        "",
+    ]
+    if datapath == "paper":
+        lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
+    else:
+        least, most = INNER_FRACS
+        frac = f"(W < {least - 5}) ? {least} : ((W < {most - 5}) ? W + 5 : {most})"
+        short, long = ROOT_FRACS
+        lines.append(f"localparam integer FRAC = {frac};  // of an inner word")
+        lines.append(f"localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});")
+    for kind, (_, _, why) in Latency.TABLE.items():
+        if kind in used:
+            lines.append(f"localparam integer LAT_{kind.upper()} = {Latency.expression(kind)};  // {why}")
+    section = None
+    for node in nodes.values():
+        if node.section != section:
+            section = node.section
+            lines += ["", f"// {DATAPATHS[datapath].sections[section]}"]
+        name = node.name.upper()
+        waits_for = (*node.operands, node.after) if node.after else node.operands
+        clocks = [f"LAT_{node.latency.upper()}"] if node.latency else []
+        if node.operands and any(o.time for o in node.operands):
+            clocks.insert(0, _start(waits_for, runs))
+        parts = [f"T_{name} = {' + '.join(clocks) or '0'}"]
+        if node.format.signed:
+            parts.insert(0, f"F_{name} = {node.format.frac_expr}")
+        comment = f"  // {node.equation}" if node.equation else ""
+        lines.append(f"localparam integer {', '.join(parts)};{comment}")
+    leave = (*RESULT_FIELDS, "saturated") if "saturated" in nodes else RESULT_FIELDS
+    outputs = _start(tuple(nodes[n] for n in leave), runs)
+    lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
+    return "\n".join(lines)
+
+
+def latency_header() -> str:
+    """``rtl/ik_latency.vh``."""
+    cases = []
+    for name in DATAPATHS:
+        for width, bits in traced(name).items():
+            clocks = max(node.time for node in bits.nodes.values())
+            cases.append(f"      {100 * (name == 'lean') + width}: datapath_latency = {clocks};")
+    return f"""{NOTE.format(source="model/dataflow/paper.py and model/dataflow/lean.py")}
+// For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's.
+
+function integer datapath_latency(input integer lean, input integer w);
+  begin
+    case (100 * lean + w)
+{chr(10).join(cases)}
+      default: datapath_latency = 0;
+    endcase
+  end
+endfunction
+"""
+
+
+def sincos_header() -> str:
+    """``rtl/cores/ik_sincos_table.vh``."""
+    entries = "\n".join(f"      {i:2d}: atan_turn = {TABLE_BITS}'d{a};" for i, a in enumerate(atan_table()))
+    return f"""{NOTE.format(source="model/dataflow/fixed.py")}
+// For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
+
+localparam integer TABLE_BITS = {TABLE_BITS};
+localparam integer SINCOS_GUARD = {SINCOS_GUARD};
+localparam [{TABLE_BITS - 1}:0] GAIN = {TABLE_BITS}'d{cordic_gain()};
+
+function [{TABLE_BITS - 1}:0] atan_turn(input integer i);
+  begin
+    case (i)
+{entries}
+      default: atan_turn = {TABLE_BITS}'d0;
+    endcase
+  end
+endfunction
+"""
+
+
+def rsqrt_header() -> str:
+    """``rtl/cores/ik_rsqrt_table.vh``."""
+    names = ["U_FRAC", *(f"C{k}_{what}" for k in range(3) for what in ("FRAC", "BITS"))]
+    names += ["SEED_FRAC", "SEED_BITS", "RESIDUAL_FRAC", "RESIDUAL_BITS", "RESIDUAL_GUARD"]
+    values = "\n".join(f"localparam integer {name} = {getattr(lean_cores, name)};" for name in names)
+    c0, c1, c2 = (getattr(lean_cores, f"C{k}_BITS") for k in range(3))
+    rows = "\n".join(
+        f"      {i:3d}: rsqrt_row = {{{c0}'d{row[0]}, {c1}'d{row[1]}, {c2}'d{row[2]}}};"
+        for i, row in enumerate(lean_cores.rsqrt_rows())
+        if any(row)
+    )
+    return f"""{NOTE.format(source="model/dataflow/cores.py")}
+// For the body of ik_rsqrt: {{c0, c1, c2}} of each segment. <WORD>_BITS: its width, <WORD>_FRAC: its fraction bits.
+
+{values}
+
+function [{c0 + c1 + c2 - 1}:0] rsqrt_row(input integer i);
+  begin
+    case (i)
+{rows}
+      default: rsqrt_row = {c0 + c1 + c2}'d0;
+    endcase
+  end
+endfunction
+"""
+
+
+def trig_header() -> str:
+    """``rtl/cores/ik_trig_table.vh``."""
+    t = lean_trig
+    sines = [f"sine_table[{i}] = {t.TABLE_FRAC}'h{s:09x};" for i, s in enumerate(t.sine_table())]
+    sines = "\n".join("  " + " ".join(sines[i : i + 3]) for i in range(0, len(sines), 3))
+    low_width = t.low_table()[-1].bit_length()
+    lows = "\n".join(f"      {k:2d}: low_arc = {low_width}'d{v};" for k, v in enumerate(t.low_table()))
+    rest_width = max(max(v, ~v).bit_length() for v in t.rest_table()) + 1
+    signs = ("-" if v < 0 else "" for v in t.rest_table())
+    rests = "\n".join(
+        f"      {k:3d}: rest_sine = {sign}{rest_width}'sd{abs(v)};"
+        for k, (sign, v) in enumerate(zip(signs, t.rest_table(), strict=True))
+    )
+    return f"""{NOTE.format(source="model/dataflow/trig.py")}
+// For the body of ik_trig: sin(i/512 quarter turns) with TRIG_FRAC fraction bits, and what sin(delta) is made of.
+
+localparam integer TRIG_GUARD = {t.GUARD};
+localparam integer TRIG_FRAC = {t.TABLE_FRAC};
+localparam integer TRIG_LOW_WIDTH = {low_width};
+localparam integer TRIG_REST_WIDTH = {rest_width};
+localparam signed [17:0] TRIG_COMPLEMENT = 18'sd{t.complement()};  // 2 - pi/2 with {t.COMPLEMENT_FRAC} fraction bits
+
+reg [TRIG_FRAC-1:0] sine_table[0:{t.POINTS - 1}];
+initial begin
+{sines}
+end
+
+// Arc of the fine word's bits below the tile
+function [TRIG_LOW_WIDTH-1:0] low_arc(input [{t.LOW_BITS - 1}:0] k);
+  begin
+    case (k)
+{lows}
+    endcase
+  end
+endfunction
+
+// sin(delta) less (2 - TRIG_COMPLEMENT) fine, by the fine word's upper bits
+function signed [TRIG_REST_WIDTH-1:0] rest_sine(input [{t.REST_INDEX - 1}:0] k);
+  begin
+    case (k)
+{rests}
+    endcase
+  end
+endfunction
+"""
+
+
+HEADERS = {
+    ROOT / "rtl" / "paper" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
+    ROOT / "rtl" / "lean" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
+    ROOT / "rtl" / "ik_latency.vh": latency_header,
+    ROOT / "rtl" / "cores" / "ik_sincos_table.vh": sincos_header,
+    ROOT / "rtl" / "cores" / "ik_rsqrt_table.vh": rsqrt_header,
+    ROOT / "rtl" / "cores" / "ik_trig_table.vh": trig_header,
+}
+"""File -> the function that gives its text."""
+
+
+def stale() -> list[Path]:
+    """The headers whose file does not say what the model says."""
+    return [path for path, text in HEADERS.items() if not path.exists() or path.read_text() != text()]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m scripts.pages.gen_headers", description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if a header is out of date")
+    check = parser.parse_args().check
+    out_of_date = stale()
+    for path in out_of_date:
+        if not check:
+            path.write_text(HEADERS[path]())
+        print(f"{'out of date' if check else 'wrote'}: {path.relative_to(ROOT)}")
+    return 1 if check and out_of_date else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

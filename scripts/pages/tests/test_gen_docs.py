@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages that people read: generated ones are up to date, links lead somewhere, what is named exists."""
+
+import itertools
+import re
+
+import pytest
+
+from model.dataflow.nodes import Latency
+from scripts.pages import gen_docs
+from tb.sim.env import ROOT
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", gen_docs.pages(), ids=lambda p: p.name)
+def test_page_is_up_to_date(page):
+    assert page.read_text() == gen_docs.pages()[page], "run `python -m scripts.pages.gen_docs`"
+
+
+@pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
+def test_longest_path_has_no_gap(datapath, width):
+    path = gen_docs.longest_path(gen_docs.nodes_of(datapath, width))
+    assert path[0].op == "input" and path[0].time == 0
+    for before, after in itertools.pairwise(path):
+        assert after.time - before.time == (Latency(width)[after.latency] if after.latency else 0), after.name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_to_files(page):
+    links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text())
+    missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
+    assert not missing, f"{page.name} links to {missing}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_named_files_and_targets_exist(page):
+    text = page.read_text()
+    for name in re.findall(r"`((?:rtl|tb|model|scripts|docs|examples)/[\w/.]+)`", text):
+        assert (ROOT / name).exists(), f"{page.name} names {name}"
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.M)
+    for target in re.findall(r"(?:`|^ {4})make ([a-z-]+)", text, re.M):
+        assert target in targets, f"{page.name} names make {target}"

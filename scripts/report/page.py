@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run trajectories through the core and write one HTML page to look at: what `make report` does.
+
+    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
+
+Writes OUT/report.html: the arm in motion as the core's quaternions put it, errors of every target with bars and
+predictions, the score, and the pipeline over time. The page holds everything it needs (report.html, .css and .js of
+this folder, and the figures as JSON) and opens from disk without network.
+
+Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+
+from model.reference.equations import swivel_normal
+from model.targets import flags as flag_bits
+from model.targets import trajectories
+from model.targets.scoring import Score, write_atomically
+from model.targets.words import from_words, result_values
+from scripts import run
+from tb.sim.env import ROOT
+from tb.sim.simulate import Run
+
+HERE = Path(__file__).parent
+DOCS = ROOT / "docs"
+
+DIGITS = 7
+"""Digits of the figures in the page: enough to draw, and to read."""
+
+MOST_ARMS = 4
+"""Arms of different lengths that are drawn side by side; of a file with more, only the one that moves is."""
+
+
+def _numbers(array: np.ndarray) -> Any:
+    """An array as nested lists of short numbers."""
+    if array.ndim > 1:
+        return [_numbers(row) for row in array]
+    return [float(f"{value:.{DIGITS}g}") for value in array.tolist()]
+
+
+def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
+    """For every target, which arm it is of: targets of the same lengths are of the same arm."""
+    _, index = np.unique(np.column_stack((d1, d2)), axis=0, return_inverse=True)
+    index = index.reshape(-1)
+    return (index if index.max() < MOST_ARMS else np.zeros_like(index)).tolist()
+
+
+def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, Any]:
+    """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit."""
+    targets, width = item.targets, result.width
+    values = result_values(ran.results, width)
+    # What the words asked for: the swivel plane that the core was given.
+    asked = from_words(item.words, 0, width, targets.name)
+    each = result.each
+    # A fixed bar is one that differs from the prediction (model/targets/scoring.py).
+    fixed = result.hand_error_bar != result.hand_error_predicted
+    about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
+    return {
+        "name": targets.name,
+        "about": about,
+        "target": _numbers(targets.position),
+        "phi": _numbers(targets.phi),
+        "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
+        "arm": _arms(targets.d1, targets.d2),
+        "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
+        "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
+        "normal": _numbers(swivel_normal(asked.x, asked.y, asked.z, asked.phi)),
+        "qs": _numbers(values[:, :4]),
+        "qe": _numbers(values[:, 4:]),
+        "flags": [flag_bits.names(int(bits)) for bits in ran.flags],
+        "clamped": each.clamped.tolist(),
+        "hand": _numbers(each.judged_error),
+        "predicted": _numbers(each.predicted),
+        "bar": _numbers(each.bar),
+        "fixedBar": fixed,
+        "shoulderAngle": _numbers(each.shoulder_angle_error),
+        "elbowAngle": _numbers(each.elbow_angle_error),
+        "latency": result.latency_cycles,
+        "cycles": result.total_cycles,
+        "figures": run.figures(result, ran.flags),
+        "passed": result.passed,
+        "failures": result.failures,
+    }
+
+
+def _links(out: Path) -> str:
+    """The pages and pictures of docs/ as list items: links if the report stands in the checkout, names if not."""
+    items = []
+    for path in sorted(p for p in DOCS.rglob("*") if p.suffix in (".svg", ".html", ".md")):
+        name = html.escape(f"docs/{path.relative_to(DOCS).as_posix()}")
+        if out.resolve().is_relative_to(ROOT):
+            link = quote(os.path.relpath(path, out.resolve()))
+            name = f'<a href="{link}">{name}</a>'
+        items.append(f"<li>{name}</li>")
+    return "\n".join(items)
+
+
+def page(shown: Sequence[dict[str, Any]], *, out: Path, datapath: str, width: int, simulator: str) -> str:
+    """The whole page. `out` is the folder it will stand in, for its links."""
+    data = json.dumps({"trajectories": shown}, allow_nan=False, separators=(",", ":"))
+    parts = {
+        "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
+        "run": html.escape(f"{datapath} datapath, {width} bits, {simulator}"),
+        "links": _links(out),
+        "style": (HERE / "report.css").read_text(encoding="utf-8"),
+        "script": (HERE / "report.js").read_text(encoding="utf-8"),
+        "data": data.replace("<", "\\u003c"),  # so that no name can end the script element
+    }
+    template = (HERE / "report.html").read_text(encoding="utf-8")
+    # In one pass: what is put in is not looked at again.
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
+
+
+def _report(parsed: Any) -> int:
+    """Run, score and write the page; the exit status 0 or 1. Raises what `run.exit_status` reports."""
+    path = parsed.out / "report.html"
+    prepared = run.prepare(parsed)
+    run.check_out(parsed.out, [path])
+    done = run.run_and_score(parsed, prepared)
+    shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
+    text = page(shown, out=parsed.out, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
+    try:
+        write_atomically(path, text)
+    except OSError as exc:
+        raise run.InputError(f"argument --out: cannot write {os.fspath(path)!r}: {exc.strerror}") from None
+    print(f"wrote {path}")
+    return run.verdict("report", [result for _, result in done])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; the exit status."""
+
+    def work() -> int:
+        parser = run.parser_of(
+            "python -m scripts.report",
+            "Run trajectories through the core in a simulator and write a page that shows them.",
+            out="build/report",
+            written="report.html",
+        )
+        return _report(parser.parse_args(arguments))
+
+    return run.exit_status("report", work)

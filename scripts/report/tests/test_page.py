@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The report without a browser: what its page holds, that it needs nothing else, the command line.
+
+The simulator is that of test_run.py. What the page does when it is opened: browser_test_report.py.
+"""
+
+import html
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+
+from model.reference.kinematics import forward
+from model.targets import trajectories
+from model.targets.scoring import LEAN_BAR, REGULAR_BAR
+from scripts import run
+from scripts.report import page as report
+from scripts.tests.test_run import FakeSimulator, ctrl_c
+from tb.sim.env import ROOT, environment
+from tb.sim.simulate import SimulationError
+
+PAGE = Path("build/report/report.html")
+
+
+@pytest.fixture
+def simulator(monkeypatch):
+    fake = FakeSimulator()
+    prediction = lambda words, width, datapath: np.linspace(1.0, 2.0, len(words)) * 2.0 ** (8 - width)  # noqa: E731
+    monkeypatch.setattr(run, "simulate", fake.simulate)
+    monkeypatch.setattr(run, "hand_bar", prediction)
+    return fake
+
+
+@pytest.fixture
+def cli(simulator, tmp_path, monkeypatch, capsys):
+    """Run the command line in an empty folder: (exit status, stdout lines, stderr lines)."""
+    monkeypatch.chdir(tmp_path)
+
+    def cli(*arguments, main=report.main):
+        status = main(list(arguments))
+        captured = capsys.readouterr()
+        return status, captured.out.splitlines(), captured.err.splitlines()
+
+    return cli
+
+
+def text(path=PAGE):
+    return path.read_text(encoding="utf-8")
+
+
+def data(path=PAGE):
+    """What the browser's JSON.parse gets: the text of the script element, as HTML ends it."""
+    (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text(path), re.S)
+    return json.loads(found)["trajectories"]
+
+
+def files():
+    return sorted(str(path) for path in Path().rglob("*") if path.is_file())
+
+
+# -- what the page holds ---------------------------------------------------------------------------
+
+
+def test_one_trajectory(cli, simulator):
+    status, out, err = cli()
+    assert (status, out, err) == (0, ["wrote build/report/report.html"], [])
+    assert files() == ["build/report/report.html"]
+    assert len(simulator.calls) == 1
+    (shown,) = data()
+    assert (shown["name"], shown["about"]) == ("reach", trajectories.describe("reach"))
+    assert "<title>CGA-IK: reach</title>" in text()
+    assert "lean datapath, 32 bits, icarus" in text()
+    assert shown["passed"] and shown["failures"] == []
+    lists = [key for key, value in shown.items() if isinstance(value, list) and key not in ("figures", "failures")]
+    assert len(lists) == 16 and {len(shown[key]) for key in lists} == {100}
+
+
+def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator):
+    assert cli("--trajectory", "all", "--sim", "verilator", "--width", "24")[0] == 0
+    assert files() == ["build/report/report.html"]
+    assert [shown["name"] for shown in data()] == list(trajectories.TRAJECTORIES)
+    (call,) = simulator.calls
+    assert (call["simulator"], call["width"]) == ("verilator", 24)
+    assert PAGE.stat().st_size < 2_000_000
+
+
+@pytest.mark.parametrize(("datapath", "bar"), [("lean", LEAN_BAR), ("paper", REGULAR_BAR)])
+def test_figures_agree_with_the_score(cli, datapath, bar):
+    """What the plots show has the maxima that `make run` writes, and the table is that of `make run`."""
+    cli("--trajectory", "all", "--datapath", datapath)
+    cli("--trajectory", "all", "--datapath", datapath, main=run.main)
+    scores = json.loads(Path("build/run/score.json").read_text())
+    for shown, score in zip(data(), scores, strict=True):
+        clamped = np.array(shown["clamped"])
+
+        def most(key, where, shown=shown):
+            return np.array(shown[key])[where].max() if where.any() else None
+
+        for key, where, figure in [
+            ("hand", ~clamped, "hand_error_max"),
+            ("bar", ~clamped, "hand_error_bar"),
+            ("predicted", ~clamped, "hand_error_predicted"),
+            ("shoulderAngle", ~clamped, "shoulder_angle_error_max"),
+            ("elbowAngle", ~clamped, "elbow_angle_error_max"),
+            ("hand", clamped, "clamped_error_max"),
+            ("bar", clamped, "clamped_error_bar"),
+        ]:
+            expected = score[figure]
+            assert most(key, where) == (expected and pytest.approx(expected, rel=1e-6)), (score["trajectory"], figure)
+        over = (np.array(shown["hand"]) / shown["bar"])[~clamped].max()
+        assert over == pytest.approx(score["hand_error_over_bar"], rel=1e-5)
+        assert shown["fixedBar"] == (score["hand_error_bar"] == bar)
+        assert [shown["latency"], shown["cycles"]] == [score["latency_cycles"], score["total_cycles"]]
+        measured = {row[0]: row[1] for row in shown["figures"]}
+        assert measured["hand error / reach, largest"] == f"{score['hand_error_max']:.1e}"
+        assert measured["latency (clocks)"] == str(score["latency_cycles"])
+
+
+def test_the_arm_is_where_the_words_put_it(cli, simulator):
+    """Not where the target is: a wrong word shows."""
+
+    def spoil(runs):
+        runs[0].results[30, 1] += 2**28  # 0.25 of qs_i
+
+    simulator.spoil = spoil
+    assert cli()[0] == 1
+    (shown,) = data()
+    wrist, target, lengths = (np.array(shown[key]) for key in ("wrist", "target", "lengths"))
+    off = np.linalg.norm(wrist - target, axis=1)
+    assert np.flatnonzero(off > 1e-5).tolist() == [30] and off[30] > 0.05
+    elbow, hand = forward(shown["qs"], shown["qe"], *lengths.T)
+    np.testing.assert_allclose(elbow, shown["elbow"], atol=1e-6)
+    np.testing.assert_allclose(hand, wrist, atol=1e-6)
+    assert not shown["passed"] and "at target 30" in shown["failures"][0]
+
+
+def test_the_swivel_plane_holds_the_arm(cli):
+    cli("--trajectory", "all")
+    for shown in data():
+        normal = np.array(shown["normal"])
+        for point in ("elbow", "wrist"):
+            height = (normal * shown[point]).sum(axis=1)
+            assert np.abs(height).max() < 1e-5, (shown["name"], point)
+
+
+def test_arms_of_a_file(cli):
+    cli("--trajectory", "two_arms")
+    assert data()[0]["arm"] == [1, 0] * 50
+    rows = [f"0.2,0.1,0.1,{0.3 + k / 100}\n" for k in range(report.MOST_ARMS + 1)]
+    Path("t.csv").write_text("x,y,z,d1\n" + "".join(rows[:-1]))
+    cli("--trajectory", "t.csv")
+    assert data()[0]["arm"] == [0, 1, 2, 3]
+    Path("t.csv").write_text("x,y,z,d1\n" + "".join(rows))
+    cli("--trajectory", "t.csv")
+    assert data()[0]["arm"] == [0, 0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e3, 1e150])
+def test_lengths_are_in_the_unit_of_the_file(cli, unit):
+    Path("t.csv").write_text(f"x,y,z,d1,d2\n{0.3 * unit},{0.1 * unit},{0.2 * unit},{0.33 * unit},{0.27 * unit}\n")
+    assert cli("--trajectory", "t.csv")[0] == 0
+    (shown,) = data()
+    assert shown["about"] == "Targets of t.csv."
+    np.testing.assert_allclose(shown["wrist"], np.array([[0.3, 0.1, 0.2]]) * unit, rtol=1e-5)
+
+
+def test_clamped_targets_are_measured_against_the_clamped_pose(cli):
+    cli("--trajectory", "out_of_reach")
+    (shown,) = data()
+    assert sum(shown["clamped"]) == 48
+    assert max(shown["hand"]) < 1e-6, "15 cm out of reach is no error of the hand"
+    assert {shown["flags"][n] for n in range(100) if shown["clamped"][n]} == {"too_far"}
+
+
+# -- the page needs nothing else -------------------------------------------------------------------
+
+
+def test_nothing_is_loaded(cli):
+    cli("--trajectory", "all")
+    for load in ("http:", "https:", "//cdn", "src=", "<link", "@import", "url(", "fetch(", "XMLHttpRequest", "import("):
+        assert load not in text(), load
+    assert "{{" not in text()
+    assert "default-src 'none'" in text()
+
+
+def test_the_same_run_writes_the_same_bytes(cli):
+    cli()
+    first = PAGE.read_bytes()
+    cli()
+    assert PAGE.read_bytes() == first
+
+
+def test_names_cannot_break_out(cli):
+    name = """<!--<script>&"'{{links}}{{x}}\u2028.csv"""
+    Path(name).write_text("x,y,z\n0.3,0.1,-0.2\n")
+    assert cli("--trajectory", name)[0] == 0
+    (shown,) = data()
+    assert shown["name"] == name[:-4] and shown["about"] == f"Targets of {name}."
+    assert f"<title>CGA-IK: {html.escape(name[:-4])}</title>" in text()
+    assert text().count("<script") == 2 and text().count("</script>") == 2 and "<!--" not in text()
+
+
+def test_links_lead_to_the_pictures(cli):
+    out = ROOT / "build" / f"report test.{os.getpid()}"
+    try:
+        assert cli("--out", str(out))[0] == 0
+        links = re.findall(r'href="([^"]*)"', text(out / "report.html"))
+        assert all((out / unquote(link)).resolve().is_file() for link in links)
+        assert "../../docs/pipeline-lean.svg" in links
+    finally:
+        (out / "report.html").unlink(missing_ok=True)
+        out.rmdir()
+
+
+def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
+    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n")
+    cli("--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"))
+    page = text(tmp_path / "o" / "report.html")
+    assert str(ROOT) not in page and str(tmp_path) not in page
+    assert "href=" not in page and "<li>docs/pipeline-lean.svg</li>" in page
+
+
+def test_the_script_finds_its_elements():
+    page = (report.HERE / "report.html").read_text()
+    script = (report.HERE / "report.js").read_text()
+    style = (report.HERE / "report.css").read_text()
+    for name in re.findall(r'element\("([\w-]+)"\)', script):
+        assert f'id="{name}"' in page, name
+    for name in re.findall(r"#([a-z][\w-]+) *[{,]", style):
+        assert f'id="{name}"' in page, name
+    used = set(re.findall(r"var\(--([\w-]+)\)", style + page))
+    assert all(style.count(f"--{name}:") == 2 for name in used), "each colour in light and in dark"
+
+
+# -- the command line ------------------------------------------------------------------------------
+
+
+def test_a_trajectory_that_fails_is_shown_all_the_same(cli, simulator):
+    def spoil(runs):
+        runs[2].bit_mismatches, runs[2].first_mismatch = 5, "target 3, node c4"
+
+    simulator.spoil = spoil
+    status, out, err = cli("--trajectory", "all")
+    assert (status, out) == (1, ["wrote build/report/report.html"])
+    assert err == ["report: figure_eight fails: 5 bits differ from the bit-true model; target 3, node c4"]
+    assert [shown["name"] for shown in data() if not shown["passed"]] == ["figure_eight"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--trajectory", "reech"], ["--trajectory", "'reech'", "all, reach, circle"]),
+        (["--sim", "modelsim"], ["--sim", "unknown simulator 'modelsim'"]),
+        (["--width", "33"], ["unknown width '33'"]),
+        (["--trajectory", "reach", "--d1", "0.4"], ["--d1", "reach"]),
+        (["--trajectory", "none.csv"], ["none.csv: no such file"]),
+        (["--waves"], ["unrecognized arguments: --waves"]),
+        (["--out", "file"], ["--out", "'file'", "File exists"]),
+        (["--out", "taken"], ["--out", "'taken/report.html' is a folder"]),
+    ],
+)
+def test_bad_arguments(cli, simulator, arguments, parts):
+    Path("file").touch()
+    Path("taken/report.html").mkdir(parents=True)
+    status, out, err = cli(*arguments)
+    assert (status, out, len(err)) == (2, [], 1), err
+    for part in ("report: ", *parts):
+        assert part in err[0]
+    assert simulator.calls == [] and files() == ["file"]
+
+
+def test_help_names_every_option(cli, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        cli("--help")
+    assert exit_.value.code == 0
+    said = capsys.readouterr().out
+    for option in "trajectory out sim datapath width d1 d2 phi".split():
+        assert f"\n  --{option}" in said, option
+    assert "report.html" in said and "build/report" in said
+
+
+@pytest.mark.parametrize("what", ["simulation", "ctrl-c", "disk"])
+def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, what):
+    PAGE.parent.mkdir(parents=True)
+    PAGE.write_text("old")
+
+    def broken(runs):
+        raise SimulationError("iverilog: not found")
+
+    def full(old, new):
+        raise OSError(28, "No space left on device", os.fspath(new))
+
+    if what == "simulation":
+        simulator.spoil = broken
+        expected = (1, "report: iverilog: not found")
+    elif what == "ctrl-c":
+        simulator.spoil = ctrl_c
+        expected = (130, "report: interrupted")
+    else:
+        monkeypatch.setattr(os, "replace", full)
+        expected = (2, f"report: argument --out: cannot write '{PAGE}': No space left on device")
+    status, out, err = cli()
+    assert (status, out, err) == (expected[0], [], [expected[1]])
+    assert files() == [str(PAGE)] and text() == "old"
+
+
+def test_as_a_command():
+    done = subprocess.run(
+        [sys.executable, "-m", "scripts.report", "--trajectory", "none.csv"], cwd=ROOT, capture_output=True,
+        text=True
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "report: none.csv: no such file\n")
+
+
+def test_make_passes_the_options_of_run():
+    """`make report` is started as `make run` is, word for word, but for WAVES."""
+    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1 SIM=verilator".split()
+    said = {}
+    for target in ("run", "report"):
+        command = ["make", "-n", target, *words]
+        done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
+        said[target] = done.stdout
+    assert (
+        said["run"].replace("scripts.run", "scripts.report").replace(" --waves", "").split() == said["report"].split()
+    )

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The hardest targets that were ever found, a regression list: ``tb/core/hardest.csv``.
+
+``python -m scripts.soak --keep`` writes it, tb/core/test_hardest.py runs it.  Hard is a reachable target whose hand
+error is
+large beside its bar, or whose quaternions are far from unit length.  A row holds the datapath, the word length, the
+six input words, the hand error / reach (of the bit-true model, which the RTL equals) and where it was found.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from model.bounds.predict import hand_bar
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import WIDTHS
+from model.reference.kinematics import forward
+from model.targets.flags import UNREACHABLE, expected_flags
+from model.targets.scoring import LEAN_BAR, NORM_ULPS
+from model.targets.words import FIELDS, result_values
+from tb.sim.env import ROOT
+
+LIST = ROOT / "tb" / "core" / "hardest.csv"
+COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
+
+KEPT = 10
+"""Targets of each kind of hardness that are kept, per datapath and word length."""
+
+LEAN_BARS = {32: LEAN_BAR, 24: 1e-6, 18: 5e-5}
+"""Word length -> largest hand error / reach of the lean datapath in any pose; at other lengths the prediction."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the list.  ``hand_error`` is None for a target out of reach."""
+
+    datapath: str
+    width: int
+    words: tuple[int, ...]
+    hand_error: float | None
+    found: str
+
+
+def errors(words: np.ndarray, results: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Hand error / reach (N,), nan for targets out of reach, and abs(norm^2 - 1), the larger of Qs and Qe (N,)."""
+    values = result_values(results, width)
+    qs, qe = values[:, :4], values[:, 4:]
+    lengths = result_values(words, width)
+    position, d1, d2 = lengths[:, :3], lengths[:, 4], lengths[:, 5]
+    _, wrist = forward(qs, qe, d1, d2)
+    reachable = expected_flags(words, width) & UNREACHABLE == 0
+    hand = np.full(len(words), np.nan)
+    np.divide(np.linalg.norm(wrist - position, axis=1), d1 + d2, out=hand, where=reachable)
+    return hand, np.maximum(*(np.abs((q**2).sum(axis=1) - 1) for q in (qs, qe)))
+
+
+def bars(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
+    """What the hand error of reachable targets is held against (N,): the lean datapath's bar or the prediction."""
+    if datapath == "lean" and width in LEAN_BARS:
+        return np.full(len(words), LEAN_BARS[width])
+    return hand_bar(words, width, datapath)
+
+
+def norm_bar(width: int) -> float:
+    """Largest abs(norm^2 - 1) of a quaternion."""
+    return NORM_ULPS * 2.0 ** (2 - width)
+
+
+def array(rows: Iterable[Row]) -> np.ndarray:
+    """The input words of rows (N, 6)."""
+    return np.array([row.words for row in rows], dtype=np.int64).reshape(-1, len(FIELDS))
+
+
+def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
+    """(datapath, width) -> its rows."""
+
+    def key(row: Row) -> tuple[str, int]:
+        return row.datapath, row.width
+
+    return {k: list(group) for k, group in groupby(sorted(rows, key=key), key)}
+
+
+# -- the file --------------------------------------------------------------------------------------------------------
+
+
+def read(path: Path) -> list[Row]:
+    """The rows of such a file.  Raises ValueError in one line, and OSError."""
+    with open(path, encoding="utf-8", newline="") as stream:
+        try:
+            lines = list(csv.reader(stream, strict=True))
+        except (UnicodeDecodeError, csv.Error) as error:
+            raise ValueError(f"{path}: not a CSV file: {error}") from None
+    if not lines or tuple(lines[0]) != COLUMNS:
+        raise ValueError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
+    rows = []
+    for number, cells in enumerate(lines[1:], 2):
+        try:
+            rows.append(_row(cells))
+        except ValueError as error:
+            raise ValueError(f"{path}: row {number}: {error}") from None
+    return rows
+
+
+def _row(cells: list[str]) -> Row:
+    if len(cells) != len(COLUMNS):
+        raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
+    datapath, width, error, found = cells[0], int(cells[1]), cells[-2], cells[-1]
+    words = tuple(map(int, cells[2:-2]))
+    if datapath not in DATAPATHS:
+        raise ValueError(f"unknown datapath {datapath!r}")
+    if width not in WIDTHS:
+        raise ValueError(f"unknown width {width}")
+    if not all(-(1 << (width - 1)) <= word < 1 << (width - 1) for word in words):
+        raise ValueError(f"a word does not fit {width} bits")
+    return Row(datapath, width, words, float(error) if error else None, found)
+
+
+def text(rows: Iterable[Row]) -> str:
+    """The file that holds these rows."""
+    out = io.StringIO()
+    write = csv.writer(out, lineterminator="\n").writerow
+    write(COLUMNS)
+    for row in rows:
+        error = "" if row.hand_error is None else f"{row.hand_error:.6e}"
+        write((row.datapath, row.width, *row.words, error, row.found))
+    return out.getvalue()
+
+
+# -- what is kept ----------------------------------------------------------------------------------------------------
+
+
+def merge(rows: Iterable[Row]) -> list[Row]:
+    """The hardest of these rows: per datapath and word length ``KEPT`` by hand error beside their bar, then ``KEPT``
+    others by norm error; hand errors are computed anew.  Does not depend on the order of the rows."""
+    kept = []
+    for (datapath, width), group in groups(rows).items():
+        # Of a target that was found more than once, the first by the text of where.
+        once = {row.words: row for row in sorted(group, key=lambda row: (row.words, row.found), reverse=True)}
+        unique = [once[words] for words in sorted(once)]
+        words = array(unique)
+        hand, norm = errors(words, fixed.run(words, width, datapath).results, width)
+        # A row at a time: the random ends that a prediction tries depend on the place among others.
+        ratio = hand / np.concatenate([bars(word[None], width, datapath) for word in words])
+        reachable = np.flatnonzero(~np.isnan(hand))
+        by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]
+        by_norm = reachable[np.argsort(-norm[reachable], kind="stable")]
+        chosen = by_hand[:KEPT].tolist()
+        chosen += [n for n in by_norm.tolist() if n not in chosen][:KEPT]
+        chosen.sort(key=lambda n: (-hand[n], unique[n].words))
+        kept += [replace(unique[n], hand_error=float(hand[n])) for n in chosen]
+    return kept

@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The testbench of ``ik_axis``: clock, reset, stream drivers, monitors, model and the scoreboard over all nodes.
+
+Tests are short stories on top of :class:`Pipeline`.  All sampling is done at the falling edge of the clock, when
+inputs and registers of a clock have settled in both simulators.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import cocotb
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
+
+from model.dataflow import fixed
+from model.dataflow.nodes import Node
+from model.targets.words import FIELDS, pack, unpack
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One node of one target in which RTL and model differ."""
+
+    node: Node
+    target: int
+    clock: int
+    rtl: str  # bits, X and Z included
+    model: int
+
+    def bits(self) -> int:
+        """How many bits differ; X and Z count."""
+        expected = format(self.model, f"0{self.node.format.width}b")
+        return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
+
+    def __str__(self) -> str:
+        fmt = self.node.format
+        width = -(-fmt.width // 4)
+        known = set(self.rtl) <= {"0", "1"}
+        rtl = f"{int(self.rtl, 2):0{width}x}" if known else self.rtl
+        real = f"{_real(int(self.rtl, 2), fmt):.12g}" if known else "unknown"
+        equation = f" {self.node.equation}" if self.node.equation else ""
+        return (
+            f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
+            f"RTL {rtl} ({real}), model {self.model:0{width}x} ({_real(self.model, fmt):.12g})"
+        )
+
+
+def _real(word: int, fmt) -> float:
+    """Value of an unsigned bit pattern in format ``fmt``."""
+    if fmt.signed and word >> (fmt.width - 1):
+        word -= 1 << fmt.width
+    return word / 2**fmt.frac
+
+
+class Scoreboard:
+    """Compares every named node of every target with the bit-true model, at the clock where it is valid.
+
+    ``handle_of`` maps a node to its signal.  ``expect`` announces targets in the order in which they will be admitted;
+    ``admitted`` and ``sample`` are called once a clock.
+    """
+
+    KEPT = 1000  # differences that are kept for the message; all are counted
+
+    def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
+        self.nodes = list(nodes)
+        self.order = {node.name: k for k, node in enumerate(self.nodes)}
+        self.by_time: dict[int, list[tuple[Node, object]]] = {}
+        for node in self.nodes:
+            self.by_time.setdefault(node.time, []).append((node, handle_of(node)))
+        self.expected: dict[str, list[int]] = {node.name: [] for node in self.nodes}
+        self.in_clock: dict[int, int] = {}  # clock of admission -> target
+        self.compared = 0
+        self.mismatching_bits = 0
+        self.differences: list[Difference] = []
+
+    def expect(self, answer: fixed.Answer) -> None:
+        """Appends the model's values of the watched nodes for further targets."""
+        for name, values in self.expected.items():
+            node = answer.bits.nodes[name]
+            mask = (1 << node.format.width) - 1
+            values += [int(v) & mask for v in node.value.tolist()]
+
+    def admitted(self, clock: int, target: int) -> None:
+        """Target number ``target`` was admitted in clock ``clock``."""
+        self.in_clock[clock] = target
+
+    def forget(self) -> None:
+        """After a reset: what was in flight no longer has to be right."""
+        self.in_clock.clear()
+
+    def sample(self, clock: int) -> None:
+        """Compares what is valid in this clock."""
+        for time, pairs in self.by_time.items():
+            target = self.in_clock.get(clock - time)
+            if target is None:
+                continue
+            for node, handle in pairs:
+                bits = str(handle.value)
+                expected = self.expected[node.name][target]
+                self.compared += 1
+                if bits != format(expected, f"0{node.format.width}b"):
+                    difference = Difference(node, target, clock, bits, expected)
+                    self.mismatching_bits += difference.bits()
+                    if len(self.differences) < self.KEPT:
+                        self.differences.append(difference)
+
+    def report(self, most: int = 5, since: int = 0) -> str:
+        """The first target that differs, its nodes in dataflow order; empty when nothing differs.
+
+        Targets are counted from target ``since`` on.
+        """
+        if not self.differences:
+            return ""
+        first = min(d.target for d in self.differences)
+        of_first = [replace(d, target=first - since) for d in self.differences if d.target == first]
+        of_first.sort(key=lambda d: self.order[d.node.name])
+        lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:most])]
+        if len(of_first) > most:
+            lines.append(f"            and {len(of_first) - most} more nodes of this target")
+        return "\n".join(lines)
+
+
+class Pipeline:
+    """``ik_axis`` under test.
+
+    ``results`` holds (words, tag, flags, clock) for every beat that left, in order; ``latencies`` its clocks since
+    admission.
+    """
+
+    def __init__(self, dut) -> None:
+        self.dut = dut
+        self.width = len(dut.s_axis_tdata) // len(FIELDS)
+        self.tag_width = len(dut.s_axis_tuser)
+        self.datapath = "lean" if int(dut.LEAN.value) else "paper"
+        logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
+        Clock(dut.clk, 10, unit="ns").start(start_high=False)
+        dut.rst.value = 1
+        self.source = AxiStreamSource(
+            AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
+        )
+        self.sink = AxiStreamSink(
+            AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
+        )
+        probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width, self.datapath).bits.nodes
+        self.scoreboard = Scoreboard(self._handle, probe.values())
+        self.clock = 0
+        self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # of all targets announced, in order
+        self.answer_results: list[tuple[int, ...]] = []
+        self.answer_flags: list[int] = []
+        self.tags: list[int] = []
+        self.admitted: list[int] = []  # clock of admission of each target
+        self.due: list[int] = []  # targets whose result has not left yet
+        self.results: list[tuple[tuple[int, ...], int, int, int]] = []
+        self.latencies: list[int] = []
+        self.errors: list[str] = []
+        cocotb.start_soon(self._watch())
+
+    # ---- signals -------------------------------------------------------------------------------------------------
+
+    def _handle(self, node: Node):
+        """The signal of a node."""
+        place = getattr(self.dut, f"g_{self.datapath}").u_core
+        if node.instance:
+            place = getattr(place, node.instance)
+        return getattr(place, node.name)
+
+    # ---- what tests do -------------------------------------------------------------------------------------------
+
+    async def reset(self, clocks: int = 4) -> None:
+        """Holds reset for some clocks; targets in flight are forgotten by core, drivers and scoreboard alike."""
+        await RisingEdge(self.dut.clk)
+        self.dut.rst.value = 1
+        self.source.clear()
+        for _ in range(clocks):
+            await RisingEdge(self.dut.clk)
+        self.sink.clear()
+        # Targets that were announced and never admitted will not come any more.
+        dropped = len(self.admitted)
+        self.words = self.words[:dropped]
+        del self.answer_results[dropped:], self.answer_flags[dropped:], self.tags[dropped:]
+        for values in self.scoreboard.expected.values():
+            del values[dropped:]
+        self.dut.rst.value = 0
+        await RisingEdge(self.dut.clk)
+
+    def announce(self, words: np.ndarray) -> None:
+        """Computes what the model answers to further targets; they must then be sent in this order."""
+        answer = fixed.run(words, self.width, self.datapath)
+        self.words = np.concatenate([self.words, words])
+        self.answer_results += [tuple(r) for r in answer.results.tolist()]
+        self.answer_flags += answer.flags.tolist()
+        self.scoreboard.expect(answer)
+
+    def send(self, words: np.ndarray) -> None:
+        """Queues targets, (N, 6) signed words; the tags count up."""
+        self.announce(words)
+        for beat in pack(words, self.width):
+            tag = len(self.tags) & ((1 << self.tag_width) - 1)
+            self.tags.append(tag)
+            self.source.send_nowait(AxiStreamFrame([beat], tuser=tag))
+
+    async def drain(self, most_clocks: int = 20000) -> None:
+        """Waits until every target has been answered; fails after ``most_clocks`` clocks without a result."""
+        seen, since = len(self.results), self.clock
+        while len(self.admitted) < len(self.words) or self.due:
+            await FallingEdge(self.dut.clk)
+            if len(self.results) != seen:
+                seen, since = len(self.results), self.clock
+            assert self.clock - since < most_clocks, (
+                f"no result for {most_clocks} clocks: {len(self.words)} targets announced, {len(self.admitted)} "
+                f"admitted, {len(self.results)} results"
+            )
+        # Nothing may come after the last.
+        for _ in range(8):
+            await FallingEdge(self.dut.clk)
+
+    def check(self) -> None:
+        """All that must hold after a drain: results, order, tags, flags, streams, every node."""
+        assert not self.errors, f"{len(self.errors)} errors, the first: {self.errors[0]}"
+        board = self.scoreboard
+        assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
+        assert board.compared or not self.results, "the scoreboard compared nothing"
+
+    # ---- what watches --------------------------------------------------------------------------------------------
+
+    async def _watch(self) -> None:
+        """Once a clock: admission, departure, stability of stalled streams, nodes."""
+        dut = self.dut
+        stalled: dict[str, tuple[str, str] | None] = {"s_axis": None, "m_axis": None}
+        # Under Verilator the clock line starts at random: an edge at time 0 is none.
+        await Timer(1, unit="ns")
+        while True:
+            await FallingEdge(dut.clk)
+            self.clock += 1
+            if dut.rst.value != 0:
+                self.scoreboard.forget()
+                self.due.clear()
+                stalled = dict.fromkeys(stalled)
+                # The flip-flops are reset at the first rising edge with rst; nothing before it counts.
+                continue
+            for name in stalled:
+                valid, ready = getattr(dut, f"{name}_tvalid").value, getattr(dut, f"{name}_tready").value
+                if not (valid.is_resolvable and ready.is_resolvable):
+                    self.errors.append(f"{name}: tvalid {valid} tready {ready} in clock {self.clock}")
+                    continue
+                beat = None
+                if valid == 1:
+                    beat = (str(getattr(dut, f"{name}_tdata").value), str(getattr(dut, f"{name}_tuser").value))
+                if stalled[name] is not None and beat != stalled[name]:
+                    self.errors.append(f"{name} changed while it was stalled, in clock {self.clock}")
+                stalled[name] = beat if beat and ready == 0 else None
+                if beat and ready == 1:
+                    (self._admit if name == "s_axis" else self._leave)(*beat)
+            self.scoreboard.sample(self.clock)
+
+    def _admit(self, data: str, user: str) -> None:
+        target = len(self.admitted)
+        self.admitted.append(self.clock)
+        self.due.append(target)
+        if target >= len(self.words):
+            self.errors.append(f"target {target} was admitted and never sent")
+        else:
+            self.scoreboard.admitted(self.clock, target)
+
+    def _leave(self, data: str, user: str) -> None:
+        if "x" in (data + user).lower() or "z" in (data + user).lower():
+            self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
+            return
+        words = tuple(unpack([int(data, 2)], self.width)[0].tolist())
+        flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
+        if not self.due:
+            self.errors.append(f"a result with tag {tag} in clock {self.clock} that nobody asked for")
+            return
+        target = self.due.pop(0)
+        self.results.append((words, tag, flags, self.clock))
+        self.latencies.append(self.clock - self.admitted[target])
+        expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])
+        if (words, tag, flags) != expected:
+            self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {expected}, in clock {self.clock}")
+
+
+PATTERNS = ("none", "single", "bursts", "long")
+"""Names of the pause patterns of :func:`pause`."""
+
+
+def pause(pattern: str, seed: int) -> Iterable[bool] | None:
+    """A pause generator by name: none, single (every other clock), bursts (random lengths), long (700 clocks)."""
+    random = np.random.default_rng(seed)
+    if pattern == "none":
+        return None
+    if pattern == "single":
+        return itertools.cycle([True, False])
+    if pattern == "bursts":
+        return (stop for _ in itertools.count() for stop in [bool(random.integers(2))] * int(random.integers(1, 12)))
+    if pattern == "long":
+        return itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700)
+    raise ValueError(f"no pause pattern {pattern}")

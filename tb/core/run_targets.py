@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The cocotb side of ``tb/sim/simulate.py``: runs jobs of targets through ``ik_axis`` without stalls.
+
+IK_JOBS names an .npz file with one (N, 6) word array a job; IK_RESULTS the .npz file to write: for job k the arrays
+``results_k`` (N, 6), ``flags_k`` (N,), ``facts_k`` = latency, clocks from first in to last out, mismatching bits, and
+``first_k``, the first difference as text.  IK_PROGRESS names a file that holds the number of results so far.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cocotb
+import numpy as np
+from cocotb.triggers import FallingEdge
+
+from tb.core.pipeline import Pipeline
+
+
+@cocotb.test()
+async def run_targets(dut):
+    """Every job after a reset of its own."""
+    progress = Path(os.environ["IK_PROGRESS"])
+    bench = Pipeline(dut)
+    written: dict[str, np.ndarray] = {}
+    board = bench.scoreboard
+
+    async def report():
+        while True:
+            for _ in range(100):
+                await FallingEdge(dut.clk)
+            progress.write_text(str(len(bench.results)))
+
+    cocotb.start_soon(report())
+    with np.load(os.environ["IK_JOBS"]) as jobs:
+        for k in range(len(jobs.files)):
+            await bench.reset()
+            first, bits = len(bench.results), board.mismatching_bits
+            since = len(bench.admitted)
+            board.differences.clear()
+            bench.send(jobs[f"words_{k}"])
+            await bench.drain()
+            rows = bench.results[first:]
+            clocks = rows[-1][3] - bench.admitted[-len(rows)] + 1
+            written[f"results_{k}"] = np.array([r[0] for r in rows], dtype=np.int64)
+            written[f"flags_{k}"] = np.array([r[2] for r in rows], dtype=np.int64)
+            written[f"facts_{k}"] = np.array([bench.latencies[first], clocks, board.mismatching_bits - bits])
+            written[f"first_{k}"] = np.array(board.report(since=since))
+    # A difference of a node is a score, not a failure of the run; a broken stream is.
+    streams = [e for e in bench.errors if ": RTL " not in e]
+    assert not streams, f"{len(streams)} errors, the first: {streams[0]}"
+    np.savez(os.environ["IK_RESULTS"], **written)

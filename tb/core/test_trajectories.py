@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every built-in trajectory through the RTL by the command line, as a user runs it: all pass, node for node."""
+
+import json
+
+import pytest
+
+from model.dataflow.datapaths import DATAPATHS
+from model.targets import trajectories
+from model.targets.scoring import LEAN_BAR, REGULAR_BAR
+from scripts import run
+from scripts.pages import gen_docs
+from tb.sim.env import CORES, cores, simulator
+
+AIM = 1e-6
+"""What regular trajectories are to reach; their bar is wider."""
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory):
+    """Datapath -> (folder, scores) of all trajectories."""
+    found = {}
+    for datapath in DATAPATHS:
+        out = tmp_path_factory.mktemp(datapath)
+        arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(out), "--sim", simulator()]
+        arguments += ["--cores", cores()]
+        status = run.main(arguments)
+        scores = {score["trajectory"]: score for score in json.loads((out / "score.json").read_text())}
+        assert status == 0, {name: score["failures"] for name, score in scores.items()}
+        found[datapath] = out, scores
+    return found
+
+
+@pytest.fixture(params=DATAPATHS)
+def outcome(request, outcomes):
+    """(folder, scores) of all trajectories by one datapath."""
+    return outcomes[request.param]
+
+
+def test_there_are_all_trajectories_of_100_targets(outcome):
+    _, scores = outcome
+    assert list(scores) == list(trajectories.TRAJECTORIES)
+    assert {score["targets"] for score in scores.values()} == {100}
+
+
+def test_no_bit_differs_from_the_model(outcome):
+    _, scores = outcome
+    assert {name: score["bit_mismatches"] for name, score in scores.items()} == dict.fromkeys(scores, 0)
+
+
+def test_regular_trajectories_reach_the_aim(outcomes):
+    _, scores = outcomes["paper"]
+    for name in trajectories.REGULAR:
+        assert scores[name]["hand_error_bar"] == REGULAR_BAR, f"{name} is not regular"
+        assert scores[name]["hand_error_max"] <= AIM, f"{name}: {scores[name]['hand_error_max']}"
+
+
+def test_the_lean_datapath_is_held_to_its_own_bar(outcomes):
+    _, scores = outcomes["lean"]
+    assert {score["hand_error_bar"] for score in scores.values()} == {LEAN_BAR}
+
+
+def test_the_lean_datapath_is_better_in_every_figure(outcomes):
+    """What makes it the default."""
+    (_, lean), (_, paper) = outcomes["lean"], outcomes["paper"]
+    for name, score in lean.items():
+        for figure in ("latency_cycles", "total_cycles", "hand_error_max", "angle_error_max", "elbow_point_error_max"):
+            assert score[figure] < paper[name][figure], f"{name}: {figure}"
+
+
+def test_errors_stay_below_their_prediction(outcome):
+    _, scores = outcome
+    for name, score in scores.items():
+        assert score["hand_error_max"] <= score["hand_error_predicted"], f"{name}: {score}"
+
+
+def test_latency_and_rate(outcome):
+    _, scores = outcome
+    assert len({score["latency_cycles"] for score in scores.values()}) == 1
+    for name, score in scores.items():
+        assert score["results_per_cycle"] == 1.0, f"{name}: {score['results_per_cycle']} results per clock"
+        assert score["total_cycles"] == score["latency_cycles"] + 100, name
+
+
+def test_the_page_of_scores_is_up_to_date(outcomes):
+    page = gen_docs.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
+    assert gen_docs.SCORES.read_text() == page, "run `python -m scripts.pages.gen_docs`"
+
+
+if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a minute
+
+    def test_both_kinds_of_cores_write_the_same_files(outcomes, tmp_path):
+        out, _ = outcomes["paper"]
+        (other,) = set(CORES) - {cores()}
+        arguments = ["--trajectory", "all", "--datapath", "paper", "--out", str(tmp_path), "--sim", simulator()]
+        assert run.main([*arguments, "--cores", other]) == 0
+        for name in trajectories.TRAJECTORIES:
+            ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
+            assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the cores' results differ"
+
+
+if simulator() == "verilator":
+
+    @pytest.mark.parametrize("datapath", DATAPATHS)
+    def test_both_simulators_write_the_same_files(datapath, outcomes, tmp_path):
+        out, _ = outcomes[datapath]
+        arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(tmp_path), "--sim", "icarus"]
+        assert run.main(arguments) == 0
+        for name in trajectories.TRAJECTORIES:
+            ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
+            assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the simulators' results differ"

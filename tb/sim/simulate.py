@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs targets through the RTL in a simulator, as a library: what ``scripts/run.py`` and the tests call."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from model.dataflow import datapaths
+from tb.sim.env import ROOT, environment
+
+DATAPATHS = tuple(datapaths.DATAPATHS)
+
+
+class SimulationError(Exception):
+    """The simulation did not come to an end; the message is one or more lines for a person."""
+
+
+@dataclass
+class Job:
+    """Targets to run one after the other: ``words`` (N, 6) signed input words."""
+
+    name: str
+    words: np.ndarray
+
+
+@dataclass
+class Run:
+    """What the RTL made of a job.
+
+    ``results`` (N, 6) signed words and ``flags`` (N,) in input order; ``latency_cycles`` from first in to first out;
+    ``total_cycles`` from first in to last out, both included; ``bit_mismatches`` over all named nodes, and the first
+    of them as text.
+    """
+
+    results: np.ndarray
+    flags: np.ndarray
+    latency_cycles: int
+    total_cycles: int
+    bit_mismatches: int
+    first_mismatch: str | None
+
+
+def simulate(
+    jobs: list[Job],
+    *,
+    simulator: str,
+    datapath: str,
+    width: int,
+    waves: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    root: Path = ROOT,
+    name: str = "",
+    cores: str | None = None,
+) -> list[Run]:
+    """Runs all jobs in one simulation, comparing every node with the bit-true model.
+
+    ``waves`` is a VCD file to write.  ``progress(done, total)`` is called about twice a second.  ``root`` and ``name``
+    choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`).  Raises
+    :class:`SimulationError`.
+    """
+    if datapath not in DATAPATHS:
+        raise ValueError(f"datapath {datapath}: there is {', '.join(DATAPATHS)}")
+    total = sum(len(job.words) for job in jobs)
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        place = Path(folder)
+        np.savez(place / "jobs.npz", **{f"words_{k}": job.words for k, job in enumerate(jobs)})
+        log = place / "log"
+        arguments = [simulator, datapath, str(width), folder, str(waves or ""), str(root), name, cores or ""]
+        command = [sys.executable, "-m", "tb.sim.simulate", *arguments]
+        with open(log, "w") as out:
+            process = subprocess.Popen(command, cwd=ROOT, env=environment(), stdout=out, stderr=subprocess.STDOUT)
+            try:
+                _wait(process, place / "progress", total, progress)
+            except BaseException:
+                process.terminate()
+                process.wait()
+                raise
+        if process.returncode or not (place / "results.npz").exists():
+            raise SimulationError(_reason(log.read_text(errors="replace"), simulator))
+        with np.load(place / "results.npz") as written:
+            return [
+                Run(
+                    written[f"results_{k}"],
+                    written[f"flags_{k}"],
+                    *(int(v) for v in written[f"facts_{k}"]),
+                    first_mismatch=str(written[f"first_{k}"]) or None,
+                )
+                for k in range(len(jobs))
+            ]
+
+
+def _wait(process, file: Path, total: int, progress) -> None:
+    done = threading.Event()
+    threading.Thread(target=lambda: (process.wait(), done.set()), daemon=True).start()
+    while not done.wait(0.1 if not progress else 0.5):
+        if progress and file.exists():
+            progress(int(file.read_text() or 0), total)
+    if progress and process.returncode == 0:
+        progress(total, total)
+
+
+def _reason(log: str, simulator: str) -> str:
+    """The lines of a log that say what went wrong."""
+    telling = [line for line in log.splitlines() if any(w in line for w in ("rror", "FAIL", "assert", "syntax"))]
+    return "\n".join([f"the {simulator} simulation failed:", *(telling or log.splitlines())[-12:]])
+
+
+def _child(
+    simulator: str, datapath: str, width: str, folder: str, waves: str, root: str, name: str, cores: str
+) -> None:
+    """In a process of its own: cocotb-test changes signal handlers and the logging of its process."""
+    from tb.sim.runner import simulate as run_cocotb
+
+    place = Path(folder)
+    run_cocotb(
+        "ik_axis",
+        "tb.core.run_targets",
+        parameters={"W": int(width), "LEAN": int(datapath == "lean")},
+        sim=simulator,
+        env={
+            "IK_JOBS": str(place / "jobs.npz"),
+            "IK_RESULTS": str(place / "results.npz"),
+            "IK_PROGRESS": str(place / "progress"),
+        },
+        waves=Path(waves) if waves else None,
+        root=Path(root),
+        name=name,
+        core=cores or None,
+        seed=1,
+    )
+
+
+if __name__ == "__main__":
+    _child(*sys.argv[1:])

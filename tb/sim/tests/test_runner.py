@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The choice between behavioural cores and cores of rows, from make's command line to the RTL's parameter."""
+
+import os
+import re
+import signal
+import subprocess
+
+import pytest
+
+from tb.sim import runner
+from tb.sim.env import CORES, ROOT, cores, environment
+
+
+def make(*words, **env):
+    """What `make -n` says."""
+    clean = {name: value for name, value in environment().items() if name not in ("SIM", "CORES", "IK_CORES")}
+    return subprocess.run(
+        ["make", "-n", *words], cwd=ROOT, env={**clean, **env}, capture_output=True, text=True, check=False
+    )
+
+
+def test_make_test_tells_the_testbenches():
+    assert " IK_CORES=behavioural " in make("test").stdout
+    assert " IK_CORES=digit " in make("test", "CORES=digit").stdout
+    assert " IK_CORES=digit " in make("test", CORES="digit").stdout
+
+
+@pytest.mark.parametrize("target", ["run", "report"])
+def test_make_run_passes_it_on(target):
+    assert "--cores" not in make(target).stdout
+    assert "--cores digit " in make(target, "CORES=digit").stdout
+    assert "--cores digit " in make(target, CORES="digit").stdout
+
+
+@pytest.mark.parametrize("name", ["fast", "", "$(shell touch made)", "digit digit"])
+def test_unknown_cores_are_one_line_and_status_2(name):
+    done = make("run", f"CORES={name}")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1 and f"CORES={name}" in done.stderr and "behavioural or digit" in done.stderr
+
+
+def test_make_keeps_it_from_what_it_starts(tmp_path):
+    """Tests that start make themselves see none of it."""
+    (tmp_path / "Makefile").write_text((ROOT / "Makefile").read_text() + "\nshow:\n\t@env\n")
+    done = subprocess.run(
+        ["make", "show", "CORES=digit"], cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True
+    )
+    assert not re.search("^CORES=", done.stdout, re.MULTILINE)
+
+
+def test_the_environment_chooses(monkeypatch):
+    monkeypatch.delenv("IK_CORES", raising=False)
+    assert cores() == "behavioural" and cores("digit") == "digit"
+    monkeypatch.setenv("IK_CORES", "digit")
+    assert cores() == "digit" and cores("behavioural") == "behavioural"
+    monkeypatch.setenv("IK_CORES", "fast")
+    with pytest.raises(ValueError, match="unknown cores 'fast': use behavioural or digit"):
+        cores()
+
+
+def modules():
+    return {path.stem: path.read_text() for path in runner.sources()}
+
+
+def test_every_module_above_a_core_has_the_parameter():
+    """And passes it on: nothing between ik_axis and the cores keeps a constant."""
+    texts = modules()
+    have = {name for name, text in texts.items() if re.search(r"parameter integer DIGIT\b", text)}
+    assert {"ik_axis", "ik_paper", "ik_div", "ik_root"} < have
+    for name, text in texts.items():
+        uses = re.findall(rf"\b({'|'.join(sorted(have))})\s*#\(", re.sub(r"module\s+ik_\w+\s*#\(", "", text))
+        assert not uses or name in have, f"{name} uses {uses} and has no DIGIT"
+        assert text.count(".DIGIT(DIGIT)") == len(uses), name
+
+
+def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
+    """Only where a test does not set it itself; behavioural cores keep the RTL's default and the folder's name."""
+    given = []
+    monkeypatch.setattr(runner, "run", lambda **options: given.append(options["parameters"]) or os.devnull)
+
+    def parameters(toplevel, core=None, **others):
+        runner.simulate(toplevel, "tb.none", parameters=others, sim="icarus", core=core)
+        return given[-1]
+
+    monkeypatch.setenv("IK_CORES", "digit")
+    assert parameters("ik_axis", W=18, LEAN=0) == {"W": 18, "LEAN": 0, "DIGIT": 1}
+    assert parameters("ik_elbow", W=18) == {"W": 18, "DIGIT": 1}
+    assert parameters("ik_elbow", W=18, core="behavioural") == {"W": 18}
+    assert parameters("ik_div", DIGIT=0) == {"DIGIT": 0}
+    assert parameters("ik_guard", W=18) == {"W": 18}
+    monkeypatch.delenv("IK_CORES")
+    assert parameters("ik_elbow", W=18) == {"W": 18}
+    assert parameters("ik_elbow", W=18, core="digit") == {"W": 18, "DIGIT": CORES.index("digit")}
+
+
+def test_handlers_of_signals_come_back(monkeypatch):
+    """cocotb-test puts its own there and leaves them, which would make Ctrl-C an AssertionError in all that follows."""
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(runner, "run", lambda **_: signal.signal(signal.SIGINT, lambda *_: None) and os.devnull)
+    runner.simulate("ik_guard", "tb.none", sim="icarus")
+    assert signal.getsignal(signal.SIGINT) is before
