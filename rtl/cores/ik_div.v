@@ -4,7 +4,7 @@
 // Where d <= 0 the quotient saturates by the sign of n, and 0 counts as positive. ovf is valid with q and says that q
 // was saturated. DIGIT chooses between a behavioural core, the reference, and ik_div_digit, made of rows for synthesis;
 // both give the same bits in the same clocks.
-// Latency: LAT clocks; ik_div_digit says which it can have, a behavioural core has any.
+// Latency: LAT clocks, from d DD more; ik_div_digit says which it can have, a behavioural core has any.
 `default_nettype none
 
 module ik_div #(
@@ -13,7 +13,8 @@ module ik_div #(
     parameter integer SH    = 22,  // F(q) - F(n) + F(d)
     parameter integer QW    = 32,  // width of the quotient
     parameter integer LAT   = 34,  // clocks
-    parameter integer DIGIT = 0    // 1: digit recurrence, 0: behavioural
+    parameter integer DIGIT = 0,   // 1: digit recurrence, 0: behavioural
+    parameter integer DD    = 0    // clocks by which d is delayed
 ) (
     input  wire                 clk,
     input  wire signed [NW-1:0] n,
@@ -21,6 +22,9 @@ module ik_div #(
     output wire signed [QW-1:0] q,
     output wire                 ovf
 );
+
+  wire signed [DW-1:0] d_in;
+  ik_delay #(.W(DW), .N(DD)) u_d (.clk(clk), .d(d), .q(d_in));
 
   generate
     if (DIGIT != 0) begin : g_digit
@@ -33,7 +37,7 @@ module ik_div #(
       ) u_core (
           .clk(clk),
           .n  (n),
-          .d  (d),
+          .d  (d_in),
           .q  (q),
           .ovf(ovf)
       );
@@ -43,9 +47,9 @@ module ik_div #(
       localparam integer XW = (MW > QW) ? MW : (QW + 1);
 
       wire signed [XW-1:0] n_x = {{(XW - NW) {n[NW-1]}}, n};
-      wire signed [XW-1:0] d_x = {{(XW - DW) {d[DW-1]}}, d};
+      wire signed [XW-1:0] d_x = {{(XW - DW) {d_in[DW-1]}}, d_in};
       wire signed [XW-1:0] num = n_x <<< SH;
-      wire positive = (d > 0);
+      wire positive = (d_in > 0);
       wire signed [XW-1:0] den = positive ? d_x : {{(XW - 1) {1'b0}}, 1'b1};
       wire signed [XW-1:0] toward_zero = num / den;
       wire signed [XW-1:0] rest = num - toward_zero * den;

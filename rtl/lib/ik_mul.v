@@ -5,7 +5,7 @@
 // one tile, longer ones are cut above their lowest 17 bits, which leaves the high parts and the sums of the tiles short.
 // With SQUARE = 1 it is a * a, and b is not looked at: both mixed products are one tile, and their sum is a shift.
 // Does not saturate: the format of q must hold the rounded product.
-// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding.
+// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding; from a DA more, from b DB more.
 `default_nettype none
 
 module ik_mul #(
@@ -13,7 +13,9 @@ module ik_mul #(
     parameter integer BW     = 32,  // width of b, at most 35
     parameter integer SH     = 30,  // fraction bits dropped: F(a) + F(b) - F(q)
     parameter integer OW     = 32,  // width of q
-    parameter integer SQUARE = 0    // 1: a * a, of AW = BW
+    parameter integer SQUARE = 0,   // 1: a * a, of AW = BW
+    parameter integer DA     = 0,   // clocks by which a is delayed
+    parameter integer DB     = 0    // and b
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -31,16 +33,20 @@ module ik_mul #(
   endgenerate
 
   // operands
+  wire signed [AW-1:0] a_in;
+  ik_delay #(.W(AW), .N(DA)) u_a (.clk(clk), .d(a), .q(a_in));
   reg signed [AW-1:0] a_q;
   wire signed [BW-1:0] b_q;
-  always @(posedge clk) a_q <= a;
+  always @(posedge clk) a_q <= a_in;
   generate
     if (SQUARE != 0) begin : g_same
       assign b_q = a_q;
       wire unused = &{1'b0, b};
     end else begin : g_other
+      wire signed [BW-1:0] b_in;
+      ik_delay #(.W(BW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));
       reg signed [BW-1:0] operand;
-      always @(posedge clk) operand <= b;
+      always @(posedge clk) operand <= b_in;
       assign b_q = operand;
     end
   endgenerate

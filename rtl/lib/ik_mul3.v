@@ -7,14 +7,16 @@
 // words are so long that the highest tile ends above these two bits, the free bits below it take a guess at the fourth:
 // the product of the highest two bits of both low parts.
 // Does not saturate: q holds the low OW bits.
-// Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum.
+// Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum; from a DA more, from b DB more.
 `default_nettype none
 
 module ik_mul3 #(
     parameter integer AW = 33,  // width of a
     parameter integer BW = 33,  // width of b
     parameter integer SH = 31,  // fraction bits dropped: F(a) + F(b) - F(q)
-    parameter integer OW = 33   // width of q
+    parameter integer OW = 33,  // width of q
+    parameter integer DA = 0,   // clocks by which a is delayed
+    parameter integer DB = 0    // and b
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -36,11 +38,15 @@ module ik_mul3 #(
   endgenerate
 
   // operands
+  wire signed [AW-1:0] a_in;
+  wire signed [BW-1:0] b_in;
+  ik_delay #(.W(AW), .N(DA)) u_a (.clk(clk), .d(a), .q(a_in));
+  ik_delay #(.W(BW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));
   reg signed [AW-1:0] a_q;
   reg signed [BW-1:0] b_q;
   always @(posedge clk) begin
-    a_q <= a;
-    b_q <= b;
+    a_q <= a_in;
+    b_q <= b_in;
   end
 
   // tile products; a low part gets a zero sign bit

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A left shift of a long word of which only the upper end is wanted.
-// Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones.
+// Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones; from d DD more.
 `default_nettype none
 
 module ik_shift3 #(
     parameter integer IW   = 66,  // width of d
     parameter integer DROP = 33,  // bits left out below, at least 1
-    parameter integer OW   = 33   // width of q
+    parameter integer OW   = 33,  // width of q
+    parameter integer DD   = 0    // clocks by which d is delayed
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] d,
@@ -24,12 +25,14 @@ module ik_shift3 #(
 
   // Places above the result are of no use, those below it until nothing can shift them up any more.
   localparam integer TOP = DROP + OW;
+  wire signed [IW-1:0] d_in;
+  ik_delay #(.W(IW), .N(DD)) u_d (.clk(clk), .d(d), .q(d_in));
   wire signed [TOP-1:0] wide;
   generate
     if (TOP > IW) begin : g_longer
-      assign wide = {{(TOP - IW) {d[IW-1]}}, d};
+      assign wide = {{(TOP - IW) {d_in[IW-1]}}, d_in};
     end else begin : g_shorter
-      assign wide = d[TOP-1:0];
+      assign wide = d_in[TOP-1:0];
     end
   endgenerate
 

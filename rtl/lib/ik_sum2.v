@@ -3,7 +3,7 @@
 //
 // ovf is valid with q and says that q was saturated. SAT = 0 is for a sum whose format is proved to hold it
 // (docs/wordlengths.md): nothing is looked at and ovf is 0.
-// Latency: 2 clocks (LAT_SUM2).
+// Latency: 2 clocks (LAT_SUM2); from a DA more, from b DB more.
 `default_nettype none
 
 module ik_sum2 #(
@@ -11,7 +11,9 @@ module ik_sum2 #(
     parameter integer SH    = 8,   // fraction bits dropped
     parameter integer OW    = 32,  // width of q
     parameter integer SUB_B = 0,   // 1: a - b
-    parameter integer SAT   = 1    // 0: q holds any sum there is
+    parameter integer SAT   = 1,   // 0: q holds any sum there is
+    parameter integer DA    = 0,   // clocks by which a is delayed
+    parameter integer DB    = 0    // and b
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] a,
@@ -24,8 +26,13 @@ module ik_sum2 #(
   localparam integer RW = (IW + 2 > OW + SH) ? (IW + 2) : (OW + SH + 1);
   localparam [RW-1:0] HALF = (SH > 0) ? ({{(RW - 1) {1'b0}}, 1'b1} << (SH - 1)) : {RW{1'b0}};
 
-  wire signed [RW-1:0] a_x = {{(RW - IW) {a[IW-1]}}, a};
-  wire signed [RW-1:0] b_x = {{(RW - IW) {b[IW-1]}}, b};
+  wire signed [IW-1:0] a_in;
+  wire signed [IW-1:0] b_in;
+  ik_delay #(.W(IW), .N(DA)) u_a (.clk(clk), .d(a), .q(a_in));
+  ik_delay #(.W(IW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));
+
+  wire signed [RW-1:0] a_x = {{(RW - IW) {a_in[IW-1]}}, a_in};
+  wire signed [RW-1:0] b_x = {{(RW - IW) {b_in[IW-1]}}, b_in};
   reg signed  [RW-1:0] sum;
   always @(posedge clk) sum <= (SUB_B != 0) ? (a_x - b_x) : (a_x + b_x);
 

@@ -13,30 +13,30 @@ module ik_elbow #(
     parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     input  wire                clk,
-    input  wire signed [W-1:0] d_1,          // T_D_1
+    input  wire signed [W-1:0] d_1,                 // T_D_1
     input  wire signed [W-1:0] d_2,
-    input  wire        [  5:0] scale_j,      // T_SCALE_J
-    input  wire signed [W-1:0] d_dif_j,      // T_D_DIF_J
-    input  wire                clamp,        // T_CLAMP
-    input  wire                away,         // T_AWAY
-    input  wire signed [W-1:0] s,            // T_S
-    input  wire signed [W-1:0] l_sw,         // T_L_SW
-    input  wire signed [W-1:0] pi_swivel_x,  // T_PI_SWIVEL_X
+    input  wire        [  5:0] scale_j,             // T_SCALE_J
+    input  wire signed [W-1:0] d_dif_j,             // T_D_DIF_J
+    input  wire                clamp,               // T_CLAMP
+    input  wire                away,                // T_AWAY
+    input  wire signed [W-1:0] s,                   // T_S
+    input  wire signed [W-1:0] l_sw,                // T_L_SW
+    input  wire signed [W-1:0] pi_swivel_x,         // T_PI_SWIVEL_X
     input  wire signed [W-1:0] pi_swivel_y,
     input  wire signed [W-1:0] pi_swivel_z,
-    input  wire signed [W-1:0] p_w_x_pi,     // the target, delayed to T_PI_SWIVEL_X
-    input  wire signed [W-1:0] p_w_y_pi,
-    input  wire signed [W-1:0] p_w_z_pi,
-    output wire signed [W-1:0] pp_1_m,       // T_PP_1_M
+    input  wire signed [W-1:0] p_w_x_at_pi_swivel,  // the target, delayed to T_PI_SWIVEL_X
+    input  wire signed [W-1:0] p_w_y_at_pi_swivel,
+    input  wire signed [W-1:0] p_w_z_at_pi_swivel,
+    output wire signed [W-1:0] pp_1_m,              // T_PP_1_M
     output wire signed [W-1:0] pp_2_m,
     output wire signed [W-1:0] pp_3_m,
-    output reg                 flat,         // T_FLAT: target, elbow and shoulder on one line
-    output reg                 back,         // T_BACK: the elbow lies behind the shoulder, seen from the target
-    output wire signed [W-1:0] p_e_x,        // T_P_E_X
+    output reg                 flat,                // T_FLAT: target, elbow and shoulder on one line
+    output reg                 back,                // T_BACK: the elbow lies behind the shoulder, seen from the target
+    output wire signed [W-1:0] p_e_x,               // T_P_E_X
     output wire signed [W-1:0] p_e_y,
     output wire signed [W-1:0] p_e_z,
-    output reg  signed [W-1:0] d_e,          // T_D_E: length of the upper arm in the unit of p_e
-    output reg                 sat_elbow     // T_SAT_ELBOW
+    output reg  signed [W-1:0] d_e,                 // T_D_E: length of the upper arm in the unit of p_e
+    output reg                 sat_elbow            // T_SAT_ELBOW
 );
 
   `include "ik_paper_nodes.vh"
@@ -46,57 +46,56 @@ module ik_elbow #(
   // ---- (12) the factor p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^scale_j ----
 
   reg signed [W-1:0] d_sum;
-  wire signed [W-1:0] d_dif_j_sum;
   always @(posedge clk) d_sum <= d_1 + d_2;  // below 1
-  ik_delay #(.W(W), .N(T_D_SUM-T_D_DIF_J)) u_d_dif_j_sum (.clk(clk), .d(d_dif_j), .q(d_dif_j_sum));
 
-  wire [5:0] scale_j_s;
   wire signed [W-1:0] s_j;
-  ik_delay #(.W(6), .N(T_S-T_SCALE_J)) u_scale_j_s (.clk(clk), .d(scale_j), .q(scale_j_s));
-  ik_shift #(.W(W), .RIGHT(1)) u_s_j (.clk(clk), .d(s), .count(scale_j_s), .q(s_j));
+  ik_shift #(.W(W), .RIGHT(1), .DC(T_S-T_SCALE_J)) u_s_j (.clk(clk), .d(s), .count(scale_j), .q(s_j));
 
-  wire signed [W-1:0] dd_j;
-  wire signed [W-1:0] s_j_k;
-  wire signed [W-1:0] k_e;
+  wire signed [W-1:0] dd_j, k_e;
   wire ovf_k_e;
-  ik_mul #(.AW(W), .BW(W), .SH(F_D_SUM+F_D_DIF_J-F_DD_J), .OW(W)) u_dd_j (
-      .clk(clk), .a(d_sum), .b(d_dif_j_sum), .q(dd_j)
+  ik_mul #(.AW(W), .BW(W), .SH(F_D_SUM+F_D_DIF_J-F_DD_J), .OW(W), .DB(T_D_SUM-T_D_DIF_J)) u_dd_j (
+      .clk(clk), .a(d_sum), .b(d_dif_j), .q(dd_j)
   );
-  ik_delay #(.W(W), .N(T_DD_J-T_S_J)) u_s_j_k (.clk(clk), .d(s_j), .q(s_j_k));
-  ik_sum2 #(.IW(W), .SH(F_S_J-F_K_E), .OW(W)) u_k_e (.clk(clk), .a(s_j_k), .b(dd_j), .q(k_e), .ovf(ovf_k_e));
+  ik_sum2 #(.IW(W), .SH(F_S_J-F_K_E), .OW(W), .DA(T_DD_J-T_S_J)) u_k_e (
+      .clk(clk), .a(s_j), .b(dd_j), .q(k_e), .ovf(ovf_k_e)
+  );
 
   // ---- (12) PP_i, PP_j, PP_k ----
 
-  wire signed [W-1:0] k_e_pi;
-  wire signed [W-1:0] pp_i;
-  wire signed [W-1:0] pp_j;
-  wire signed [W-1:0] pp_k;
-  ik_ring #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_pi (.clk(clk), .d(k_e), .q(k_e_pi));
+  wire signed [W-1:0] k_e_at_pi_swivel, pp_i, pp_j, pp_k;
+  ik_ring #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_at_pi_swivel (.clk(clk), .d(k_e), .q(k_e_at_pi_swivel));
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_X+F_K_E-F_PP_I), .OW(W)) u_pp_i (
-      .clk(clk), .a(pi_swivel_x), .b(k_e_pi), .q(pp_i)
+      .clk(clk), .a(pi_swivel_x), .b(k_e_at_pi_swivel), .q(pp_i)
   );
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_Y+F_K_E-F_PP_J), .OW(W)) u_pp_j (
-      .clk(clk), .a(pi_swivel_y), .b(k_e_pi), .q(pp_j)
+      .clk(clk), .a(pi_swivel_y), .b(k_e_at_pi_swivel), .q(pp_j)
   );
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_Z+F_K_E-F_PP_K), .OW(W)) u_pp_k (
-      .clk(clk), .a(pi_swivel_z), .b(k_e_pi), .q(pp_k)
+      .clk(clk), .a(pi_swivel_z), .b(k_e_at_pi_swivel), .q(pp_k)
   );
 
   // ---- (19) PP_m^- = 2 (p_w x pi_swivel), the factor 2 in the formats ----
 
-  wire signed [WW-1:0] c_1_zy;
-  wire signed [WW-1:0] c_1_yz;
-  wire signed [WW-1:0] c_2_xz;
-  wire signed [WW-1:0] c_2_zx;
-  wire signed [WW-1:0] c_3_yx;
-  wire signed [WW-1:0] c_3_xy;
+  wire signed [WW-1:0] c_1_zy, c_1_yz, c_2_xz, c_2_zx, c_3_yx, c_3_xy;
   localparam integer SH_C = F_P_W_X + F_PI_SWIVEL_X - 1 - F_C_1_ZY;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_1_zy (.clk(clk), .a(p_w_z_pi), .b(pi_swivel_y), .q(c_1_zy));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_1_yz (.clk(clk), .a(p_w_y_pi), .b(pi_swivel_z), .q(c_1_yz));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_xz (.clk(clk), .a(p_w_x_pi), .b(pi_swivel_z), .q(c_2_xz));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_zx (.clk(clk), .a(p_w_z_pi), .b(pi_swivel_x), .q(c_2_zx));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_yx (.clk(clk), .a(p_w_y_pi), .b(pi_swivel_x), .q(c_3_yx));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_xy (.clk(clk), .a(p_w_x_pi), .b(pi_swivel_y), .q(c_3_xy));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_1_zy (
+      .clk(clk), .a(p_w_z_at_pi_swivel), .b(pi_swivel_y), .q(c_1_zy)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_1_yz (
+      .clk(clk), .a(p_w_y_at_pi_swivel), .b(pi_swivel_z), .q(c_1_yz)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_xz (
+      .clk(clk), .a(p_w_x_at_pi_swivel), .b(pi_swivel_z), .q(c_2_xz)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_zx (
+      .clk(clk), .a(p_w_z_at_pi_swivel), .b(pi_swivel_x), .q(c_2_zx)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_yx (
+      .clk(clk), .a(p_w_y_at_pi_swivel), .b(pi_swivel_x), .q(c_3_yx)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_xy (
+      .clk(clk), .a(p_w_x_at_pi_swivel), .b(pi_swivel_y), .q(c_3_xy)
+  );
   ik_sum2 #(.IW(WW), .SH(F_C_1_ZY-F_PP_1_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_1_m (
       .clk(clk), .a(c_1_zy), .b(c_1_yz), .q(pp_1_m), .ovf()
   );
@@ -109,41 +108,33 @@ module ik_elbow #(
 
   // ---- (19) PP_m^+ = d1^2 PP_m^- ----
 
-  wire signed [W-1:0] d_1_sq;
-  wire signed [W-1:0] d_1_sq_m;
-  wire signed [W-1:0] pp_1_p;
-  wire signed [W-1:0] pp_2_p;
-  wire signed [W-1:0] pp_3_p;
+  wire signed [W-1:0] d_1_sq, d_1_sq_at_pp_1_m, pp_1_p, pp_2_p, pp_3_p;
   localparam integer SH_P = F_D_1_SQ + F_PP_1_M - F_PP_1_P;
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_1_SQ), .OW(W), .SQUARE(1)) u_d_1_sq (
       .clk(clk), .a(d_1), .b(d_1), .q(d_1_sq)
   );
-  ik_ring #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_m (.clk(clk), .d(d_1_sq), .q(d_1_sq_m));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_1_p (.clk(clk), .a(d_1_sq_m), .b(pp_1_m), .q(pp_1_p));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_2_p (.clk(clk), .a(d_1_sq_m), .b(pp_2_m), .q(pp_2_p));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_3_p (.clk(clk), .a(d_1_sq_m), .b(pp_3_m), .q(pp_3_p));
+  ik_ring #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_at_pp_1_m (.clk(clk), .d(d_1_sq), .q(d_1_sq_at_pp_1_m));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_1_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_1_m), .q(pp_1_p));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_2_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_2_m), .q(pp_2_p));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_3_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_3_m), .q(pp_3_p));
 
   // ---- (19) PP_m^+ PP_m^-, the last part of tmp1 ----
 
-  wire signed [W-1:0] pp_1_m_p;
-  wire signed [W-1:0] pp_2_m_p;
-  wire signed [W-1:0] pp_3_m_p;
-  ik_delay #(.W(3*W), .N(T_PP_1_P-T_PP_1_M)) u_pp_m_p (
-      .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_p, pp_2_m_p, pp_1_m_p})
-  );
-  wire signed [WW-1:0] pp_1_pm;
-  wire signed [WW-1:0] pp_2_pm;
-  wire signed [WW-1:0] pp_3_pm;
+  wire signed [WW-1:0] pp_1_pm, pp_2_pm, pp_3_pm;
   localparam integer SH_PM = F_PP_1_P + F_PP_1_M - F_PP_1_PM;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW)) u_pp_1_pm (.clk(clk), .a(pp_1_p), .b(pp_1_m_p), .q(pp_1_pm));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW)) u_pp_2_pm (.clk(clk), .a(pp_2_p), .b(pp_2_m_p), .q(pp_2_pm));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW)) u_pp_3_pm (.clk(clk), .a(pp_3_p), .b(pp_3_m_p), .q(pp_3_pm));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW), .DB(T_PP_1_P-T_PP_1_M)) u_pp_1_pm (
+      .clk(clk), .a(pp_1_p), .b(pp_1_m), .q(pp_1_pm)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW), .DB(T_PP_2_P-T_PP_2_M)) u_pp_2_pm (
+      .clk(clk), .a(pp_2_p), .b(pp_2_m), .q(pp_2_pm)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW), .DB(T_PP_3_P-T_PP_3_M)) u_pp_3_pm (
+      .clk(clk), .a(pp_3_p), .b(pp_3_m), .q(pp_3_pm)
+  );
 
   // ---- (13) inf_PP ----
 
-  wire signed [WW-1:0] pp_1_sq;
-  wire signed [WW-1:0] pp_2_sq;
-  wire signed [WW-1:0] pp_3_sq;
+  wire signed [WW-1:0] pp_1_sq, pp_2_sq, pp_3_sq;
   wire signed [W-1:0] inf_pp;
   wire ovf_inf_pp;
   localparam integer SH_MM = 2 * F_PP_1_M - F_PP_1_SQ;
@@ -156,17 +147,9 @@ module ik_elbow #(
 
   // ---- (13) tmp1 and its root ----
 
-  wire signed [WW-1:0] pp_i_sq;
-  wire signed [WW-1:0] pp_j_sq;
-  wire signed [WW-1:0] pp_k_sq;
-  wire signed [WW-1:0] pp_sq;
-  wire signed [WW-1:0] pp_sq_pm;
-  wire signed [WW-1:0] pp_pm;
-  wire signed [W-1:0] tmp1;
-  wire signed [W-1:0] tmp_sqr;
-  wire ovf_pp_sq;
-  wire ovf_pp_pm;
-  wire ovf_tmp1;
+  wire signed [WW-1:0] pp_i_sq, pp_j_sq, pp_k_sq, pp_sq, pp_pm;
+  wire signed [W-1:0] tmp1, tmp_sqr;
+  wire ovf_pp_sq, ovf_pp_pm, ovf_tmp1;
   localparam integer SH_II = 2 * F_PP_I - F_PP_I_SQ;
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_i_sq (.clk(clk), .a(pp_i), .b(pp_i), .q(pp_i_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_j_sq (.clk(clk), .a(pp_j), .b(pp_j), .q(pp_j_sq));
@@ -177,9 +160,8 @@ module ik_elbow #(
   ik_sum3 #(.IW(WW), .SH(F_PP_1_PM-F_PP_PM), .OW(WW)) u_pp_pm (
       .clk(clk), .a(pp_1_pm), .b(pp_2_pm), .c(pp_3_pm), .q(pp_pm), .ovf(ovf_pp_pm)
   );
-  ik_delay #(.W(WW), .N(T_PP_PM-T_PP_SQ)) u_pp_sq_pm (.clk(clk), .d(pp_sq), .q(pp_sq_pm));
-  ik_sum2 #(.IW(WW), .SH(F_PP_PM-F_TMP1), .OW(W), .SUB_B(1)) u_tmp1 (
-      .clk(clk), .a(pp_pm), .b(pp_sq_pm), .q(tmp1), .ovf(ovf_tmp1)
+  ik_sum2 #(.IW(WW), .SH(F_PP_PM-F_TMP1), .OW(W), .SUB_B(1), .DB(T_PP_PM-T_PP_SQ)) u_tmp1 (
+      .clk(clk), .a(pp_pm), .b(pp_sq), .q(tmp1), .ovf(ovf_tmp1)
   );
   ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_tmp_sqr (
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
@@ -187,38 +169,36 @@ module ik_elbow #(
 
   // ---- on which side of the shoulder a straight or folded arm lies, for (17) ----
 
-  wire clamp_tmp1;
-  wire clamp_k_e;
-  wire away_k_e;
-  ik_delay #(.W(2), .N(T_K_E-T_CLAMP)) u_clamp_k_e (.clk(clk), .d({away, clamp}), .q({away_k_e, clamp_k_e}));
-  ik_delay #(.W(1), .N(T_TMP1-T_K_E)) u_clamp_tmp1 (.clk(clk), .d(clamp_k_e), .q(clamp_tmp1));
+  wire clamp_at_tmp1, clamp_at_k_e, away_at_k_e;
+  ik_delay #(.W(2), .N(T_K_E-T_CLAMP)) u_clamp_at_k_e (.clk(clk), .d({away, clamp}), .q({away_at_k_e, clamp_at_k_e}));
+  ik_delay #(.W(1), .N(T_TMP1-T_K_E)) u_clamp_at_tmp1 (.clk(clk), .d(clamp_at_k_e), .q(clamp_at_tmp1));
   always @(posedge clk) begin
-    flat <= clamp_tmp1 || (tmp1 <= 0);
-    back <= clamp_k_e ? away_k_e : k_e[W-1];
+    flat <= clamp_at_tmp1 || (tmp1 <= 0);
+    back <= clamp_at_k_e ? away_at_k_e : k_e[W-1];
   end
 
   // ---- (13) numerators of p_e ----
 
-  // PP_i, PP_j, PP_k wait for the PP_m^-.
-  wire signed [W-1:0] pp_i_m;
-  wire signed [W-1:0] pp_j_m;
-  wire signed [W-1:0] pp_k_m;
-  ik_delay #(.W(3*W), .N(T_PP_1_M-T_PP_I)) u_pp_ijk_m (
-      .clk(clk), .d({pp_k, pp_j, pp_i}), .q({pp_k_m, pp_j_m, pp_i_m})
-  );
-  wire signed [WW-1:0] e_x_k;
-  wire signed [WW-1:0] e_x_j;
-  wire signed [WW-1:0] e_y_i;
-  wire signed [WW-1:0] e_y_k;
-  wire signed [WW-1:0] e_z_j;
-  wire signed [WW-1:0] e_z_i;
+  wire signed [WW-1:0] e_x_k, e_x_j, e_y_i, e_y_k, e_z_j, e_z_i;
   localparam integer SH_E = F_PP_K + F_PP_2_M - F_E_X_K;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW)) u_e_x_k (.clk(clk), .a(pp_k_m), .b(pp_2_m), .q(e_x_k));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW)) u_e_x_j (.clk(clk), .a(pp_j_m), .b(pp_3_m), .q(e_x_j));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW)) u_e_y_i (.clk(clk), .a(pp_i_m), .b(pp_3_m), .q(e_y_i));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW)) u_e_y_k (.clk(clk), .a(pp_k_m), .b(pp_1_m), .q(e_y_k));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW)) u_e_z_j (.clk(clk), .a(pp_j_m), .b(pp_1_m), .q(e_z_j));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW)) u_e_z_i (.clk(clk), .a(pp_i_m), .b(pp_2_m), .q(e_z_i));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_x_k (
+      .clk(clk), .a(pp_k), .b(pp_2_m), .q(e_x_k)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_x_j (
+      .clk(clk), .a(pp_j), .b(pp_3_m), .q(e_x_j)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_y_i (
+      .clk(clk), .a(pp_i), .b(pp_3_m), .q(e_y_i)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_y_k (
+      .clk(clk), .a(pp_k), .b(pp_1_m), .q(e_y_k)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_z_j (
+      .clk(clk), .a(pp_j), .b(pp_1_m), .q(e_z_j)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_z_i (
+      .clk(clk), .a(pp_i), .b(pp_2_m), .q(e_z_i)
+  );
 
   wire signed [WW-1:0] e_x_pp;  // PP_k PP_2^- - PP_j PP_3^-
   wire signed [WW-1:0] e_y_pp;  // PP_i PP_3^- - PP_k PP_1^-
@@ -233,110 +213,94 @@ module ik_elbow #(
       .clk(clk), .a(e_z_j), .b(e_z_i), .q(e_z_pp), .ovf()
   );
 
-  // The PP_m^- wait for tmp_sqr, the first parts for the second.
-  wire signed [W-1:0] pp_1_m_sqr;
-  wire signed [W-1:0] pp_2_m_sqr;
-  wire signed [W-1:0] pp_3_m_sqr;
-  ik_ring #(.W(3*W), .N(T_TMP_SQR-T_PP_1_P)) u_pp_m_sqr (
-      .clk(clk), .d({pp_3_m_p, pp_2_m_p, pp_1_m_p}), .q({pp_3_m_sqr, pp_2_m_sqr, pp_1_m_sqr})
+  wire signed [W-1:0] pp_1_m_at_tmp_sqr, pp_2_m_at_tmp_sqr, pp_3_m_at_tmp_sqr;
+  ik_ring #(.W(3*W), .N(T_TMP_SQR-T_PP_1_M)) u_pp_at_tmp_sqr (
+      .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_at_tmp_sqr, pp_2_m_at_tmp_sqr, pp_1_m_at_tmp_sqr})
   );
-  wire signed [WW-1:0] e_x_sqr;
-  wire signed [WW-1:0] e_y_sqr;
-  wire signed [WW-1:0] e_z_sqr;
+  wire signed [WW-1:0] e_x_sqr, e_y_sqr, e_z_sqr;
   localparam integer SH_SQR = F_TMP_SQR + F_PP_1_M - F_E_X_SQR;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_x_sqr (.clk(clk), .a(tmp_sqr), .b(pp_1_m_sqr), .q(e_x_sqr));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_y_sqr (.clk(clk), .a(tmp_sqr), .b(pp_2_m_sqr), .q(e_y_sqr));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_z_sqr (.clk(clk), .a(tmp_sqr), .b(pp_3_m_sqr), .q(e_z_sqr));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_x_sqr (.clk(clk), .a(tmp_sqr), .b(pp_1_m_at_tmp_sqr), .q(e_x_sqr));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_y_sqr (.clk(clk), .a(tmp_sqr), .b(pp_2_m_at_tmp_sqr), .q(e_y_sqr));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_z_sqr (.clk(clk), .a(tmp_sqr), .b(pp_3_m_at_tmp_sqr), .q(e_z_sqr));
 
-  wire signed [WW-1:0] e_x_pp_sqr;
-  wire signed [WW-1:0] e_y_pp_sqr;
-  wire signed [WW-1:0] e_z_pp_sqr;
-  ik_ring #(.W(3*WW), .N(T_E_X_SQR-T_E_X_PP)) u_e_pp_sqr (
-      .clk(clk), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_sqr, e_y_pp_sqr, e_x_pp_sqr})
+  wire signed [WW-1:0] e_x_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_z_pp_at_e_x_sqr;
+  ik_ring #(.W(3*WW), .N(T_E_X_SQR-T_E_X_PP)) u_e_at_e_x_sqr (
+      .clk(clk), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_x_pp_at_e_x_sqr})
   );
-  wire signed [WW-1:0] e_x_num;
-  wire signed [WW-1:0] e_y_num;
-  wire signed [WW-1:0] e_z_num;
+  wire signed [WW-1:0] e_x_num, e_y_num, e_z_num;
   wire [2:0] ovf_num;
   ik_sum2 #(.IW(WW), .SH(F_E_X_SQR-F_E_X_NUM), .OW(WW)) u_e_x_num (
-      .clk(clk), .a(e_x_pp_sqr), .b(e_x_sqr), .q(e_x_num), .ovf(ovf_num[0])
+      .clk(clk), .a(e_x_pp_at_e_x_sqr), .b(e_x_sqr), .q(e_x_num), .ovf(ovf_num[0])
   );
   ik_sum2 #(.IW(WW), .SH(F_E_Y_SQR-F_E_Y_NUM), .OW(WW)) u_e_y_num (
-      .clk(clk), .a(e_y_pp_sqr), .b(e_y_sqr), .q(e_y_num), .ovf(ovf_num[1])
+      .clk(clk), .a(e_y_pp_at_e_x_sqr), .b(e_y_sqr), .q(e_y_num), .ovf(ovf_num[1])
   );
   ik_sum2 #(.IW(WW), .SH(F_E_Z_SQR-F_E_Z_NUM), .OW(WW)) u_e_z_num (
-      .clk(clk), .a(e_z_pp_sqr), .b(e_z_sqr), .q(e_z_num), .ovf(ovf_num[2])
+      .clk(clk), .a(e_z_pp_at_e_x_sqr), .b(e_z_sqr), .q(e_z_num), .ovf(ovf_num[2])
   );
 
   // ---- (13) p_e: division by inf_PP ----
 
-  wire signed [W-1:0] inf_pp_num;
-  wire signed [W-1:0] e_x_quo;
-  wire signed [W-1:0] e_y_quo;
-  wire signed [W-1:0] e_z_quo;
+  wire signed [W-1:0] inf_pp_at_e_x_num, e_x_quo, e_y_quo, e_z_quo;
   wire [2:0] ovf_quo;
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
-  ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_num (.clk(clk), .d(inf_pp), .q(inf_pp_num));
+  ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_at_e_x_num (.clk(clk), .d(inf_pp), .q(inf_pp_at_e_x_num));
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_x_quo (
-      .clk(clk), .n(e_x_num), .d(inf_pp_num), .q(e_x_quo), .ovf(ovf_quo[0])
+      .clk(clk), .n(e_x_num), .d(inf_pp_at_e_x_num), .q(e_x_quo), .ovf(ovf_quo[0])
   );
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_y_quo (
-      .clk(clk), .n(e_y_num), .d(inf_pp_num), .q(e_y_quo), .ovf(ovf_quo[1])
+      .clk(clk), .n(e_y_num), .d(inf_pp_at_e_x_num), .q(e_y_quo), .ovf(ovf_quo[1])
   );
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_z_quo (
-      .clk(clk), .n(e_z_num), .d(inf_pp_num), .q(e_z_quo), .ovf(ovf_quo[2])
+      .clk(clk), .n(e_z_num), .d(inf_pp_at_e_x_num), .q(e_z_quo), .ovf(ovf_quo[2])
   );
 
   // A clamped arm's elbow lies on the line to the target: at half its distance, in the target's unit.
-  wire clamp_quo;
-  wire away_quo;
-  wire signed [W-1:0] p_w_x_quo;
-  wire signed [W-1:0] p_w_y_quo;
-  wire signed [W-1:0] p_w_z_quo;
-  wire ovf_k_e_q;
-  ik_ring #(.W(3), .N(T_E_X_QUO-T_K_E)) u_clamp_quo (
-      .clk(clk), .d({ovf_k_e, away_k_e, clamp_k_e}), .q({ovf_k_e_q, away_quo, clamp_quo})
+  wire clamp_at_e_x_quo, away_at_e_x_quo;
+  wire signed [W-1:0] p_w_x_at_e_x_quo, p_w_y_at_e_x_quo, p_w_z_at_e_x_quo;
+  wire ovf_k_e_at_e_x_quo;
+  ik_ring #(.W(3), .N(T_E_X_QUO-T_K_E)) u_clamp_at_e_x_quo (
+      .clk(clk), .d({ovf_k_e, away_at_k_e, clamp_at_k_e}), .q({ovf_k_e_at_e_x_quo, away_at_e_x_quo, clamp_at_e_x_quo})
   );
-  ik_ring #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_quo (
-      .clk(clk), .d({p_w_z_pi, p_w_y_pi, p_w_x_pi}), .q({p_w_z_quo, p_w_y_quo, p_w_x_quo})
+  ik_ring #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_at_e_x_quo (
+      .clk(clk), .d({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel}),
+      .q({p_w_z_at_e_x_quo, p_w_y_at_e_x_quo, p_w_x_at_e_x_quo})
   );
-  wire signed [W-1:0] half_x = p_w_x_quo >>> 2;  // the formats differ by one bit
-  wire signed [W-1:0] half_y = p_w_y_quo >>> 2;
-  wire signed [W-1:0] half_z = p_w_z_quo >>> 2;
+  wire signed [W-1:0] half_x = p_w_x_at_e_x_quo >>> 2;  // the formats differ by one bit
+  wire signed [W-1:0] half_y = p_w_y_at_e_x_quo >>> 2;
+  wire signed [W-1:0] half_z = p_w_z_at_e_x_quo >>> 2;
   ik_pick #(.W(W)) u_p_e_x (
-      .clk(clk), .a(e_x_quo), .b(half_x), .use_b(clamp_quo), .minus(away_quo), .q(p_e_x)
+      .clk(clk), .a(e_x_quo), .b(half_x), .use_b(clamp_at_e_x_quo), .minus(away_at_e_x_quo), .q(p_e_x)
   );
   ik_pick #(.W(W)) u_p_e_y (
-      .clk(clk), .a(e_y_quo), .b(half_y), .use_b(clamp_quo), .minus(away_quo), .q(p_e_y)
+      .clk(clk), .a(e_y_quo), .b(half_y), .use_b(clamp_at_e_x_quo), .minus(away_at_e_x_quo), .q(p_e_y)
   );
   ik_pick #(.W(W)) u_p_e_z (
-      .clk(clk), .a(e_z_quo), .b(half_z), .use_b(clamp_quo), .minus(away_quo), .q(p_e_z)
+      .clk(clk), .a(e_z_quo), .b(half_z), .use_b(clamp_at_e_x_quo), .minus(away_at_e_x_quo), .q(p_e_z)
   );
 
-  wire clamp_l;
-  wire signed [W-1:0] d_1_l;
-  ik_delay #(.W(1), .N(T_L_SW-T_K_E)) u_clamp_l (.clk(clk), .d(clamp_k_e), .q(clamp_l));
-  ik_ring #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_l (.clk(clk), .d(d_1), .q(d_1_l));
-  always @(posedge clk) d_e <= clamp_l ? (l_sw >>> 1) : (d_1_l >>> 1);
+  wire clamp_at_l_sw;
+  wire signed [W-1:0] d_1_at_l_sw;
+  ik_delay #(.W(1), .N(T_L_SW-T_K_E)) u_clamp_at_l_sw (.clk(clk), .d(clamp_at_k_e), .q(clamp_at_l_sw));
+  ik_ring #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_at_l_sw (.clk(clk), .d(d_1), .q(d_1_at_l_sw));
+  always @(posedge clk) d_e <= clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1);
 
   // ---- what did not fit ----
 
   // One line for all: each flag joins it where it is found.
-  wire ovf_inf_pp_t;
-  wire ovf_pp_sq_t;
-  wire ovf_pp_pm_t;
-  wire ovf_tmp1_num;  // up to tmp1
-  wire ovf_num_quo;  // up to the numerators
-  ik_delay #(.W(1), .N(T_TMP1-T_INF_PP)) u_ovf_inf_pp_t (.clk(clk), .d(ovf_inf_pp), .q(ovf_inf_pp_t));
-  ik_delay #(.W(1), .N(T_TMP1-T_PP_SQ)) u_ovf_pp_sq_t (.clk(clk), .d(ovf_pp_sq), .q(ovf_pp_sq_t));
-  ik_delay #(.W(1), .N(T_TMP1-T_PP_PM)) u_ovf_pp_pm_t (.clk(clk), .d(ovf_pp_pm), .q(ovf_pp_pm_t));
-  ik_delay #(.W(1), .N(T_E_X_NUM-T_TMP1)) u_ovf_tmp1_num (
-      .clk(clk), .d(ovf_inf_pp_t | ovf_pp_sq_t | ovf_pp_pm_t | ovf_tmp1), .q(ovf_tmp1_num)
+  wire ovf_inf_pp_at_tmp1, ovf_pp_sq_at_tmp1, ovf_pp_pm_at_tmp1;
+  wire ovf_at_e_x_num;  // of what comes before the numerators
+  wire ovf_at_e_x_quo;  // and before the quotients
+  ik_delay #(.W(1), .N(T_TMP1-T_INF_PP)) u_ovf_inf_pp_at_tmp1 (.clk(clk), .d(ovf_inf_pp), .q(ovf_inf_pp_at_tmp1));
+  ik_delay #(.W(1), .N(T_TMP1-T_PP_SQ)) u_ovf_pp_sq_at_tmp1 (.clk(clk), .d(ovf_pp_sq), .q(ovf_pp_sq_at_tmp1));
+  ik_delay #(.W(1), .N(T_TMP1-T_PP_PM)) u_ovf_pp_pm_at_tmp1 (.clk(clk), .d(ovf_pp_pm), .q(ovf_pp_pm_at_tmp1));
+  ik_delay #(.W(1), .N(T_E_X_NUM-T_TMP1)) u_ovf_at_e_x_num (
+      .clk(clk), .d(ovf_inf_pp_at_tmp1 | ovf_pp_sq_at_tmp1 | ovf_pp_pm_at_tmp1 | ovf_tmp1), .q(ovf_at_e_x_num)
   );
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_E_X_NUM)) u_ovf_num_quo (
-      .clk(clk), .d(ovf_tmp1_num | (|ovf_num)), .q(ovf_num_quo)
+  ik_delay #(.W(1), .N(T_E_X_QUO-T_E_X_NUM)) u_ovf_at_e_x_quo (
+      .clk(clk), .d(ovf_at_e_x_num | (|ovf_num)), .q(ovf_at_e_x_quo)
   );
-  always @(posedge clk) sat_elbow <= ovf_k_e_q | ovf_num_quo | (|ovf_quo);
+  always @(posedge clk) sat_elbow <= ovf_k_e_at_e_x_quo | ovf_at_e_x_quo | (|ovf_quo);
 
 endmodule
 

@@ -30,71 +30,54 @@ module ik_elbow_q #(
 
   // ---- (14) p_e^2 - p_e p_w = p_e (p_e - p_w) ----
 
-  wire signed [W-1:0] p_a_x_e;
-  wire signed [W-1:0] p_a_y_e;
-  wire signed [W-1:0] p_a_z_e;
-  ik_ring #(.W(3*W), .N(T_P_E_X-T_P_A_X)) u_p_a_e (
-      .clk(clk), .d({p_a_z, p_a_y, p_a_x}), .q({p_a_z_e, p_a_y_e, p_a_x_e})
+  wire signed [W-1:0] p_a_x_at_p_e_x, p_a_y_at_p_e_x, p_a_z_at_p_e_x;
+  ik_ring #(.W(3*W), .N(T_P_E_X-T_P_A_X)) u_p_a_at_p_e_x (
+      .clk(clk), .d({p_a_z, p_a_y, p_a_x}), .q({p_a_z_at_p_e_x, p_a_y_at_p_e_x, p_a_x_at_p_e_x})
   );
   wire signed [W-1:0] f_x;  // p_e - p_w
-  wire signed [W-1:0] f_y;
-  wire signed [W-1:0] f_z;
+  wire signed [W-1:0] f_y, f_z;
   localparam integer SH_F = F_P_A_X - F_F_X;
   ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_x (
-      .clk(clk), .a({p_e_x, 1'b0}), .b({p_a_x_e[W-1], p_a_x_e}), .q(f_x), .ovf()
+      .clk(clk), .a({p_e_x, 1'b0}), .b({p_a_x_at_p_e_x[W-1], p_a_x_at_p_e_x}), .q(f_x), .ovf()
   );
   ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_y (
-      .clk(clk), .a({p_e_y, 1'b0}), .b({p_a_y_e[W-1], p_a_y_e}), .q(f_y), .ovf()
+      .clk(clk), .a({p_e_y, 1'b0}), .b({p_a_y_at_p_e_x[W-1], p_a_y_at_p_e_x}), .q(f_y), .ovf()
   );
   ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_z (
-      .clk(clk), .a({p_e_z, 1'b0}), .b({p_a_z_e[W-1], p_a_z_e}), .q(f_z), .ovf()
+      .clk(clk), .a({p_e_z, 1'b0}), .b({p_a_z_at_p_e_x[W-1], p_a_z_at_p_e_x}), .q(f_z), .ovf()
   );
 
-  wire signed [W-1:0] p_e_x_f;
-  wire signed [W-1:0] p_e_y_f;
-  wire signed [W-1:0] p_e_z_f;
-  ik_delay #(.W(3*W), .N(T_F_X-T_P_E_X)) u_p_e_f (
-      .clk(clk), .d({p_e_z, p_e_y, p_e_x}), .q({p_e_z_f, p_e_y_f, p_e_x_f})
-  );
-  wire signed [WW-1:0] t_x;
-  wire signed [WW-1:0] t_y;
-  wire signed [WW-1:0] t_z;
+  wire signed [WW-1:0] t_x, t_y, t_z;
   wire signed [W-1:0] t_e;
   wire ovf_t_e;
   localparam integer SH_T = F_P_E_X + F_F_X - F_T_X;
-  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW)) u_t_x (.clk(clk), .a(p_e_x_f), .b(f_x), .q(t_x));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW)) u_t_y (.clk(clk), .a(p_e_y_f), .b(f_y), .q(t_y));
-  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW)) u_t_z (.clk(clk), .a(p_e_z_f), .b(f_z), .q(t_z));
-  ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (
-      .clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf(ovf_t_e)
-  );
+  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_x (.clk(clk), .a(p_e_x), .b(f_x), .q(t_x));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_y (.clk(clk), .a(p_e_y), .b(f_y), .q(t_y));
+  ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_z (.clk(clk), .a(p_e_z), .b(f_z), .q(t_z));
+  ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (.clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf(ovf_t_e));
 
   // ---- (14) c4 = (p_e^2 - p_e p_w) / (d1 d2) ----
 
-  wire signed [W-1:0] d_12;
-  wire signed [W-1:0] d_12_t;
-  wire signed [W-1:0] c4_quo;
+  wire signed [W-1:0] d_12, d_12_at_t_e, c4_quo;
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
-  ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_t (.clk(clk), .d(d_12), .q(d_12_t));
+  ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_at_t_e (.clk(clk), .d(d_12), .q(d_12_at_t_e));
   ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_c4_quo (
-      .clk(clk), .n(t_e), .d(d_12_t), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
+      .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
   );
 
   // A clamped arm is straight (-1) or folded (+1).
-  wire clamp_t;
-  wire fold_t;
-  wire clamp_quo;
-  wire fold_quo;
-  ik_ring #(.W(2), .N(T_T_E-T_CLAMP)) u_clamp_t (.clk(clk), .d({fold, clamp}), .q({fold_t, clamp_t}));
-  ik_delay #(.W(2), .N(T_C4_QUO-T_T_E)) u_clamp_quo (.clk(clk), .d({fold_t, clamp_t}), .q({fold_quo, clamp_quo}));
+  wire clamp_at_t_e, fold_at_t_e, clamp_at_c4_quo, fold_at_c4_quo;
+  ik_ring #(.W(2), .N(T_T_E-T_CLAMP)) u_clamp_at_t_e (.clk(clk), .d({fold, clamp}), .q({fold_at_t_e, clamp_at_t_e}));
+  ik_delay #(.W(2), .N(T_C4_QUO-T_T_E)) u_clamp_at_c4_quo (
+      .clk(clk), .d({fold_at_t_e, clamp_at_t_e}), .q({fold_at_c4_quo, clamp_at_c4_quo})
+  );
   localparam signed [W-1:0] ONE = {2'b01, {(W - 2) {1'b0}}};
   reg signed [W-1:0] c4;
-  always @(posedge clk) c4 <= !clamp_quo ? c4_quo : fold_quo ? ONE : -ONE;
+  always @(posedge clk) c4 <= !clamp_at_c4_quo ? c4_quo : fold_at_c4_quo ? ONE : -ONE;
 
   // ---- (14) qe_w = sqrt((1 + c4)/2), qe_i = -sqrt((1 - c4)/2) ----
 
-  wire [W-1:0] h4_p;
-  wire [W-1:0] h4_m;
+  wire [W-1:0] h4_p, h4_m;
   wire signed [W-1:0] qe_abs;
   localparam integer SH_ROOT = 2 * F_QE_W - (W - 1);
   ik_half #(.W(W)) u_h4_p (.clk(clk), .c(c4), .q(h4_p));
@@ -107,7 +90,7 @@ module ik_elbow_q #(
   );
   always @(posedge clk) begin
     qe_i        <= -qe_abs;
-    sat_elbow_q <= ovf_t_e && !clamp_t;
+    sat_elbow_q <= ovf_t_e && !clamp_at_t_e;
   end
 
 endmodule

@@ -68,11 +68,7 @@ module ik_guard #(
     d_raw <= d1_x - d2_x;
   end
 
-  wire signed [XW-1:0] x_sq;
-  wire signed [XW-1:0] y_sq;
-  wire signed [XW-1:0] z_sq;
-  wire signed [XW-1:0] r_sq;
-  wire signed [XW-1:0] d_sq;
+  wire signed [XW-1:0] x_sq, y_sq, z_sq, r_sq, d_sq;
   wire signed [W:0] x_x = {x[W-1], x};
   wire signed [W:0] y_x = {y[W-1], y};
   wire signed [W:0] z_x = {z[W-1], z};
@@ -84,38 +80,36 @@ module ik_guard #(
 
   reg signed  [XW-1:0] xy_sq;
   reg signed  [XW-1:0] s_raw;
-  wire signed [XW-1:0] z_sq_s;
-  ik_delay #(.W(XW), .N(T_XY_SQ - T_Z_SQ)) u_z_sq_s (.clk(clk), .d(z_sq), .q(z_sq_s));
+  wire signed [XW-1:0] z_sq_at_xy_sq;
+  ik_delay #(.W(XW), .N(T_XY_SQ - T_Z_SQ)) u_z_sq_at_xy_sq (.clk(clk), .d(z_sq), .q(z_sq_at_xy_sq));
   always @(posedge clk) begin
     xy_sq <= x_sq + y_sq;
-    s_raw <= xy_sq + z_sq_s;
+    s_raw <= xy_sq + z_sq_at_xy_sq;
   end
 
-  wire signed [XW-1:0] r_sq_s;
-  wire signed [XW-1:0] d_sq_s;
-  wire bad_length_s;
-  ik_delay #(.W(XW), .N(T_S_RAW - T_R_SQ)) u_r_sq_s (.clk(clk), .d(r_sq), .q(r_sq_s));
-  ik_delay #(.W(XW), .N(T_S_RAW - T_D_SQ)) u_d_sq_s (.clk(clk), .d(d_sq), .q(d_sq_s));
-  ik_delay #(.W(1), .N(T_S_RAW - T_BAD_LENGTH)) u_bad_length_s (.clk(clk), .d(bad_length), .q(bad_length_s));
+  wire signed [XW-1:0] r_sq_at_s_raw, d_sq_at_s_raw;
+  wire bad_length_at_s_raw;
+  ik_delay #(.W(XW), .N(T_S_RAW - T_R_SQ)) u_r_sq_at_s_raw (.clk(clk), .d(r_sq), .q(r_sq_at_s_raw));
+  ik_delay #(.W(XW), .N(T_S_RAW - T_D_SQ)) u_d_sq_at_s_raw (.clk(clk), .d(d_sq), .q(d_sq_at_s_raw));
+  ik_delay #(.W(1), .N(T_S_RAW - T_BAD_LENGTH)) u_bad_length_at_s_raw (
+      .clk(clk), .d(bad_length), .q(bad_length_at_s_raw)
+  );
   always @(posedge clk) begin
-    too_far  <= (s_raw > r_sq_s) && !bad_length_s;
-    too_near <= (s_raw < d_sq_s) && !bad_length_s;
+    too_far  <= (s_raw > r_sq_at_s_raw) && !bad_length_at_s_raw;
+    too_near <= (s_raw < d_sq_at_s_raw) && !bad_length_at_s_raw;
   end
 
   // ---- what to do with a target that has no elbow ----
 
-  wire bad_length_c;
-  wire at_shoulder_c;
-  wire d_raw_negative_c;
-  ik_delay #(.W(3), .N(T_TOO_FAR - T_BAD_LENGTH)) u_decisions_c (
-      .clk(clk),
-      .d  ({bad_length, at_shoulder, d_raw[W]}),
-      .q  ({bad_length_c, at_shoulder_c, d_raw_negative_c})
+  wire bad_length_at_too_far, at_shoulder_at_too_far, d_raw_negative_at_too_far;
+  ik_delay #(.W(3), .N(T_TOO_FAR - T_BAD_LENGTH)) u_d_raw_negative_at_too_far (
+      .clk(clk), .d({bad_length, at_shoulder, d_raw[W]}),
+      .q({bad_length_at_too_far, at_shoulder_at_too_far, d_raw_negative_at_too_far})
   );
   always @(posedge clk) begin
-    clamp <= too_far || too_near || at_shoulder_c || bad_length_c;
-    fold  <= (too_near || at_shoulder_c) && !bad_length_c;
-    away  <= too_near && d_raw_negative_c;
+    clamp <= too_far || too_near || at_shoulder_at_too_far || bad_length_at_too_far;
+    fold  <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
+    away  <= too_near && d_raw_negative_at_too_far;
   end
 
   // ---- the target in its own unit; at the shoulder it is taken to be straight up ----
@@ -134,69 +128,45 @@ module ik_guard #(
   wire r_empty;
   ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r), .empty(r_empty));
 
-  wire signed [W:0] d1_r;
-  wire signed [W:0] d2_r;
-  wire signed [W:0] x_r;
-  wire signed [W:0] y_r;
-  wire signed [W:0] z_r;
-  ik_delay #(.W(5*(W+1)), .N(T_LZ_R)) u_raw_r (
-      .clk(clk),
-      .d  ({z_x, y_x, x_x, d2_x, d1_x}),
-      .q  ({z_r, y_r, x_r, d2_r, d1_r})
-  );
+  wire signed [W:0] d_1_sh, d_2_sh, p_a_x_sh, p_a_y_sh, p_a_z_sh;
+  ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_d_1_sh (.clk(clk), .d(d1_x), .count(lz_r), .q(d_1_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_d_2_sh (.clk(clk), .d(d2_x), .count(lz_r), .q(d_2_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_p_a_x_sh (.clk(clk), .d(x_x), .count(lz_r), .q(p_a_x_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_p_a_y_sh (.clk(clk), .d(y_x), .count(lz_r), .q(p_a_y_sh));
+  ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_p_a_z_sh (.clk(clk), .d(z_x), .count(lz_r), .q(p_a_z_sh));
 
-  wire signed [W:0] d_1_sh;
-  wire signed [W:0] d_2_sh;
-  wire signed [W:0] p_a_x_sh;
-  wire signed [W:0] p_a_y_sh;
-  wire signed [W:0] p_a_z_sh;
-  ik_shift #(.W(W+1), .PRODUCT(1)) u_d_1_sh (.clk(clk), .d(d1_r), .count(lz_r), .q(d_1_sh));
-  ik_shift #(.W(W+1), .PRODUCT(1)) u_d_2_sh (.clk(clk), .d(d2_r), .count(lz_r), .q(d_2_sh));
-  ik_shift #(.W(W+1), .PRODUCT(1)) u_p_a_x_sh (.clk(clk), .d(x_r), .count(lz_r), .q(p_a_x_sh));
-  ik_shift #(.W(W+1), .PRODUCT(1)) u_p_a_y_sh (.clk(clk), .d(y_r), .count(lz_r), .q(p_a_y_sh));
-  ik_shift #(.W(W+1), .PRODUCT(1)) u_p_a_z_sh (.clk(clk), .d(z_r), .count(lz_r), .q(p_a_z_sh));
-
-  wire signed [W:0] d_1_c;
-  wire signed [W:0] d_2_c;
-  wire signed [W:0] p_a_x_c;
-  wire signed [W:0] p_a_y_c;
-  wire signed [W:0] p_a_z_c;
-  ik_delay #(.W(5*(W+1)), .N(T_CLAMP - T_D_1_SH)) u_scaled_c (
-      .clk(clk),
-      .d  ({p_a_z_sh, p_a_y_sh, p_a_x_sh, d_2_sh, d_1_sh}),
-      .q  ({p_a_z_c, p_a_y_c, p_a_x_c, d_2_c, d_1_c})
+  wire signed [W:0] d_1_sh_at_clamp, d_2_sh_at_clamp, p_a_x_sh_at_clamp, p_a_y_sh_at_clamp, p_a_z_sh_at_clamp;
+  ik_delay #(.W(5*(W+1)), .N(T_CLAMP - T_D_1_SH)) u_d_1_sh_at_clamp (
+      .clk(clk), .d({p_a_z_sh, p_a_y_sh, p_a_x_sh, d_2_sh, d_1_sh}),
+      .q({p_a_z_sh_at_clamp, p_a_y_sh_at_clamp, p_a_x_sh_at_clamp, d_2_sh_at_clamp, d_1_sh_at_clamp})
   );
 
   // A bit is dropped only where d1 + d2 >= 2; or-ed in, it keeps the shortest length from becoming 0.
   localparam signed [W-1:0] QUARTER = {3'b001, {(W - 3) {1'b0}}};
   always @(posedge clk) begin
-    d_1   <= clamp ? QUARTER : {d_1_c[W:2], d_1_c[1] | d_1_c[0]};
-    d_2   <= clamp ? QUARTER : {d_2_c[W:2], d_2_c[1] | d_2_c[0]};
-    p_a_x <= clamp ? {W{1'b0}} : {p_a_x_c[W:2], p_a_x_c[1] | p_a_x_c[0]};
-    p_a_y <= clamp ? {W{1'b0}} : {p_a_y_c[W:2], p_a_y_c[1] | p_a_y_c[0]};
-    p_a_z <= clamp ? {W{1'b0}} : {p_a_z_c[W:2], p_a_z_c[1] | p_a_z_c[0]};
+    d_1   <= clamp ? QUARTER : {d_1_sh_at_clamp[W:2], d_1_sh_at_clamp[1] | d_1_sh_at_clamp[0]};
+    d_2   <= clamp ? QUARTER : {d_2_sh_at_clamp[W:2], d_2_sh_at_clamp[1] | d_2_sh_at_clamp[0]};
+    p_a_x <= clamp ? {W{1'b0}} : {p_a_x_sh_at_clamp[W:2], p_a_x_sh_at_clamp[1] | p_a_x_sh_at_clamp[0]};
+    p_a_y <= clamp ? {W{1'b0}} : {p_a_y_sh_at_clamp[W:2], p_a_y_sh_at_clamp[1] | p_a_y_sh_at_clamp[0]};
+    p_a_z <= clamp ? {W{1'b0}} : {p_a_z_sh_at_clamp[W:2], p_a_z_sh_at_clamp[1] | p_a_z_sh_at_clamp[0]};
   end
 
   // ---- d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder
   // could come to lie out of their reach ----
 
-  wire signed [W:0] d_raw_p;
-  wire signed [W:0] d_dif_sh;
-  wire signed [W:0] d_dif_c;
-  ik_delay #(.W(W+1), .N(T_LZ_P - T_D_RAW)) u_d_raw_p (.clk(clk), .d(d_raw), .q(d_raw_p));
-  ik_shift #(.W(W+1), .PRODUCT(1)) u_d_dif_sh (.clk(clk), .d(d_raw_p), .count(lz_p), .q(d_dif_sh));
-  ik_delay #(.W(W+1), .N(T_CLAMP - T_D_DIF_SH)) u_d_dif_c (.clk(clk), .d(d_dif_sh), .q(d_dif_c));
-  always @(posedge clk) d_dif_j <= clamp ? {W{1'b0}} : d_dif_c[W:1];
+  wire signed [W:0] d_dif_sh, d_dif_sh_at_clamp;
+  ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_P - T_D_RAW)) u_d_dif_sh (.clk(clk), .d(d_raw), .count(lz_p), .q(d_dif_sh));
+  ik_delay #(.W(W+1), .N(T_CLAMP - T_D_DIF_SH)) u_d_dif_sh_at_clamp (.clk(clk), .d(d_dif_sh), .q(d_dif_sh_at_clamp));
+  always @(posedge clk) d_dif_j <= clamp ? {W{1'b0}} : d_dif_sh_at_clamp[W:1];
 
   // ---- how much finer the target's unit is than the arms' ----
 
-  wire [5:0] lz_p_c;
-  wire [5:0] lz_r_c;
-  ik_delay #(.W(6), .N(T_CLAMP - T_LZ_P)) u_lz_p_c (.clk(clk), .d(lz_p), .q(lz_p_c));
-  ik_delay #(.W(6), .N(T_CLAMP - T_LZ_R)) u_lz_r_c (.clk(clk), .d(lz_r), .q(lz_r_c));
-  always @(posedge clk) scale_j <= clamp ? 6'd2 : (lz_p_c - lz_r_c + 6'd1);
+  wire [5:0] lz_p_at_clamp, lz_r_at_clamp;
+  ik_delay #(.W(6), .N(T_CLAMP - T_LZ_P)) u_lz_p_at_clamp (.clk(clk), .d(lz_p), .q(lz_p_at_clamp));
+  ik_delay #(.W(6), .N(T_CLAMP - T_LZ_R)) u_lz_r_at_clamp (.clk(clk), .d(lz_r), .q(lz_r_at_clamp));
+  always @(posedge clk) scale_j <= clamp ? 6'd2 : (lz_p_at_clamp - lz_r_at_clamp + 6'd1);
 
-  wire unused = &{1'b0, lz_b, r_empty, d_dif_c[0]};
+  wire unused = &{1'b0, lz_b, r_empty, d_dif_sh_at_clamp[0]};
 
 endmodule
 

@@ -3,6 +3,10 @@
 //
 // The paper's dataflow, equations (10) to (19): a target enters and a result leaves in every clock. There is no enable
 // and no reset but that of the valid bits: the pipeline runs free, and valid and tag travel with the data.
+//
+// A signal with the name of a node holds it in the node's clock, T_<NODE>. Operators delay an operand that they need
+// later themselves (DA, DB, ..: clocks). What several share, or written logic needs, is delayed outside: x_at_y is x in
+// the clock of node y, or of the first node whose name begins with y.
 // Latency: T_OUT clocks.
 `default_nettype none
 
@@ -50,26 +54,10 @@ module ik_paper #(
   wire signed [W-1:0] d1 = in_data[4*W+:W];
   wire signed [W-1:0] d2 = in_data[5*W+:W];
 
-  wire signed [W-1:0] p_w_x;
-  wire signed [W-1:0] p_w_y;
-  wire signed [W-1:0] p_w_z;
-  wire signed [W-1:0] b_x;
-  wire signed [W-1:0] b_y;
-  wire signed [W-1:0] d_1;
-  wire signed [W-1:0] d_2;
-  wire signed [W-1:0] p_a_x;
-  wire signed [W-1:0] p_a_y;
-  wire signed [W-1:0] p_a_z;
+  wire signed [W-1:0] p_w_x, p_w_y, p_w_z, b_x, b_y, d_1, d_2, p_a_x, p_a_y, p_a_z;
   wire [5:0] scale_j;
   wire signed [W-1:0] d_dif_j;
-  wire too_far;
-  wire too_near;
-  wire on_axis;
-  wire at_shoulder;
-  wire bad_length;
-  wire clamp;
-  wire fold;
-  wire away;
+  wire too_far, too_near, on_axis, at_shoulder, bad_length, clamp, fold, away;
   ik_guard #(.W(W)) u_guard (
       .clk(clk),
       .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
@@ -81,11 +69,7 @@ module ik_paper #(
 
   // ---- 3.1 swivel plane ----
 
-  wire signed [W-1:0] s;
-  wire signed [W-1:0] l_sw;
-  wire signed [W-1:0] pi_swivel_x;
-  wire signed [W-1:0] pi_swivel_y;
-  wire signed [W-1:0] pi_swivel_z;
+  wire signed [W-1:0] s, l_sw, pi_swivel_x, pi_swivel_y, pi_swivel_z;
   wire sat_swivel;
   ik_swivel #(.W(W), .DIGIT(DIGIT)) u_swivel (
       .clk(clk),
@@ -95,38 +79,30 @@ module ik_paper #(
   );
 
   // The target waits for its swivel plane; 3.2 and 3.5 use both.
-  wire signed [W-1:0] p_w_x_pi;
-  wire signed [W-1:0] p_w_y_pi;
-  wire signed [W-1:0] p_w_z_pi;
-  ik_ring #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_pi (
-      .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_pi, p_w_y_pi, p_w_x_pi})
+  wire signed [W-1:0] p_w_x_at_pi_swivel, p_w_y_at_pi_swivel, p_w_z_at_pi_swivel;
+  ik_ring #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_at_pi_swivel (
+      .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel})
   );
 
   // ---- 3.2 elbow point ----
 
-  wire signed [W-1:0] pp_1_m;
-  wire signed [W-1:0] pp_2_m;
-  wire signed [W-1:0] pp_3_m;
-  wire flat;
-  wire back;
-  wire signed [W-1:0] p_e_x;
-  wire signed [W-1:0] p_e_y;
-  wire signed [W-1:0] p_e_z;
-  wire signed [W-1:0] d_e;
+  wire signed [W-1:0] pp_1_m, pp_2_m, pp_3_m;
+  wire flat, back;
+  wire signed [W-1:0] p_e_x, p_e_y, p_e_z, d_e;
   wire sat_elbow;
   ik_elbow #(.W(W), .DIGIT(DIGIT)) u_elbow (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .d_dif_j(d_dif_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
-      .p_w_x_pi(p_w_x_pi), .p_w_y_pi(p_w_y_pi), .p_w_z_pi(p_w_z_pi),
+      .p_w_x_at_pi_swivel(p_w_x_at_pi_swivel), .p_w_y_at_pi_swivel(p_w_y_at_pi_swivel),
+      .p_w_z_at_pi_swivel(p_w_z_at_pi_swivel),
       .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),
       .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z), .d_e(d_e), .sat_elbow(sat_elbow)
   );
 
   // ---- 3.3 elbow quaternion ----
 
-  wire signed [W-1:0] qe_w;
-  wire signed [W-1:0] qe_i;
+  wire signed [W-1:0] qe_w, qe_i;
   wire sat_elbow_q;
   ik_elbow_q #(.W(W), .DIGIT(DIGIT)) u_elbow_q (
       .clk(clk),
@@ -137,9 +113,7 @@ module ik_paper #(
 
   // ---- 3.4 rotate to the elbow position ----
 
-  wire signed [W-1:0] q12_i;
-  wire signed [W-1:0] q12_j;
-  wire signed [W-1:0] q12_k;
+  wire signed [W-1:0] q12_i, q12_j, q12_k;
   wire sat_to_elbow;
   ik_to_elbow #(.W(W), .DIGIT(DIGIT)) u_to_elbow (
       .clk(clk),
@@ -149,15 +123,13 @@ module ik_paper #(
 
   // ---- 3.5 rotate to the wrist location ----
 
-  wire signed [W-1:0] qs_w;
-  wire signed [W-1:0] qs_i;
-  wire signed [W-1:0] qs_j;
-  wire signed [W-1:0] qs_k;
+  wire signed [W-1:0] qs_w, qs_i, qs_j, qs_k;
   wire sat_to_wrist;
   ik_to_wrist #(.W(W), .DIGIT(DIGIT)) u_to_wrist (
       .clk(clk),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
-      .p_w_x_pi(p_w_x_pi), .p_w_y_pi(p_w_y_pi), .p_w_z_pi(p_w_z_pi),
+      .p_w_x_at_pi_swivel(p_w_x_at_pi_swivel), .p_w_y_at_pi_swivel(p_w_y_at_pi_swivel),
+      .p_w_z_at_pi_swivel(p_w_z_at_pi_swivel),
       .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),
       .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k),
       .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k), .sat_to_wrist(sat_to_wrist)
@@ -165,48 +137,42 @@ module ik_paper #(
 
   // ---- all results leave together ----
 
-  wire signed [W-1:0] qs_k_out;
-  wire signed [W-1:0] qe_w_out;
-  wire signed [W-1:0] qe_i_out;
-  ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_out (.clk(clk), .d(qs_k), .q(qs_k_out));
-  ik_ring #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_out (.clk(clk), .d(qe_w), .q(qe_w_out));
-  ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_out (.clk(clk), .d(qe_i), .q(qe_i_out));
-  assign out_data = {qe_i_out, qe_w_out, qs_k_out, qs_j, qs_i, qs_w};
+  wire signed [W-1:0] qs_k_at_out, qe_w_at_out, qe_i_at_out;
+  ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_at_out (.clk(clk), .d(qs_k), .q(qs_k_at_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_at_out (.clk(clk), .d(qe_w), .q(qe_w_at_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_at_out (.clk(clk), .d(qe_i), .q(qe_i_at_out));
+  assign out_data = {qe_i_at_out, qe_w_at_out, qs_k_at_out, qs_j, qs_i, qs_w};
 
   // One line for all flags of saturation: each joins it where it is found.
-  wire sat_swivel_s;
-  wire sat_elbow_s;
-  wire sat_elbow_q_s;
-  wire sat_to_elbow_s;
-  ik_delay #(.W(1), .N(T_SAT_ELBOW-T_SAT_SWIVEL)) u_sat_swivel (.clk(clk), .d(sat_swivel), .q(sat_swivel_s));
-  ik_delay #(.W(1), .N(T_SAT_ELBOW_Q-T_SAT_ELBOW)) u_sat_elbow (
-      .clk(clk), .d(sat_swivel_s | sat_elbow), .q(sat_elbow_s)
+  wire sat_swivel_at_sat_elbow, sat_at_sat_elbow_q, sat_at_sat_to_elbow, sat_at_sat_to_wrist;
+  ik_delay #(.W(1), .N(T_SAT_ELBOW-T_SAT_SWIVEL)) u_sat_swivel_at_sat_elbow (
+      .clk(clk), .d(sat_swivel), .q(sat_swivel_at_sat_elbow)
   );
-  ik_delay #(.W(1), .N(T_SAT_TO_ELBOW-T_SAT_ELBOW_Q)) u_sat_elbow_q (
-      .clk(clk), .d(sat_elbow_s | sat_elbow_q), .q(sat_elbow_q_s)
+  ik_delay #(.W(1), .N(T_SAT_ELBOW_Q-T_SAT_ELBOW)) u_sat_at_sat_elbow_q (
+      .clk(clk), .d(sat_swivel_at_sat_elbow | sat_elbow), .q(sat_at_sat_elbow_q)
   );
-  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_TO_ELBOW)) u_sat_to_elbow (
-      .clk(clk), .d(sat_elbow_q_s | sat_to_elbow), .q(sat_to_elbow_s)
+  ik_delay #(.W(1), .N(T_SAT_TO_ELBOW-T_SAT_ELBOW_Q)) u_sat_at_sat_to_elbow (
+      .clk(clk), .d(sat_at_sat_elbow_q | sat_elbow_q), .q(sat_at_sat_to_elbow)
+  );
+  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_TO_ELBOW)) u_sat_at_sat_to_wrist (
+      .clk(clk), .d(sat_at_sat_to_elbow | sat_to_elbow), .q(sat_at_sat_to_wrist)
   );
   reg saturated;
-  always @(posedge clk) saturated <= sat_to_elbow_s | sat_to_wrist;
+  always @(posedge clk) saturated <= sat_at_sat_to_wrist | sat_to_wrist;
 
-  wire too_far_out;
-  wire too_near_out;
-  wire on_axis_out;
-  wire at_shoulder_out;
-  wire bad_length_out;
-  wire saturated_out;
-  wire [2:0] place;  // beside too_far and too_near
-  ik_delay #(.W(3), .N(T_TOO_FAR-T_ON_AXIS)) u_place (.clk(clk), .d({bad_length, at_shoulder, on_axis}), .q(place));
-  ik_ring #(.W(5), .N(T_OUT-T_TOO_FAR)) u_flags_out (
-      .clk(clk),
-      .d  ({place, too_near, too_far}),
-      .q  ({bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out})
+  wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out, saturated_at_out;
+  wire on_axis_at_too_far, at_shoulder_at_too_far, bad_length_at_too_far;
+  ik_delay #(.W(3), .N(T_TOO_FAR-T_ON_AXIS)) u_on_axis_at_too_far (
+      .clk(clk), .d({bad_length, at_shoulder, on_axis}),
+      .q({bad_length_at_too_far, at_shoulder_at_too_far, on_axis_at_too_far})
   );
-  ik_delay #(.W(1), .N(T_OUT-T_SATURATED)) u_saturated_out (.clk(clk), .d(saturated), .q(saturated_out));
+  ik_ring #(.W(5), .N(T_OUT-T_TOO_FAR)) u_too_far_at_out (
+      .clk(clk), .d({bad_length_at_too_far, at_shoulder_at_too_far, on_axis_at_too_far, too_near, too_far}),
+      .q({bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out})
+  );
+  ik_delay #(.W(1), .N(T_OUT-T_SATURATED)) u_saturated_at_out (.clk(clk), .d(saturated), .q(saturated_at_out));
   assign out_flags = {
-    2'b00, saturated_out, bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out
+    2'b00, saturated_at_out, bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out
   };
 
 endmodule

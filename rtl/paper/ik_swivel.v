@@ -31,9 +31,7 @@ module ik_swivel #(
 
   // ---- (10) |L_sw| = sqrt(p_x^2 + p_y^2 + p_z^2) ----
 
-  wire signed [WW-1:0] s_x;
-  wire signed [WW-1:0] s_y;
-  wire signed [WW-1:0] s_z;
+  wire signed [WW-1:0] s_x, s_y, s_z;
   ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_X-F_S_X), .OW(WW), .SQUARE(1)) u_s_x (.clk(clk), .a(p_w_x), .b(p_w_x), .q(s_x));
   ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Y-F_S_Y), .OW(WW), .SQUARE(1)) u_s_y (.clk(clk), .a(p_w_y), .b(p_w_y), .q(s_y));
   ik_mul #(.AW(W), .BW(W), .SH(2*F_P_W_Z-F_S_Z), .OW(WW), .SQUARE(1)) u_s_z (.clk(clk), .a(p_w_z), .b(p_w_z), .q(s_z));
@@ -44,8 +42,7 @@ module ik_swivel #(
 
   // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the square is missing in print ----
 
-  wire signed [W-1:0] sin_h;
-  wire signed [W-1:0] cos_h;
+  wire signed [W-1:0] sin_h, cos_h;
   ik_sincos #(.W(W)) u_sincos (.clk(clk), .phi(phi), .sin_h(sin_h), .cos_h(cos_h));
 
   wire signed [W-1:0] sin_phi;
@@ -66,8 +63,7 @@ module ik_swivel #(
 
   wire signed [W-1:0] a_x;  // p_z b_x
   wire signed [W-1:0] a_y;  // p_z b_y
-  wire signed [WW-1:0] rho_x;
-  wire signed [WW-1:0] rho_y;
+  wire signed [WW-1:0] rho_x, rho_y;
   wire signed [W-1:0] rho;  // p_x b_x + p_y b_y, the p_x^2 + p_y^2 of the third row
   ik_mul #(.AW(W), .BW(W), .SH(F_P_W_Z+F_B_X-F_A_X), .OW(W)) u_a_x (.clk(clk), .a(p_w_z), .b(b_x), .q(a_x));
   ik_mul #(.AW(W), .BW(W), .SH(F_P_W_Z+F_B_Y-F_A_Y), .OW(W)) u_a_y (.clk(clk), .a(p_w_z), .b(b_y), .q(a_y));
@@ -75,80 +71,75 @@ module ik_swivel #(
   ik_mul #(.AW(W), .BW(W), .SH(F_P_W_Y+F_B_Y-F_RHO_Y), .OW(WW)) u_rho_y (.clk(clk), .a(p_w_y), .b(b_y), .q(rho_y));
   ik_sum2 #(.IW(WW), .SH(F_RHO_X-F_RHO), .OW(W), .SAT(0)) u_rho (.clk(clk), .a(rho_x), .b(rho_y), .q(rho), .ovf());
 
-  // They wait for sin phi.
-  wire signed [W-1:0] a_x_sin;
-  wire signed [W-1:0] a_y_sin;
-  wire signed [W-1:0] rho_sin;
-  ik_ring #(.W(2*W), .N(T_SIN_PHI-T_A_X)) u_a_sin (.clk(clk), .d({a_y, a_x}), .q({a_y_sin, a_x_sin}));
-  ik_ring #(.W(W), .N(T_SIN_PHI-T_RHO)) u_rho_sin (.clk(clk), .d(rho), .q(rho_sin));
+  wire signed [W-1:0] a_x_at_sin_phi, a_y_at_sin_phi, rho_at_sin_phi;
+  ik_ring #(.W(2*W), .N(T_SIN_PHI-T_A_X)) u_a_at_sin_phi (
+      .clk(clk), .d({a_y, a_x}), .q({a_y_at_sin_phi, a_x_at_sin_phi})
+  );
+  ik_ring #(.W(W), .N(T_SIN_PHI-T_RHO)) u_rho_at_sin_phi (.clk(clk), .d(rho), .q(rho_at_sin_phi));
 
   wire signed [WW-1:0] sa_x;  // sin phi p_z b_x
   wire signed [WW-1:0] sa_y;
   wire signed [WW-1:0] sa_z;  // sin phi (p_x^2 + p_y^2)
   ik_mul #(.AW(W), .BW(W), .SH(F_SIN_PHI+F_A_X-F_SA_X), .OW(WW)) u_sa_x (
-      .clk(clk), .a(sin_phi), .b(a_x_sin), .q(sa_x)
+      .clk(clk), .a(sin_phi), .b(a_x_at_sin_phi), .q(sa_x)
   );
   ik_mul #(.AW(W), .BW(W), .SH(F_SIN_PHI+F_A_Y-F_SA_Y), .OW(WW)) u_sa_y (
-      .clk(clk), .a(sin_phi), .b(a_y_sin), .q(sa_y)
+      .clk(clk), .a(sin_phi), .b(a_y_at_sin_phi), .q(sa_y)
   );
   ik_mul #(.AW(W), .BW(W), .SH(F_SIN_PHI+F_RHO-F_SA_Z), .OW(WW)) u_sa_z (
-      .clk(clk), .a(sin_phi), .b(rho_sin), .q(sa_z)
+      .clk(clk), .a(sin_phi), .b(rho_at_sin_phi), .q(sa_z)
   );
 
-  // The direction waits for cos phi, the product for |L_sw| or |L_sw| for the product.
-  wire signed [W-1:0] b_x_cos;
-  wire signed [W-1:0] b_y_cos;
-  ik_ring #(.W(2*W), .N(T_COS_PHI-T_B_X)) u_b_cos (.clk(clk), .d({b_y, b_x}), .q({b_y_cos, b_x_cos}));
+  wire signed [W-1:0] b_x_at_cos_phi, b_y_at_cos_phi;
+  ik_ring #(.W(2*W), .N(T_COS_PHI-T_B_X)) u_b_at_cos_phi (
+      .clk(clk), .d({b_y, b_x}), .q({b_y_at_cos_phi, b_x_at_cos_phi})
+  );
 
   wire signed [W-1:0] cb_x;  // cos phi b_x
   wire signed [W-1:0] cb_y;
-  ik_mul #(.AW(W), .BW(W), .SH(F_COS_PHI+F_B_X-F_CB_X), .OW(W)) u_cb_x (.clk(clk), .a(cos_phi), .b(b_x_cos), .q(cb_x));
-  ik_mul #(.AW(W), .BW(W), .SH(F_COS_PHI+F_B_Y-F_CB_Y), .OW(W)) u_cb_y (.clk(clk), .a(cos_phi), .b(b_y_cos), .q(cb_y));
+  ik_mul #(.AW(W), .BW(W), .SH(F_COS_PHI+F_B_X-F_CB_X), .OW(W)) u_cb_x (
+      .clk(clk), .a(cos_phi), .b(b_x_at_cos_phi), .q(cb_x)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(F_COS_PHI+F_B_Y-F_CB_Y), .OW(W)) u_cb_y (
+      .clk(clk), .a(cos_phi), .b(b_y_at_cos_phi), .q(cb_y)
+  );
 
-  wire signed [W-1:0] l_sw_lcb;
   wire signed [WW-1:0] lcb_x;  // |L_sw| cos phi b_x
   wire signed [WW-1:0] lcb_y;
-  ik_delay #(.W(W), .N(T_CB_X-T_L_SW)) u_l_sw_lcb (.clk(clk), .d(l_sw), .q(l_sw_lcb));
-  ik_mul #(.AW(W), .BW(W), .SH(F_L_SW+F_CB_X-F_LCB_X), .OW(WW)) u_lcb_x (.clk(clk), .a(l_sw_lcb), .b(cb_x), .q(lcb_x));
-  ik_mul #(.AW(W), .BW(W), .SH(F_L_SW+F_CB_Y-F_LCB_Y), .OW(WW)) u_lcb_y (.clk(clk), .a(l_sw_lcb), .b(cb_y), .q(lcb_y));
+  ik_mul #(.AW(W), .BW(W), .SH(F_L_SW+F_CB_X-F_LCB_X), .OW(WW), .DA(T_CB_X-T_L_SW)) u_lcb_x (
+      .clk(clk), .a(l_sw), .b(cb_x), .q(lcb_x)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(F_L_SW+F_CB_Y-F_LCB_Y), .OW(WW), .DA(T_CB_X-T_L_SW)) u_lcb_y (
+      .clk(clk), .a(l_sw), .b(cb_y), .q(lcb_y)
+  );
 
   // ---- (11) numerators ----
 
-  wire signed [WW-1:0] sa_x_num;
-  wire signed [WW-1:0] sa_y_num;
-  wire signed [WW-1:0] sa_z_num;
-  ik_delay #(.W(3*WW), .N(T_LCB_X-T_SA_X)) u_sa_num (
-      .clk(clk), .d({sa_z, sa_y, sa_x}), .q({sa_z_num, sa_y_num, sa_x_num})
+  wire signed [WW-1:0] pi_num_x, pi_num_y, pi_num_z;
+  ik_sum2 #(.IW(WW), .SH(F_SA_X-F_PI_NUM_X), .OW(WW), .SAT(0), .DA(T_LCB_X-T_SA_X)) u_pi_num_x (
+      .clk(clk), .a(sa_x), .b(lcb_y), .q(pi_num_x), .ovf()
   );
-
-  wire signed [WW-1:0] pi_num_x;
-  wire signed [WW-1:0] pi_num_y;
-  wire signed [WW-1:0] pi_num_z;
-  ik_sum2 #(.IW(WW), .SH(F_SA_X-F_PI_NUM_X), .OW(WW), .SAT(0)) u_pi_num_x (
-      .clk(clk), .a(sa_x_num), .b(lcb_y), .q(pi_num_x), .ovf()
+  ik_sum2 #(.IW(WW), .SH(F_SA_Y-F_PI_NUM_Y), .OW(WW), .SUB_B(1), .SAT(0), .DA(T_LCB_X-T_SA_X)) u_pi_num_y (
+      .clk(clk), .a(sa_y), .b(lcb_x), .q(pi_num_y), .ovf()
   );
-  ik_sum2 #(.IW(WW), .SH(F_SA_Y-F_PI_NUM_Y), .OW(WW), .SUB_B(1), .SAT(0)) u_pi_num_y (
-      .clk(clk), .a(sa_y_num), .b(lcb_x), .q(pi_num_y), .ovf()
-  );
-  ik_sum2 #(.IW(WW), .SH(F_SA_Z-F_PI_NUM_Z), .OW(WW), .SUB_B(1), .SAT(0)) u_pi_num_z (
-      .clk(clk), .a({WW{1'b0}}), .b(sa_z_num), .q(pi_num_z), .ovf()
+  ik_sum2 #(.IW(WW), .SH(F_SA_Z-F_PI_NUM_Z), .OW(WW), .SUB_B(1), .SAT(0), .DB(T_LCB_X-T_SA_X)) u_pi_num_z (
+      .clk(clk), .a({WW{1'b0}}), .b(sa_z), .q(pi_num_z), .ovf()
   );
 
   // ---- (11) division by |L_sw| ----
 
-  wire signed [W-1:0] l_sw_num;
-  wire ovf_x;
-  wire ovf_y;
-  wire ovf_z;
-  ik_delay #(.W(W), .N(T_PI_NUM_X-T_CB_X)) u_l_sw_num (.clk(clk), .d(l_sw_lcb), .q(l_sw_num));
-  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_X-F_PI_NUM_X+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_swivel_x (
-      .clk(clk), .n(pi_num_x), .d(l_sw_num), .q(pi_swivel_x), .ovf(ovf_x)
+  wire ovf_x, ovf_y, ovf_z;
+  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_X-F_PI_NUM_X+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
+      .DD(T_PI_NUM_X-T_L_SW)) u_pi_swivel_x (
+      .clk(clk), .n(pi_num_x), .d(l_sw), .q(pi_swivel_x), .ovf(ovf_x)
   );
-  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Y-F_PI_NUM_Y+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_swivel_y (
-      .clk(clk), .n(pi_num_y), .d(l_sw_num), .q(pi_swivel_y), .ovf(ovf_y)
+  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Y-F_PI_NUM_Y+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
+      .DD(T_PI_NUM_X-T_L_SW)) u_pi_swivel_y (
+      .clk(clk), .n(pi_num_y), .d(l_sw), .q(pi_swivel_y), .ovf(ovf_y)
   );
-  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Z-F_PI_NUM_Z+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_swivel_z (
-      .clk(clk), .n(pi_num_z), .d(l_sw_num), .q(pi_swivel_z), .ovf(ovf_z)
+  ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Z-F_PI_NUM_Z+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
+      .DD(T_PI_NUM_X-T_L_SW)) u_pi_swivel_z (
+      .clk(clk), .n(pi_num_z), .d(l_sw), .q(pi_swivel_z), .ovf(ovf_z)
   );
   always @(posedge clk) sat_swivel <= ovf_x | ovf_y | ovf_z;
 

@@ -31,18 +31,14 @@ module ik_to_elbow #(
 
   // ---- (15) h = d1 - p_ez below, d1 + p_ez above the shoulder ----
 
-  wire signed [W-1:0] d_e_p;
-  wire signed [W-1:0] h;
-  ik_ring #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_p (.clk(clk), .d(d_e), .q(d_e_p));
+  wire signed [W-1:0] d_e_at_p_e_z, h;
+  ik_ring #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_at_p_e_z (.clk(clk), .d(d_e), .q(d_e_at_p_e_z));
   wire signed [W-1:0] abs_z;
-  ik_pick #(.W(W)) u_abs_z (
-      .clk(clk), .a(p_e_z), .b(p_e_z), .use_b(1'b1), .minus(p_e_z[W-1]), .q(abs_z)
-  );
-  reg signed [W-1:0] d_e_q;
-  reg signed [W-1:0] h_q;
+  ik_pick #(.W(W)) u_abs_z (.clk(clk), .a(p_e_z), .b(p_e_z), .use_b(1'b1), .minus(p_e_z[W-1]), .q(abs_z));
+  reg signed [W-1:0] d_e_q, h_q;
   wire [W:0] h_sum = {1'b0, d_e_q} + {1'b0, abs_z};
   always @(posedge clk) begin
-    d_e_q <= d_e_p;
+    d_e_q <= d_e_at_p_e_z;
     // Of an arm that is all upper arm, h can be rounded to 2.
     h_q   <= (h_sum[W:W-1] != 2'b00) ? {1'b0, {(W - 1) {1'b1}}} : h_sum[W-1:0];
   end
@@ -50,70 +46,54 @@ module ik_to_elbow #(
 
   // ---- (15) the direction of (p_ex, p_ey), with full words however close to the axis ----
 
-  wire signed [W-1:0] u_x;
-  wire signed [W-1:0] u_y;
+  wire signed [W-1:0] u_x, u_y;
   wire [5:0] lz_u;
   ik_norm #(.W(W), .N(2)) u_norm_u (.clk(clk), .d({p_e_y, p_e_x}), .q({u_y, u_x}), .count(lz_u));
 
   // ---- (15) elbow below: u (d1 - p_ez), u . (p_ex, p_ey) ----
 
-  wire signed [W-1:0] h_u;
-  wire signed [W-1:0] p_e_x_u;
-  wire signed [W-1:0] p_e_y_u;
-  wire signed [W-1:0] p_e_z_u;
-  ik_delay #(.W(W), .N(T_U_X-T_H)) u_h_u (.clk(clk), .d(h), .q(h_u));
-  ik_delay #(.W(3*W), .N(T_U_X-T_P_E_X)) u_p_e_u (
-      .clk(clk), .d({p_e_z, p_e_y, p_e_x}), .q({p_e_z_u, p_e_y_u, p_e_x_u})
-  );
-  wire signed [W-1:0] uh_x;
-  wire signed [W-1:0] uh_y;
-  wire signed [WW-1:0] uu_x;
-  wire signed [WW-1:0] uu_y;
+  wire signed [W-1:0] uh_x, uh_y;
+  wire signed [WW-1:0] uu_x, uu_y;
   wire signed [W-1:0] uu;
-  ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_H-F_UH_X), .OW(W)) u_uh_x (.clk(clk), .a(u_x), .b(h_u), .q(uh_x));
-  ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_H-F_UH_Y), .OW(W)) u_uh_y (.clk(clk), .a(u_y), .b(h_u), .q(uh_y));
-  ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_P_E_X-F_UU_X), .OW(WW)) u_uu_x (.clk(clk), .a(u_x), .b(p_e_x_u), .q(uu_x));
-  ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_P_E_Y-F_UU_Y), .OW(WW)) u_uu_y (.clk(clk), .a(u_y), .b(p_e_y_u), .q(uu_y));
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_H-F_UH_X), .OW(W), .DB(T_U_X-T_H)) u_uh_x (.clk(clk), .a(u_x), .b(h), .q(uh_x));
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_H-F_UH_Y), .OW(W), .DB(T_U_Y-T_H)) u_uh_y (.clk(clk), .a(u_y), .b(h), .q(uh_y));
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_P_E_X-F_UU_X), .OW(WW), .DB(T_U_X-T_P_E_X)) u_uu_x (
+      .clk(clk), .a(u_x), .b(p_e_x), .q(uu_x)
+  );
+  ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_P_E_Y-F_UU_Y), .OW(WW), .DB(T_U_Y-T_P_E_Y)) u_uu_y (
+      .clk(clk), .a(u_y), .b(p_e_y), .q(uu_y)
+  );
   ik_sum2 #(.IW(WW), .SH(F_UU_X-F_UU), .OW(W), .SAT(0)) u_uu (.clk(clk), .a(uu_x), .b(uu_y), .q(uu), .ovf());
 
   // ---- (15) the form that does not cancel; x and y are ready before z ----
 
-  wire signed [W-1:0] p_e_x_uh;
-  wire signed [W-1:0] p_e_y_uh;
-  wire p_e_z_below_uh;
-  wire signed [W-1:0] h_uu;
-  wire p_e_z_below_uu;
-  ik_delay #(.W(2*W+1), .N(T_UH_X-T_U_X)) u_p_e_uh (
-      .clk(clk), .d({p_e_z_u[W-1], p_e_y_u, p_e_x_u}), .q({p_e_z_below_uh, p_e_y_uh, p_e_x_uh})
+  wire signed [W-1:0] p_e_x_at_uh_x, p_e_y_at_uh_x, h_at_uu;
+  wire below_at_uh_x, below_at_uu;
+  ik_delay #(.W(2*W+1), .N(T_UH_X-T_P_E_X)) u_p_e_x_at_uh_x (
+      .clk(clk), .d({p_e_z[W-1], p_e_y, p_e_x}), .q({below_at_uh_x, p_e_y_at_uh_x, p_e_x_at_uh_x})
   );
-  ik_delay #(.W(1), .N(T_UU-T_UH_X)) u_below_uu (.clk(clk), .d(p_e_z_below_uh), .q(p_e_z_below_uu));
-  ik_delay #(.W(W), .N(T_UU-T_U_X)) u_h_uu (.clk(clk), .d(h_u), .q(h_uu));
-  reg signed [W-1:0] m_x;
-  reg signed [W-1:0] m_y;
-  reg signed [W-1:0] m_z;
+  ik_delay #(.W(1), .N(T_UU-T_UH_X)) u_below_at_uu (.clk(clk), .d(below_at_uh_x), .q(below_at_uu));
+  ik_delay #(.W(W), .N(T_UU-T_H)) u_h_at_uu (.clk(clk), .d(h), .q(h_at_uu));
+  reg signed [W-1:0] m_x, m_y, m_z;
   always @(posedge clk) begin
-    m_x <= p_e_z_below_uh ? uh_x : p_e_x_uh;
-    m_y <= p_e_z_below_uh ? uh_y : p_e_y_uh;
-    m_z <= p_e_z_below_uu ? uu : h_uu;
+    m_x <= below_at_uh_x ? uh_x : p_e_x_at_uh_x;
+    m_y <= below_at_uh_x ? uh_y : p_e_y_at_uh_x;
+    m_z <= below_at_uu ? uu : h_at_uu;
   end
 
-  wire signed [W-1:0] m_x_z;
-  wire signed [W-1:0] m_y_z;
-  ik_delay #(.W(2*W), .N(T_M_Z-T_M_X)) u_m_z (.clk(clk), .d({m_y, m_x}), .q({m_y_z, m_x_z}));
+  wire signed [W-1:0] m_x_at_m_z, m_y_at_m_z;
+  ik_delay #(.W(2*W), .N(T_M_Z-T_M_X)) u_m_at_m_z (.clk(clk), .d({m_y, m_x}), .q({m_y_at_m_z, m_x_at_m_z}));
 
   // ---- (15) L_m in a unit of length of its own, tmp2 = L_m^2, |L_m| ----
 
-  wire signed [W-1:0] l_m_x;
-  wire signed [W-1:0] l_m_y;
-  wire signed [W-1:0] l_m_z;
+  wire signed [W-1:0] l_m_x, l_m_y, l_m_z;
   wire [5:0] lz_m;
-  ik_norm #(.W(W), .N(3)) u_norm_m (.clk(clk), .d({m_y_z, m_x_z, m_z}), .q({l_m_y, l_m_x, l_m_z}), .count(lz_m));
+  ik_norm #(.W(W), .N(3)) u_norm_m (
+      .clk(clk), .d({m_y_at_m_z, m_x_at_m_z, m_z}), .q({l_m_y, l_m_x, l_m_z}), .count(lz_m)
+  );
 
-  wire signed [WW-1:0] tmp2_x;
-  wire signed [WW-1:0] tmp2_y;
-  wire signed [WW-1:0] tmp2_z;
-  wire signed [W-1:0] tmp2;
-  wire signed [W-1:0] l_m;
+  wire signed [WW-1:0] tmp2_x, tmp2_y, tmp2_z;
+  wire signed [W-1:0] tmp2, l_m;
   localparam integer SH_TMP2 = 2 * F_L_M_X - F_TMP2_X;
   ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_x (.clk(clk), .a(l_m_x), .b(l_m_x), .q(tmp2_x));
   ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_y (.clk(clk), .a(l_m_y), .b(l_m_y), .q(tmp2_y));
@@ -127,28 +107,24 @@ module ik_to_elbow #(
 
   // ---- (15) q12 = L_m / |L_m| ----
 
-  wire signed [W-1:0] l_m_x_q;
-  wire signed [W-1:0] l_m_y_q;
-  wire signed [W-1:0] l_m_z_q;
-  wire ovf_i;
-  wire ovf_j;
-  wire ovf_k;
+  wire signed [W-1:0] l_m_x_at_l_m, l_m_y_at_l_m, l_m_z_at_l_m;
+  wire ovf_i, ovf_j, ovf_k;
   localparam integer SH_Q = F_Q12_I - F_L_M_X + F_L_M;
-  ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_q (
-      .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_q, l_m_y_q, l_m_x_q})
+  ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_at_l_m (
+      .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_i (
-      .clk(clk), .n(l_m_x_q), .d(l_m), .q(q12_i), .ovf(ovf_i)
+      .clk(clk), .n(l_m_x_at_l_m), .d(l_m), .q(q12_i), .ovf(ovf_i)
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_j (
-      .clk(clk), .n(l_m_y_q), .d(l_m), .q(q12_j), .ovf(ovf_j)
+      .clk(clk), .n(l_m_y_at_l_m), .d(l_m), .q(q12_j), .ovf(ovf_j)
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_k (
-      .clk(clk), .n(l_m_z_q), .d(l_m), .q(q12_k), .ovf(ovf_k)
+      .clk(clk), .n(l_m_z_at_l_m), .d(l_m), .q(q12_k), .ovf(ovf_k)
   );
   always @(posedge clk) sat_to_elbow <= ovf_i | ovf_j | ovf_k;
 
-  wire unused = &{1'b0, lz_u, lz_m, p_e_z_u[W-2:0], tmp2[W-1]};
+  wire unused = &{1'b0, lz_u, lz_m, tmp2[W-1]};
 
 endmodule
 

@@ -43,7 +43,7 @@ MUTANTS = [
     Mutant("paper", "constant", "ik_guard", "QUARTER = {3'b001", "QUARTER = {3'b010", "guard.d_1", target=CLAMPED),
     Mutant("paper", "shift", "ik_swivel", "F_SIN_H+F_COS_H-1-F_SIN_PHI", "F_SIN_H+F_COS_H-F_SIN_PHI", "swivel.sin_phi"),
     Mutant("paper", "branch", "ik_elbow_q", ".MINUS(1)) u_h4_m", ".MINUS(0)) u_h4_m", "elbow_q.h4_m"),
-    Mutant("paper", "delay", "ik_to_elbow", ".N(T_U_X-T_H)) u_h_u ", ".N(T_U_X-T_H+1)) u_h_u ", "to_elbow.uh_x"),
+    Mutant("paper", "delay", "ik_to_elbow", ".DB(T_U_X-T_H)", ".DB(T_U_X-T_H+1)", "to_elbow.uh_x"),
     Mutant("paper", "narrowing", "ik_to_wrist", ".SH(F_C3_R-F_C3_NUM), .OW(W)", ".SH(F_C3_R-F_C3_NUM+1), .OW(W)",
            "to_wrist.c3_num"),
     Mutant("lean", "lean_sign", "ik_lean_turn", "c_p <= cc - ss;", "c_p <= cc + ss;", "turn.c_p"),

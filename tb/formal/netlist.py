@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """A datapath as Yosys elaborates it: which operator drives a node's signal, and from which nodes its operands come.
 
-Wires are followed bit by bit through delays, ports, concatenations and shifts by a constant. What is found is the
-design that is built, parameters included, and not a list that somebody keeps beside it.
+Wires are followed bit by bit through delays, ports, concatenations and shifts by a constant, and into an operator as
+far as the delay of its operand. What is found is the design that is built, parameters included, and not a list that
+somebody keeps beside it.
 """
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 DELAYS = ("ik_delay", "ik_ring")
@@ -16,6 +17,9 @@ DELAYS = ("ik_delay", "ik_ring")
 
 OWN = ("ik_pick",)
 """Modules that are a section's own logic: their instances are proved with the section."""
+
+WAITS = ("DA", "DB", "DC", "DD")
+"""Parameters of operators that only say how long an operand is delayed: an operator is proved without them."""
 
 HIERARCHY = ("ik_lean_root",)
 """Modules besides the sections that are entered; what is inside another module is that module's own affair."""
@@ -196,7 +200,7 @@ class Netlist:
         found = next(o for o in origins if o.kind == "cell")
         parent, _, cell = found.name.rpartition(".")
         module = self.modules[self.paths[parent]]["cells"][cell]["type"]
-        values = tuple(sorted(self.parameters(module).items()))
+        values = tuple(sorted(item for item in self.parameters(module).items() if item[0] not in WAITS))
         return Driver(self.source_name(module), self.kind(path), found.name, found.port, values)
 
     def elaborated(self, path: str) -> str:
@@ -208,7 +212,18 @@ class Netlist:
         """What stands at an operator's input port."""
         parent, _, cell = path.rpartition(".")
         bits = self.modules[self.paths[parent]]["cells"][cell]["connections"][port]
-        return self.value(f"{path}.{port}", parent, bits)
+        found = self.value(f"{path}.{port}", parent, bits)
+        return replace(found, clocks=found.clocks + self.waits(self.elaborated(path), port))
+
+    def waits(self, module: str, port: str) -> int:
+        """Clocks by which an operator delays what stands at its port, before anything else sees it."""
+        bits = set(self.modules[module]["ports"][port]["bits"])
+        cells = self.modules[module]["cells"].values()
+        readers = [cell for cell in cells if any(bits & set(wire) for wire in cell["connections"].values())]
+        delays = [cell for cell in readers if self.source_name(cell["type"]) in DELAYS]
+        if delays and len(readers) > 1:
+            raise NetlistError(f"{self.source_name(module)}: {port} is used beside its delay")
+        return sum(self.parameters(cell["type"])["N"] for cell in delays)
 
     def operands(self, path: str, port: str, width: int) -> list[Operand]:
         """The same of a port that carries several words of `width` bits, word 0 in the low bits."""

@@ -72,11 +72,15 @@ BUGS = (
     ),
     Bug(
         "another node at a product's input", "paper", "sa_x",
-        f"{PAPER}ik_swivel.v", ".b(a_x_sin), .q(sa_x)", ".b(rho_sin), .q(sa_x)", "made of",
+        f"{PAPER}ik_swivel.v", ".b(a_x_at_sin_phi), .q(sa_x)", ".b(rho_at_sin_phi), .q(sa_x)", "made of",
     ),
     Bug(
         "an operand of the target before", "paper", "sa_z",
-        f"{PAPER}ik_swivel.v", ".N(T_SIN_PHI-T_RHO)) u_rho_sin", ".N(T_SIN_PHI-T_RHO+1)) u_rho_sin", "is used at",
+        f"{PAPER}ik_swivel.v", ".N(T_SIN_PHI-T_RHO)) u_rho", ".N(T_SIN_PHI-T_RHO+1)) u_rho", "is used at",
+    ),
+    Bug(
+        "an operand of the target before, by the operator's own delay", "paper", "pp_1_pm",
+        f"{PAPER}ik_elbow.v", ".DB(T_PP_1_P-T_PP_1_M)", ".DB(T_PP_1_P-T_PP_1_M+1)", "is used at",
     ),
     # ik_sum2, ik_sum3
     Bug(
@@ -85,7 +89,7 @@ BUGS = (
     ),
     Bug(
         "b extended by zeros", "paper", "tmp1", f"{LIB}ik_sum2.v",
-        "b_x = {{(RW - IW) {b[IW-1]}}, b}", "b_x = {{(RW - IW) {1'b0}}, b}", "saturates",
+        "b_x = {{(RW - IW) {b_in[IW-1]}}, b_in}", "b_x = {{(RW - IW) {1'b0}}, b_in}", "saturates",
     ),
     Bug("rounds down", "paper", "rho", f"{LIB}ik_sum2.v", "$signed(sum + (sum & HALF))", "$signed(sum)", "modulo"),
     Bug("c extended by a zero", "paper", "pp_pm", f"{LIB}ik_sum3.v", "{c[IW-1], c}", "{1'b0, c}", "bound"),
@@ -150,11 +154,11 @@ BUGS = (
     Bug("no limit at 1", "paper", "h3_p", f"{LIB}ik_half.v", "else if (u[W-1:0] > TOP) q <= TOP;", "", "limited"),
     Bug(
         "shifts zeros in", "lean", "v_a_raw", f"{LIB}ik_shift.v",
-        "(d >>> {count[5:3], 3'b000})", "(d >> {count[5:3], 3'b000})", "modulo",
+        "(d_in >>> {count_in[5:3], 3'b000})", "(d_in >> {count_in[5:3], 3'b000})", "modulo",
     ),
     Bug(
         "a power of two too short", "paper", "d_1_sh", f"{LIB}ik_shift.v",
-        "16'd1 << count[3:0]", "16'd1 << count[2:0]", "modulo",
+        "16'd1 << count_in[3:0]", "16'd1 << count_in[2:0]", "modulo",
     ),
     Bug(
         "a bit too short inside", "lean", "k_t", f"{LIB}ik_shift3.v",

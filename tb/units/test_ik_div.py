@@ -39,6 +39,8 @@ SETS = sets(
         *(div(6, 5, 2, 5, lat) for lat in (4, 6, 9)),
         div(32, 32, 30, 32, Latency(32)["div"]),  # c4 of (14)
         div(18 + GUARD, 18, 8, 18, Latency(18)["div"]),
+        div(6, 5, 2, 5, 7) | {"DD": 3},
+        div(6, 5, 2, 5, 6, digit=1) | {"DD": 2},
         # digit recurrence; natural is a latency of one clock a quotient bit, and magnitude and sign
         div(6, 5, 2, 5, 5, digit=1),  # two bits a stage, a register behind
         div(6, 5, 2, 5, 6, digit=1),  # natural

@@ -16,6 +16,8 @@ SETS = sets(
         {"W": 18, "RIGHT": 1},
         {"W": 8, "RIGHT": 0, "PRODUCT": 1},
         {"W": 19, "RIGHT": 0, "PRODUCT": 1},
+        {"W": 8, "RIGHT": 1, "DD": 3, "DC": 1},
+        {"W": 19, "RIGHT": 0, "PRODUCT": 1, "DC": 2},
     ],
 )
 

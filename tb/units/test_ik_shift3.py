@@ -26,6 +26,7 @@ SETS = sets(
         shift3(5, 3, 6),
         shift3(66, 20, 33),
         shift3(34, 24, 21),
+        shift3(7, 3, 4) | {"DD": 2},
         *map(triangle, (31, 27, 18, 16)),
     ],
 )

@@ -31,3 +31,8 @@ PARAMETERS = sets(
 def test_ik_sum(module, last, parameters):
     own = {f"SUB_{last}" if name == "SUB" else name: value for name, value in parameters.items()}
     run_unit(module, own, tests="ik_sum")
+
+
+@pytest.mark.parametrize("delays", [{"DA": 2, "DB": 1}, {"DB": 3}], ids=title)
+def test_ik_sum2_with_delays(delays):
+    run_unit("ik_sum2", {"IW": 4, "SH": 1, "OW": 3, "SUB_B": 1} | delays, tests="ik_sum")

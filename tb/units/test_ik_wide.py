@@ -14,7 +14,10 @@ SETS = sets(
     wide(6, 1),
     wide(66, 0),
     wide(66, 1),
-    icarus=[wide(4, 0), wide(4, 1), wide(6, 0), wide(34, 0), wide(34, 1), wide(38, 0), wide(38, 1)],
+    icarus=[
+        *(wide(w, sub) for w, sub in ((4, 0), (4, 1), (6, 0), (34, 0), (34, 1), (38, 0), (38, 1))),
+        wide(6, 1) | {"DA": 1, "DB": 3},
+    ],
 )
 
 

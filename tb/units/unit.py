@@ -68,6 +68,9 @@ class Unit:
     to the list of output vectors.  Inputs change after the rising edge, outputs are read at the falling edge, when both
     have settled in both simulators; outputs are compared as bits, so that an X is a difference.  One in a test: it owns
     the clock.
+
+    A parameter DA is the delay of port ``a``, and so on: the port then gets its word of a vector so many clocks before
+    ports without delay get theirs, and ``latency`` counts from these.
     """
 
     SHOWN = 4  # differences in a message
@@ -88,7 +91,10 @@ class Unit:
         self.width = {name: len(handle) for name, handle in (self.inputs | self.outputs).items()}
         self.signed = set(signed.split())
         self.expected = expected
-        self.latency = latency
+        delays = [parameters().get(f"D{name[0].upper()}", 0) for name in self.inputs]
+        self.late = [max(delays) - delay for delay in delays]  # clocks from a vector's first word to each input's
+        self.latency = latency + max(delays)
+        self.last: Vector | None = None  # what was driven before
         self.clock = 0
         Clock(dut.clk, 10, unit="ns").start()
 
@@ -152,10 +158,13 @@ class Unit:
         inputs = [(handle, (1 << self.width[name]) - 1) for name, handle in self.inputs.items()]
         outputs = list(self.outputs.values())
         seen = []
-        for vector in itertools.chain(vectors, itertools.repeat(vectors[-1], wait)):
+        before = max(self.late)
+        words = [self.last or vectors[0]] * before + [*vectors] + [vectors[-1]] * wait
+        self.last = vectors[-1]
+        for clock in range(before, len(words)):
             await rising
-            for (handle, mask), value in zip(inputs, vector, strict=True):
-                handle.value = value & mask
+            for k, ((handle, mask), late) in enumerate(zip(inputs, self.late, strict=True)):
+                handle.value = words[clock - late][k] & mask
             await falling
             self.clock += 1
             seen.append([str(handle.value) for handle in outputs])
