@@ -5,6 +5,10 @@
 // carries the number (L1), (L2), ... of its equation in docs/lean.md at its declaration; what has no number is a flag or
 // alignment. A target enters and a result leaves in every clock. There is no enable and no reset but that of the valid
 // bits: the pipeline runs free, and valid and tag travel with the data.
+//
+// A signal with the name of a node holds it in the node's clock, T_<NODE>. Operators delay an operand that they need
+// later themselves (DA, DB, ..: clocks). What several share, or written logic needs, is delayed outside: x_at_y is x in
+// the clock of node y, or of the first node whose name begins with y.
 // Latency: T_OUT clocks.
 `default_nettype none
 
@@ -53,19 +57,8 @@ module ik_lean #(
   wire signed [W-1:0] d1 = in_data[4*W+:W];
   wire signed [W-1:0] d2 = in_data[5*W+:W];
 
-  wire signed [2*W+1:0] rho_sq;
-  wire signed [2*W+1:0] s;
-  wire signed [2*W+1:0] a_far;
-  wire signed [2*W+1:0] b_near;
-  wire signed [2*W+1:0] k_law;
-  wire bad_length;
-  wire on_axis;
-  wire at_shoulder;
-  wire too_far;
-  wire too_near;
-  wire clamp;
-  wire fold;
-  wire away;
+  wire signed [2*W+1:0] rho_sq, s, a_far, b_near, k_law;
+  wire bad_length, on_axis, at_shoulder, too_far, too_near, clamp, fold, away;
   ik_lean_guard #(.W(W)) u_guard (
       .clk(clk),
       .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
@@ -77,13 +70,7 @@ module ik_lean #(
   // ---- azimuth and elevation of the target ----
 
   wire [5:0] e_s;
-  wire signed [N-1:0] inv_s;
-  wire signed [N-1:0] az_sq;
-  wire signed [N-1:0] az_c;
-  wire signed [N-1:0] az_s;
-  wire signed [N-1:0] tilt_sq;
-  wire signed [N-1:0] tilt_c;
-  wire signed [N-1:0] tilt_s;
+  wire signed [N-1:0] inv_s, az_sq, az_c, az_s, tilt_sq, tilt_c, tilt_s;
   ik_lean_direction #(.W(W)) u_direction (
       .clk(clk),
       .x(x), .y(y), .z(z), .rho_sq(rho_sq), .s(s), .on_axis(on_axis), .at_shoulder(at_shoulder),
@@ -92,11 +79,8 @@ module ik_lean #(
 
   // ---- angle at the shoulder, elbow quaternion ----
 
-  wire signed [W-1:0] qe_w;
-  wire signed [W-1:0] qe_i;
-  wire signed [N-1:0] arm_sq;
-  wire signed [N-1:0] arm_c;
-  wire signed [N-1:0] arm_s;
+  wire signed [W-1:0] qe_w, qe_i;
+  wire signed [N-1:0] arm_sq, arm_c, arm_s;
   ik_lean_triangle #(.W(W)) u_triangle (
       .clk(clk),
       .d1(d1), .d2(d2), .a_far(a_far), .b_near(b_near), .k_law(k_law), .e_s(e_s), .inv_s(inv_s),
@@ -106,10 +90,7 @@ module ik_lean #(
 
   // ---- shoulder quaternion ----
 
-  wire signed [W-1:0] qs_w;
-  wire signed [W-1:0] qs_i;
-  wire signed [W-1:0] qs_j;
-  wire signed [W-1:0] qs_k;
+  wire signed [W-1:0] qs_w, qs_i, qs_j, qs_k;
   ik_lean_turn #(.W(W)) u_turn (
       .clk(clk),
       .phi(phi), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s),
@@ -119,24 +100,19 @@ module ik_lean #(
 
   // ---- all results leave together ----
 
-  wire signed [W-1:0] qe_w_out;
-  wire signed [W-1:0] qe_i_out;
-  ik_delay #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_out, qe_w_out}));
-  assign out_data = {qe_i_out, qe_w_out, qs_k, qs_j, qs_i, qs_w};
+  wire signed [W-1:0] qe_w_at_out, qe_i_at_out;
+  ik_delay #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_at_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_at_out, qe_w_at_out}));
+  assign out_data = {qe_i_at_out, qe_w_at_out, qs_k, qs_j, qs_i, qs_w};
 
-  wire too_far_out;
-  wire too_near_out;
-  wire on_axis_out;
-  wire at_shoulder_out;
-  wire bad_length_out;
-  ik_delay #(.W(2), .N(T_OUT-T_TOO_FAR)) u_reach_out (
-      .clk(clk), .d({too_near, too_far}), .q({too_near_out, too_far_out})
+  wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out;
+  ik_delay #(.W(2), .N(T_OUT-T_TOO_FAR)) u_too_at_out (
+      .clk(clk), .d({too_near, too_far}), .q({too_near_at_out, too_far_at_out})
   );
-  ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_place_out (
-      .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_out, at_shoulder_out, on_axis_out})
+  ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_on_axis_at_out (
+      .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_at_out, at_shoulder_at_out, on_axis_at_out})
   );
   // nothing here can be too large for its word
-  assign out_flags = {3'b000, bad_length_out, at_shoulder_out, on_axis_out, too_near_out, too_far_out};
+  assign out_flags = {3'b000, bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out};
 
 endmodule
 

@@ -64,37 +64,33 @@ module ik_lean_guard #(
 
   // ---- (L3)-(L7) sums, each as soon as its terms are there ----
 
-  wire signed [XW-1:0] z_sq_rho;
-  wire signed [XW-1:0] d_sum_sq_s;
-  wire signed [XW-1:0] d_dif_sq_s;
-  wire signed [XW-1:0] sum_dif_s;
-  ik_delay #(.W(XW), .N(T_RHO_SQ-T_Z_SQ)) u_z_sq_rho (.clk(clk), .d(z_sq), .q(z_sq_rho));
-  ik_delay #(.W(XW), .N(T_S-T_D_SUM_SQ)) u_d_sum_sq_s (.clk(clk), .d(d_sum_sq), .q(d_sum_sq_s));
-  ik_delay #(.W(XW), .N(T_S-T_D_DIF_SQ)) u_d_dif_sq_s (.clk(clk), .d(d_dif_sq), .q(d_dif_sq_s));
-  ik_delay #(.W(XW), .N(T_S-T_SUM_DIF)) u_sum_dif_s (.clk(clk), .d(sum_dif), .q(sum_dif_s));
   ik_wide #(.W(XW)) u_rho_sq (.clk(clk), .a(x_sq), .b(y_sq), .q(rho_sq));
-  ik_wide #(.W(XW)) u_s (.clk(clk), .a(rho_sq), .b(z_sq_rho), .q(s));
-  ik_wide #(.W(XW), .SUB(1)) u_a_far (.clk(clk), .a(d_sum_sq_s), .b(s), .q(a_far));
-  ik_wide #(.W(XW), .SUB(1)) u_b_near (.clk(clk), .a(s), .b(d_dif_sq_s), .q(b_near));
-  ik_wide #(.W(XW)) u_k_law (.clk(clk), .a(s), .b(sum_dif_s), .q(k_law));
+  ik_wide #(.W(XW), .DB(T_RHO_SQ-T_Z_SQ)) u_s (.clk(clk), .a(rho_sq), .b(z_sq), .q(s));
+  ik_wide #(.W(XW), .SUB(1), .DA(T_S-T_D_SUM_SQ)) u_a_far (.clk(clk), .a(d_sum_sq), .b(s), .q(a_far));
+  ik_wide #(.W(XW), .SUB(1), .DB(T_S-T_D_DIF_SQ)) u_b_near (.clk(clk), .a(s), .b(d_dif_sq), .q(b_near));
+  ik_wide #(.W(XW), .DB(T_S-T_SUM_DIF)) u_k_law (.clk(clk), .a(s), .b(sum_dif), .q(k_law));
 
   // ---- flags ----
 
-  wire bad_a;
-  wire bad_far;
-  wire shoulder_far;
-  wire shorter_near;  // d1 < d2
-  ik_delay #(.W(1), .N(T_A_FAR-T_BAD_LENGTH)) u_bad_a (.clk(clk), .d(bad_length), .q(bad_a));
-  ik_delay #(.W(1), .N(T_TOO_FAR-T_A_FAR)) u_bad_far (.clk(clk), .d(bad_a), .q(bad_far));
-  ik_delay #(.W(1), .N(T_TOO_FAR-T_AT_SHOULDER)) u_shoulder_far (.clk(clk), .d(at_shoulder), .q(shoulder_far));
-  ik_delay #(.W(1), .N(T_TOO_NEAR-T_D_DIF)) u_shorter_near (.clk(clk), .d(d_dif[W]), .q(shorter_near));
+  wire bad_length_at_a_far, bad_length_at_too_far, at_shoulder_at_too_far;
+  wire shorter_at_too_near;  // d1 < d2
+  ik_delay #(.W(1), .N(T_A_FAR-T_BAD_LENGTH)) u_bad_length_at_a_far (
+      .clk(clk), .d(bad_length), .q(bad_length_at_a_far)
+  );
+  ik_delay #(.W(1), .N(T_TOO_FAR-T_A_FAR)) u_bad_length_at_too_far (
+      .clk(clk), .d(bad_length_at_a_far), .q(bad_length_at_too_far)
+  );
+  ik_delay #(.W(1), .N(T_TOO_FAR-T_AT_SHOULDER)) u_at_shoulder_at_too_far (
+      .clk(clk), .d(at_shoulder), .q(at_shoulder_at_too_far)
+  );
+  ik_delay #(.W(1), .N(T_TOO_NEAR-T_D_DIF)) u_shorter_at_too_near (.clk(clk), .d(d_dif[W]), .q(shorter_at_too_near));
   always @(posedge clk) begin
-    too_far  <= a_far[XW-1] && !bad_a;
-    too_near <= b_near[XW-1] && !bad_a;
+    too_far  <= a_far[XW-1] && !bad_length_at_a_far;
+    too_near <= b_near[XW-1] && !bad_length_at_a_far;
     // no elbow: the arm is straight or folded along the line to the target
-    clamp    <= too_far || too_near || shoulder_far || bad_far;
-    fold     <= (too_near || shoulder_far) && !bad_far;
-    away     <= too_near && shorter_near;
+    clamp    <= too_far || too_near || at_shoulder_at_too_far || bad_length_at_too_far;
+    fold     <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
+    away     <= too_near && shorter_at_too_near;
   end
 
 endmodule

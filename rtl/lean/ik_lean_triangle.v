@@ -57,22 +57,27 @@ module ik_lean_triangle #(
   // of what is negative, only the low bits: the arm is clamped then
   wire [EW:0] d1_x = {{(ODD + 1) {d1[W-1]}}, d1};
   wire [EW:0] d2_x = {{(ODD + 1) {d2[W-1]}}, d2};
-  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_far (.clk(clk), .v(a_far[2*W-1:0]), .e(e_far), .m(m_far), .inv(inv_far));
-  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_near (.clk(clk), .v(b_near[2*W-1:0]), .e(e_near), .m(m_near), .inv(inv_near));
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_far (
+      .clk(clk), .v(a_far[2*W-1:0]), .e(e_far), .m(m_far), .inv(inv_far)
+  );
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_near (
+      .clk(clk), .v(b_near[2*W-1:0]), .e(e_near), .m(m_near), .inv(inv_near)
+  );
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N)) u_1 (.clk(clk), .v(d1_x[EW-1:0]), .e(e_1), .m(m_1), .inv(inv_1));
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N)) u_2 (.clk(clk), .v(d2_x[EW-1:0]), .e(e_2), .m(m_2), .inv(inv_2));
   wire unused = &{1'b0, a_far[2*W+1:2*W], b_near[2*W+1:2*W], d1_x[EW], d2_x[EW], m_1, m_2};
 
   // ---- (L19) (L20) sqrt A and sqrt B as mantissas ----
 
-  wire [MW-1:0] m_far_inv;
-  wire [MW-1:0] m_near_inv;
   wire signed [N-1:0] root_far;  // (L19)
   wire signed [N-1:0] root_near;  // (L20)
   localparam integer SH_ROOT = F_INV_FAR + MW - 1 - F_ROOT_FAR;
-  ik_delay #(.W(2*MW), .N(T_INV_FAR-T_M_FAR)) u_m_inv (.clk(clk), .d({m_near, m_far}), .q({m_near_inv, m_far_inv}));
-  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N)) u_root_far (.clk(clk), .a(inv_far), .b({1'b0, m_far_inv}), .q(root_far));
-  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N)) u_root_near (.clk(clk), .a(inv_near), .b({1'b0, m_near_inv}), .q(root_near));
+  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_FAR-T_M_FAR)) u_root_far (
+      .clk(clk), .a(inv_far), .b({1'b0, m_far}), .q(root_far)
+  );
+  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_NEAR-T_M_NEAR)) u_root_near (
+      .clk(clk), .a(inv_near), .b({1'b0, m_near}), .q(root_near)
+  );
 
   // ---- (L21) 1/(2 sqrt(d1 d2)), brought to the units of sqrt A and sqrt B ----
 
@@ -80,27 +85,25 @@ module ik_lean_triangle #(
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1)) u_inv_12 (
       .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12)
   );
-  wire [5:0] e_1_far;
-  wire [5:0] e_2_far;
+  wire [5:0] e_1_at_e_far, e_2_at_e_far;
   reg [5:0] n_far;  // (L22)
   reg [5:0] n_near;  // (L23)
   localparam [5:0] RAISED = (ODD != 0) ? 6'd3 : 6'd2;
-  ik_delay #(.W(12), .N(T_E_FAR-T_E_1)) u_e_12_far (.clk(clk), .d({e_2, e_1}), .q({e_2_far, e_1_far}));
+  ik_delay #(.W(12), .N(T_E_FAR-T_E_1)) u_e_at_e_far (.clk(clk), .d({e_2, e_1}), .q({e_2_at_e_far, e_1_at_e_far}));
   always @(posedge clk) begin
-    n_far <= e_far - e_1_far - e_2_far + RAISED;
-    n_near <= e_near - e_1_far - e_2_far + RAISED;
+    n_far <= e_far - e_1_at_e_far - e_2_at_e_far + RAISED;
+    n_near <= e_near - e_1_at_e_far - e_2_at_e_far + RAISED;
   end
 
   localparam integer T_INV_12_IN = T_INV_12_FAR_RAW - LAT_SHIFT;
-  wire signed [N:0] inv_12_v;
-  wire [5:0] n_far_v;
-  wire [5:0] n_near_v;
   wire signed [RW-1:0] inv_12_far_raw;  // (L22)
   wire signed [RW-1:0] inv_12_near_raw;  // (L23)
-  ik_delay #(.W(N+1), .N(T_INV_12_IN-T_INV_12)) u_inv_12_v (.clk(clk), .d(inv_12), .q(inv_12_v));
-  ik_delay #(.W(12), .N(T_INV_12_IN-T_N_FAR)) u_n_12 (.clk(clk), .d({n_near, n_far}), .q({n_near_v, n_far_v}));
-  ik_shift #(.W(RW), .RIGHT(1)) u_inv_12_far (.clk(clk), .d({inv_12_v, 2'b00}), .count(n_far_v), .q(inv_12_far_raw));
-  ik_shift #(.W(RW), .RIGHT(1)) u_inv_12_near (.clk(clk), .d({inv_12_v, 2'b00}), .count(n_near_v), .q(inv_12_near_raw));
+  ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_12_IN-T_INV_12), .DC(T_INV_12_IN-T_N_FAR)) u_inv_12_far (
+      .clk(clk), .d({inv_12, 2'b00}), .count(n_far), .q(inv_12_far_raw)
+  );
+  ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_12_IN-T_INV_12), .DC(T_INV_12_IN-T_N_FAR)) u_inv_12_near (
+      .clk(clk), .d({inv_12, 2'b00}), .count(n_near), .q(inv_12_near_raw)
+  );
   // 2, which powers of two can give, becomes the largest word
   localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
   wire signed [N-1:0] inv_12_far = (|inv_12_far_raw[RW-1:N-1]) ? TOP : inv_12_far_raw[N-1:0];  // (L22)
@@ -108,67 +111,59 @@ module ik_lean_triangle #(
 
   // ---- (L22) (L23) Qe; the clamped elbow is folded (1, 0) or straight (0, -1) ----
 
-  wire signed [N-1:0] inv_12_far_root;
-  wire signed [N-1:0] inv_12_near_root;
   wire signed [N-1:0] elbow_w;  // (L22)
   wire signed [N-1:0] elbow_i;  // (L23)
-  ik_delay #(.W(2*N), .N(T_ROOT_FAR-T_INV_12_FAR)) u_inv_12_root (
-      .clk(clk), .d({inv_12_near, inv_12_far}), .q({inv_12_near_root, inv_12_far_root})
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N), .DB(T_ROOT_FAR-T_INV_12_FAR)) u_elbow_w (
+      .clk(clk), .a(root_far), .b(inv_12_far), .q(elbow_w)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N)) u_elbow_w (
-      .clk(clk), .a(root_far), .b(inv_12_far_root), .q(elbow_w)
-  );
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N)) u_elbow_i (
-      .clk(clk), .a(root_near), .b(inv_12_near_root), .q(elbow_i)
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N), .DB(T_ROOT_FAR-T_INV_12_FAR)) u_elbow_i (
+      .clk(clk), .a(root_near), .b(inv_12_near), .q(elbow_i)
   );
 
-  wire clamp_el;
-  wire fold_el;
-  ik_delay #(.W(2), .N(T_ELBOW_W-T_CLAMP)) u_clamp_el (.clk(clk), .d({fold, clamp}), .q({fold_el, clamp_el}));
+  wire clamp_at_elbow_w, fold_at_elbow_w;
+  ik_delay #(.W(2), .N(T_ELBOW_W-T_CLAMP)) u_clamp_at_elbow_w (
+      .clk(clk), .d({fold, clamp}), .q({fold_at_elbow_w, clamp_at_elbow_w})
+  );
   localparam integer DROP = F_ELBOW_W - F_QE_W;
   localparam signed [N-1:0] HALF = {{(N - 1) {1'b0}}, 1'b1} << (DROP - 1);
   localparam signed [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
   wire signed [N-1:0] plus_w = HALF + elbow_w;
   wire signed [N-1:0] minus_i = HALF - elbow_i;
   always @(posedge clk) begin
-    qe_w <= !clamp_el ? plus_w[DROP+:W] : fold_el ? UNIT : {W{1'b0}};
-    qe_i <= !clamp_el ? minus_i[DROP+:W] : fold_el ? {W{1'b0}} : -UNIT;
+    qe_w <= !clamp_at_elbow_w ? plus_w[DROP+:W] : fold_at_elbow_w ? UNIT : {W{1'b0}};
+    qe_i <= !clamp_at_elbow_w ? minus_i[DROP+:W] : fold_at_elbow_w ? {W{1'b0}} : -UNIT;
   end
   wire unused_el = &{1'b0, plus_w, minus_i};  // what the rounding drops
 
   // ---- (L24)-(L26) 1/(4 d1 |p|), as a mantissa, and K in its units ----
 
   wire signed [N-1:0] inv_11;  // (L24)
-  wire signed [N-1:0] inv_11_s;
   wire signed [N:0] inv_law_raw;  // (L25)
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N)) u_inv_11 (
       .clk(clk), .a(inv_1), .b(inv_1), .q(inv_11)
   );
-  ik_delay #(.W(N), .N(T_INV_S-T_INV_11)) u_inv_11_s (.clk(clk), .d(inv_11), .q(inv_11_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1)) u_inv_law (
-      .clk(clk), .a(inv_11_s), .b(inv_s), .q(inv_law_raw)
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11)) u_inv_law (
+      .clk(clk), .a(inv_11), .b(inv_s), .q(inv_law_raw)
   );
   wire signed [N-1:0] inv_law = (|inv_law_raw[N:N-1]) ? TOP : inv_law_raw[N-1:0];  // (L25)
 
-  wire [5:0] e_1_s;
+  wire [5:0] e_1_at_e_s;
   reg [5:0] n_law;  // (L26)
-  ik_delay #(.W(6), .N(T_E_S-T_E_1)) u_e_1_s (.clk(clk), .d(e_1), .q(e_1_s));
-  always @(posedge clk) n_law <= {e_1_s[4:0], 1'b0} + e_s;
-  wire unused_e = e_1_s[5];  // at most 15 pairs
-  wire signed [2*W+1:0] k_law_n;
+  ik_delay #(.W(6), .N(T_E_S-T_E_1)) u_e_1_at_e_s (.clk(clk), .d(e_1), .q(e_1_at_e_s));
+  always @(posedge clk) n_law <= {e_1_at_e_s[4:0], 1'b0} + e_s;
+  wire unused_e = e_1_at_e_s[5];  // at most 15 pairs
   wire signed [N-1:0] k_scaled;  // (L26)
-  wire signed [N-1:0] k_scaled_law;
-  ik_delay #(.W(2*W+2), .N(T_N_LAW-T_K_LAW)) u_k_law_n (.clk(clk), .d(k_law), .q(k_law_n));
   // short words get zeros below
   localparam integer DROP_K = (2 * W + ODD > FRAC) ? 2 * W + ODD - FRAC : 1;
   localparam integer PAD_K = DROP_K - (2 * W + ODD - FRAC);
   localparam integer KW = 2 * W + 2 + PAD_K;
-  wire signed [KW-1:0] k_law_x = $signed(k_law_n);
-  ik_shift3 #(.IW(KW), .DROP(DROP_K), .OW(N)) u_k_scaled (.clk(clk), .d(k_law_x <<< PAD_K), .count(n_law), .q(k_scaled));
-  ik_delay #(.W(N), .N(T_INV_LAW-T_K_SCALED)) u_k_scaled_law (.clk(clk), .d(k_scaled), .q(k_scaled_law));
+  wire signed [KW-1:0] k_law_x = $signed(k_law);
+  ik_shift3 #(.IW(KW), .DROP(DROP_K), .OW(N), .DD(T_N_LAW-T_K_LAW)) u_k_scaled (
+      .clk(clk), .d(k_law_x <<< PAD_K), .count(n_law), .q(k_scaled)
+  );
   wire signed [N-1:0] cos_a;  // (L26)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_K_SCALED+F_INV_LAW-1-F_COS_A), .OW(N)) u_cos_a (
-      .clk(clk), .a(k_scaled_law), .b(inv_law), .q(cos_a)
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_K_SCALED+F_INV_LAW-1-F_COS_A), .OW(N), .DA(T_INV_LAW-T_K_SCALED)) u_cos_a (
+      .clk(clk), .a(k_scaled), .b(inv_law), .q(cos_a)
   );
 
   // ---- (L27) (L28) sin a ----
@@ -177,57 +172,48 @@ module ik_lean_triangle #(
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_ROOT_NEAR-F_ROOT_AB), .OW(N)) u_root_ab (
       .clk(clk), .a(root_far), .b(root_near), .q(root_ab)
   );
-  wire [5:0] e_s_far;
-  reg [5:0] e_ab;
-  reg [5:0] e_1s;
+  wire [5:0] e_s_at_e_far;
+  reg [5:0] e_ab, e_1s;
   reg [5:0] n_ab;  // (L28)
-  ik_delay #(.W(6), .N(T_E_FAR-T_E_S)) u_e_s_far (.clk(clk), .d(e_s), .q(e_s_far));
+  ik_delay #(.W(6), .N(T_E_FAR-T_E_S)) u_e_s_at_e_far (.clk(clk), .d(e_s), .q(e_s_at_e_far));
   always @(posedge clk) begin
     e_ab <= e_far + e_near + RAISED;
-    e_1s <= {e_1_far[4:0], 1'b0} + e_s_far;
+    e_1s <= {e_1_at_e_far[4:0], 1'b0} + e_s_at_e_far;
     n_ab <= e_ab - e_1s;
   end
   localparam integer T_INV_LAW_AB_IN = T_INV_LAW_AB_RAW - LAT_SHIFT;
-  wire signed [N-1:0] inv_law_v;
-  wire [5:0] n_ab_v;
   wire signed [RW-1:0] inv_law_ab_raw;  // (L28)
-  ik_delay #(.W(N), .N(T_INV_LAW_AB_IN-T_INV_LAW)) u_inv_law_v (.clk(clk), .d(inv_law), .q(inv_law_v));
-  ik_delay #(.W(6), .N(T_INV_LAW_AB_IN-T_N_AB)) u_n_ab_v (.clk(clk), .d(n_ab), .q(n_ab_v));
-  ik_shift #(.W(RW), .RIGHT(1)) u_inv_law_ab (
-      .clk(clk), .d({inv_law_v[N-1], inv_law_v, 2'b00}), .count(n_ab_v), .q(inv_law_ab_raw)
+  ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_LAW_AB_IN-T_INV_LAW), .DC(T_INV_LAW_AB_IN-T_N_AB)) u_inv_law_ab (
+      .clk(clk), .d({inv_law[N-1], inv_law, 2'b00}), .count(n_ab), .q(inv_law_ab_raw)
   );
   wire signed [N-1:0] inv_law_ab = (|inv_law_ab_raw[RW-1:N-1]) ? TOP : inv_law_ab_raw[N-1:0];  // (L28)
 
   localparam integer T_SIN_A_IN = T_SIN_A - LAT_MUL3;
-  wire signed [N-1:0] root_ab_in;
-  wire signed [N-1:0] inv_law_ab_in;
   wire signed [N-1:0] sin_a;  // (L28)
-  ik_delay #(.W(N), .N(T_SIN_A_IN-T_ROOT_AB)) u_root_ab_in (.clk(clk), .d(root_ab), .q(root_ab_in));
-  ik_delay #(.W(N), .N(T_SIN_A_IN-T_INV_LAW_AB)) u_inv_law_ab_in (.clk(clk), .d(inv_law_ab), .q(inv_law_ab_in));
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_AB+F_INV_LAW_AB-1-F_SIN_A), .OW(N)) u_sin_a (
-      .clk(clk), .a(root_ab_in), .b(inv_law_ab_in), .q(sin_a)
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_AB+F_INV_LAW_AB-1-F_SIN_A), .OW(N), .DA(T_SIN_A_IN-T_ROOT_AB),
+      .DB(T_SIN_A_IN-T_INV_LAW_AB)) u_sin_a (
+      .clk(clk), .a(root_ab), .b(inv_law_ab), .q(sin_a)
   );
 
   // ---- (L31) (L36) (L37) arm: the last turns by -a; a clamped arm lies along the line to the target, (1, 0), or away ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
-  wire clamp_cos;
-  wire clamp_sin;
-  wire away_sin;
-  wire sign_sin;
-  wire signed [N-1:0] arm_sq_sin;
-  ik_delay #(.W(1), .N(T_COS_A-T_CLAMP)) u_clamp_cos (.clk(clk), .d(clamp), .q(clamp_cos));
-  ik_delay #(.W(2), .N(T_SIN_A-T_CLAMP)) u_clamp_sin (.clk(clk), .d({away, clamp}), .q({away_sin, clamp_sin}));
-  ik_delay #(.W(1), .N(T_SIN_A-T_COS_A)) u_sign_sin (.clk(clk), .d(cos_a[N-1]), .q(sign_sin));
-  ik_delay #(.W(N), .N(T_SIN_A-T_ARM_SQ)) u_arm_sq_sin (.clk(clk), .d(arm_sq), .q(arm_sq_sin));
+  wire clamp_at_cos_a, clamp_at_sin_a, away_at_sin_a, sign_at_sin_a;
+  wire signed [N-1:0] arm_sq_at_sin_a;
+  ik_delay #(.W(1), .N(T_COS_A-T_CLAMP)) u_clamp_at_cos_a (.clk(clk), .d(clamp), .q(clamp_at_cos_a));
+  ik_delay #(.W(2), .N(T_SIN_A-T_CLAMP)) u_clamp_at_sin_a (
+      .clk(clk), .d({away, clamp}), .q({away_at_sin_a, clamp_at_sin_a})
+  );
+  ik_delay #(.W(1), .N(T_SIN_A-T_COS_A)) u_sign_at_sin_a (.clk(clk), .d(cos_a[N-1]), .q(sign_at_sin_a));
+  ik_delay #(.W(N), .N(T_SIN_A-T_ARM_SQ)) u_arm_sq_at_sin_a (.clk(clk), .d(arm_sq), .q(arm_sq_at_sin_a));
   wire [N-1:0] sum_arm = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
-  wire big_first = clamp_sin ? !away_sin : !sign_sin;
+  wire big_first = clamp_at_sin_a ? !away_at_sin_a : !sign_at_sin_a;
   wire signed [N-1:0] half_arm = sin_a >>> 1;
-  wire signed [N-1:0] small_arm = half_arm & {N{!clamp_sin}};
+  wire signed [N-1:0] small_arm = half_arm & {N{!clamp_at_sin_a}};
   always @(posedge clk) begin
-    arm_sq  <= clamp_cos ? ONE : (sum_arm >> 1);
-    arm_c <= big_first ? arm_sq_sin : small_arm;
-    arm_s <= big_first ? small_arm : arm_sq_sin;
+    arm_sq  <= clamp_at_cos_a ? ONE : (sum_arm >> 1);
+    arm_c <= big_first ? arm_sq_at_sin_a : small_arm;
+    arm_s <= big_first ? small_arm : arm_sq_at_sin_a;
   end
 
 endmodule

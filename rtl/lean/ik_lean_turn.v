@@ -39,28 +39,24 @@ module ik_lean_turn #(
   // ---- (L38)-(L47) half the sum and half the difference of azimuth and swivel angle ----
 
   localparam integer TF = (FRAC < 31) ? FRAC : 31;  // fraction bits of sine and cosine
-  wire signed [TF+1:0] sin_t;
-  wire signed [TF+1:0] cos_t;
+  wire signed [TF+1:0] sin_t, cos_t;
   wire signed [N-1:0] sin_x = {{(N - TF - 1) {sin_t[TF+1]}}, sin_t[TF:0]};
   wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);  // (L38)
   wire signed [N-1:0] cos_x = {{(N - TF - 1) {cos_t[TF+1]}}, cos_t[TF:0]};
   wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);  // (L39)
-  wire signed [N-1:0] sin_az;
-  wire signed [N-1:0] cos_az;
   // an angle of fewer than 16 bits is one of 16 that ends in zeros
   localparam integer PW = (W < 16) ? 16 : W;
   wire signed [PW-1:0] phi_w = {{(PW - W + 1) {phi[W-1]}}, phi[W-2:0]};
   ik_trig #(.W(PW), .F(TF)) u_trig (.clk(clk), .phi(phi_w <<< (PW - W)), .sin_h(sin_t), .cos_h(cos_t));
-  ik_delay #(.W(2*N), .N(T_AZ_C-T_SIN_H)) u_trig_az (.clk(clk), .d({cos_h, sin_h}), .q({cos_az, sin_az}));
 
   wire signed [N-1:0] cc;  // (L40)
   wire signed [N-1:0] ss;  // (L41)
   wire signed [N-1:0] sc;  // (L42)
   wire signed [N-1:0] cs;  // (L43)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_cc (.clk(clk), .a(az_c), .b(cos_az), .q(cc));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_ss (.clk(clk), .a(az_s), .b(sin_az), .q(ss));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_sc (.clk(clk), .a(az_s), .b(cos_az), .q(sc));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_cs (.clk(clk), .a(az_c), .b(sin_az), .q(cs));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cc (.clk(clk), .a(az_c), .b(cos_h), .q(cc));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_ss (.clk(clk), .a(az_s), .b(sin_h), .q(ss));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_sc (.clk(clk), .a(az_s), .b(cos_h), .q(sc));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cs (.clk(clk), .a(az_c), .b(sin_h), .q(cs));
   reg signed [N-1:0] c_plus;  // (L44)
   reg signed [N-1:0] c_minus;  // (L46)
   reg signed [N-1:0] s_plus;  // (L45)
@@ -75,34 +71,25 @@ module ik_lean_turn #(
   // ---- (L48)-(L51) the first three rotations ----
 
   localparam integer T_0_IN = T_W_0 - LAT_MUL3;
-  wire signed [N-1:0] tilt_c_0;
-  wire signed [N-1:0] tilt_s_0;
-  wire signed [N-1:0] c_plus_0;
-  wire signed [N-1:0] c_minus_0;
-  wire signed [N-1:0] s_plus_0;
-  wire signed [N-1:0] s_minus_0;
-  ik_delay #(.W(2*N), .N(T_0_IN-T_TILT_C)) u_tilt_0 (.clk(clk), .d({tilt_s, tilt_c}), .q({tilt_s_0, tilt_c_0}));
-  ik_delay #(.W(4*N), .N(T_0_IN-T_C_PLUS)) u_c_0 (
-      .clk(clk), .d({s_minus, s_plus, c_minus, c_plus}), .q({s_minus_0, s_plus_0, c_minus_0, c_plus_0})
-  );
   wire signed [N-1:0] w_0;  // (L48)
   wire signed [N-1:0] i_0;  // (L49)
   wire signed [N-1:0] j_0;  // (L50)
   wire signed [N-1:0] k_0;  // (L51)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_0 (.clk(clk), .a(tilt_c_0), .b(c_plus_0), .q(w_0));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_0 (.clk(clk), .a(tilt_s_0), .b(c_minus_0), .q(i_0));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_0 (.clk(clk), .a(tilt_s_0), .b(s_minus_0), .q(j_0));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_0 (.clk(clk), .a(tilt_c_0), .b(s_plus_0), .q(k_0));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_w_0 (
+      .clk(clk), .a(tilt_c), .b(c_plus), .q(w_0)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_i_0 (
+      .clk(clk), .a(tilt_s), .b(c_minus), .q(i_0)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_j_0 (
+      .clk(clk), .a(tilt_s), .b(s_minus), .q(j_0)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_k_0 (
+      .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
+  );
 
   // ---- (L52)-(L55) and the fourth ----
 
-  wire signed [N-1:0] w_0_a;
-  wire signed [N-1:0] i_0_a;
-  wire signed [N-1:0] j_0_a;
-  wire signed [N-1:0] k_0_a;
-  ik_delay #(.W(4*N), .N(T_ARM_C-T_W_0)) u_0_a (
-      .clk(clk), .d({k_0, j_0, i_0, w_0}), .q({k_0_a, j_0_a, i_0_a, w_0_a})
-  );
   wire signed [N-1:0] w_c;  // (L52)
   wire signed [N-1:0] w_s;  // (L53)
   wire signed [N-1:0] i_c;  // (L53)
@@ -111,14 +98,14 @@ module ik_lean_turn #(
   wire signed [N-1:0] j_s;  // (L55)
   wire signed [N-1:0] k_c;  // (L55)
   wire signed [N-1:0] k_s;  // (L54)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_c (.clk(clk), .a(w_0_a), .b(arm_c), .q(w_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_s (.clk(clk), .a(w_0_a), .b(arm_s), .q(w_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_c (.clk(clk), .a(i_0_a), .b(arm_c), .q(i_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_s (.clk(clk), .a(i_0_a), .b(arm_s), .q(i_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_c (.clk(clk), .a(j_0_a), .b(arm_c), .q(j_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_s (.clk(clk), .a(j_0_a), .b(arm_s), .q(j_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_c (.clk(clk), .a(k_0_a), .b(arm_c), .q(k_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_s (.clk(clk), .a(k_0_a), .b(arm_s), .q(k_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_w_c (.clk(clk), .a(w_0), .b(arm_c), .q(w_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_w_s (.clk(clk), .a(w_0), .b(arm_s), .q(w_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_i_c (.clk(clk), .a(i_0), .b(arm_c), .q(i_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_i_s (.clk(clk), .a(i_0), .b(arm_s), .q(i_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_j_c (.clk(clk), .a(j_0), .b(arm_c), .q(j_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_j_s (.clk(clk), .a(j_0), .b(arm_s), .q(j_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_k_c (.clk(clk), .a(k_0), .b(arm_c), .q(k_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_k_s (.clk(clk), .a(k_0), .b(arm_s), .q(k_s));
   reg signed [N-1:0] w_1;  // (L52)
   reg signed [N-1:0] i_1;  // (L53)
   reg signed [N-1:0] j_1;  // (L54)
@@ -132,17 +119,15 @@ module ik_lean_turn #(
 
   // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; of four times the length below 1/4 ----
 
-  wire signed [N-1:0] az_sq_tilt;
   wire signed [N-1:0] az_tilt_sq;  // (L56)
-  wire signed [N-1:0] az_tilt_sq_in;
   wire signed [N-1:0] length_sq;  // (L56)
-  ik_delay #(.W(N), .N(T_TILT_SQ-T_AZ_SQ)) u_az_sq_tilt (.clk(clk), .d(az_sq), .q(az_sq_tilt));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_az_tilt_sq (.clk(clk), .a(az_sq_tilt), .b(tilt_sq), .q(az_tilt_sq));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_TILT_SQ-T_AZ_SQ)) u_az_tilt_sq (
+      .clk(clk), .a(az_sq), .b(tilt_sq), .q(az_tilt_sq)
+  );
   localparam integer T_LENGTH_IN = T_LENGTH_SQ - LAT_MUL3;
-  wire signed [N-1:0] arm_sq_in;
-  ik_delay #(.W(N), .N(T_LENGTH_IN-T_AZ_TILT_SQ)) u_az_tilt_sq_in (.clk(clk), .d(az_tilt_sq), .q(az_tilt_sq_in));
-  ik_delay #(.W(N), .N(T_LENGTH_IN-T_ARM_SQ)) u_arm_sq_in (.clk(clk), .d(arm_sq), .q(arm_sq_in));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_length_sq (.clk(clk), .a(az_tilt_sq_in), .b(arm_sq_in), .q(length_sq));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_ARM_SQ)) u_length_sq (
+      .clk(clk), .a(az_tilt_sq), .b(arm_sq), .q(length_sq)
+  );
 
   localparam integer UP = MW - FRAC;
   wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});  // (L57)
@@ -157,9 +142,8 @@ module ik_lean_turn #(
 
   // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
 
-  localparam integer T_N_IN = T_W_N - LAT_MUX;
-  wire low_n;
-  ik_delay #(.W(1), .N(T_N_IN-T_LOW)) u_low_n (.clk(clk), .d(low), .q(low_n));
+  wire low_at_w_1;
+  ik_delay #(.W(1), .N(T_W_1-T_LOW)) u_low_at_w_1 (.clk(clk), .d(low), .q(low_at_w_1));
   reg signed [N-1:0] w_n;  // (L58)
   reg signed [N-1:0] i_n;  // (L59)
   reg signed [N-1:0] j_n;  // (L60)
@@ -167,31 +151,30 @@ module ik_lean_turn #(
   wire minus = k_1[N-1];
   wire signed [N-1:0] one = {{(N - 1) {1'b0}}, minus};  // -x = ~x + 1, by one carry chain
   always @(posedge clk) begin
-    w_n <= ((low_n ? (w_1 <<< 1) : w_1) ^ {N{minus}}) + one;
-    i_n <= ((low_n ? (i_1 <<< 1) : i_1) ^ {N{minus}}) + one;
-    j_n <= ((low_n ? (j_1 <<< 1) : j_1) ^ {N{minus}}) + one;
-    k_n <= ((low_n ? (k_1 <<< 1) : k_1) ^ {N{minus}}) + one;
+    w_n <= ((low_at_w_1 ? (w_1 <<< 1) : w_1) ^ {N{minus}}) + one;
+    i_n <= ((low_at_w_1 ? (i_1 <<< 1) : i_1) ^ {N{minus}}) + one;
+    j_n <= ((low_at_w_1 ? (j_1 <<< 1) : j_1) ^ {N{minus}}) + one;
+    k_n <= ((low_at_w_1 ? (k_1 <<< 1) : k_1) ^ {N{minus}}) + one;
   end
 
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
-  wire signed [N-1:0] w_n_q;
-  wire signed [N-1:0] i_n_q;
-  wire signed [N-1:0] j_n_q;
-  wire signed [N-1:0] k_n_q;
-  wire signed [N-1:0] inv_q_q;
-  ik_delay #(.W(4*N), .N(T_Q_IN-T_W_N)) u_n_q (
-      .clk(clk), .d({k_n, j_n, i_n, w_n}), .q({k_n_q, j_n_q, i_n_q, w_n_q})
-  );
-  ik_delay #(.W(N), .N(T_Q_IN-T_INV_Q)) u_inv_q_q (.clk(clk), .d(inv_q), .q(inv_q_q));
   wire signed [N-1:0] w_q;  // (L58)
   wire signed [N-1:0] i_q;  // (L59)
   wire signed [N-1:0] j_q;  // (L60)
   wire signed [N-1:0] k_q;  // (L61)
   localparam integer SH_Q = F_W_N + F_INV_Q - 1 - F_W_Q;
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N)) u_w_q (.clk(clk), .a(w_n_q), .b(inv_q_q), .q(w_q));
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N)) u_i_q (.clk(clk), .a(i_n_q), .b(inv_q_q), .q(i_q));
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N)) u_j_q (.clk(clk), .a(j_n_q), .b(inv_q_q), .q(j_q));
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N)) u_k_q (.clk(clk), .a(k_n_q), .b(inv_q_q), .q(k_q));
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_w_q (
+      .clk(clk), .a(w_n), .b(inv_q), .q(w_q)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_i_q (
+      .clk(clk), .a(i_n), .b(inv_q), .q(i_q)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_j_q (
+      .clk(clk), .a(j_n), .b(inv_q), .q(j_q)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_k_q (
+      .clk(clk), .a(k_n), .b(inv_q), .q(k_q)
+  );
 
   localparam integer DROP = F_W_Q - F_QS_W;
   localparam signed [N-1:0] HALF = {{(N - 1) {1'b0}}, 1'b1} << (DROP - 1);

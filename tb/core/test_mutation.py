@@ -48,9 +48,9 @@ MUTANTS = [
            "to_wrist.c3_num"),
     Mutant("lean", "lean_sign", "ik_lean_turn", "c_plus <= cc - ss;", "c_plus <= cc + ss;", "turn.c_plus"),
     Mutant("lean", "lean_flag", "ik_lean_guard",
-           "(too_near || shoulder_far)", "(too_far || shoulder_far)", "guard.fold", target=CLAMPED),
+           "(too_near || at_shoulder_at_too_far)", "(too_far || at_shoulder_at_too_far)", "guard.fold", target=CLAMPED),
     Mutant("lean", "lean_shift", "ik_lean_triangle", "e_ab - e_1s;", "e_ab - e_1s + 6'd1;", "triangle.n_ab"),
-    Mutant("lean", "lean_delay", "ik_lean_direction", ".N(T_INV_S-T_N_EL))", ".N(T_INV_S-T_N_EL+1))",
+    Mutant("lean", "lean_delay", "ik_lean_direction", ".DC(T_INV_S-T_N_EL)", ".DC(T_INV_S-T_N_EL+1)",
            "direction.inv_s_el"),
 ]  # fmt: skip
 

@@ -40,59 +40,62 @@ GUARD = {
     "r_raw": Value("d1 + d2"),
     "d_raw": Value("d1 - d2"),
     "xy_sq": Value("x_sq + y_sq"),
-    "s_raw": Value("xy_sq + z_sq_s"),
-    "d_1": _jam("d_1_c", "(1 <<< (W - 3))"),
-    "d_2": _jam("d_2_c", "(1 <<< (W - 3))"),
-    **{f"p_a_{axis}": _jam(f"p_a_{axis}_c", "0") for axis in "xyz"},
-    "d_dif_j": Value("clamp ? 0 : (d_dif_c >>> 1)"),
-    "scale_j": Value(f"clamp ? 2 : ({_whole('lz_p_c')} - {_whole('lz_r_c')} + 1)"),
+    "s_raw": Value("xy_sq + z_sq_at_xy_sq"),
+    "d_1": _jam("d_1_sh_at_clamp", "(1 <<< (W - 3))"),
+    "d_2": _jam("d_2_sh_at_clamp", "(1 <<< (W - 3))"),
+    **{f"p_a_{axis}": _jam(f"p_a_{axis}_sh_at_clamp", "0") for axis in "xyz"},
+    "d_dif_j": Value("clamp ? 0 : (d_dif_sh_at_clamp >>> 1)"),
+    "scale_j": Value(f"clamp ? 2 : ({_whole('lz_p_at_clamp')} - {_whole('lz_r_at_clamp')} + 1)"),
 }
 
 ELBOW = {
     "d_sum": Value("d_1 + d_2"),
     **{
-        f"p_e_{a}": Value(f"!clamp_quo ? e_{a}_quo : away_quo ? -(p_w_{a}_quo >>> 2) : (p_w_{a}_quo >>> 2)")
+        f"p_e_{a}": Value(
+            f"!clamp_at_e_x_quo ? e_{a}_quo"
+            f" : away_at_e_x_quo ? -(p_w_{a}_at_e_x_quo >>> 2) : (p_w_{a}_at_e_x_quo >>> 2)"
+        )
         for a in "xyz"
     },
-    "d_e": Value("clamp_l ? (l_sw >>> 1) : (d_1_l >>> 1)"),
+    "d_e": Value("clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1)"),
 }
 
 ELBOW_Q = {
-    "c4": Value("!clamp_quo ? c4_quo : fold_quo ? (1 <<< (W - 2)) : -(1 <<< (W - 2))"),
+    "c4": Value("!clamp_at_c4_quo ? c4_quo : fold_at_c4_quo ? (1 <<< (W - 2)) : -(1 <<< (W - 2))"),
     "qe_i": Value("-qe_abs"),
 }
 
 # h is the sum of two registers: what comes in two clocks before.
-H_SUM = "(wide + d_e_p + (p_e_z < 0 ? -p_e_z : p_e_z))"
+H_SUM = "(wide + d_e_at_p_e_z + (p_e_z < 0 ? -p_e_z : p_e_z))"
 TO_ELBOW = {
     "h": Value(
         f"{H_SUM} < (1 <<< (W - 1)) ? {H_SUM} : (1 <<< (W - 1)) - 1",
         2,
         "d1 + |p_ez| may be rounded to 2: the largest word stands for it",
     ),
-    "m_x": Value("p_e_z_below_uh ? uh_x : p_e_x_uh"),
-    "m_y": Value("p_e_z_below_uh ? uh_y : p_e_y_uh"),
-    "m_z": Value("p_e_z_below_uu ? uu : h_uu"),
+    "m_x": Value("below_at_uh_x ? uh_x : p_e_x_at_uh_x"),
+    "m_y": Value("below_at_uh_x ? uh_y : p_e_y_at_uh_x"),
+    "m_z": Value("below_at_uu ? uu : h_at_uu"),
 }
 
 TO_WRIST = {
     **{
-        f"side_{a}": Value(f"!flat ? p_w_{a}_flat : back_flat ? pp_{m}_m_flat : -pp_{m}_m_flat")
+        f"side_{a}": Value(f"!flat ? p_w_{a}_at_flat : back_at_flat ? pp_{m}_m_at_flat : -pp_{m}_m_at_flat")
         for a, m in zip("xyz", "123", strict=True)
     },
-    "q3_k": Value("negative_abs ? -q3_abs : q3_abs"),
+    "q3_k": Value("negative_at_q3_abs ? -q3_abs : q3_abs"),
 }
 
 LEAN_GUARD = {"d_sum": Value("d1 + d2"), "d_dif": Value("d1 - d2")}
 
 LEAN_DIRECTION = {
-    "n_el": Value(f"{_whole('e_rho_s')} - {_whole('e_s')}"),
+    "n_el": Value(f"{_whole('e_rho_at_e_s')} - {_whole('e_s')}"),
     "az_sq": Value(f"((1 <<< FRAC) + {_magnitude('u_y')}) >>> 1"),
-    "az_c": Value("(sign_u_y_h || axis_h) ? az_sq : (u_x_h >>> 1)"),
-    "az_s": Value("sign_u_y_h ? (u_x_h >>> 1) : az_sq"),
-    "tilt_sq": Value(f"shoulder_el ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('sin_el')}) >>> 1)"),
-    "tilt_c": Value("sign_h ? (cos_el >>> 1) : tilt_sq_h"),
-    "tilt_s": Value("sign_h ? tilt_sq_h : (cos_el >>> 1)"),
+    "az_c": Value("(sign_u_y_at_az_sq || on_axis_at_az_sq) ? az_sq : (u_x_at_az_sq >>> 1)"),
+    "az_s": Value("sign_u_y_at_az_sq ? (u_x_at_az_sq >>> 1) : az_sq"),
+    "tilt_sq": Value(f"at_shoulder_at_sin_el ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('sin_el')}) >>> 1)"),
+    "tilt_c": Value("sign_at_cos_el ? (cos_el >>> 1) : tilt_sq_at_cos_el"),
+    "tilt_s": Value("sign_at_cos_el ? tilt_sq_at_cos_el : (cos_el >>> 1)"),
 }
 
 
@@ -103,22 +106,26 @@ def _limited(word: str) -> Value:
     return Value(f"wide + {word} > {top} ? {top} : {word}", 0, why)
 
 
-E_FAR, E_NEAR, E_1, E_2, E_S = map(_whole, ("e_far", "e_near", "e_1_far", "e_2_far", "e_s_far"))
+E_FAR, E_NEAR, E_1, E_2, E_S = map(_whole, ("e_far", "e_near", "e_1_at_e_far", "e_2_at_e_far", "e_s_at_e_far"))
 ROUNDED = "((1 <<< (DROP - 1)) {} {}) >>> DROP"
 LEAN_TRIANGLE = {
     "n_far": Value(f"{E_FAR} - {E_1} - {E_2} + 2 + ODD"),
     "n_near": Value(f"{E_NEAR} - {E_1} - {E_2} + 2 + ODD"),
     "inv_12_far": _limited("inv_12_far_raw"),
     "inv_12_near": _limited("inv_12_near_raw"),
-    "qe_w": Value(f"!clamp_el ? {ROUNDED.format('+', 'elbow_w')} : fold_el ? (1 <<< (W - 2)) : 0"),
-    "qe_i": Value(f"!clamp_el ? {ROUNDED.format('-', 'elbow_i')} : fold_el ? 0 : -(1 <<< (W - 2))"),
+    "qe_w": Value(f"!clamp_at_elbow_w ? {ROUNDED.format('+', 'elbow_w')} : fold_at_elbow_w ? (1 <<< (W - 2)) : 0"),
+    "qe_i": Value(f"!clamp_at_elbow_w ? {ROUNDED.format('-', 'elbow_i')} : fold_at_elbow_w ? 0 : -(1 <<< (W - 2))"),
     "inv_law": _limited("inv_law_raw"),
-    "n_law": Value(f"2 * {_whole('e_1_s')} + {_whole('e_s')}"),
+    "n_law": Value(f"2 * {_whole('e_1_at_e_s')} + {_whole('e_s')}"),
     "n_ab": Value(f"{E_FAR} + {E_NEAR} + 2 + ODD - 2 * {E_1} - {E_S}", 2),
     "inv_law_ab": _limited("inv_law_ab_raw"),
-    "arm_sq": Value(f"clamp_cos ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('cos_a')}) >>> 1)"),
-    "arm_c": Value("clamp_sin ? (away_sin ? 0 : arm_sq_sin) : sign_sin ? (sin_a >>> 1) : arm_sq_sin"),
-    "arm_s": Value("clamp_sin ? (away_sin ? arm_sq_sin : 0) : sign_sin ? arm_sq_sin : (sin_a >>> 1)"),
+    "arm_sq": Value(f"clamp_at_cos_a ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('cos_a')}) >>> 1)"),
+    "arm_c": Value(
+        "clamp_at_sin_a ? (away_at_sin_a ? 0 : arm_sq_at_sin_a) : sign_at_sin_a ? (sin_a >>> 1) : arm_sq_at_sin_a"
+    ),
+    "arm_s": Value(
+        "clamp_at_sin_a ? (away_at_sin_a ? arm_sq_at_sin_a : 0) : sign_at_sin_a ? arm_sq_at_sin_a : (sin_a >>> 1)"
+    ),
 }
 
 LEAN_TURN = {
@@ -137,7 +144,9 @@ LEAN_TURN = {
         "1 and more becomes the largest mantissa",
     ),
     **{
-        f"{unit}_n": Value(f"minus ? -(low_n ? ({unit}_1 <<< 1) : {unit}_1) : low_n ? ({unit}_1 <<< 1) : {unit}_1")
+        f"{unit}_n": Value(
+            f"minus ? -(low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1) : low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1"
+        )
         for unit in "wijk"
     },
     **{f"qs_{unit}": Value(ROUNDED.format("+", f"{unit}_q")) for unit in "wijk"},

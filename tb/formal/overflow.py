@@ -68,7 +68,8 @@ BUGS = (
     Bug("root with an integer bit too few", "paper", "l_sw", HEADER, "F_L_SW = W - 2,", "F_L_SW = W - 1,"),
     Bug(
         "three-tile product with two integer bits too few", "lean", "cc",
-        f"{LEAN}ik_lean_turn.v", ".SH(FRAC), .OW(N)) u_cc", ".SH(FRAC - 2), .OW(N)) u_cc",
+        f"{LEAN}ik_lean_turn.v",
+        "(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cc", "(FRAC - 2), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cc",
     ),
     Bug(
         "another node at a product's input", "paper", "sa_x",
@@ -174,7 +175,7 @@ BUGS = (
         "no limit above 2", "lean", "inv_12_far", f"{LEAN}ik_lean_triangle.v",
         "(|inv_12_far_raw[RW-1:N-1])", "(|inv_12_far_raw[RW-1:N])",
     ),
-    Bug("four times", "lean", "w_n", f"{LEAN}ik_lean_turn.v", "((low_n ? (w_1 <<< 1)", "((low_n ? (w_1 <<< 2)"),
+    Bug("four times", "lean", "w_n", f"{LEAN}ik_lean_turn.v", "(low_at_w_1 ? (w_1 <<< 1)", "(low_at_w_1 ? (w_1 <<< 2)"),
 )  # fmt: skip
 
 
