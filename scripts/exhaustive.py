@@ -35,12 +35,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
 from model.targets.scoring import write_atomically
-from scripts.fpga.measure import closure
 from scripts.run import InputError, _Parser, exit_status
 from scripts.soak import _whole
 from tb.sim.env import CORES, ROOT
 from tb.sim.native import build
 from tb.sim.simulate import SimulationError
+from tb.sim.sources import closure
 
 HARNESS = ROOT / "tb" / "units" / "exhaustive.cpp"
 PAGE = ROOT / "docs" / "exhaustive.md"

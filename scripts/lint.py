@@ -2,8 +2,8 @@
 """make lint: every Verilog module as its own top in Verilator -Wall and Icarus -Wall, then ruff.
 
 A module that has a parameter of PARAMETER_SETS is looked at once for each value. Any message is a finding,
-and the exit status is then 1. Verilator's waivers, if there are any, stand in lint.vlt in the RTL folder;
-each one matches a text and gives its reason.
+and the exit status is then 1. Verilator's waivers, if there are any, stand in rtl/lint.vlt; each one matches a text
+and gives its reason.
 """
 
 import argparse
@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tb.sim.env import ROOT, environment
+from tb.sim.sources import LIST, includes, sources
 
 # parameter: values it is linted at. A module is linted at every combination of those it has.
 PARAMETER_SETS = {"W": (32, 18)}
@@ -49,14 +50,6 @@ MODULE = re.compile(r"^\s*module\s+(\w+)", re.M)
 PARAMETER = re.compile(r"\bparameter\b[^;)]*?\b{}\s*=")
 
 
-def sources(rtl: Path) -> list[Path]:
-    return sorted([*rtl.glob("*.v"), *rtl.glob("*/*.v")])
-
-
-def folders(rtl: Path) -> list[Path]:
-    return [rtl, *sorted(p for p in rtl.iterdir() if p.is_dir())]
-
-
 def parameter_sets(name: str, text: str) -> list[dict]:
     """The parameter sets a module is linted at; at least the one with its defaults."""
     if name in MODULE_SETS:
@@ -66,16 +59,17 @@ def parameter_sets(name: str, text: str) -> list[dict]:
     return [dict(zip(has, values, strict=True)) for values in combinations]
 
 
-def commands(source: Path, rtl: Path, parameters: dict) -> list[list[str]]:
+def commands(source: Path, root: Path, parameters: dict) -> list[list[str]]:
     name = source.stem
-    places = folders(rtl)
-    waivers = [str(rtl / "lint.vlt")] if (rtl / "lint.vlt").exists() else []
+    places = [("-I", folder) for folder in includes(root)]
+    places += [("-y", folder) for folder in dict.fromkeys(path.parent for path in sources(root))]
+    where = [f"{option}{folder}" for option, folder in places]
+    lint_vlt = root / "rtl" / "lint.vlt"
+    waivers = [str(lint_vlt)] if lint_vlt.exists() else []
     verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", *waivers]
-    verilator += [word for d in places for word in (f"-I{d}", "-y", str(d))]
-    verilator += [f"-G{k}={v}" for k, v in parameters.items()] + ["--top-module", name, str(source)]
+    verilator += [*where, *(f"-G{k}={v}" for k, v in parameters.items()), "--top-module", name, str(source)]
     icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", name]
-    icarus += [word for d in places for word in ("-I", str(d), "-y", str(d))]
-    icarus += [f"-P{name}.{k}={v}" for k, v in parameters.items()] + [str(source)]
+    icarus += [*where, *(f"-P{name}.{k}={v}" for k, v in parameters.items()), str(source)]
     return [verilator, icarus]
 
 
@@ -89,7 +83,7 @@ def run(command: list[str], env: dict) -> str:
     return "\n".join(said)
 
 
-def lint_module(source: Path, rtl: Path, env: dict) -> tuple[str, str]:
+def lint_module(source: Path, root: Path, env: dict) -> tuple[str, str]:
     """One line about the module, and its findings."""
     start = time.monotonic()
     name = source.stem
@@ -102,7 +96,7 @@ def lint_module(source: Path, rtl: Path, env: dict) -> tuple[str, str]:
         findings.append(f"{source}: a module's name starts with {PREFIX}")
     sets = parameter_sets(name, text)
     for parameters in sets if not findings else []:
-        for command in commands(source, rtl, parameters):
+        for command in commands(source, root, parameters):
             findings += [said for said in [run(command, env)] if said]
     at = ", ".join(" ".join(f"{k}={v}" for k, v in p.items()) or "defaults" for p in sets)
     line = f"{'FAIL' if findings else 'ok  '} {name:<28} {at:<16} {time.monotonic() - start:5.1f} s"
@@ -113,16 +107,16 @@ def lint_module(source: Path, rtl: Path, env: dict) -> tuple[str, str]:
 def main(arguments=None) -> int:
     parser = argparse.ArgumentParser(prog="python -m scripts.lint", description=__doc__.split("\n")[0])
     parser.add_argument("modules", nargs="*", metavar="MODULE", help="only these modules, and no Python")
-    parser.add_argument("--rtl", type=Path, default=ROOT / "rtl", metavar="DIR", help="where the Verilog is")
+    parser.add_argument("--root", type=Path, default=ROOT, metavar="DIR", help="the folder that holds rtl/")
     parser.add_argument("--no-python", action="store_true", help="leave out ruff")
     options = parser.parse_args(arguments)
 
-    rtl = options.rtl.resolve()
-    found = sources(rtl) if rtl.is_dir() else []
+    root = options.root.resolve()
+    found = sources(root) if (root / LIST).exists() else []
     unknown = set(options.modules) - {s.stem for s in found}
     if unknown or not found:
         what = f"no module {', '.join(sorted(unknown))}" if unknown else "no Verilog"
-        print(f"lint: {what} in {options.rtl}", file=sys.stderr)
+        print(f"lint: {what} in {options.root / LIST}", file=sys.stderr)
         return 2
     if options.modules:
         found = [s for s in found if s.stem in options.modules]
@@ -130,7 +124,7 @@ def main(arguments=None) -> int:
     env = environment()
     failed = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for line, findings in pool.map(lambda source: lint_module(source, rtl, env), found):
+        for line, findings in pool.map(lambda source: lint_module(source, root, env), found):
             print(line, flush=True)
             if findings:
                 print(findings, flush=True)

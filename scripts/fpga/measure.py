@@ -28,9 +28,10 @@ from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
+from tb.sim import sources
 from tb.sim.env import ROOT
 
-RTL = ROOT / "rtl"
+SOURCES = ROOT  # or another folder that holds rtl/
 BUILD = ROOT / "build" / "fpga"
 FIGURES = ROOT / "docs" / "fpga.json"
 PAGE = ROOT / "docs" / "fpga.md"
@@ -116,20 +117,9 @@ def content(path: Path) -> bytes:
     return path.read_bytes()
 
 
-def closure(top: str, rtl: Path | None = None) -> list[Path]:
+def closure(top: str) -> list[Path]:
     """The Verilog files of a module and all that it instantiates or includes; the module itself first."""
-    rtl = rtl or RTL
-    found = {p.name: p for p in [*rtl.glob("*.v*"), *rtl.glob("*/*.v*")]}
-    wanted, files = [f"{top}.v"], {}
-    while wanted:
-        name = wanted.pop(0)
-        if name in files or name not in found:
-            continue
-        files[name] = found[name]
-        text = re.sub(r"//[^\n]*", "", content(found[name]).decode())
-        wanted += re.findall(r'`include\s+"([^"]+)"', text)
-        wanted += [f"{word}.v" for word in re.findall(r"\b(ik_\w+)\b", text)]
-    return list(files.values())
+    return sources.closure(top, SOURCES)
 
 
 def source_hash(files: list[Path]) -> str:
@@ -978,7 +968,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--family", action="append", choices=FAMILIES, help="only this family")
     parser.add_argument("--place", action="store_true", help="only place and route on ECP5")
     parser.add_argument("--module", metavar="NAME", help="place and route this module alone, and print the path")
-    parser.add_argument("--rtl", type=Path, metavar="DIR", help="with --module: another folder of Verilog, to try")
+    parser.add_argument("--root", type=Path, metavar="DIR", help="with --module: a folder with another rtl/, to try")
     parser.add_argument("--set", action="append", default=[], metavar="P=N", help="with --module: a parameter of it")
     parser.add_argument("--plain", action="store_true", help="with --module: leave registers outside of multipliers")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the placement, or the first (default: 1)")
@@ -998,7 +988,7 @@ def main(arguments: list[str] | None = None) -> int:
         for tool in PACKAGES:
             program(tool)
         if options.module:
-            globals()["RTL"] = options.rtl or RTL
+            globals()["SOURCES"] = options.root or SOURCES
             values = {k: int(v) for k, v in (word.split("=") for word in options.set)}
             if options.width:
                 values["W"] = options.width[0]

@@ -29,7 +29,7 @@ from model.dataflow.paper import SECTIONS, paper
 from model.reference.printed import PRINTED, symbol
 from model.targets.words import FIELDS
 from tb.sim.env import ROOT, environment
-from tb.sim.runner import RTL_FOLDERS, sources
+from tb.sim.sources import includes, sources
 
 PAGE = ROOT / "docs" / "operations.md"
 WIDTH = 32
@@ -157,7 +157,7 @@ def elaborate(root: Path = ROOT, width: int = WIDTH) -> list[dict]:
     with tempfile.TemporaryDirectory() as folder:
         command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
         command += ["--top-module", "ik_paper", f"-GW={width}", "-Wno-fatal", "-Wno-lint"]
-        command += [f"-I{root / f}" for f in RTL_FOLDERS] + [str(p) for p in sources(root)]
+        command += [f"-I{folder}" for folder in includes(root)] + [str(p) for p in sources(root)]
         done = subprocess.run(command, env=environment(), capture_output=True, text=True)
         if done.returncode:
             raise RuntimeError(f"ik_paper does not elaborate:\n{done.stderr}")

@@ -2,6 +2,7 @@
 """scripts/lint.py on small modules written for the occasion."""
 
 from scripts import lint
+from tb.sim.sources import LIST
 
 HEAD = "// SPDX-License-Identifier: Apache-2.0\n`default_nettype none\n"
 TAIL = "\n`default_nettype wire\n"
@@ -35,10 +36,12 @@ endmodule
 
 
 def lint_text(tmp_path, capsys, text, name="ik_sum", folder="lib"):
-    """Exit status and output of the lint over an RTL folder that holds one more file."""
-    (tmp_path / folder).mkdir(exist_ok=True)
-    (tmp_path / folder / f"{name}.v").write_text(HEAD + text + TAIL)
-    status = lint.main(["--rtl", str(tmp_path), "--no-python"])
+    """Exit status and output of the lint over a checkout whose list names one more file."""
+    rtl = tmp_path / "rtl"
+    (rtl / folder).mkdir(parents=True, exist_ok=True)
+    (rtl / folder / f"{name}.v").write_text(HEAD + text + TAIL)
+    (tmp_path / LIST).write_text("\n".join(["+incdir+cores", *(str(p.relative_to(rtl)) for p in rtl.glob("*/*.v"))]))
+    status = lint.main(["--root", str(tmp_path), "--no-python"])
     return status, capsys.readouterr().out
 
 
@@ -79,8 +82,8 @@ def test_systemverilog_fails(tmp_path, capsys):
 
 
 def test_modules_find_each_other_across_folders(tmp_path, capsys):
-    (tmp_path / "cores").mkdir()
-    (tmp_path / "cores" / "ik_width.vh").write_text("`define IK_WIDTH 8\n")
+    (tmp_path / "rtl/cores").mkdir(parents=True)
+    (tmp_path / "rtl/cores/ik_width.vh").write_text("`define IK_WIDTH 8\n")
     top = """
 `include "ik_width.vh"
 module ik_top (
@@ -103,7 +106,7 @@ endmodule
 def test_waiver_file_is_used(tmp_path, capsys):
     text = CLEAN.replace("    always", "    wire spare = a[0];\n    always")
     assert lint_text(tmp_path, capsys, text)[0] == 1
-    (tmp_path / "lint.vlt").write_text(
+    (tmp_path / "rtl/lint.vlt").write_text(
         '`verilator_config\nlint_off -rule UNUSEDSIGNAL -file "*/ik_sum.v" -match "*\'spare\'*"\n'
     )
     status, out = lint_text(tmp_path, capsys, text)
@@ -113,16 +116,16 @@ def test_waiver_file_is_used(tmp_path, capsys):
 def test_names_are_checked(tmp_path, capsys):
     status, out = lint_text(tmp_path, capsys, CLEAN, name="ik_other")
     assert status == 1 and "must hold the one module ik_other" in out
-    (tmp_path / "lib" / "ik_other.v").unlink()
+    (tmp_path / "rtl/lib/ik_other.v").unlink()
     status, out = lint_text(tmp_path, capsys, CLEAN.replace("ik_sum", "sum"), name="sum")
     assert status == 1 and "starts with ik_" in out
 
 
 def test_nothing_to_lint_is_an_error(tmp_path, capsys):
-    assert lint.main(["--rtl", str(tmp_path)]) == 2
-    assert lint.main(["--rtl", str(tmp_path / "none")]) == 2
+    assert lint.main(["--root", str(tmp_path)]) == 2
+    assert lint.main(["--root", str(tmp_path / "none")]) == 2
     lint_text(tmp_path, capsys, CLEAN)
-    assert lint.main(["--rtl", str(tmp_path), "ik_none"]) == 2
+    assert lint.main(["--root", str(tmp_path), "ik_none"]) == 2
     assert "no module ik_none" in capsys.readouterr().err
 
 

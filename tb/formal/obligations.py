@@ -30,9 +30,9 @@ from tb.formal.netlist import OWN, Driver, Netlist, NetlistError, Operand, load
 from tb.formal.proofs import tool
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT
+from tb.sim.sources import LIST, closure, headers, includes, sources
 
 PROPERTIES = ROOT / "tb" / "formal" / "ranges"
-FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper", "rtl/lean")
 DATAPATHS = ("paper", "lean")
 
 CLOCKS = {
@@ -316,16 +316,15 @@ class Design:
     def _copy(self, bug: tuple[str, str, str] | None) -> None:
         """Copies the RTL, with a bug (file, old, new) if there is one."""
         shutil.rmtree(self.place, ignore_errors=True)
-        for folder in FOLDERS:
-            (self.place / folder).mkdir(parents=True)
-            for path in sorted((ROOT / folder).glob("*.v*")):
-                text = path.read_text()
-                name = str(path.relative_to(ROOT))
-                if bug and bug[0] == name:
-                    if text.count(bug[1]) != 1:
-                        raise LookupError(f"{name} has not exactly one {bug[1]!r}")
-                    text = text.replace(bug[1], bug[2])
-                (self.place / name).write_text(text)
+        for path in (ROOT / LIST, *sources(), *headers()):
+            text = path.read_text()
+            name = str(path.relative_to(ROOT))
+            if bug and bug[0] == name:
+                if text.count(bug[1]) != 1:
+                    raise LookupError(f"{name} has not exactly one {bug[1]!r}")
+                text = text.replace(bug[1], bug[2])
+            (self.place / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.place / name).write_text(text)
 
     @property
     def _here(self) -> Path:
@@ -340,10 +339,10 @@ class Design:
             raise ObligationError(f"Yosys, {name}.ys: {errors[-1]}")
 
     def _include(self) -> str:
-        return " ".join(f"-I{self._here / folder}" for folder in FOLDERS)
+        return " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(self.place))
 
     def _elaborate(self) -> None:
-        own = " ".join(f"{self._here}/{folder}/*.v" for folder in ("rtl/lib", "rtl/cores", f"rtl/{self.datapath}"))
+        own = " ".join(str(p.relative_to(ROOT)) for p in closure(self.top, self.place) if p.suffix == ".v")
         # -defer: what has a large table in a memory is looked at once, or never
         lines = [f"read_verilog -defer {self._include()} {own}"]
         lines += [f"hierarchy -check -top {self.top} -chparam W {self.width}", "proc"]

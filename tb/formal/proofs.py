@@ -31,6 +31,7 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.nodes import Latency
 from tb.sim.env import ROOT
+from tb.sim.sources import includes
 
 FORMAL = ROOT / "tb" / "formal"
 BUILD = ROOT / "build" / "formal"
@@ -565,13 +566,13 @@ def script(proof, folder, defines=()):
     """Yosys commands that end in folder/model.smt2, or in a structural check."""
     here = folder.relative_to(ROOT)
     flags = " ".join([f"-D{d}" for d in (*proof.defines, *defines)])
-    includes = " ".join(f"-I{d}" for d in ("tb/formal", "rtl", "rtl/lean", "rtl/paper", "rtl/cores"))
+    folders = " ".join(f"-I{d.relative_to(ROOT)}" for d in (FORMAL, *includes()))
     own = [str(here / Path(name).name) for name in proof.append]
     plain = [name for name in proof.sources if name.endswith(".v")]
     sets = " ".join(f"-set {name} {value}" for name, value in proof.parameters.items())
     lines = [
-        *([f"read_verilog -formal {flags} {includes} {' '.join(plain)}"] if plain else []),
-        f"read_verilog -formal -sv {flags} {includes} {' '.join(own)}",
+        *([f"read_verilog -formal {flags} {folders} {' '.join(plain)}"] if plain else []),
+        f"read_verilog -formal -sv {flags} {folders} {' '.join(own)}",
         f"chparam {sets} {proof.module}",
         f"hierarchy {'' if proof.keep else '-check'} -top {proof.module}",
         "proc",

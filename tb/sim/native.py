@@ -10,7 +10,8 @@ import subprocess
 from pathlib import Path
 
 from tb.sim.env import ROOT, environment
-from tb.sim.runner import MAKE_ARGS, RTL_FOLDERS, alone, sources
+from tb.sim.runner import MAKE_ARGS, alone
+from tb.sim.sources import includes, sources
 
 BUILD = ROOT / "build" / "native"
 
@@ -26,7 +27,7 @@ def build(
     command = [
         "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--prefix", "Vtop", "--top-module", toplevel,
         *(f"-G{key}={value}" for key, value in parameters.items()),
-        *(f"-I{root / part}" for part in RTL_FOLDERS),
+        *(f"-I{folder}" for folder in includes(root)),
         "-CFLAGS", f"-O2 -D{define}" if define else "-O2", "-MAKEFLAGS", " ".join(MAKE_ARGS), "--Mdir", str(folder),
         *map(str, sources(root)), str(harness),
     ]  # fmt: skip

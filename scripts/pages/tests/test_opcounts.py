@@ -11,6 +11,7 @@ from model.reference.printed import PRINTED, symbol
 from scripts.pages import opcounts
 from scripts.pages.opcounts import Ops, count
 from tb.sim.env import ROOT
+from tb.sim.sources import LIST
 
 a, b, c = sympy.symbols("a b c", real=True)
 
@@ -111,6 +112,7 @@ def test_changed_rtl_is_found(tmp_path):
 def test_a_module_without_a_rule_is_named(tmp_path):
     root = copy_of_rtl(tmp_path)
     (root / "rtl/lib/ik_new.v").write_text("module ik_new(input wire clk);\nendmodule\n")
+    edit(root, LIST, "lib/ik_norm.v", "lib/ik_norm.v\nlib/ik_new.v")
     edit(root, "rtl/paper/ik_elbow_q.v", "endmodule", "ik_new u_new (.clk(clk));\nendmodule")
     with pytest.raises(RuntimeError, match="no rule for the module ik_new of instance u_new"):
         opcounts.rtl_counts(root)

@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from tb.sim import runner
+from tb.sim import runner, sources
 from tb.sim.env import CORES, ROOT, cores, environment
 
 
@@ -60,7 +60,7 @@ def test_the_environment_chooses(monkeypatch):
 
 
 def modules():
-    return {path.stem: path.read_text() for path in runner.sources()}
+    return {path.stem: path.read_text() for path in sources.sources()}
 
 
 def test_every_module_above_a_core_has_the_parameter():
