@@ -41,28 +41,33 @@ def _named(limits: tuple[float, float], *names: str) -> dict[str, tuple[float, f
 
 RULES = {
     "squares of words in [-2, 2)": {
-        **_named((0.0, 4.0), "x_sq", "y_sq", "z_sq", "d_sq"), "rho_sq": (0.0, 8.0), "s": (0.0, 12.0),
-        "r_sq": (0.0, 16.0), "rd": (-4.0, 4.0), "a_far": (0.0, 16.0), "b_near": (0.0, 12.0), "k_law": (-4.0, 16.0),
-        "r_raw": (0.0, 4.0), "d_raw": (-2.0, 2.0),
+        **_named((0.0, 4.0), "x_sq", "y_sq", "z_sq", "d_dif_sq"), "rho_sq": (0.0, 8.0), "s": (0.0, 12.0),
+        "d_sum_sq": (0.0, 16.0), "sum_dif": (-4.0, 4.0),
+        "a_far": (0.0, 16.0), "b_near": (0.0, 12.0), "k_law": (-4.0, 16.0),
+        "d_sum": (0.0, 4.0), "d_dif": (-2.0, 2.0),
     },
-    "mantissa": {**_named((0.0, 1.0), *(f"m_{k}" for k in ("rho", "s", "a", "b", "1", "2"))), "m_q": (0.25, 1.0)},
-    "1/(2 sqrt m) with m >= 1/4": _named(INVERSE, *(f"inv_{k}" for k in ("rho", "s", "a", "b", "1", "2", "q"))),
+    "mantissa": {**_named((0.0, 1.0), *(f"m_{k}" for k in ("rho", "s", "far", "near", "1", "2"))), "m_q": (0.25, 1.0)},
+    "1/(2 sqrt m) with m >= 1/4": _named(INVERSE, *(f"inv_{k}" for k in ("rho", "s", "far", "near", "1", "2", "q"))),
     "coordinates are no longer than the vector": _named(SIGNED, "x_n", "y_n", "z_n"),
     "a sine or cosine": {**_named(SIGNED, "u_x", "u_y", "sin_el", "cos_a", "sin_h"),
                          **_named(POSITIVE, "cos_el", "sin_a", "cos_h")},
-    "the root of a mantissa": _named(POSITIVE, "l_rho", "l_a", "l_b", "l_ab"),
+    "the root of a mantissa": _named(POSITIVE, "root_rho", "root_far", "root_near", "root_ab"),
     "e_rho >= e_s, because rho <= |p|": _named(POSITIVE, "inv_s_el"),
-    "(1 + |c|)/2": _named((0.5, 1.0), "g_1", "g_t", "g_a"),
-    "a product of such": {"g_1t": (0.25, 1.0), "length_sq": (0.125, 1.0)},
-    "half angles: squared length (1 + |c|)/2": _named(SIGNED, *(f"h{k}_{p}" for k in ("1", "t", "a") for p in "cs")),
+    "(1 + |c|)/2": _named((0.5, 1.0), "az_sq", "tilt_sq", "arm_sq"),
+    "a product of such": {"az_tilt_sq": (0.25, 1.0), "length_sq": (0.125, 1.0)},
+    "half angles: squared length (1 + |c|)/2": _named(
+        SIGNED, *(f"{k}_{p}" for k in ("az", "tilt", "arm") for p in "cs")
+    ),
     "products of inverses": _named(POSITIVE, "inv_12", "inv_11"),
-    "t_a = 2 inv_11 inv_s": _named((0.0, 2.0), "t_a_raw", "t_a"),
-    "sqrt A <= 2 sqrt(d1 d2), and l_a >= 1/2": _named((0.0, 2.0), "v_a_raw", "v_b_raw", "v_a", "v_b"),
-    "sin a <= 1, and l_ab >= 1/4": _named((0.0, 2.0), "v_ab_raw", "v_ab"),
-    "|K| <= 2 d1 |p|, and t_a > 1/4": {"k_t": (-2.0, 2.0)},
-    "a component of Qe": {**_named(POSITIVE, "el_a", "el_b", "qe_w"), "qe_i": (-1.0, 0.0)},
+    "inv_law = 2 inv_11 inv_s": _named((0.0, 2.0), "inv_law_raw", "inv_law"),
+    "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2": _named(
+        (0.0, 2.0), "inv_12_far_raw", "inv_12_near_raw", "inv_12_far", "inv_12_near"
+    ),
+    "sin a <= 1, and root_ab >= 1/4": _named((0.0, 2.0), "inv_law_ab_raw", "inv_law_ab"),
+    "|K| <= 2 d1 |p|, and inv_law > 1/4": {"k_scaled": (-2.0, 2.0)},
+    "a component of Qe": {**_named(POSITIVE, "elbow_w", "elbow_i", "qe_w"), "qe_i": (-1.0, 0.0)},
     "parts of quaternions no longer than 1": _named(
-        SIGNED, "cc", "ss", "sc", "cs", "c_p", "c_m", "s_p", "s_m",
+        SIGNED, "cc", "ss", "sc", "cs", "c_plus", "c_minus", "s_plus", "s_minus",
         *(f"{u}_{k}" for u in "wijk" for k in ("0", "c", "s", "1", "n", "q")), *(f"qs_{u}" for u in "wijk"),
     ),
 }  # fmt: skip
@@ -71,16 +76,16 @@ RULES = {
 EXACT = {name: limits for rule in RULES.values() for name, limits in rule.items()}
 WHY = {name: why for why, rule in RULES.items() for name in rule}
 
-STEEP = {"v_a_raw": 8.0, "v_b_raw": 8.0, "v_ab_raw": 4.0}
+STEEP = {"inv_12_far_raw": 8.0, "inv_12_near_raw": 8.0, "inv_law_ab_raw": 4.0}
 """Shifts that can enlarge a word, and by how much at most: what is shifted is at least 1/4 and comes out at most 2
-(inv_12), or is shifted by at most 2 places (t_a)."""
+(inv_12), or is shifted by at most 2 places (inv_law)."""
 
 
-LIMITED = ("m_q", "v_a", "v_b", "v_ab", "t_a")
+LIMITED = ("m_q", "inv_12_far", "inv_12_near", "inv_law_ab", "inv_law")
 """Nodes in which the largest word stands for what is larger."""
 
-CUT = ("m_rho", "m_s", "m_a", "m_b", "m_1", "m_2", "x_n", "y_n", "z_n", "k_t", "r_raw")
-"""Nodes that are exact or cut off, never rounded up, of numbers inside their format: below 1, 2 (k_t) or 4 (r_raw)."""
+CUT = ("m_rho", "m_s", "m_far", "m_near", "m_1", "m_2", "x_n", "y_n", "z_n", "k_scaled", "d_sum")
+"""Nodes that are exact or cut off, never rounded up, of numbers in their format: below 1, 2 (k_scaled), 4 (d_sum)."""
 
 
 def _fits(bound: Bound, fmt: Format, limited: bool) -> bool:
@@ -136,7 +141,7 @@ class LeanRanges(Domain):
             return self._bound(name, STEEP[name] * carried[0], fmt, (-1.0, 0.0))
         if name in ("w_n", "i_n", "j_n", "k_n"):
             return self._bound(name, 2 * carried[0], fmt, (0.0, 0.0))  # doubled where the length is below 1/4
-        if name in ("c_p", "c_m", "s_p", "s_m", "w_1", "i_1", "j_1", "k_1"):
+        if name in ("c_plus", "c_minus", "s_plus", "s_minus", "w_1", "i_1", "j_1", "k_1"):
             return self._bound(name, sum(carried), fmt, (0.0, 0.0))
         if name == "m_q":
             return Bound(*EXACT[name], 4 * carried[0] + fmt.ulp)  # the largest word stands for 1

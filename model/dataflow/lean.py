@@ -19,6 +19,8 @@ the results are rounded half up to W - 2 fraction bits.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from model.dataflow.nodes import FLOOR, HALF_UP, Domain, Format, Node, inner_frac, root_frac, wrap
@@ -56,6 +58,7 @@ class Lean:
         self.shifted = Format(width + self.pad + 1, width + self.pad, "((W < 16) ? 16 : W)")
         self.count = Format(6, 0, "0", signed=False)
         self.result = Format(width, width - 2, "W - 2")
+        self.drop = frac - self.result.frac  # what a result's rounding drops of an inner word
 
 
 def lean(d: Domain, target: dict[str, Node]) -> None:
@@ -85,195 +88,274 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("on_axis", (x, y), d.bit, "mux", lambda a, b: (a == 0) & (b == 0))
     d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0))
 
-    r_raw = d.op("r_raw", (d1, d2), f.length, "mux", lambda a, b: a + b)
-    d_raw = d.op("d_raw", (d1, d2), f.length, "mux", lambda a, b: a - b)
-    for name, word in (("x_sq", x), ("y_sq", y), ("z_sq", z), ("r_sq", r_raw), ("d_sq", d_raw)):
-        d.op(name, (word,), f.exact, "square", lambda a: a.astype(object) ** 2)
-    d.op("rd", (r_raw, d_raw), f.exact, "square", lambda a, b: a.astype(object) * b)  # d1^2 - d2^2
-    plus, minus = lambda a, b: a + b, lambda a, b: a - b
-    d.op("rho_sq", ("x_sq", "y_sq"), f.exact, "wide", plus)
-    d.op("s", ("rho_sq", "z_sq"), f.exact, "wide", plus)
-    d.op("a_far", ("r_sq", "s"), f.exact, "wide", minus)
-    d.op("b_near", ("s", "d_sq"), f.exact, "wide", minus)
-    d.op("k_law", ("s", "rd"), f.exact, "wide", plus)
+    L = d.line
+    d_sum = L(1).op("d_sum", (d1, d2), f.length, "mux", plus)
+    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus)
+    L(3).op("x_sq", (x,), f.exact, "square", square)
+    L(3).op("y_sq", (y,), f.exact, "square", square)
+    L(4).op("z_sq", (z,), f.exact, "square", square)
+    L(5).op("d_sum_sq", (d_sum,), f.exact, "square", square)
+    L(6).op("d_dif_sq", (d_dif,), f.exact, "square", square)
+    L(7).op("sum_dif", (d_sum, d_dif), f.exact, "square", times)  # d1^2 - d2^2
+    L(3).op("rho_sq", ("x_sq", "y_sq"), f.exact, "wide", plus)
+    L(4).op("s", ("rho_sq", "z_sq"), f.exact, "wide", plus)
+    L(5).op("a_far", ("d_sum_sq", "s"), f.exact, "wide", minus)
+    L(6).op("b_near", ("s", "d_dif_sq"), f.exact, "wide", minus)
+    L(7).op("k_law", ("s", "sum_dif"), f.exact, "wide", plus)
 
+    d.at()
     d.op("too_far", ("a_far", "bad_length"), d.bit, "mux", lambda a, bad: (a < 0).astype(bool) & ~bad)
     d.op("too_near", ("b_near", "bad_length"), d.bit, "mux", lambda b, bad: (b < 0).astype(bool) & ~bad)
     # No elbow: the arm is straight or folded along the line to the target.
     d.op("clamp", ("too_far", "too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda f, n, s, b: f | n | s | b)
     d.op("fold", ("too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda n, s, b: (n | s) & ~b)
-    d.op("away", ("too_near", d_raw), d.bit, "mux", lambda n, q: n & (q < 0))
+    d.op("away", ("too_near", d_dif), d.bit, "mux", lambda n, q: n & (q < 0))
 
 
-def _root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
+def direction(d: Domain, f: Lean) -> None:
+    """(u_x, u_y) = (x, y)/rho, sin_el = z/|p|, cos_el = rho/|p|, and the half angles of azimuth and tilt."""
+    n, L = d.nodes, d.line
+    d.at("direction")
+    root(L(8), f, "rho", n["rho_sq"], 2 * d.width)
+    root(L(9), f, "s", n["s"], 2 * d.width)
+
+    def unit(words, count):  # in the root's own unit: |x| <= rho, so nothing is lost at the top
+        return wrap(words << (count + f.pad), f.shifted.width)
+
+    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1))
+    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1))
+    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, scaled_by(-2, 1))
+    L(14).mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1)
+    L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1)
+    L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1)
+    L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1)  # sqrt(m)
+    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus)
+    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR)
+    L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1)
+
+    # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
+    # azimuth 0 is taken: (1, 1)/2.
+    half_length(L(29), f, "az_sq", ("u_y",))
+    az = ("az_sq", "u_y", "u_x", "on_axis")
+    half_part(L(32), f, "az_c", az, lambda u_y, on_axis: (u_y < 0) | truth(on_axis))
+    half_part(L(33), f, "az_s", az, lambda u_y, on_axis: u_y >= 0)
+    # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, +z is taken: (1, 0).
+    half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
+    tilt = ("tilt_sq", "sin_el", "cos_el")
+    half_part(L(34), f, "tilt_c", tilt, lambda c: c >= 0)
+    half_part(L(35), f, "tilt_s", tilt, lambda c: c < 0)
+
+
+def triangle(d: Domain, f: Lean) -> None:
+    """Qe (14) and the angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|), as half angle."""
+    n, L = d.nodes, d.line
+    d.at("triangle")
+    root(L(10), f, "far", n["a_far"], 2 * d.width)
+    root(L(11), f, "near", n["b_near"], 2 * d.width)
+    root(L(12), f, "1", n["d1"], f.even_width)
+    root(L(13), f, "2", n["d2"], f.even_width)
+    L(19).mul3("root_far", n["inv_far"], n["m_far"], f.inner, scale=1)
+    L(20).mul3("root_near", n["inv_near"], n["m_near"], f.inner, scale=1)
+    # 1/(4 sqrt(m_1 m_2)), and its shift to the unit of sqrt A: their product is a number up to 1, and root_far >= 1/2
+    L(21).mul3("inv_12", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"))
+
+    def arms_shift(e, e_1, e_2):
+        return (e - e_1 - e_2 + 2 + f.odd) & 63
+
+    for line, side, part in ((22, "far", "w"), (23, "near", "i")):
+        L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms_shift)
+        shifted = ("inv_12", f"n_{side}")
+        L(line).op(f"inv_12_{side}_raw", shifted, f.raised, "shift", down_from_4, scaled_by(3, -1), FLOOR)
+        limited(d, f, f"inv_12_{side}")
+        L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner)
+
+    # The clamped elbow is folded (1, 0) or straight (0, -1).
+    one = 1 << (d.width - 2)
+
+    def elbow(folded, straight, sign):
+        return (
+            lambda v, clamp, fold: np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop)),
+            lambda v, clamp, fold: np.where(clamp, np.where(fold, folded, straight) / one, sign * v),
+        )
+
+    L(22).op("qe_w", ("elbow_w", "clamp", "fold"), f.result, "mux", *elbow(one, 0, 1), HALF_UP)  # (14)
+    L(23).op("qe_i", ("elbow_i", "clamp", "fold"), f.result, "mux", *elbow(0, -one, -1), HALF_UP)  # (14)
+
+    # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
+    L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner)
+    L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1)
+    inv_law = limited(d, f, "inv_law")
+    # K in the same units: at most 2, because |K| <= 2 d1 |p|
+    L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63)
+    raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
+
+    def to_law(k, e):
+        return wrap((k.astype(object) << (e + raise_k)) >> drop_k, f.inner.width).astype(np.int64)
+
+    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", to_law, scaled_by(-4 - f.odd, 1), FLOOR)
+    L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1)
+    L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner)
+
+    def law_shift(e_far, e_near, e_1, e_s):
+        return (e_far + e_near - 2 * e_1 - e_s + f.odd + 2) & 63
+
+    L(28).op("n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", law_shift)
+    L(28).op("inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down_from_4, scaled_by(2, -1), FLOOR)
+    inv_law_ab = limited(d, f, "inv_law_ab")
+    L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1)
+    # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
+    half_length(L(31), f, "arm_sq", ("cos_a", "clamp"))
+
+    def toward(c, clamp, away):
+        return np.where(clamp, ~truth(away), c >= 0)
+
+    arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
+    half_part(L(36), f, "arm_c", arm, toward, lambda clamp, away: clamp)
+    half_part(L(37), f, "arm_s", arm, lambda *c: ~toward(*c), lambda clamp, away: clamp)
+
+
+def turn(d: Domain, f: Lean, phi: Node) -> None:
+    """Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, divided by their length."""
+    n, L = d.nodes, d.line
+    d.at("turn")
+    d.trig("sin_h", "cos_h", phi, f.inner, lines=(38, 39))
+    L(40).mul3("cc", n["az_c"], n["cos_h"], f.inner)
+    L(41).mul3("ss", n["az_s"], n["sin_h"], f.inner)
+    L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner)
+    L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner)
+    # half the sum and half the difference of azimuth and swivel
+    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus)
+    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus)
+    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus)
+    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus)
+    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner)
+    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner)
+    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner)
+    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner)
+    turned = ((52, "w", "i", plus), (53, "i", "w", minus), (54, "j", "k", minus), (55, "k", "j", plus))
+    for line, unit, other, how in turned:
+        L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner)
+        L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner)
+        L(line).op(f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how)
+
+    # The squared length lies in [1/8, 1]: the last root does not wait for the product.
+    L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner)
+    L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner)
+    quarter, up = 1 << (f.frac - 2), f.mantissa.frac - f.frac
+
+    def mantissa(t, low):  # of four times the length, where it is below 1/4
+        return np.minimum(t << np.where(low, up + 2, up), f.mantissa.high)
+
+    low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
+    L(57).op("m_q", ("length_sq", low), f.mantissa, "mux", mantissa, lambda t, low: np.where(low, 4 * t, t))
+    inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner)
+
+    # Doubled where the mantissa was taken from four times the length; the k part is not negative.
+    def signed(q, minus, low):
+        return np.where(minus, -1, 1) * (q << np.where(low, 1, 0))
+
+    def signed_real(q, minus, low):
+        return np.where(minus, -q, q) * np.where(low, 2.0, 1.0)
+
+    d.at()
+    d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
+    for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
+        L(line).op(f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, signed_real)
+        L(line).mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1)
+        # (18)
+        L(line).op(f"qs_{unit}", (f"{unit}_q",), f.result, "mux", lambda q: half_up(q, f.drop), lambda q: q, HALF_UP)
+
+
+# -- what the sections share -----------------------------------------------------------------------------------------
+
+
+def plus(a, b):
+    return a + b
+
+
+def minus(a, b):
+    return a - b
+
+
+def times(a, b):
+    """The product of integers of any size."""
+    return a.astype(object) * b
+
+
+def square(a):
+    return times(a, a)
+
+
+def half_up(words, drop: int):
+    """Without their last ``drop`` bits, rounded half up."""
+    return (words + (1 << (drop - 1))) >> drop
+
+
+def down_from_4(words, count):
+    """4 words 2^-count."""
+    return (words << 2) >> count
+
+
+def scaled_by(power: int, sign: int) -> Callable:
+    """(v, count) -> v 2^(power + sign count), in double precision."""
+
+    def scaled(v, count):
+        return v * 2.0 ** (power + sign * count)
+
+    return scaled
+
+
+def magnitude(words):
+    """|c|, or one less: the one's complement of what is negative."""
+    return np.where(words < 0, ~words, words)
+
+
+def truth(mask):
+    """A mask that ``~`` negates."""
+    return np.asarray(mask).astype(bool)
+
+
+def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     """e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
     d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa)
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner)
 
 
-def _limited(d: Domain, f: Lean, name: str) -> Node:
+def limited(d: Domain, f: Lean, name: str) -> Node:
     """Wiring: 2, which powers of two can give, becomes the largest inner word: ``name`` from ``name``_raw."""
     top = f.inner.high
     return d.op(name, (f"{name}_raw",), f.inner, None, lambda v: np.minimum(v, top), lambda v: v)
 
 
-def _magnitude(words):
-    """|c|, or one less: the one's complement of what is negative."""
-    return np.where(words < 0, ~words, words)
+# h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or (s, 1 - c)/2
+# where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 
 
-def direction(d: Domain, f: Lean) -> None:
-    """(u_x, u_y) = (x, y)/rho, sin_el = z/|p|, cos_el = rho/|p|, and the half angles h1 and ht of azimuth and tilt.
-
-    h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or
-    (s, 1 - c)/2 where c < 0.  Its squared length is g = (1 + |c|)/2.
-    """
-    n = d.nodes
-    w = d.width
-    d.at("direction", "(10)")
-    _root(d, f, "rho", n["rho_sq"], 2 * w)
-    _root(d, f, "s", n["s"], 2 * w)
-    for name, word, count in (("x_n", "x", "e_rho"), ("y_n", "y", "e_rho"), ("z_n", "z", "e_s")):
-        # In the root's own unit: |x| <= rho, so nothing is lost at the top.
-        up, scaled = lambda a, e: wrap(a << (e + f.pad), f.shifted.width), lambda a, e: a * 2.0 ** (e - 2)
-        d.op(name, (word, count), f.shifted, "shift", up, scaled)
-    d.mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1)
-    d.mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1)
-    d.mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1)
-    d.mul3("l_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1)  # sqrt(m)
-    d.op("n_el", ("e_rho", "e_s"), f.count, "mux", lambda a, b: a - b)
-    down, scaled = lambda a, e: a >> e, lambda a, e: a * 2.0**-e
-    d.op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, scaled, FLOOR)
-    d.mul3("cos_el", n["l_rho"], n["inv_s_el"], f.inner, scale=1)
-
-    d.at(equation="(11)")
+def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
+    """(1 + |c|)/2 of the first operand; 1 where the second, a mask, says so."""
     one = 1 << f.frac
-    big, big_real = lambda c: (one + _magnitude(c)) >> 1, lambda c: (1 + abs(c)) / 2
-    # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
-    # azimuth 0 is taken: (1, 1)/2.
-    d.op("g_1", ("u_y",), f.inner, "mux", big, big_real, FLOOR)
-    for name, small_first in (("h1_c", lambda c, m: (c >= 0) & ~m), ("h1_s", lambda c, m: c < 0)):
-        halve = lambda g, c, s, m, k=small_first: np.where(k(c, m), s >> 1, g)  # noqa: E731
-        real = lambda g, c, s, m, k=small_first: np.where(k(c, m.astype(bool)), s / 2, g)  # noqa: E731
-        d.op(name, ("g_1", "u_y", "u_x", "on_axis"), f.inner, "mux", halve, real, FLOOR)
-    # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, +z is taken: (1, 0).
-    raised = lambda c, m: np.where(m, one, big(c))  # noqa: E731
-    raised_real = lambda c, m: np.where(m, 1.0, big_real(c))  # noqa: E731
-    d.op("g_t", ("sin_el", "at_shoulder"), f.inner, "mux", raised, raised_real, FLOOR)
-    for name, small_first in (("ht_c", lambda c: c < 0), ("ht_s", lambda c: c >= 0)):
-        halve = lambda g, c, s, k=small_first: np.where(k(c), s >> 1, g)  # noqa: E731
-        real = lambda g, c, s, k=small_first: np.where(k(c), s / 2, g)  # noqa: E731
-        d.op(name, ("g_t", "sin_el", "cos_el"), f.inner, "mux", halve, real, FLOOR)
+
+    def bits(c, unit=False):
+        return np.where(unit, one, (one + magnitude(c)) >> 1)
+
+    def real(c, unit=False):
+        return np.where(unit, 1.0, (1 + abs(c)) / 2)
+
+    d.op(name, operands, f.inner, "mux", bits, real, FLOOR)
 
 
-def triangle(d: Domain, f: Lean) -> None:
-    """Qe (14) and the angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|), as half angle ha."""
-    n = d.nodes
-    w = d.width
-    one, unit = 1 << f.frac, 1 << (w - 2)  # of an inner word, of a result
-    d.at("triangle", "(14)")
-    _root(d, f, "a", n["a_far"], 2 * w)
-    _root(d, f, "b", n["b_near"], 2 * w)
-    _root(d, f, "1", n["d1"], f.even_width)
-    _root(d, f, "2", n["d2"], f.even_width)
-    d.mul3("l_a", n["inv_a"], n["m_a"], f.inner, scale=1)
-    d.mul3("l_b", n["inv_b"], n["m_b"], f.inner, scale=1)
-    # 1/(4 sqrt(m_1 m_2)); sqrt(A)/(2 sqrt(d1 d2)) = l_a inv_12 2^(3 - n_a), a number up to 1, and l_a >= 1/2
-    d.mul3("inv_12", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"))
-    for k in "ab":
-        count = lambda e, a, b: (e - a - b + 2 + f.odd) & 63  # noqa: E731
-        d.op(f"n_{k}", (f"e_{k}", "e_1", "e_2"), f.count, "mux", count)
-        down, scaled = lambda v, e: (v << 2) >> e, lambda v, e: v * 2.0 ** (3 - e)
-        d.op(f"v_{k}_raw", ("inv_12", f"n_{k}"), f.raised, "shift", down, scaled, FLOOR)
-        _limited(d, f, f"v_{k}")
-        d.mul3(f"el_{k}", n[f"l_{k}"], n[f"v_{k}"], f.inner)
-    # The clamped elbow is folded (1, 0) or straight (0, -1).
-    drop = f.frac - (w - 2)
-    for name, of, sign in (("qe_w", "el_a", 1), ("qe_i", "el_b", -1)):
-        shut = unit if sign > 0 else 0
-        straight = 0 if sign > 0 else -unit
-        rounded = lambda v, c, o, s=sign, a=shut, b=straight: np.where(  # noqa: E731
-            c, np.where(o, a, b), (s * v + (1 << (drop - 1))) >> drop
-        )
-        real = lambda v, c, o, s=sign, a=shut, b=straight: np.where(c, np.where(o, a, b) / unit, s * v)  # noqa: E731
-        d.op(name, (of, "clamp", "fold"), f.result, "mux", rounded, real, HALF_UP)
+def half_part(
+    d: Domain, f: Lean, name: str, operands: tuple[str, ...], large: Callable, none: Callable | None = None
+) -> None:
+    """A part of h: the squared length where ``large`` says so of the cosine and the masks, else half the sine, or 0
+    where ``none`` says so of the masks.  ``operands``: squared length, cosine, sine, masks."""
 
-    d.at(equation="(13)")
-    # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: t_a = 1/(4 m_1 sqrt(m_s))
-    d.mul3("inv_11", n["inv_1"], n["inv_1"], f.inner)
-    d.mul3("t_a_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1)
-    t_a = _limited(d, f, "t_a")
-    # K in the same units: at most 2, because |K| <= 2 d1 |p|
-    d.op("n_k", ("e_1", "e_s"), f.count, "mux", lambda a, b: (2 * a + b) & 63)
-    raised, low = max(f.frac - 2 * w - f.odd + 1, 0), max(2 * w + f.odd - f.frac, 1)
-    up = lambda k, e: wrap((k.astype(object) << (e + raised)) >> low, f.inner.width)  # noqa: E731
-    scaled = lambda k, e: k * 2.0 ** (2 * w - 4) * 2.0 ** (e - 2 * w - f.odd)  # noqa: E731
-    d.op("k_t", ("k_law", "n_k"), f.inner, "shift3", lambda k, e: up(k, e).astype(np.int64), scaled, FLOOR)
-    d.mul3("cos_a", n["k_t"], t_a, f.inner, scale=1)
-    d.mul3("l_ab", n["l_a"], n["l_b"], f.inner)
-    count = lambda a, b, c, e: (a + b - 2 * c - e + f.odd + 2) & 63  # noqa: E731
-    d.op("n_ab", ("e_a", "e_b", "e_1", "e_s"), f.count, "sum2", count)
-    down, scaled = lambda v, e: (v << 2) >> e, lambda v, e: v * 2.0 ** (2 - e)
-    d.op("v_ab_raw", ("t_a", "n_ab"), f.raised, "shift", down, scaled, FLOOR)
-    v_ab = _limited(d, f, "v_ab")
-    d.mul3("sin_a", n["l_ab"], v_ab, f.inner, scale=1)
-    # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
-    big = lambda c, m: np.where(m, one, (one + _magnitude(c)) >> 1)  # noqa: E731
-    big_real = lambda c, m: np.where(m, 1.0, (1 + abs(c)) / 2)  # noqa: E731
-    d.op("g_a", ("cos_a", "clamp"), f.inner, "mux", big, big_real, FLOOR)
-    for name, flip in (("ha_c", False), ("ha_s", True)):
-        big_first = lambda c, m, a, k=flip: np.where(m, ~a.astype(bool), c >= 0) ^ k  # noqa: E731
-        halve = lambda g, c, s, m, a, k=big_first: np.where(k(c, m, a), g, np.where(m, 0, s >> 1))  # noqa: E731
-        real = lambda g, c, s, m, a, k=big_first: np.where(k(c, m, a), g, np.where(m, 0.0, s / 2))  # noqa: E731
-        d.op(name, ("g_a", "cos_a", "sin_a", "clamp", "away"), f.inner, "mux", halve, real, FLOOR)
+    def bits(g, c, s, *masks):
+        small = np.where(none(*masks), 0, s >> 1) if none else s >> 1
+        return np.where(large(c, *masks), g, small)
 
+    def real(g, c, s, *masks):
+        small = np.where(none(*masks), 0.0, s / 2) if none else s / 2
+        return np.where(large(c, *masks), g, small)
 
-def turn(d: Domain, f: Lean, phi: Node) -> None:
-    """Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, divided by their length."""
-    n = d.nodes
-    w = d.width
-    d.at("turn", "(17)")
-    d.trig("sin_h", "cos_h", phi, f.inner)
-    # c+, s+ and c-, s-: half the sum and half the difference of azimuth and swivel
-    for name, a, b in (
-        ("cc", "h1_c", "cos_h"), ("ss", "h1_s", "sin_h"), ("sc", "h1_s", "cos_h"), ("cs", "h1_c", "sin_h"),
-    ):  # fmt: skip
-        d.mul3(name, n[a], n[b], f.inner)
-    plus, minus = lambda a, b: a + b, lambda a, b: a - b
-    for name, a, b, how in (
-        ("c_p", "cc", "ss", minus), ("c_m", "cc", "ss", plus), ("s_p", "sc", "cs", plus), ("s_m", "sc", "cs", minus),
-    ):  # fmt: skip
-        d.op(name, (a, b), f.inner, "mux", how, how)
-    for name, a, b in (("w_0", "ht_c", "c_p"), ("i_0", "ht_s", "c_m"), ("j_0", "ht_s", "s_m"), ("k_0", "ht_c", "s_p")):
-        d.mul3(name, n[a], n[b], f.inner)
-
-    d.at(equation="(18)")
-    for unit in "wijk":
-        d.mul3(f"{unit}_c", n[f"{unit}_0"], n["ha_c"], f.inner)
-        d.mul3(f"{unit}_s", n[f"{unit}_0"], n["ha_s"], f.inner)
-    for name, a, b, how in (
-        ("w_1", "w_c", "i_s", plus), ("i_1", "i_c", "w_s", minus),
-        ("j_1", "j_c", "k_s", minus), ("k_1", "k_c", "j_s", plus),
-    ):  # fmt: skip
-        d.op(name, (a, b), f.inner, "mux", how, how)
-
-    # The squared length is g_1 g_t g_a, in [1/8, 1]: the last root does not wait for the product.
-    d.mul3("g_1t", n["g_1"], n["g_t"], f.inner)
-    d.mul3("length_sq", n["g_1t"], n["g_a"], f.inner)
-    quarter, top, up = 1 << (f.frac - 2), f.mantissa.high, f.mantissa.frac - f.frac
-    low = d.op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
-    d.op(
-        "m_q", ("length_sq", low), f.mantissa, "mux", lambda t, low: np.minimum(t << np.where(low, up + 2, up), top),
-        lambda t, low: np.where(low, 4 * t, t),
-    )  # fmt: skip
-    inv_q = d.rsqrt("inv_q", n["m_q"], f.inner)
-    drop = f.frac - (w - 2)
-    d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
-    for unit in "wijk":
-        # doubled where the mantissa was taken from four times the length; the k part is not negative
-        signed = lambda q, m, t: np.where(m, -1, 1) * (q << np.where(t, 1, 0))  # noqa: E731
-        real = lambda q, m, t: np.where(m, -q, q) * np.where(t, 2.0, 1.0)  # noqa: E731
-        d.op(f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, real)
-        d.mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1)
-        rounded = lambda v: (v + (1 << (drop - 1))) >> drop  # noqa: E731
-        d.op(f"qs_{unit}", (f"{unit}_q",), f.result, "mux", rounded, lambda v: v, HALF_UP)
+    d.op(name, operands, f.inner, "mux", bits, real, FLOOR)

@@ -196,6 +196,11 @@ class Domain(ABC):
         self._section = section or self._section
         self._equation = equation
 
+    def line(self, number: int) -> Domain:
+        """The same for a lean equation, :mod:`model.reference.lean_table`: what follows belongs to (L``number``)."""
+        self._equation = f"(L{number})"
+        return self
+
     # ---- formats -------------------------------------------------------------------------------------------------
 
     def word(self, i: int) -> Format:
@@ -291,10 +296,10 @@ class Domain(ABC):
         value = self.reciprocal_root(name, m, fmt)
         return self.make(name, "rsqrt", (m,), fmt, "rsqrt", value, error=_faithful(fmt, m.format.frac - 3))
 
-    def trig(self, sin: str, cos: str, phi: Node, fmt: Format) -> None:
-        """Sine and cosine of phi/2."""
-        for name, value in zip((sin, cos), self.half_sincos(phi, fmt), strict=True):
-            self.make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
+    def trig(self, sin: str, cos: str, phi: Node, fmt: Format, lines: tuple[int, int]) -> None:
+        """Sine and cosine of phi/2, the lean equations of these numbers."""
+        for name, line, value in zip((sin, cos), lines, self.half_sincos(phi, fmt), strict=True):
+            self.line(line).make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
 
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
         """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""

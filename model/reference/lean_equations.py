@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lean dataflow in double precision: the answers of (10)-(18) without division, elbow point or half angle roots.
 
-docs/lean.md derives it from the paper's equations. With r = d1 + d2 and q = d1 - d2, for a target in reach:
+docs/lean.md derives it from the paper's equations; the lines (L1), (L2), ... and their names are those of
+:mod:`model.reference.lean_table`, the dataflow's and the RTL's. For a target in reach:
 
-    rho_sq = x^2 + y^2    s = rho_sq + z^2                                       (10)
-    A = r^2 - s           B = s - q^2           K = s + r q                      a_far, b_near, k_law
-    Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                     (13), (14)
-    (u_x, u_y) = (x, y)/rho     sin_el = z/|p|     cos_el = rho/|p|              (11) over its length
-    cos_a = K/(2 d1 |p|)        sin_a = sqrt(A) sqrt(B)/(2 d1 |p|)               (12), (13)
-    Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)              (15)-(18)
+    d_sum, d_dif = d1 + d2, d1 - d2    rho_sq = x^2 + y^2    s = |p|^2                (L1)-(L4)
+    a_far = d_sum^2 - s    b_near = s - d_dif^2    k_law = s + d_sum d_dif           (L5)-(L7): A, B, K
+    Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                         (L22) (L23), the paper's (14)
+    (u_x, u_y) = (x, y)/rho    sin_el = z/|p|    cos_el = rho/|p|                    (L14)-(L18)
+    cos_a = K/(2 d1 |p|)    sin_a = sqrt(A) sqrt(B)/(2 d1 |p|)                       (L26)-(L28)
+    Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                  (L29)-(L61), the paper's (18)
 
 Each factor of Qs is a quaternion along half its angle, but not of unit length (`half`), so one reciprocal root at the
 end makes up for all of them. Every root takes an argument that was scaled by an even power of two, as in the core.
@@ -74,75 +75,78 @@ def _sum_of_products(*pairs):
 
 
 def _directions(x, y, z, on_axis, at_shoulder):
-    """Azimuth and elevation of the target: (10), and what (11) is made of."""
+    """Azimuth and elevation of the target."""
     x_r, y_r, e_rho = _scaled(x, y)
     x_s, y_s, z_s, e_s = _scaled(x, y, z)
     rho_sq, s = x_r**2 + y_r**2, x_s**2 + y_s**2 + z_s**2
-    root_rho, root_s = 1 / np.sqrt(np.where(on_axis, 1.0, rho_sq)), 1 / np.sqrt(np.where(at_shoulder, 1.0, s))
+    inv_rho = 1 / np.sqrt(np.where(on_axis, 1.0, rho_sq))  # (L8)
+    inv_s = 1 / np.sqrt(np.where(at_shoulder, 1.0, s))  # (L9)
+    root_rho = rho_sq * inv_rho  # (L17)
     return {
-        "rho_sq": np.ldexp(rho_sq, 2 * e_rho),
-        "s": np.ldexp(s, 2 * e_s),  # (10) squared
-        "u_x": np.where(on_axis, 1.0, x_r * root_rho),
-        "u_y": np.where(on_axis, 0.0, y_r * root_rho),
-        "sin_el": np.where(at_shoulder, 1.0, z_s * root_s),
-        "cos_el": np.ldexp(rho_sq * root_rho, e_rho - e_s) * root_s,
-    }, (root_s, e_s)
+        "rho_sq": np.ldexp(rho_sq, 2 * e_rho),  # (L3)
+        "s": np.ldexp(s, 2 * e_s),  # (L4), (10) squared
+        "u_x": np.where(on_axis, 1.0, x_r * inv_rho),  # (L14)
+        "u_y": np.where(on_axis, 0.0, y_r * inv_rho),  # (L15)
+        "sin_el": np.where(at_shoulder, 1.0, z_s * inv_s),  # (L16)
+        "cos_el": np.ldexp(root_rho, e_rho - e_s) * inv_s,  # (L18)
+    }, (inv_s, e_s)
 
 
-def _triangle(x, y, z, d1, d2, root_s, e_s):
+def _triangle(x, y, z, d1, d2, inv_s, e_s):
     """The triangle shoulder, elbow, wrist: elbow quaternion and angle at the shoulder, for a target in reach."""
-    r, r_low = _two_sum(d1, d2)
-    q, q_low = _two_sum(d1, -d2)
+    d_sum, sum_low = _two_sum(d1, d2)  # (L1)
+    d_dif, dif_low = _two_sum(d1, -d2)  # (L2)
 
-    x_a, y_a, z_a, r_a, low, e_a = _scaled(x, y, z, r, r_low)
-    a_far = _sum_of_products((r_a, r_a), (2 * r_a, low), (low, low), (-x_a, x_a), (-y_a, y_a), (-z_a, z_a))
-    x_b, y_b, z_b, q_b, low, e_b = _scaled(x, y, z, q, q_low)
-    b_near = _sum_of_products((x_b, x_b), (y_b, y_b), (z_b, z_b), (-q_b, q_b), (-2 * q_b, low), (-low, low))
-    x_k, y_k, z_k, r_k, r_l, q_k, q_l, e_k = _scaled(x, y, z, r, r_low, q, q_low)
+    x_a, y_a, z_a, sum_a, low, e_a = _scaled(x, y, z, d_sum, sum_low)
+    a_far = _sum_of_products((sum_a, sum_a), (2 * sum_a, low), (low, low), (-x_a, x_a), (-y_a, y_a), (-z_a, z_a))
+    x_b, y_b, z_b, dif_b, low, e_b = _scaled(x, y, z, d_dif, dif_low)
+    b_near = _sum_of_products((x_b, x_b), (y_b, y_b), (z_b, z_b), (-dif_b, dif_b), (-2 * dif_b, low), (-low, low))
+    x_k, y_k, z_k, sum_k, sum_l, dif_k, dif_l, e_k = _scaled(x, y, z, d_sum, sum_low, d_dif, dif_low)
     k_law = _sum_of_products(
-        (x_k, x_k), (y_k, y_k), (z_k, z_k), (r_k, q_k), (r_k, q_l), (r_l, q_k), (r_l, q_l)
-    )  # 2 PP / pi_swivel (12)
+        (x_k, x_k), (y_k, y_k), (z_k, z_k), (sum_k, dif_k), (sum_k, dif_l), (sum_l, dif_k), (sum_l, dif_l)
+    )
 
-    root_a, root_b = (np.sqrt(np.maximum(v, 0.0)) for v in (a_far, b_near))  # tmp_sqr (13)
+    root_far, root_near = (np.sqrt(np.maximum(v, 0.0)) for v in (a_far, b_near))  # (L19) (L20)
     d1, k1 = _even(np.where(d1 > 0, d1, 1.0))
     d2, k2 = _even(np.where(d2 > 0, d2, 1.0))
-    root_1, root_2 = 1 / np.sqrt(d1), 1 / np.sqrt(d2)
+    inv_1, inv_2 = 1 / np.sqrt(d1), 1 / np.sqrt(d2)  # (L12) (L13)
     nodes = {
-        "a_far": np.ldexp(a_far, 2 * e_a),
-        "b_near": np.ldexp(b_near, 2 * e_b),
-        "k_law": np.ldexp(k_law, 2 * e_k),
+        "a_far": np.ldexp(a_far, 2 * e_a),  # (L5)
+        "b_near": np.ldexp(b_near, 2 * e_b),  # (L6)
+        "k_law": np.ldexp(k_law, 2 * e_k),  # (L7)
     }
-    elbow, shoulder = root_1 * root_2 / 2, root_1**2 * root_s / 2
+    inv_12, inv_law = inv_1 * inv_2 / 2, inv_1**2 * inv_s / 2  # (L21) (L24) (L25)
     # Where d1 + d2 or d1 - d2 is not a double, a target may be out of reach by less than its rounding, A or B be
     # negative, and the other of each pair above 1: then it is at the limit.
     return nodes, {
-        "qe_w": np.minimum(np.ldexp(root_a * elbow, e_a - k1 - k2), 1.0),  # (14)
-        "qe_i": -np.minimum(np.ldexp(root_b * elbow, e_b - k1 - k2), 1.0),  # (14)
-        "cos_a": np.clip(np.ldexp(k_law * shoulder, 2 * (e_k - k1) - e_s), -1.0, 1.0),  # (13)
-        "sin_a": np.ldexp(root_a * root_b * shoulder, e_a + e_b - 2 * k1 - e_s),  # (13)
+        "qe_w": np.minimum(np.ldexp(root_far * inv_12, e_a - k1 - k2), 1.0),  # (L22), the paper's (14)
+        "qe_i": -np.minimum(np.ldexp(root_near * inv_12, e_b - k1 - k2), 1.0),  # (L23), the paper's (14)
+        "cos_a": np.clip(np.ldexp(k_law * inv_law, 2 * (e_k - k1) - e_s), -1.0, 1.0),  # (L26)
+        "sin_a": np.ldexp(root_far * root_near * inv_law, e_a + e_b - 2 * k1 - e_s),  # (L27) (L28)
     }
 
 
 def _shoulder(u_x, u_y, sin_el, cos_el, cos_a, sin_a, phi):
     """Qs, (15)-(18), as a product of four rotations about coordinate axes."""
-    h1_c, h1_s = half(-u_y, u_x)  # z, azimuth + 90 deg
-    ht_c, ht_s = half(sin_el, cos_el)  # x, 90 deg - elevation
-    ha_c, ha_s = half(cos_a, sin_a)  # x, -a
-    cos_half, sin_half = np.cos(phi / 2), np.sin(phi / 2)  # z, phi (11)
+    az_c, az_s = half(-u_y, u_x)  # (L32) (L33): z, azimuth + 90 deg
+    tilt_c, tilt_s = half(sin_el, cos_el)  # (L34) (L35): x, 90 deg - elevation
+    arm_c, arm_s = half(cos_a, sin_a)  # (L36) (L37): x, -a
+    sin_h, cos_h = np.sin(phi / 2), np.cos(phi / 2)  # (L38) (L39): z, phi
 
-    c_plus, s_plus = h1_c * cos_half - h1_s * sin_half, h1_s * cos_half + h1_c * sin_half
-    c_minus, s_minus = h1_c * cos_half + h1_s * sin_half, h1_s * cos_half - h1_c * sin_half
-    w_0, i_0, j_0, k_0 = ht_c * c_plus, ht_s * c_minus, ht_s * s_minus, ht_c * s_plus
-    w = w_0 * ha_c + i_0 * ha_s
-    i = i_0 * ha_c - w_0 * ha_s
-    j = j_0 * ha_c - k_0 * ha_s
-    k = k_0 * ha_c + j_0 * ha_s
-    t = (1 + np.abs(u_y)) / 2 * ((1 + np.abs(sin_el)) / 2) * ((1 + np.abs(cos_a)) / 2)
-    root_t = np.where(k < 0, -1.0, 1.0) / np.sqrt(t)
+    cc, ss, sc, cs = az_c * cos_h, az_s * sin_h, az_s * cos_h, az_c * sin_h  # (L40)-(L43)
+    c_plus, s_plus, c_minus, s_minus = cc - ss, sc + cs, cc + ss, sc - cs  # (L44)-(L47)
+    w_0, i_0, j_0, k_0 = tilt_c * c_plus, tilt_s * c_minus, tilt_s * s_minus, tilt_c * s_plus  # (L48)-(L51)
+    w_1 = w_0 * arm_c + i_0 * arm_s  # (L52)
+    i_1 = i_0 * arm_c - w_0 * arm_s  # (L53)
+    j_1 = j_0 * arm_c - k_0 * arm_s  # (L54)
+    k_1 = k_0 * arm_c + j_0 * arm_s  # (L55)
+    az_sq, tilt_sq, arm_sq = ((1 + np.abs(c)) / 2 for c in (u_y, sin_el, cos_a))  # (L29)-(L31)
+    length_sq = az_sq * tilt_sq * arm_sq  # (L56)
+    inv_q = np.where(k_1 < 0, -1.0, 1.0) / np.sqrt(length_sq)  # (L57)
     return {
-        "h1_c": h1_c, "h1_s": h1_s, "ht_c": ht_c, "ht_s": ht_s, "ha_c": ha_c, "ha_s": ha_s,
-        "cos_half": cos_half, "sin_half": sin_half, "t": t,
-        "qs_w": w * root_t, "qs_i": i * root_t, "qs_j": j * root_t, "qs_k": k * root_t,  # (18)
+        "az_c": az_c, "az_s": az_s, "tilt_c": tilt_c, "tilt_s": tilt_s, "arm_c": arm_c, "arm_s": arm_s,
+        "cos_h": cos_h, "sin_h": sin_h, "length_sq": length_sq,
+        "qs_w": w_1 * inv_q, "qs_i": i_1 * inv_q, "qs_j": j_1 * inv_q, "qs_k": k_1 * inv_q,  # (L58)-(L61)
     }  # fmt: skip
 
 
@@ -153,9 +157,10 @@ def solve_lean(x, y, z, phi, d1, d2):
     broadcast to (N,). Targets need not be in reach nor lengths positive: such targets get the pose that
     `equations.solve_clamped` gives them. Returns a dict of arrays (N,): rho_sq, s, a_far, b_near, k_law (squares of
     the user's unit; 0 or inf where a double cannot hold them, which the others do not depend on), u_x, u_y, sin_el,
-    cos_el, cos_a, sin_a, h1_c, h1_s, ht_c, ht_s, ha_c, ha_s, cos_half, sin_half (of phi/2), t, qs_w, qs_i, qs_j,
-    qs_k (k >= 0), qe_w, qe_i, flags (int64). Never nan, provided that d1 + d2 and d1 - d2 are finite. Raises ValueError
-    for inputs that are not finite or do not broadcast, and for arm lengths outside LENGTH_RANGE of a target in reach.
+    cos_el, cos_a, sin_a, az_c, az_s, tilt_c, tilt_s, arm_c, arm_s, cos_h, sin_h (of phi/2), length_sq, qs_w, qs_i,
+    qs_j, qs_k (k >= 0), qe_w, qe_i, flags (int64). Never nan, provided that d1 + d2 and d1 - d2 are finite. Raises
+    ValueError for inputs that are not finite or do not broadcast, and for arm lengths outside LENGTH_RANGE of a target
+    in reach.
     """
     x, y, z, phi, d1, d2 = _columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)

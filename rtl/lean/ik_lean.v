@@ -1,9 +1,10 @@
 // Inputs Q2.(W-2) and a binary angle; results Q2.(W-2), half up; rounding and format of each node: ik_lean_nodes.vh.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The lean dataflow (docs/lean.md): the answers of ik_paper, with the same ports, from reciprocal square roots in two
-// levels. A target enters and a result leaves in every clock. There is no enable and no reset but that of the valid bits:
-// the pipeline runs free, and valid and tag travel with the data.
+// The lean dataflow: the answers of ik_paper, with the same ports, from reciprocal square roots in two levels. A node
+// carries the number (L1), (L2), ... of its equation in docs/lean.md at its declaration; what has no number is a flag or
+// alignment. A target enters and a result leaves in every clock. There is no enable and no reset but that of the valid
+// bits: the pipeline runs free, and valid and tag travel with the data.
 // Latency: T_OUT clocks.
 `default_nettype none
 
@@ -77,30 +78,30 @@ module ik_lean #(
 
   wire [5:0] e_s;
   wire signed [N-1:0] inv_s;
-  wire signed [N-1:0] g_1;
-  wire signed [N-1:0] h1_c;
-  wire signed [N-1:0] h1_s;
-  wire signed [N-1:0] g_t;
-  wire signed [N-1:0] ht_c;
-  wire signed [N-1:0] ht_s;
+  wire signed [N-1:0] az_sq;
+  wire signed [N-1:0] az_c;
+  wire signed [N-1:0] az_s;
+  wire signed [N-1:0] tilt_sq;
+  wire signed [N-1:0] tilt_c;
+  wire signed [N-1:0] tilt_s;
   ik_lean_direction #(.W(W)) u_direction (
       .clk(clk),
       .x(x), .y(y), .z(z), .rho_sq(rho_sq), .s(s), .on_axis(on_axis), .at_shoulder(at_shoulder),
-      .e_s(e_s), .inv_s(inv_s), .g_1(g_1), .h1_c(h1_c), .h1_s(h1_s), .g_t(g_t), .ht_c(ht_c), .ht_s(ht_s)
+      .e_s(e_s), .inv_s(inv_s), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s)
   );
 
   // ---- angle at the shoulder, elbow quaternion ----
 
   wire signed [W-1:0] qe_w;
   wire signed [W-1:0] qe_i;
-  wire signed [N-1:0] g_a;
-  wire signed [N-1:0] ha_c;
-  wire signed [N-1:0] ha_s;
+  wire signed [N-1:0] arm_sq;
+  wire signed [N-1:0] arm_c;
+  wire signed [N-1:0] arm_s;
   ik_lean_triangle #(.W(W)) u_triangle (
       .clk(clk),
       .d1(d1), .d2(d2), .a_far(a_far), .b_near(b_near), .k_law(k_law), .e_s(e_s), .inv_s(inv_s),
       .clamp(clamp), .fold(fold), .away(away),
-      .qe_w(qe_w), .qe_i(qe_i), .g_a(g_a), .ha_c(ha_c), .ha_s(ha_s)
+      .qe_w(qe_w), .qe_i(qe_i), .arm_sq(arm_sq), .arm_c(arm_c), .arm_s(arm_s)
   );
 
   // ---- shoulder quaternion ----
@@ -111,8 +112,8 @@ module ik_lean #(
   wire signed [W-1:0] qs_k;
   ik_lean_turn #(.W(W)) u_turn (
       .clk(clk),
-      .phi(phi), .g_1(g_1), .h1_c(h1_c), .h1_s(h1_s), .g_t(g_t), .ht_c(ht_c), .ht_s(ht_s),
-      .g_a(g_a), .ha_c(ha_c), .ha_s(ha_s),
+      .phi(phi), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s),
+      .arm_sq(arm_sq), .arm_c(arm_c), .arm_s(arm_s),
       .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
   );
 

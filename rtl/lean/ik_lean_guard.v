@@ -14,11 +14,11 @@ module ik_lean_guard #(
     input  wire signed [  W-1:0] z,
     input  wire signed [  W-1:0] d1,
     input  wire signed [  W-1:0] d2,
-    output wire signed [2*W+1:0] rho_sq,       // T_RHO_SQ
-    output wire signed [2*W+1:0] s,            // T_S
-    output wire signed [2*W+1:0] a_far,        // T_A_FAR
-    output wire signed [2*W+1:0] b_near,
-    output wire signed [2*W+1:0] k_law,
+    output wire signed [2*W+1:0] rho_sq,       // (L3) T_RHO_SQ
+    output wire signed [2*W+1:0] s,            // (L4) T_S
+    output wire signed [2*W+1:0] a_far,        // (L5) T_A_FAR
+    output wire signed [2*W+1:0] b_near,       // (L6)
+    output wire signed [2*W+1:0] k_law,        // (L7)
     output reg                   bad_length,   // T_BAD_LENGTH
     output reg                   on_axis,      // T_ON_AXIS
     output reg                   at_shoulder,  // T_AT_SHOULDER
@@ -40,43 +40,43 @@ module ik_lean_guard #(
     at_shoulder <= no_xy && (z == {W{1'b0}});
   end
 
-  // ---- squares ----
+  // ---- (L1) (L2) and squares ----
 
-  reg signed [W:0] r_raw;
-  reg signed [W:0] d_raw;
+  reg signed [W:0] d_sum;  // (L1)
+  reg signed [W:0] d_dif;  // (L2)
   always @(posedge clk) begin
-    r_raw <= {d1[W-1], d1} + {d2[W-1], d2};
-    d_raw <= {d1[W-1], d1} - {d2[W-1], d2};
+    d_sum <= {d1[W-1], d1} + {d2[W-1], d2};
+    d_dif <= {d1[W-1], d1} - {d2[W-1], d2};
   end
   wire signed [W:0] none = {(W + 1) {1'b0}};
-  wire signed [XW-1:0] x_sq;
-  wire signed [XW-1:0] y_sq;
-  wire signed [XW-1:0] z_sq;
-  wire signed [XW-1:0] r_sq;
-  wire signed [XW-1:0] d_sq;
-  wire signed [XW-1:0] rd;  // d1^2 - d2^2
+  wire signed [XW-1:0] x_sq;  // (L3)
+  wire signed [XW-1:0] y_sq;  // (L3)
+  wire signed [XW-1:0] z_sq;  // (L4)
+  wire signed [XW-1:0] d_sum_sq;  // (L5)
+  wire signed [XW-1:0] d_dif_sq;  // (L6)
+  wire signed [XW-1:0] sum_dif;  // (L7) d1^2 - d2^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_x_sq (.clk(clk), .a({x[W-1], x}), .b(none), .p(x_sq));
   ik_exact #(.W(W+1), .SQUARE(1)) u_y_sq (.clk(clk), .a({y[W-1], y}), .b(none), .p(y_sq));
   ik_exact #(.W(W+1), .SQUARE(1)) u_z_sq (.clk(clk), .a({z[W-1], z}), .b(none), .p(z_sq));
-  ik_exact #(.W(W+1), .SQUARE(1)) u_r_sq (.clk(clk), .a(r_raw), .b(none), .p(r_sq));
-  ik_exact #(.W(W+1), .SQUARE(1)) u_d_sq (.clk(clk), .a(d_raw), .b(none), .p(d_sq));
-  ik_exact #(.W(W+1)) u_rd (.clk(clk), .a(r_raw), .b(d_raw), .p(rd));
+  ik_exact #(.W(W+1), .SQUARE(1)) u_d_sum_sq (.clk(clk), .a(d_sum), .b(none), .p(d_sum_sq));
+  ik_exact #(.W(W+1), .SQUARE(1)) u_d_dif_sq (.clk(clk), .a(d_dif), .b(none), .p(d_dif_sq));
+  ik_exact #(.W(W+1)) u_sum_dif (.clk(clk), .a(d_sum), .b(d_dif), .p(sum_dif));
 
-  // ---- sums, each as soon as its terms are there ----
+  // ---- (L3)-(L7) sums, each as soon as its terms are there ----
 
   wire signed [XW-1:0] z_sq_rho;
-  wire signed [XW-1:0] r_sq_s;
-  wire signed [XW-1:0] d_sq_s;
-  wire signed [XW-1:0] rd_s;
+  wire signed [XW-1:0] d_sum_sq_s;
+  wire signed [XW-1:0] d_dif_sq_s;
+  wire signed [XW-1:0] sum_dif_s;
   ik_delay #(.W(XW), .N(T_RHO_SQ-T_Z_SQ)) u_z_sq_rho (.clk(clk), .d(z_sq), .q(z_sq_rho));
-  ik_delay #(.W(XW), .N(T_S-T_R_SQ)) u_r_sq_s (.clk(clk), .d(r_sq), .q(r_sq_s));
-  ik_delay #(.W(XW), .N(T_S-T_D_SQ)) u_d_sq_s (.clk(clk), .d(d_sq), .q(d_sq_s));
-  ik_delay #(.W(XW), .N(T_S-T_RD)) u_rd_s (.clk(clk), .d(rd), .q(rd_s));
+  ik_delay #(.W(XW), .N(T_S-T_D_SUM_SQ)) u_d_sum_sq_s (.clk(clk), .d(d_sum_sq), .q(d_sum_sq_s));
+  ik_delay #(.W(XW), .N(T_S-T_D_DIF_SQ)) u_d_dif_sq_s (.clk(clk), .d(d_dif_sq), .q(d_dif_sq_s));
+  ik_delay #(.W(XW), .N(T_S-T_SUM_DIF)) u_sum_dif_s (.clk(clk), .d(sum_dif), .q(sum_dif_s));
   ik_wide #(.W(XW)) u_rho_sq (.clk(clk), .a(x_sq), .b(y_sq), .q(rho_sq));
   ik_wide #(.W(XW)) u_s (.clk(clk), .a(rho_sq), .b(z_sq_rho), .q(s));
-  ik_wide #(.W(XW), .SUB(1)) u_a_far (.clk(clk), .a(r_sq_s), .b(s), .q(a_far));
-  ik_wide #(.W(XW), .SUB(1)) u_b_near (.clk(clk), .a(s), .b(d_sq_s), .q(b_near));
-  ik_wide #(.W(XW)) u_k_law (.clk(clk), .a(s), .b(rd_s), .q(k_law));
+  ik_wide #(.W(XW), .SUB(1)) u_a_far (.clk(clk), .a(d_sum_sq_s), .b(s), .q(a_far));
+  ik_wide #(.W(XW), .SUB(1)) u_b_near (.clk(clk), .a(s), .b(d_dif_sq_s), .q(b_near));
+  ik_wide #(.W(XW)) u_k_law (.clk(clk), .a(s), .b(sum_dif_s), .q(k_law));
 
   // ---- flags ----
 
@@ -87,7 +87,7 @@ module ik_lean_guard #(
   ik_delay #(.W(1), .N(T_A_FAR-T_BAD_LENGTH)) u_bad_a (.clk(clk), .d(bad_length), .q(bad_a));
   ik_delay #(.W(1), .N(T_TOO_FAR-T_A_FAR)) u_bad_far (.clk(clk), .d(bad_a), .q(bad_far));
   ik_delay #(.W(1), .N(T_TOO_FAR-T_AT_SHOULDER)) u_shoulder_far (.clk(clk), .d(at_shoulder), .q(shoulder_far));
-  ik_delay #(.W(1), .N(T_TOO_NEAR-T_D_RAW)) u_shorter_near (.clk(clk), .d(d_raw[W]), .q(shorter_near));
+  ik_delay #(.W(1), .N(T_TOO_NEAR-T_D_DIF)) u_shorter_near (.clk(clk), .d(d_dif[W]), .q(shorter_near));
   always @(posedge clk) begin
     too_far  <= a_far[XW-1] && !bad_a;
     too_near <= b_near[XW-1] && !bad_a;

@@ -1,8 +1,8 @@
 // Rounding and format of each node: ik_lean_nodes.vh; products by ik_mul3, root faithful, results half up.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The shoulder quaternion Qs (18): four rotations multiplied, by azimuth and 90 degrees about z (h1), by the angle to the z
-// axis about x (ht), by the swivel angle about z (sin_h, cos_h), by -a about x (ha), and divided by their length.
+// The shoulder quaternion Qs (18): four rotations multiplied, by azimuth and 90 degrees about z (az), by the angle to
+// the z axis about x (tilt), by the swivel angle about z (sin_h, cos_h), by -a about x (arm), and divided by their length.
 `default_nettype none
 
 module ik_lean_turn #(
@@ -11,19 +11,19 @@ module ik_lean_turn #(
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,
-    input  wire signed [N-1:0] g_1,   // T_G_1
-    input  wire signed [N-1:0] h1_c,  // T_H1_C
-    input  wire signed [N-1:0] h1_s,
-    input  wire signed [N-1:0] g_t,   // T_G_T
-    input  wire signed [N-1:0] ht_c,  // T_HT_C
-    input  wire signed [N-1:0] ht_s,
-    input  wire signed [N-1:0] g_a,   // T_G_A
-    input  wire signed [N-1:0] ha_c,  // T_HA_C
-    input  wire signed [N-1:0] ha_s,
-    output reg  signed [W-1:0] qs_w,  // T_QS_W
-    output reg  signed [W-1:0] qs_i,
-    output reg  signed [W-1:0] qs_j,
-    output reg  signed [W-1:0] qs_k
+    input  wire signed [N-1:0] az_sq,    // T_AZ_SQ
+    input  wire signed [N-1:0] az_c,     // T_AZ_C
+    input  wire signed [N-1:0] az_s,
+    input  wire signed [N-1:0] tilt_sq,  // T_TILT_SQ
+    input  wire signed [N-1:0] tilt_c,   // T_TILT_C
+    input  wire signed [N-1:0] tilt_s,
+    input  wire signed [N-1:0] arm_sq,   // T_ARM_SQ
+    input  wire signed [N-1:0] arm_c,    // T_ARM_C
+    input  wire signed [N-1:0] arm_s,
+    output reg  signed [W-1:0] qs_w,     // (L58) (18) T_QS_W
+    output reg  signed [W-1:0] qs_i,     // (L59) (18)
+    output reg  signed [W-1:0] qs_j,     // (L60) (18)
+    output reg  signed [W-1:0] qs_k      // (L61) (18)
 );
 
   `include "ik_lean_nodes.vh"
@@ -36,93 +36,93 @@ module ik_lean_turn #(
 
   localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
 
-  // ---- (17) half the sum and half the difference of azimuth and swivel angle ----
+  // ---- (L38)-(L47) half the sum and half the difference of azimuth and swivel angle ----
 
   localparam integer TF = (FRAC < 31) ? FRAC : 31;  // fraction bits of sine and cosine
   wire signed [TF+1:0] sin_t;
   wire signed [TF+1:0] cos_t;
   wire signed [N-1:0] sin_x = {{(N - TF - 1) {sin_t[TF+1]}}, sin_t[TF:0]};
-  wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);
+  wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);  // (L38)
   wire signed [N-1:0] cos_x = {{(N - TF - 1) {cos_t[TF+1]}}, cos_t[TF:0]};
-  wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);
-  wire signed [N-1:0] sin_h1;
-  wire signed [N-1:0] cos_h1;
+  wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);  // (L39)
+  wire signed [N-1:0] sin_az;
+  wire signed [N-1:0] cos_az;
   // an angle of fewer than 16 bits is one of 16 that ends in zeros
   localparam integer PW = (W < 16) ? 16 : W;
   wire signed [PW-1:0] phi_w = {{(PW - W + 1) {phi[W-1]}}, phi[W-2:0]};
   ik_trig #(.W(PW), .F(TF)) u_trig (.clk(clk), .phi(phi_w <<< (PW - W)), .sin_h(sin_t), .cos_h(cos_t));
-  ik_delay #(.W(2*N), .N(T_H1_C-T_SIN_H)) u_trig_h1 (.clk(clk), .d({cos_h, sin_h}), .q({cos_h1, sin_h1}));
+  ik_delay #(.W(2*N), .N(T_AZ_C-T_SIN_H)) u_trig_az (.clk(clk), .d({cos_h, sin_h}), .q({cos_az, sin_az}));
 
-  wire signed [N-1:0] cc;
-  wire signed [N-1:0] ss;
-  wire signed [N-1:0] sc;
-  wire signed [N-1:0] cs;
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_cc (.clk(clk), .a(h1_c), .b(cos_h1), .q(cc));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_ss (.clk(clk), .a(h1_s), .b(sin_h1), .q(ss));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_sc (.clk(clk), .a(h1_s), .b(cos_h1), .q(sc));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_cs (.clk(clk), .a(h1_c), .b(sin_h1), .q(cs));
-  reg signed [N-1:0] c_p;
-  reg signed [N-1:0] c_m;
-  reg signed [N-1:0] s_p;
-  reg signed [N-1:0] s_m;
+  wire signed [N-1:0] cc;  // (L40)
+  wire signed [N-1:0] ss;  // (L41)
+  wire signed [N-1:0] sc;  // (L42)
+  wire signed [N-1:0] cs;  // (L43)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_cc (.clk(clk), .a(az_c), .b(cos_az), .q(cc));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_ss (.clk(clk), .a(az_s), .b(sin_az), .q(ss));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_sc (.clk(clk), .a(az_s), .b(cos_az), .q(sc));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_cs (.clk(clk), .a(az_c), .b(sin_az), .q(cs));
+  reg signed [N-1:0] c_plus;  // (L44)
+  reg signed [N-1:0] c_minus;  // (L46)
+  reg signed [N-1:0] s_plus;  // (L45)
+  reg signed [N-1:0] s_minus;  // (L47)
   always @(posedge clk) begin
-    c_p <= cc - ss;
-    c_m <= cc + ss;
-    s_p <= sc + cs;
-    s_m <= sc - cs;
+    c_plus <= cc - ss;
+    c_minus <= cc + ss;
+    s_plus <= sc + cs;
+    s_minus <= sc - cs;
   end
 
-  // ---- (17) the first three rotations ----
+  // ---- (L48)-(L51) the first three rotations ----
 
   localparam integer T_0_IN = T_W_0 - LAT_MUL3;
-  wire signed [N-1:0] ht_c_0;
-  wire signed [N-1:0] ht_s_0;
-  wire signed [N-1:0] c_p_0;
-  wire signed [N-1:0] c_m_0;
-  wire signed [N-1:0] s_p_0;
-  wire signed [N-1:0] s_m_0;
-  ik_delay #(.W(2*N), .N(T_0_IN-T_HT_C)) u_ht_0 (.clk(clk), .d({ht_s, ht_c}), .q({ht_s_0, ht_c_0}));
-  ik_delay #(.W(4*N), .N(T_0_IN-T_C_P)) u_c_0 (
-      .clk(clk), .d({s_m, s_p, c_m, c_p}), .q({s_m_0, s_p_0, c_m_0, c_p_0})
+  wire signed [N-1:0] tilt_c_0;
+  wire signed [N-1:0] tilt_s_0;
+  wire signed [N-1:0] c_plus_0;
+  wire signed [N-1:0] c_minus_0;
+  wire signed [N-1:0] s_plus_0;
+  wire signed [N-1:0] s_minus_0;
+  ik_delay #(.W(2*N), .N(T_0_IN-T_TILT_C)) u_tilt_0 (.clk(clk), .d({tilt_s, tilt_c}), .q({tilt_s_0, tilt_c_0}));
+  ik_delay #(.W(4*N), .N(T_0_IN-T_C_PLUS)) u_c_0 (
+      .clk(clk), .d({s_minus, s_plus, c_minus, c_plus}), .q({s_minus_0, s_plus_0, c_minus_0, c_plus_0})
   );
-  wire signed [N-1:0] w_0;
-  wire signed [N-1:0] i_0;
-  wire signed [N-1:0] j_0;
-  wire signed [N-1:0] k_0;
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_0 (.clk(clk), .a(ht_c_0), .b(c_p_0), .q(w_0));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_0 (.clk(clk), .a(ht_s_0), .b(c_m_0), .q(i_0));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_0 (.clk(clk), .a(ht_s_0), .b(s_m_0), .q(j_0));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_0 (.clk(clk), .a(ht_c_0), .b(s_p_0), .q(k_0));
+  wire signed [N-1:0] w_0;  // (L48)
+  wire signed [N-1:0] i_0;  // (L49)
+  wire signed [N-1:0] j_0;  // (L50)
+  wire signed [N-1:0] k_0;  // (L51)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_0 (.clk(clk), .a(tilt_c_0), .b(c_plus_0), .q(w_0));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_0 (.clk(clk), .a(tilt_s_0), .b(c_minus_0), .q(i_0));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_0 (.clk(clk), .a(tilt_s_0), .b(s_minus_0), .q(j_0));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_0 (.clk(clk), .a(tilt_c_0), .b(s_plus_0), .q(k_0));
 
-  // ---- (18) and the fourth ----
+  // ---- (L52)-(L55) and the fourth ----
 
   wire signed [N-1:0] w_0_a;
   wire signed [N-1:0] i_0_a;
   wire signed [N-1:0] j_0_a;
   wire signed [N-1:0] k_0_a;
-  ik_delay #(.W(4*N), .N(T_HA_C-T_W_0)) u_0_a (
+  ik_delay #(.W(4*N), .N(T_ARM_C-T_W_0)) u_0_a (
       .clk(clk), .d({k_0, j_0, i_0, w_0}), .q({k_0_a, j_0_a, i_0_a, w_0_a})
   );
-  wire signed [N-1:0] w_c;
-  wire signed [N-1:0] w_s;
-  wire signed [N-1:0] i_c;
-  wire signed [N-1:0] i_s;
-  wire signed [N-1:0] j_c;
-  wire signed [N-1:0] j_s;
-  wire signed [N-1:0] k_c;
-  wire signed [N-1:0] k_s;
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_c (.clk(clk), .a(w_0_a), .b(ha_c), .q(w_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_s (.clk(clk), .a(w_0_a), .b(ha_s), .q(w_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_c (.clk(clk), .a(i_0_a), .b(ha_c), .q(i_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_s (.clk(clk), .a(i_0_a), .b(ha_s), .q(i_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_c (.clk(clk), .a(j_0_a), .b(ha_c), .q(j_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_s (.clk(clk), .a(j_0_a), .b(ha_s), .q(j_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_c (.clk(clk), .a(k_0_a), .b(ha_c), .q(k_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_s (.clk(clk), .a(k_0_a), .b(ha_s), .q(k_s));
-  reg signed [N-1:0] w_1;
-  reg signed [N-1:0] i_1;
-  reg signed [N-1:0] j_1;
-  reg signed [N-1:0] k_1;
+  wire signed [N-1:0] w_c;  // (L52)
+  wire signed [N-1:0] w_s;  // (L53)
+  wire signed [N-1:0] i_c;  // (L53)
+  wire signed [N-1:0] i_s;  // (L52)
+  wire signed [N-1:0] j_c;  // (L54)
+  wire signed [N-1:0] j_s;  // (L55)
+  wire signed [N-1:0] k_c;  // (L55)
+  wire signed [N-1:0] k_s;  // (L54)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_c (.clk(clk), .a(w_0_a), .b(arm_c), .q(w_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_w_s (.clk(clk), .a(w_0_a), .b(arm_s), .q(w_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_c (.clk(clk), .a(i_0_a), .b(arm_c), .q(i_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_i_s (.clk(clk), .a(i_0_a), .b(arm_s), .q(i_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_c (.clk(clk), .a(j_0_a), .b(arm_c), .q(j_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_j_s (.clk(clk), .a(j_0_a), .b(arm_s), .q(j_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_c (.clk(clk), .a(k_0_a), .b(arm_c), .q(k_c));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_k_s (.clk(clk), .a(k_0_a), .b(arm_s), .q(k_s));
+  reg signed [N-1:0] w_1;  // (L52)
+  reg signed [N-1:0] i_1;  // (L53)
+  reg signed [N-1:0] j_1;  // (L54)
+  reg signed [N-1:0] k_1;  // (L55)
   always @(posedge clk) begin
     w_1 <= w_c + i_s;
     i_1 <= i_c - w_s;
@@ -130,40 +130,40 @@ module ik_lean_turn #(
     k_1 <= k_c + j_s;
   end
 
-  // ---- (18) the product's squared length, in [1/8, 1], and its root; four times the length where it is below 1/4 ----
+  // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; of four times the length below 1/4 ----
 
-  wire signed [N-1:0] g_1_t;
-  wire signed [N-1:0] g_1t;
-  wire signed [N-1:0] g_1t_a;
-  wire signed [N-1:0] length_sq;
-  ik_delay #(.W(N), .N(T_G_T-T_G_1)) u_g_1_t (.clk(clk), .d(g_1), .q(g_1_t));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_g_1t (.clk(clk), .a(g_1_t), .b(g_t), .q(g_1t));
+  wire signed [N-1:0] az_sq_tilt;
+  wire signed [N-1:0] az_tilt_sq;  // (L56)
+  wire signed [N-1:0] az_tilt_sq_in;
+  wire signed [N-1:0] length_sq;  // (L56)
+  ik_delay #(.W(N), .N(T_TILT_SQ-T_AZ_SQ)) u_az_sq_tilt (.clk(clk), .d(az_sq), .q(az_sq_tilt));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_az_tilt_sq (.clk(clk), .a(az_sq_tilt), .b(tilt_sq), .q(az_tilt_sq));
   localparam integer T_LENGTH_IN = T_LENGTH_SQ - LAT_MUL3;
-  wire signed [N-1:0] g_a_in;
-  ik_delay #(.W(N), .N(T_LENGTH_IN-T_G_1T)) u_g_1t_a (.clk(clk), .d(g_1t), .q(g_1t_a));
-  ik_delay #(.W(N), .N(T_LENGTH_IN-T_G_A)) u_g_a_in (.clk(clk), .d(g_a), .q(g_a_in));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_length_sq (.clk(clk), .a(g_1t_a), .b(g_a_in), .q(length_sq));
+  wire signed [N-1:0] arm_sq_in;
+  ik_delay #(.W(N), .N(T_LENGTH_IN-T_AZ_TILT_SQ)) u_az_tilt_sq_in (.clk(clk), .d(az_tilt_sq), .q(az_tilt_sq_in));
+  ik_delay #(.W(N), .N(T_LENGTH_IN-T_ARM_SQ)) u_arm_sq_in (.clk(clk), .d(arm_sq), .q(arm_sq_in));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N)) u_length_sq (.clk(clk), .a(az_tilt_sq_in), .b(arm_sq_in), .q(length_sq));
 
   localparam integer UP = MW - FRAC;
-  wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});
+  wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});  // (L57)
   wire [MW-1:0] m_q_next = length_sq[FRAC] ? {MW{1'b1}} : low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}
                                                               : {length_sq[FRAC-1:0], {UP{1'b0}}};
-  reg [MW-1:0] m_q;  // the node, watched only: the root has a register of its own
+  reg [MW-1:0] m_q;  // (L57) the node, watched only: the root has a register of its own
   always @(posedge clk) m_q <= m_q_next;
   wire [ROOT_FRAC:0] y_q;
   wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
-  wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);
+  wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
   ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .y(y_q));
 
-  // ---- (18) the quaternion of length 1 whose k part is not negative ----
+  // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
 
   localparam integer T_N_IN = T_W_N - LAT_MUX;
   wire low_n;
   ik_delay #(.W(1), .N(T_N_IN-T_LOW)) u_low_n (.clk(clk), .d(low), .q(low_n));
-  reg signed [N-1:0] w_n;
-  reg signed [N-1:0] i_n;
-  reg signed [N-1:0] j_n;
-  reg signed [N-1:0] k_n;
+  reg signed [N-1:0] w_n;  // (L58)
+  reg signed [N-1:0] i_n;  // (L59)
+  reg signed [N-1:0] j_n;  // (L60)
+  reg signed [N-1:0] k_n;  // (L61)
   wire minus = k_1[N-1];
   wire signed [N-1:0] one = {{(N - 1) {1'b0}}, minus};  // -x = ~x + 1, by one carry chain
   always @(posedge clk) begin
@@ -183,10 +183,10 @@ module ik_lean_turn #(
       .clk(clk), .d({k_n, j_n, i_n, w_n}), .q({k_n_q, j_n_q, i_n_q, w_n_q})
   );
   ik_delay #(.W(N), .N(T_Q_IN-T_INV_Q)) u_inv_q_q (.clk(clk), .d(inv_q), .q(inv_q_q));
-  wire signed [N-1:0] w_q;
-  wire signed [N-1:0] i_q;
-  wire signed [N-1:0] j_q;
-  wire signed [N-1:0] k_q;
+  wire signed [N-1:0] w_q;  // (L58)
+  wire signed [N-1:0] i_q;  // (L59)
+  wire signed [N-1:0] j_q;  // (L60)
+  wire signed [N-1:0] k_q;  // (L61)
   localparam integer SH_Q = F_W_N + F_INV_Q - 1 - F_W_Q;
   ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N)) u_w_q (.clk(clk), .a(w_n_q), .b(inv_q_q), .q(w_q));
   ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N)) u_i_q (.clk(clk), .a(i_n_q), .b(inv_q_q), .q(i_q));

@@ -5,7 +5,8 @@
 
 The paper's side of every comparison is the table of model/reference/printed.py with the one edit that
 scripts/derive/paper.py proves
-to be needed. The lean side is the table LEAN, typed once; a test holds it against model/reference/lean_equations.py.
+to be needed. The lean side is the table of model/reference/lean_table.py; a test holds
+model/reference/lean_equations.py against it.
 Either way the status is 1 when a statement does not hold, and the step is named.
 """
 
@@ -22,6 +23,7 @@ import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
 from model.reference import cga
+from model.reference.lean_table import HALF, LEAN, NUMBER
 from scripts.derive import paper
 from scripts.derive.paper import cross, dot, evaluate
 from tb.sim.env import ROOT
@@ -30,79 +32,12 @@ PAGE = ROOT / "docs" / "lean.md"
 
 # -- the two dataflows -----------------------------------------------------------------------------------------------
 
-LEAN = {
-    "Sums of the inputs": {
-        "r": "d1 + d2",
-        "q": "d1 - d2",
-        "rho_sq": "x**2 + y**2",
-        "s": "rho_sq + z**2",
-        "a_far": "r**2 - s",
-        "b_near": "s - q**2",
-        "k_law": "s + r*q",
-    },
-    "Roots, first level": {
-        "g_rho": "rsqrt(rho_sq)",
-        "g_s": "rsqrt(s)",
-        "g_a": "rsqrt(a_far)",
-        "g_b": "rsqrt(b_near)",
-        "g_1": "rsqrt(d1)",
-        "g_2": "rsqrt(d2)",
-    },
-    "Directions": {
-        "u_x": "x*g_rho",
-        "u_y": "y*g_rho",
-        "sin_el": "z*g_s",
-        "cos_el": "rho_sq*g_rho*g_s",
-    },
-    "Triangle": {
-        "root_a": "a_far*g_a",
-        "root_b": "b_near*g_b",
-        "g_12": "g_1*g_2/2",
-        "qe_w": "root_a*g_12",
-        "qe_i": "-root_b*g_12",
-        "g_11": "g_1**2*g_s/2",
-        "cos_a": "k_law*g_11",
-        "sin_a": "root_a*root_b*g_11",
-    },
-    "Lengths of the half angle quaternions": {
-        "l_1": "(1 + Abs(u_y))/2",
-        "l_t": "(1 + Abs(sin_el))/2",
-        "l_a": "(1 + Abs(cos_a))/2",
-    },
-    "Product": {
-        "h_cc": "h1_c*cos_half",
-        "h_ss": "h1_s*sin_half",
-        "h_sc": "h1_s*cos_half",
-        "h_cs": "h1_c*sin_half",
-        "c_plus": "h_cc - h_ss",
-        "s_plus": "h_sc + h_cs",
-        "c_minus": "h_cc + h_ss",
-        "s_minus": "h_sc - h_cs",
-        "w_0": "ht_c*c_plus",
-        "i_0": "ht_s*c_minus",
-        "j_0": "ht_s*s_minus",
-        "k_0": "ht_c*s_plus",
-        "w": "w_0*ha_c + i_0*ha_s",
-        "i": "i_0*ha_c - w_0*ha_s",
-        "j": "j_0*ha_c - k_0*ha_s",
-        "k": "k_0*ha_c + j_0*ha_s",
-    },
-    "Root, second level": {
-        "t": "l_1*l_t*l_a",
-        "g_t": "rsqrt(t)",
-        "qs_w": "w*g_t",
-        "qs_i": "i*g_t",
-        "qs_j": "j*g_t",
-        "qs_k": "k*g_t",
-    },
+HALVES = {
+    "az": ("-u_y", "u_x", "az_sq"),
+    "tilt": ("sin_el", "cos_el", "tilt_sq"),
+    "arm": ("cos_a", "sin_a", "arm_sq"),
 }
-"""The lean dataflow, group -> line -> right side. Qs is negated where k < 0."""
-
-HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
-"""h(c, s), by branch: a quaternion along half the angle with cosine c and sine s."""
-
-HALVES = {"h1": ("-u_y", "u_x", "l_1"), "ht": ("sin_el", "cos_el", "l_t"), "ha": ("cos_a", "sin_a", "l_a")}
-"""Which angle, and the line of LEAN that is the squared length."""
+"""Half angle quaternion -> cosine and sine of the angle, and the line that is the squared length."""
 
 MATRIX = {
     "Directions of the target": {
@@ -170,23 +105,27 @@ def corrected() -> dict[str, dict[str, str]]:
 # -- symbols ---------------------------------------------------------------------------------------------------------
 
 TEX = {
-    "x": "x", "y": "y", "z": "z", "d1": "d_1", "d2": "d_2", "r": "r", "q": "q",
+    "x": "x", "y": "y", "z": "z", "phi": r"\phi", "d1": "d_1", "d2": "d_2", "d_sum": "d_+", "d_dif": "d_-",
     "rho_sq": r"\rho^2", "s": "s", "a_far": "A", "b_near": "B", "k_law": "K",
-    "g_rho": r"g_\rho", "g_s": "g_s", "g_a": "g_A", "g_b": "g_B", "g_1": "g_1", "g_2": "g_2", "g_t": "g_t",
-    "g_12": "g_{12}", "g_11": "g_{11}", "root_a": r"\sqrt{A}", "root_b": r"\sqrt{B}",
-    "u_x": "u_x", "u_y": "u_y", "sin_el": r"\mathrm{se}", "cos_el": r"\mathrm{ce}",
-    "qe_w": r"\langle Q_e\rangle", "qe_i": r"\langle Q_e\rangle_i", "cos_a": "c_a", "sin_a": "s_a",
-    "l_1": r"\ell_1", "l_t": r"\ell_t", "l_a": r"\ell_a", "h1_c": "h_{1c}", "h1_s": "h_{1s}", "ht_c": "h_{tc}",
-    "ht_s": "h_{ts}", "ha_c": "h_{ac}", "ha_s": "h_{as}", "cos_half": r"c_{\phi/2}", "sin_half": r"s_{\phi/2}",
-    "c_plus": "c_+", "s_plus": "s_+", "c_minus": "c_-", "s_minus": "s_-",
-    "w_0": "w_0", "i_0": "i_0", "j_0": "j_0", "k_0": "k_0", "w": "w", "i": "i", "j": "j", "k": "k", "t": "t",
+    "inv_rho": r"\mathrm{inv}_\rho", "inv_s": r"\mathrm{inv}_s", "inv_far": r"\mathrm{inv}_{far}",
+    "inv_near": r"\mathrm{inv}_{near}", "inv_1": r"\mathrm{inv}_1", "inv_2": r"\mathrm{inv}_2",
+    "inv_12": r"\mathrm{inv}_{12}", "inv_11": r"\mathrm{inv}_{11}", "inv_law": r"\mathrm{inv}_{law}",
+    "inv_q": r"\mathrm{inv}_q", "root_rho": r"\mathrm{root}_\rho", "root_far": r"\mathrm{root}_{far}",
+    "root_near": r"\mathrm{root}_{near}", "root_ab": r"\mathrm{root}_{ab}",
+    "u_x": "u_x", "u_y": "u_y", "sin_el": r"\sin_{el}", "cos_el": r"\cos_{el}",
+    "qe_w": r"\langle Q_e\rangle", "qe_i": r"\langle Q_e\rangle_i", "cos_a": r"\cos_a", "sin_a": r"\sin_a",
+    "sin_h": r"\sin_h", "cos_h": r"\cos_h",
+    "cc": r"\mathrm{cc}", "ss": r"\mathrm{ss}", "sc": r"\mathrm{sc}", "cs": r"\mathrm{cs}",
+    "c_plus": "c_+", "s_plus": "s_+", "c_minus": "c_-", "s_minus": "s_-", "length_sq": "|q|^2",
     "qs_w": r"\langle Q_s\rangle", "qs_i": r"\langle Q_s\rangle_i", "qs_j": r"\langle Q_s\rangle_j",
-    "qs_k": r"\langle Q_s\rangle_k", "c": "c", "cos_phi": r"c_\phi", "sin_phi": r"s_\phi",
+    "qs_k": r"\langle Q_s\rangle_k", "c": "c", "cos_phi": r"\cos_\phi", "sin_phi": r"\sin_\phi",
     "rho": r"\rho", "dist": "|p|", "sqrt_a": r"\sqrt{A}", "sqrt_b": r"\sqrt{B}", "sqrt_1": r"\sqrt{d_1}",
-    "sqrt_2": r"\sqrt{d_2}", "sqrt_t": r"\sqrt{t}", "sigma": r"\sigma", "gamma": r"\gamma", "delta": r"\delta",
+    "sqrt_2": r"\sqrt{d_2}", "length": "|q|", "sigma": r"\sigma", "gamma": r"\gamma", "delta": r"\delta",
     "a": "a", "b": "b", "largest": r"\Sigma", "g_q": r"g_\Sigma",
 }  # fmt: skip
-TEX |= {f"h_{pair}": f"h_{{{pair}}}" for pair in ("cc", "ss", "sc", "cs")}
+TEX |= {f"{name}_{part}": rf"\mathrm{{{name}}}_{part}" for name in HALVES for part in "cs"}
+TEX |= {f"{name}_sq": rf"|\mathrm{{{name}}}|^2" for name in HALVES}
+TEX |= {f"{unit}_{n}": f"{unit}_{n}" for unit in "wijk" for n in "01"}
 TEX |= {f"r_{unit}": f"r_{unit}" for unit in "wijk"} | {f"q_{n}": f"q_{n}" for n in range(4)}
 TEX |= {f"{v}_{axis}": f"{v}_{axis}" for v in "pvnmef" for axis in "xyz"}
 TEX |= {f"sum_{unit}": rf"\Sigma_{unit}" for unit in "wijk"}
@@ -216,9 +155,23 @@ def latex(expression) -> str:
     return sp.latex(expression, symbol_names=_NAMES)
 
 
+class half_c(sp.Function):  # noqa: N801 - the name in the table
+    """A part of h(c, s)."""
+
+    def _latex(self, printer, exp=None):
+        return rf"h_{type(self).__name__[-1]}({', '.join(map(printer._print, self.args))})"
+
+
+class half_s(half_c):  # noqa: N801
+    """The other."""
+
+
+FUNCTIONS = {"rsqrt": rsqrt, "Abs": sp.Abs, "half_c": half_c, "half_s": half_s, "cos": sp.cos, "sin": sp.sin}
+
+
 def tree(text: str) -> sp.Expr:
     """A line as it is written: nothing is evaluated."""
-    return parse_expr(text, local_dict=SYMBOL | {"rsqrt": rsqrt, "Abs": sp.Abs}, evaluate=False)
+    return parse_expr(text, local_dict=SYMBOL | FUNCTIONS, evaluate=False)
 
 
 def line_tex(text: str) -> str:
@@ -364,15 +317,15 @@ def sums_of_s(tables: Tables) -> dict[str, sp.Expr]:
 
 
 U_X, U_Y, SE, CE, CA, SA, CP, SP = symbols("u_x u_y sin_el cos_el cos_a sin_a cos_phi sin_phi")
-C2, S2 = symbols("cos_half sin_half")
+C2, S2 = symbols("cos_h sin_h")
 D, RHO, D1, D2 = symbols("dist rho d1 d2")
 CIRCLES: Relations = {
     "u_x^2 + u_y^2 = 1": (U_Y, 1 - U_X**2),
-    r"\mathrm{se}^2 + \mathrm{ce}^2 = 1": (CE, 1 - SE**2),
-    "c_a^2 + s_a^2 = 1": (SA, 1 - CA**2),
-    r"c_\phi^2 + s_\phi^2 = 1": (SP, 1 - CP**2),
+    r"\sin_{el}^2 + \cos_{el}^2 = 1": (CE, 1 - SE**2),
+    r"\cos_a^2 + \sin_a^2 = 1": (SA, 1 - CA**2),
+    r"\cos_\phi^2 + \sin_\phi^2 = 1": (SP, 1 - CP**2),
 }
-HALF_CIRCLE: Relations = {r"c_{\phi/2}^2 + s_{\phi/2}^2 = 1": (S2, 1 - C2**2)}
+HALF_CIRCLE: Relations = {r"\cos_h^2 + \sin_h^2 = 1": (S2, 1 - C2**2)}
 ANGLES = {name: SYMBOL[name] for name in ("u_x", "u_y", "sin_el", "cos_el", "cos_a", "sin_a", "cos_phi", "sin_phi")}
 P_UNIT = [CE * U_X, CE * U_Y, SE]  # p/|p|
 
@@ -410,9 +363,9 @@ def _directions(tables: Tables) -> Step:
     step = Step(
         "1. The target's directions, (10)",
         [
-            "The lean lines down to $Q_e$, $c_a$ and $s_a$ are worked out with the roots of their arguments as symbols "
-            "that are not negative; the relations say what their squares are. Off the z axis, inside the limits of "
-            "reach, no root is 0. The three circles below are relations of the later steps, and so are the last "
+            r"The lean lines down to $Q_e$, $\cos_a$ and $\sin_a$ are worked out with the roots of their arguments as "
+            "symbols that are not negative; the relations say what their squares are. Off the z axis, inside the limits "
+            "of reach, no root is 0. The three circles below are relations of the later steps, and so are the last "
             "five statements, which put the target in polar form."
         ],
     )
@@ -420,13 +373,13 @@ def _directions(tables: Tables) -> Step:
     printed_length = evaluate(tables.printed["10"]["L_sw"], p_wx=x, p_wy=y, p_wz=z)
     step.equal("|L_{sw}|^2 = s", printed_length**2, values["s"], relations)
     step.equal("u_x^2 + u_y^2 = 1", values["u_x"] ** 2 + values["u_y"] ** 2, 1, relations)
-    step.equal(r"\mathrm{se}^2 + \mathrm{ce}^2 = 1", values["sin_el"] ** 2 + values["cos_el"] ** 2, 1, relations)
-    step.equal("c_a^2 + s_a^2 = 1", values["cos_a"] ** 2 + values["sin_a"] ** 2, 1, relations)
-    step.equal(r"x = |p|\,\mathrm{ce}\,u_x", x, D * values["cos_el"] * values["u_x"], relations)
-    step.equal(r"y = |p|\,\mathrm{ce}\,u_y", y, D * values["cos_el"] * values["u_y"], relations)
-    step.equal(r"z = |p|\,\mathrm{se}", z, D * values["sin_el"], relations)
-    step.equal(r"\rho = |p|\,\mathrm{ce}", RHO, D * values["cos_el"], relations)
-    step.equal(r"K = 2 d_1 |p|\,c_a", values["k_law"], 2 * D1 * D * values["cos_a"], relations)
+    step.equal(r"\sin_{el}^2 + \cos_{el}^2 = 1", values["sin_el"] ** 2 + values["cos_el"] ** 2, 1, relations)
+    step.equal(r"\cos_a^2 + \sin_a^2 = 1", values["cos_a"] ** 2 + values["sin_a"] ** 2, 1, relations)
+    step.equal(r"x = |p|\,\cos_{el}\,u_x", x, D * values["cos_el"] * values["u_x"], relations)
+    step.equal(r"y = |p|\,\cos_{el}\,u_y", y, D * values["cos_el"] * values["u_y"], relations)
+    step.equal(r"z = |p|\,\sin_{el}", z, D * values["sin_el"], relations)
+    step.equal(r"\rho = |p|\,\cos_{el}", RHO, D * values["cos_el"], relations)
+    step.equal(r"K = 2 d_1 |p|\,\cos_a", values["k_law"], 2 * D1 * D * values["cos_a"], relations)
     return step
 
 
@@ -438,7 +391,7 @@ def _swivel(tables: Tables) -> Step:
         "2. The swivel plane, (11)",
         [
             "(11) with the square that the print lacks ([derivation.md](derivation.md)), the target in polar form, "
-            r"$\cos\frac\phi2 = c_{\phi/2}$ and $\sin\frac\phi2 = s_{\phi/2}$. The plane comes out $\rho$ long, so "
+            r"$\cos\frac\phi2 = \cos_h$ and $\sin\frac\phi2 = \sin_h$. The plane comes out $\rho$ long, so "
             r"$n = \pi_{swivel}/\rho$ needs no root of its own; sine and cosine are those of the whole $\phi$."
         ],
     )
@@ -449,7 +402,7 @@ def _swivel(tables: Tables) -> Step:
     ]
     lean = r",\ ".join(latex(sp.expand(v)) for v in n)
     step.equal(rf"n = \left({lean}\right)", [v / (D * CE) for v in plane], [v.subs(full) for v in n], relations)
-    step.equal(r"c_\phi^2 + s_\phi^2 = 1", (full[CP]) ** 2 + full[SP] ** 2, 1, relations)
+    step.equal(r"\cos_\phi^2 + \sin_\phi^2 = 1", (full[CP]) ** 2 + full[SP] ** 2, 1, relations)
     step.equal("|n|^2 = 1", dot(n, n), 1, CIRCLES)
     step.equal(r"n \cdot p = 0", dot(n, P_UNIT), 0, CIRCLES)
     return step
@@ -466,15 +419,15 @@ def _elbow(tables: Tables) -> Step:
     values, roots = first_half(tables)
     (K,) = symbols("k_law")
     law = {"d_2^2 = |p|^2 + d_1^2 - K": (D2, D**2 + D1**2 - K)}
-    relations = {r"K = |p|^2 + d_1^2 - d_2^2 = 2 d_1 |p|\,c_a": (D2, D**2 + D1**2 - 2 * D1 * D * CA)} | CIRCLES
+    relations = {r"K = |p|^2 + d_1^2 - d_2^2 = 2 d_1 |p|\,\cos_a": (D2, D**2 + D1**2 - 2 * D1 * D * CA)} | CIRCLES
     step = Step(
         "3. The elbow, (12) and (13)",
         [
             r"(12) with $\pi_{swivel} = \rho\,n$, and (13) with that pair. The sum in $PP_i, PP_j, PP_k$ is $K$; "
             r"$\mathrm{tmp}_1$ factors into $A$ and $B$. $K$ is the cosine of the angle at the shoulder (law of "
-            r"cosines), $\sqrt{A}\sqrt{B}$ its sine. So the elbow point is $d_1$ times a unit vector $e = c_a\,p/|p| "
-            r"+ s_a\,m$ with $m = n \times p/|p|$; $\rho$, $|p|$ and $\mathrm{inf}_{PP}$ cancel. $s_a$ is a product "
-            "of roots over lengths, so it is not negative."
+            r"cosines), $\sqrt{A}\sqrt{B}$ its sine. So the elbow point is $d_1$ times a unit vector $e = "
+            r"\cos_a\,p/|p| + \sin_a\,m$ with $m = n \times p/|p|$; $\rho$, $|p|$ and $\mathrm{inf}_{PP}$ cancel. "
+            r"$\sin_a$ is a product of roots over lengths, so it is not negative."
         ],
     )
     given = target() | dict(zip(("pi_x", "pi_y", "pi_z"), [D * CE * v for v in n], strict=True)) | {"d1": D1, "d2": D2}
@@ -497,7 +450,7 @@ def _elbow(tables: Tables) -> Step:
     root = D * CE * D1 * D * SA
     sqrt = known_root([root], relations)
     tmp_sqr = evaluate("sqrt(tmp1)", tmp1=tmp1, sqrt=sqrt)
-    step.equal(r"\mathrm{tmp}_{sqr} = \rho\,d_1 |p|\,s_a", tmp_sqr, root, root=sqrt)
+    step.equal(r"\mathrm{tmp}_{sqr} = \rho\,d_1 |p|\,\sin_a", tmp_sqr, root, root=sqrt)
     elbow = [evaluate(rows[f"p_e{axis}"], **pair, tmp_sqr=root, inf_PP=sp.Integer(1)) for axis in "xyz"]
     both = r", both sides times $\mathrm{inf}_{PP}$"
     step.equal("p_e = d_1 e", elbow, [D**4 * CE**2 * D1 * v for v in e], relations, both)
@@ -506,7 +459,7 @@ def _elbow(tables: Tables) -> Step:
     step.equal("|e|^2 = 1", dot(e, e), 1, CIRCLES)
     step.equal(r"n \cdot e = 0", dot(n, e), 0, CIRCLES)
     back = [CA * a - SA * b for a, b in zip(e, cross(n, e), strict=True)]
-    step.equal(r"p/|p| = c_a e - s_a\,n \times e", P_UNIT, back, CIRCLES)
+    step.equal(r"p/|p| = \cos_a e - \sin_a\,n \times e", P_UNIT, back, CIRCLES)
     step.notes.append(
         r"With a pair scaled by 2, as (19) has it, the factor $\tfrac14$ of $\mathrm{tmp}_1$ is 1; $p_e$ is the same."
     )
@@ -525,8 +478,8 @@ def _elbow_quaternion(tables: Tables) -> Step:
     )
     given = target() | {f"p_e{a}": D1 * v for a, v in zip("xyz", e, strict=True)} | {"d1": D1, "d2": D2}
     c4 = evaluate(tables.printed["14"]["c_4"], **given)
-    step.equal("c_4 = (d_1 - |p|\\,c_a)/d_2", c4, (D1 - D * CA) / D2, CIRCLES)
-    law = (D1 - values["k_law"] / (2 * D1)) / D2  # |p| c_a = K/(2 d_1) by step 1
+    step.equal(r"c_4 = (d_1 - |p|\,\cos_a)/d_2", c4, (D1 - D * CA) / D2, CIRCLES)
+    law = (D1 - values["k_law"] / (2 * D1)) / D2  # |p| cos a = K/(2 d_1) by step 1
     shown = (D1 - sums_of_s(tables)["k_law"] / (2 * D1)) / D2
     for op, square, name in (("+", "a_far", "A"), ("-", "b_near", "B")):
         side = (1 + law if op == "+" else 1 - law) / 2
@@ -589,7 +542,7 @@ def _shoulder(tables: Tables) -> Step:
     c3 = evaluate(rows["c_3"], **given)
     step.equal(r"c_3 = (r_k^2 - r_w^2)/\gamma^2", c3, (r[3] ** 2 - r[0] ** 2) / g**2, unit)
     side = evaluate(rows["side"], **given)
-    step.equal(r"\mathrm{side} = -2 |p| s_a\,r_w r_k/\gamma^2", side, -2 * D * SA * r[0] * r[3] / g**2, unit)
+    step.equal(r"\mathrm{side} = -2 |p| \sin_a\,r_w r_k/\gamma^2", side, -2 * D * SA * r[0] * r[3] / g**2, unit)
     # sigma r_k = |r_k|; sign is that of side, so that of -r_w r_k
     absolute_w, sign = sp.Symbol("abs_w", real=True), sp.Symbol("sign", real=True)
     signs = {"|r_w|^2 = r_w^2": (absolute_w, r[0] ** 2)} | unit
@@ -626,7 +579,7 @@ def _factors(tables: Tables) -> Step:
         "6. Four turns",
         [
             r"$R$ is a product of four turns about coordinate axes. With $(\cos\alpha, \sin\alpha) = (u_x, u_y)$, the "
-            r"azimuth, and $(\cos\theta, \sin\theta) = (\mathrm{se}, \mathrm{ce})$, the angle from the zenith, "
+            r"azimuth, and $(\cos\theta, \sin\theta) = (\sin_{el}, \cos_{el})$, the angle from the zenith, "
             r"$R = R_z(\alpha + 90^\circ)\, R_x(\theta)\, R_z(\phi)\, R_x(-a)$: the first two bring the z axis to "
             r"the target, $\phi$ swivels about it, and $-a$ turns the upper arm off it, in the swivel plane."
         ],
@@ -680,33 +633,35 @@ def _half(tables: Tables) -> Step:
 
 def product_lines(tables: Tables, values: dict[str, sp.Expr]) -> list[sp.Expr]:
     result = run_lines(tables.lean, ["Product"], values)
-    return [result[name] for name in "wijk"]
+    return [result[f"{name}_1"] for name in "wijk"]
 
 
 def _product(tables: Tables) -> Step:
-    h1_c, h1_s, ht_c, ht_s, ha_c, ha_s = h = symbols("h1_c h1_s ht_c ht_s ha_c ha_s")
+    az_c, az_s, tilt_c, tilt_s, arm_c, arm_s = h = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
     step = Step(
         "8. The product of the four quaternions",
         [
-            r"One quaternion for each turn: $h_1 = h(-u_y, u_x)$ about z, $h_t = h(\mathrm{se}, \mathrm{ce})$ about "
-            r"x, $h_\phi = c_{\phi/2} + s_{\phi/2} k$, and $h_a = h(c_a, s_a)$ about x, turned back. The right sides "
+            r"One quaternion for each turn: $\mathrm{az} = h(-u_y, u_x)$ about z, $\mathrm{tilt} = h(\sin_{el}, "
+            r"\cos_{el})$ about x, $h_\phi = \cos_h + \sin_h k$, and $\mathrm{arm} = h(\cos_a, \sin_a)$ about x, "
+            "turned back. The right sides "
             "are the algebra's product, the left sides the lean lines, which take 16 multiplications. $M(v)$ is the "
-            r"matrix of $x \mapsto v x \tilde v$. By the last statements $M(w, i, j, k) = |h_1|^2 |h_t|^2 |h_a|^2 R$ "
+            r"matrix of $x \mapsto v x \tilde v$. By the last statements $M(w_1, i_1, j_1, k_1) = |\mathrm{az}|^2 "
+            r"|\mathrm{tilt}|^2 |\mathrm{arm}|^2 R$ "
             "in all eight combinations of the branches."
         ],
     )
     given = {str(symbol): symbol for symbol in (*h, C2, S2)}
     lean = product_lines(tables, given)
     algebra = (
-        cga.quaternion(h1_c, 0, 0, h1_s) * cga.quaternion(ht_c, ht_s, 0, 0)
-        * cga.quaternion(C2, 0, 0, S2) * cga.quaternion(ha_c, -ha_s, 0, 0)
+        cga.quaternion(az_c, 0, 0, az_s) * cga.quaternion(tilt_c, tilt_s, 0, 0)
+        * cga.quaternion(C2, 0, 0, S2) * cga.quaternion(arm_c, -arm_s, 0, 0)
     )  # fmt: skip
     for name, value, right in zip("wijk", lean, cga.quaternion_coefficients(algebra), strict=True):
         right = sp.expand(sp.sympify(right))
-        step.shown.append((name, latex(right)))
+        step.shown.append((f"{name}_1", latex(right)))
         part = "" if name == "w" else f"_{name}"
-        statement = rf"{name} = \langle h_1 h_t h_\phi \tilde h_a\rangle{part}"
-        step.equal(statement, value, right)
+        four = r"\mathrm{az}\,\mathrm{tilt}\,h_\phi\,\widetilde{\mathrm{arm}}"
+        step.equal(rf"{name}_1 = \langle {four}\rangle{part}", value, right)
     c, s = symbols("c s")
     circle: Relations = {"c^2 + s^2 = 1": (s, 1 - c**2)}
     for axis, branch in itertools.product("zx", tables.half):
@@ -717,10 +672,10 @@ def _product(tables: Tables) -> Step:
         unit = "k" if axis == "z" else "i"
         statement = rf"M(h_c + h_s {unit}) = |h|^2 R_{axis}(c, s) \text{{ for }} {when}"
         step.equal(statement, matrix, size * turn(axis, c, s), circle)
-    back = rotation_matrix((ha_c, -ha_s, 0, 0)) - rotation_matrix((ha_c, ha_s, 0, 0)).T
-    step.equal(r"M(\tilde h_a) = M(h_a)^T", back, sp.zeros(3, 3))
+    back = rotation_matrix((arm_c, -arm_s, 0, 0)) - rotation_matrix((arm_c, arm_s, 0, 0)).T
+    step.equal(r"M(\widetilde{\mathrm{arm}}) = M(\mathrm{arm})^T", back, sp.zeros(3, 3))
     phi = rotation_matrix((C2, 0, 0, S2)) - turn("z", C2**2 - S2**2, 2 * C2 * S2)
-    step.equal(r"M(c_{\phi/2} + s_{\phi/2} k) = R_z(\phi)", phi, sp.zeros(3, 3), HALF_CIRCLE)
+    step.equal(r"M(\cos_h + \sin_h k) = R_z(\phi)", phi, sp.zeros(3, 3), HALF_CIRCLE)
     a, b = symbols("r_w r_i r_j r_k"), symbols("q_0 q_1 q_2 q_3")
     both = [sp.expand(sp.sympify(v)) for v in cga.quaternion_coefficients(cga.quaternion(*a) * cga.quaternion(*b))]
     product = rotation_matrix(a) * rotation_matrix(b)
@@ -729,42 +684,42 @@ def _product(tables: Tables) -> Step:
 
 
 def _length(tables: Tables) -> Step:
-    h = symbols("h1_c h1_s ht_c ht_s ha_c ha_s")
-    lengths = symbols("l_1 l_t l_a")
+    h = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
+    lengths = symbols("az_sq tilt_sq arm_sq")
     step = Step(
         "9. The one root at the end",
         [
-            r"The length of a product is the product of the lengths, so $w^2 + i^2 + j^2 + k^2$ is known from $u_y$, "
-            r"$\mathrm{se}$ and $c_a$, with two multiplications and beside the product, and "
-            r"$Q_s = (w, i, j, k)/\sqrt t$."
+            r"The length of a product is the product of the lengths, so that of $q = (w_1, i_1, j_1, k_1)$ is known "
+            r"from $u_y$, $\sin_{el}$ and $\cos_a$, with two multiplications and beside the product, and $Q_s = q/|q|$."
         ],
     )
     quaternion = product_lines(tables, {str(symbol): symbol for symbol in (*h, C2, S2)})
     relations: Relations = {
-        rf"|h_{name}|^2 = \ell_{name}": (h[2 * n + 1], lengths[n] - h[2 * n] ** 2) for n, name in enumerate("1ta")
+        rf"{TEX[f'{name}_c']}^2 + {TEX[f'{name}_s']}^2 = {TEX[f'{name}_sq']}":
+        (h[2 * n + 1], lengths[n] - h[2 * n] ** 2) for n, name in enumerate(HALVES)
     }
-    t = run_lines({"t": {"t": lines(tables.lean)["t"]}}, ["t"], {str(v): v for v in lengths})["t"]
-    step.equal("w^2 + i^2 + j^2 + k^2 = t", dot(quaternion, quaternion), t, relations | HALF_CIRCLE)
-    for (cosine, _, length), label in zip(HALVES.values(), "1ta", strict=True):
+    name = "length_sq"
+    t = run_lines({name: {name: lines(tables.lean)[name]}}, [name], {str(v): v for v in lengths})[name]
+    step.equal("w_1^2 + i_1^2 + j_1^2 + k_1^2 = |q|^2", dot(quaternion, quaternion), t, relations | HALF_CIRCLE)
+    for cosine, _, length in HALVES.values():
         c = evaluate(cosine, **ANGLES)
         derived = evaluate(lines(tables.lean)[length].replace("Abs(", "abs("), **ANGLES)
-        step.equal(rf"\ell_{label} = (1 + |{latex(c)}|)/2", derived, (1 + sp.Abs(c)) / 2)
+        step.equal(rf"{TEX[length]} = (1 + |{latex(c)}|)/2", derived, (1 + sp.Abs(c)) / 2)
     flat = [SYMBOL[cosine.removeprefix("-")] for cosine, _, _ in HALVES.values()]
-    whole = run_lines(tables.lean, ["Lengths of the half angle quaternions"], ANGLES)
+    whole = run_lines(tables.lean, ["Lengths of the half angle quaternions, squared"], ANGLES)
     whole = t.subs({v: whole[str(v)] for v in lengths})
     corners = [whole.subs(dict(zip(flat, corner, strict=True))) for corner in itertools.product((0, 1), repeat=3)]
     straight = whole.subs({sp.Abs(v): v for v in flat})
     linear = all(sp.degree(straight, v) == 1 for v in flat)
     low, high = min(corners), max(corners)
     step.true(
-        rf"{latex(low)} \le t \le {latex(high)}", linear and (low, high) == (sp.Rational(1, 8), 1),
-        f"$t$ is linear in each of {', '.join(f'${latex(sp.Abs(v))}$' for v in flat)}, so its extremes over "
+        rf"{latex(low)} \le |q|^2 \le {latex(high)}", linear and (low, high) == (sp.Rational(1, 8), 1),
+        f"$|q|^2$ is linear in each of {', '.join(f'${latex(sp.Abs(v))}$' for v in flat)}, so its extremes over "
         "$[0, 1]^3$ are among the 8 corners; evaluated there",
     )  # fmt: skip
-    (root,) = symbols("sqrt_t")
-    last = run_lines(tables.lean, ["Root, second level"], {str(v): v for v in symbols("l_1 l_t l_a w i j k")} |
-                     {"g_t": 1 / root})  # fmt: skip
-    step.equal(r"Q_s = (w, i, j, k)/\sqrt t", [last[f"qs_{part}"] * root for part in "wijk"], list(symbols("w i j k")))
+    root, *q = symbols("length w_1 i_1 j_1 k_1")
+    last = run_lines(tables.lean, ["Root, second level"], {str(v): v for v in (*lengths, *q)} | {"inv_q": 1 / root})
+    step.equal("Q_s = q/|q|", [last[f"qs_{part}"] * root for part in "wijk"], q)
     return step
 
 
@@ -775,8 +730,9 @@ def _shifts(tables: Tables) -> Step:
             "A root core works on a mantissa in $[\\tfrac14, 1)$: the argument times $4^k$. An even shift, since the "
             "root of $4^k$ is a shift again; an odd one would leave $\\sqrt 2$. The first statement is for any integer "
             "$k$. The table has each result as its line worked out with mantissas, times the power of two shown, where "
-            r"$k_v$ belongs to the root of $v$: every scale is taken back by one shift of a product. $t$ is at least "
-            r"$\tfrac18$, so its $k$ is 0 or 1; $t = 1$, the upper end, is the pose with all three cosines $\pm 1$."
+            r"$k_v$ belongs to the root of $v$: every scale is taken back by one shift of a product. $|q|^2$ is at "
+            r"least $\tfrac18$, so its $k$ is 0 or 1; $|q|^2 = 1$, the upper end, is the pose with all three cosines "
+            r"$\pm 1$."
         ],
     )
     k, v = sp.Symbol("k", integer=True), sp.Symbol("v", positive=True)
@@ -816,9 +772,9 @@ def _near_singular(tables: Tables) -> Step:
             "A difference of rounded numbers that are nearly equal loses digits. Where the lean form subtracts, "
             "either the numbers are exact or only the absolute error of the difference counts. The sums of the inputs "
             "are integers when the inputs are; directions and triangle are products only, so each keeps the relative "
-            "precision of its factors; $1 + |c|$ is at least 1; and $(w, i, j, k)$ is linear in each of its four "
+            "precision of its factors; $1 + |c|$ is at least 1; and $q$ is linear in each of its four "
             r"factors, of which none is shorter than $1/\sqrt2$ (step 9). So an error of length $\epsilon$ in one "
-            r"factor moves $Q_s$, to first order, by at most $\sqrt2\,\epsilon$, and one in $(w, i, j, k)$ by at most "
+            r"factor moves $Q_s$, to first order, by at most $\sqrt2\,\epsilon$, and one in $q$ by at most "
             r"$\sqrt8\,\epsilon$, at every pose: a target near an axis or a limit is no worse than another."
         ],
     )
@@ -836,14 +792,14 @@ def _near_singular(tables: Tables) -> Step:
     none = all(not tree(lines(tables.lean)[n]).has(sp.Add) for n in products)
     names = ", ".join(TEX[n] for n in products)
     step.true(rf"{names} \text{{ are products}}", none, "no line has a sum")
-    h = symbols("h1_c h1_s ht_c ht_s ha_c ha_s")
+    h = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
     quaternion = product_lines(tables, {str(symbol): symbol for symbol in (*h, C2, S2)})
     pairs = [h[0:2], h[2:4], h[4:6], [C2, S2]]
     linear = all(
         sum(powers) == 1 for part in quaternion for pair in pairs for powers in sp.Poly(part, *pair).monoms()
     )
-    step.true(r"w, i, j, k \text{ are linear in } h_1, h_t, h_a, (c_{\phi/2}, s_{\phi/2}) \text{ each}", linear,
-              "degrees of the terms")  # fmt: skip
+    step.true(r"q \text{ is linear in } \mathrm{az}, \mathrm{tilt}, \mathrm{arm}, (\cos_h, \sin_h) \text{ each}",
+              linear, "degrees of the terms")  # fmt: skip
 
     delta = SYMBOL["delta"]
     d1, d2 = sp.symbols("d_1 d_2", positive=True)
@@ -979,8 +935,10 @@ def _counts(tables: Tables) -> Step:
         return total
 
     step.extra += ["| lines | x | +, - | reciprocal roots |", "| --- | --: | --: | --: |"]
-    own = ["Lengths of the half angle quaternions", "Product", "Root, second level"]
-    both = rows(tables.lean, [group for group in tables.lean if group not in own], "both forms, to the triangle")
+    own = ["Lengths of the half angle quaternions, squared", "Product", "Root, second level"]
+    chosen = ["Half angle quaternions", "Half the swivel angle"]  # choices, and what both forms look up
+    head = [group for group in tables.lean if group not in own + chosen]
+    both = rows(tables.lean, head, "both forms, to the triangle")
     lean = rows(tables.lean, own, "shoulder, lean form")
     matrix = rows(tables.matrix, list(tables.matrix), "shoulder, matrix form")
     shared = []
@@ -1040,8 +998,7 @@ def page(steps: list[Step], tables: Tables | None = None) -> str:
         "the paper's equations to that dataflow. The paper's side is the table `model/reference/printed.py`,",
         "with the square",
         "that (11) lacks in print; [derivation.md](derivation.md) proves that table from the geometry. The lean side",
-        "is the table below, which `scripts/derive/lean.py` has once; a test compares it with",
-        "`model/reference/lean_equations.py`.",
+        "is the table below; a test compares it with `model/reference/lean_equations.py`.",
         "In numbers, `model/reference/tests/test_lean_equations.py` compares the two.",
         "",
         "How a statement is checked:",
@@ -1059,33 +1016,32 @@ def page(steps: list[Step], tables: Tables | None = None) -> str:
         "",
         "## The dataflow",
         "",
-        r"The target is $p = (x, y, z)$; $\mathrm{se}$ and $\mathrm{ce}$ are sine and cosine of its elevation, $c_a$",
-        r"and $s_a$ those of the angle $a$ between target and upper arm, $c_{\phi/2}$ and $s_{\phi/2}$ those of",
-        r"$\phi/2$.",
+        r"The target is $p = (x, y, z)$; $\sin_{el}$ and $\cos_{el}$ are those of its elevation, $\cos_a$ and $\sin_a$",
+        r"those of the angle $a$ between target and upper arm, $\sin_h$ and $\cos_h$ those of $\phi/2$. A line has the",
+        "same number and the same name in `model/reference/lean_table.py`, which this table shows, in",
+        "`model/dataflow/lean.py` and in `rtl/lean`, where the number stands at the declaration of the node of that",
+        "name. What has the number of a line and another name there is a step to it: $e_v$ and $m_v$ are shift and",
+        "mantissa of a root's argument $v$, and a root or a product of mantissas comes to another's unit by $2^{-n}$.",
         "",
     ]
     for group, table in tables.lean.items():
-        if group == "Product":
-            out += ["Half angle quaternions:", ""]
-            out += paper._aligned([
-                ("h(c, s)", rf"\left({line_tex(c)},\ {line_tex(s)}\right) \text{{ for }} "
-                 + (r"c \ge 0" if branch == "c >= 0" else "c < 0"))
-                for branch, (c, s) in tables.half.items()
-            ] + [
-                (rf"\left({TEX[f'{name}_c']}, {TEX[f'{name}_s']}\right)", f"h({line_tex(c)}, {line_tex(s)})")
-                for name, (c, s, _) in HALVES.items()
-            ])  # fmt: skip
-            out.append("")
-        out += [f"{group}:", "", *paper._aligned([(TEX[name], line_tex(text)) for name, text in table.items()]), ""]
+        out += [f"{group}:", "", "| | name | equation |", "| --- | --- | --- |"]
+        out += [f"| {NUMBER[n]} | `{n}` | ${_cell(f'{TEX[n]} = {line_tex(text)}')}$ |" for n, text in table.items()]
+        out.append("")
+    parts = [
+        ("h(c, s) = (h_c(c, s), h_s(c, s))", rf"\left({line_tex(c)},\ {line_tex(s)}\right) \text{{ for }} {branch}")
+        for branch, (c, s) in zip((r"c \ge 0", "c < 0"), tables.half.values(), strict=True)
+    ]
+    out += ["The half angle quaternions are", "", *paper._aligned(parts), ""]
     out += [
-        "$Q_s$ is negated if $k < 0$. Where a line has no meaning, a rule stands in for it:",
+        "$Q_s$ is negated if $k_1 < 0$. Where a line has no meaning, a rule stands in for it:",
         "",
         "- on the z axis ($x = y = 0$): $u_x = 1$, $u_y = 0$;",
-        r"- at the shoulder ($p = 0$): $\mathrm{se} = 1$, $\mathrm{ce} = 0$, and the arm is folded as in the next",
+        r"- at the shoulder ($p = 0$): $\sin_{el} = 1$, $\cos_{el} = 0$, and the arm is folded as in the next",
         "  line;",
-        "- too near ($B < 0$): $Q_e = 1$, $s_a = 0$, $c_a = 1$, or $c_a = -1$ if $d_1 < d_2$;",
-        "- too far ($A < 0$): $Q_e = -i$, $c_a = 1$, $s_a = 0$; the same, wherever the target is, with a length that",
-        "  is not positive.",
+        r"- too near ($B < 0$): $Q_e = 1$, $\sin_a = 0$, $\cos_a = 1$, or $\cos_a = -1$ if $d_1 < d_2$;",
+        r"- too far ($A < 0$): $Q_e = -i$, $\cos_a = 1$, $\sin_a = 0$; the same, wherever the target is, with a length",
+        "  that is not positive.",
         "",
         "## Summary",
         "",

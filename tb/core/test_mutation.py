@@ -46,7 +46,7 @@ MUTANTS = [
     Mutant("paper", "delay", "ik_to_elbow", ".N(T_U_X-T_H)) u_h_u ", ".N(T_U_X-T_H+1)) u_h_u ", "to_elbow.uh_x"),
     Mutant("paper", "narrowing", "ik_to_wrist", ".SH(F_C3_R-F_C3_NUM), .OW(W)", ".SH(F_C3_R-F_C3_NUM+1), .OW(W)",
            "to_wrist.c3_num"),
-    Mutant("lean", "lean_sign", "ik_lean_turn", "c_p <= cc - ss;", "c_p <= cc + ss;", "turn.c_p"),
+    Mutant("lean", "lean_sign", "ik_lean_turn", "c_plus <= cc - ss;", "c_plus <= cc + ss;", "turn.c_plus"),
     Mutant("lean", "lean_flag", "ik_lean_guard",
            "(too_near || shoulder_far)", "(too_far || shoulder_far)", "guard.fold", target=CLAMPED),
     Mutant("lean", "lean_shift", "ik_lean_triangle", "e_ab - e_1s;", "e_ab - e_1s + 6'd1;", "triangle.n_ab"),
@@ -58,7 +58,7 @@ MUTANTS = [
 BUILT = MUTANTS if simulator() == "icarus" else MUTANTS[:1]
 
 MESSAGE = re.compile(
-    r"first difference: (?P<node>[\w.]+) (?P<equation>\(\d+\) )?of target (?P<target>\d+) at clock (?P<clock>\d+): "
+    r"first difference: (?P<node>[\w.]+) (?P<equation>\(L?\d+\) )?of target (?P<target>\d+) at clock (?P<clock>\d+): "
     r"RTL (?P<rtl>[0-9a-f]+) \((?P<rtl_real>[^)]+)\), model (?P<model>[0-9a-f]+) \((?P<model_real>[^)]+)\)$",
     re.MULTILINE,
 )

@@ -83,16 +83,16 @@ TO_WRIST = {
     "q3_k": Value("negative_abs ? -q3_abs : q3_abs"),
 }
 
-LEAN_GUARD = {"r_raw": GUARD["r_raw"], "d_raw": GUARD["d_raw"]}
+LEAN_GUARD = {"d_sum": Value("d1 + d2"), "d_dif": Value("d1 - d2")}
 
 LEAN_DIRECTION = {
     "n_el": Value(f"{_whole('e_rho_s')} - {_whole('e_s')}"),
-    "g_1": Value(f"((1 <<< FRAC) + {_magnitude('u_y')}) >>> 1"),
-    "h1_c": Value("(sign_u_y_h || axis_h) ? g_1 : (u_x_h >>> 1)"),
-    "h1_s": Value("sign_u_y_h ? (u_x_h >>> 1) : g_1"),
-    "g_t": Value(f"shoulder_el ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('sin_el')}) >>> 1)"),
-    "ht_c": Value("sign_h ? (cos_el >>> 1) : g_t_h"),
-    "ht_s": Value("sign_h ? g_t_h : (cos_el >>> 1)"),
+    "az_sq": Value(f"((1 <<< FRAC) + {_magnitude('u_y')}) >>> 1"),
+    "az_c": Value("(sign_u_y_h || axis_h) ? az_sq : (u_x_h >>> 1)"),
+    "az_s": Value("sign_u_y_h ? (u_x_h >>> 1) : az_sq"),
+    "tilt_sq": Value(f"shoulder_el ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('sin_el')}) >>> 1)"),
+    "tilt_c": Value("sign_h ? (cos_el >>> 1) : tilt_sq_h"),
+    "tilt_s": Value("sign_h ? tilt_sq_h : (cos_el >>> 1)"),
 }
 
 
@@ -103,29 +103,29 @@ def _limited(word: str) -> Value:
     return Value(f"wide + {word} > {top} ? {top} : {word}", 0, why)
 
 
-E_A, E_B, E_1, E_2, E_S = map(_whole, ("e_a", "e_b", "e_1_a", "e_2_a", "e_s_a"))
+E_FAR, E_NEAR, E_1, E_2, E_S = map(_whole, ("e_far", "e_near", "e_1_far", "e_2_far", "e_s_far"))
 ROUNDED = "((1 <<< (DROP - 1)) {} {}) >>> DROP"
 LEAN_TRIANGLE = {
-    "n_a": Value(f"{E_A} - {E_1} - {E_2} + 2 + ODD"),
-    "n_b": Value(f"{E_B} - {E_1} - {E_2} + 2 + ODD"),
-    "v_a": _limited("v_a_raw"),
-    "v_b": _limited("v_b_raw"),
-    "qe_w": Value(f"!clamp_el ? {ROUNDED.format('+', 'el_a')} : fold_el ? (1 <<< (W - 2)) : 0"),
-    "qe_i": Value(f"!clamp_el ? {ROUNDED.format('-', 'el_b')} : fold_el ? 0 : -(1 <<< (W - 2))"),
-    "t_a": _limited("t_a_raw"),
-    "n_k": Value(f"2 * {_whole('e_1_s')} + {_whole('e_s')}"),
-    "n_ab": Value(f"{E_A} + {E_B} + 2 + ODD - 2 * {E_1} - {E_S}", 2),
-    "v_ab": _limited("v_ab_raw"),
-    "g_a": Value(f"clamp_cos ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('cos_a')}) >>> 1)"),
-    "ha_c": Value("clamp_sin ? (away_sin ? 0 : g_a_sin) : sign_sin ? (sin_a >>> 1) : g_a_sin"),
-    "ha_s": Value("clamp_sin ? (away_sin ? g_a_sin : 0) : sign_sin ? g_a_sin : (sin_a >>> 1)"),
+    "n_far": Value(f"{E_FAR} - {E_1} - {E_2} + 2 + ODD"),
+    "n_near": Value(f"{E_NEAR} - {E_1} - {E_2} + 2 + ODD"),
+    "inv_12_far": _limited("inv_12_far_raw"),
+    "inv_12_near": _limited("inv_12_near_raw"),
+    "qe_w": Value(f"!clamp_el ? {ROUNDED.format('+', 'elbow_w')} : fold_el ? (1 <<< (W - 2)) : 0"),
+    "qe_i": Value(f"!clamp_el ? {ROUNDED.format('-', 'elbow_i')} : fold_el ? 0 : -(1 <<< (W - 2))"),
+    "inv_law": _limited("inv_law_raw"),
+    "n_law": Value(f"2 * {_whole('e_1_s')} + {_whole('e_s')}"),
+    "n_ab": Value(f"{E_FAR} + {E_NEAR} + 2 + ODD - 2 * {E_1} - {E_S}", 2),
+    "inv_law_ab": _limited("inv_law_ab_raw"),
+    "arm_sq": Value(f"clamp_cos ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('cos_a')}) >>> 1)"),
+    "arm_c": Value("clamp_sin ? (away_sin ? 0 : arm_sq_sin) : sign_sin ? (sin_a >>> 1) : arm_sq_sin"),
+    "arm_s": Value("clamp_sin ? (away_sin ? arm_sq_sin : 0) : sign_sin ? arm_sq_sin : (sin_a >>> 1)"),
 }
 
 LEAN_TURN = {
-    "c_p": Value("cc - ss"),
-    "c_m": Value("cc + ss"),
-    "s_p": Value("sc + cs"),
-    "s_m": Value("sc - cs"),
+    "c_plus": Value("cc - ss"),
+    "c_minus": Value("cc + ss"),
+    "s_plus": Value("sc + cs"),
+    "s_minus": Value("sc - cs"),
     "w_1": Value("w_c + i_s"),
     "i_1": Value("i_c - w_s"),
     "j_1": Value("j_c - k_s"),
@@ -186,5 +186,5 @@ def properties(section: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-UNSIGNED = ("scale_j", "n_el", "n_a", "n_b", "n_k", "n_ab", "m_q")
+UNSIGNED = ("scale_j", "n_el", "n_far", "n_near", "n_law", "n_ab", "m_q")
 """Nodes that are unsigned words."""

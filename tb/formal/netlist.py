@@ -80,7 +80,7 @@ class Netlist:
             if len(bits) != width:
                 raise NetlistError(f"{name}: {len(bits)} bits in {self.kind(path)}, {width} in the model")
             for index, bit in enumerate(bits):
-                # the same wire may be two nodes (t_a_raw and t_a below its limit): the first stays
+                # the same wire may be two nodes (inv_law_raw and inv_law below its limit): the first stays
                 self.node_bits.setdefault((path, bit), (name, index))
 
     # ---- hierarchy ---------------------------------------------------------------------------------------------------

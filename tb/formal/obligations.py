@@ -111,7 +111,7 @@ def table(datapath: str, width: int) -> dict[str, Range]:
             found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
             continue
         # Numbers below a bound that is itself no word: "cut off, never rounded up", and (d1 + d2)^2 and A below 16.
-        below = name in lean_ranges.CUT or name in ("r_sq", "a_far")
+        below = name in lean_ranges.CUT or name in ("d_sum_sq", "a_far")
         low = math.ceil((bound.low - bound.error) / fmt.ulp)
         high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)
         found[name] = Range(max(low, fmt.low), min(high, fmt.high), lean_ranges.WHY.get(name, ""))

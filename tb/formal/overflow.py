@@ -149,7 +149,7 @@ BUGS = (
     ),
     Bug("no limit at 1", "paper", "h3_p", f"{LIB}ik_half.v", "else if (u[W-1:0] > TOP) q <= TOP;", "", "limited"),
     Bug(
-        "shifts zeros in", "lean", "v_a_raw", f"{LIB}ik_shift.v",
+        "shifts zeros in", "lean", "inv_12_far_raw", f"{LIB}ik_shift.v",
         "(d >>> {count[5:3], 3'b000})", "(d >> {count[5:3], 3'b000})", "modulo",
     ),
     Bug(
@@ -157,7 +157,7 @@ BUGS = (
         "16'd1 << count[3:0]", "16'd1 << count[2:0]", "modulo",
     ),
     Bug(
-        "a bit too short inside", "lean", "k_t", f"{LIB}ik_shift3.v",
+        "a bit too short inside", "lean", "k_scaled", f"{LIB}ik_shift3.v",
         "TOP = DROP + OW;", "TOP = DROP + OW - 1;", "modulo",
     ),
     # what sections compute themselves, ik_pick included
@@ -166,7 +166,10 @@ BUGS = (
     Bug("wraps", "paper", "d_sum", f"{PAPER}ik_elbow.v", "d_sum <= d_1 + d_2;", "d_sum <= d_1 + d_1 + d_2;"),
     Bug("extended by a zero", "paper", "r_raw", f"{PAPER}ik_guard.v", "d1_x = {d1[W-1], d1}", "d1_x = {1'b0, d1}"),
     Bug("no limit", "paper", "h", f"{PAPER}ik_to_elbow.v", "(h_sum[W:W-1] != 2'b00)", "1'b0"),
-    Bug("no limit above 2", "lean", "v_a", f"{LEAN}ik_lean_triangle.v", "(|v_a_raw[RW-1:N-1])", "(|v_a_raw[RW-1:N])"),
+    Bug(
+        "no limit above 2", "lean", "inv_12_far", f"{LEAN}ik_lean_triangle.v",
+        "(|inv_12_far_raw[RW-1:N-1])", "(|inv_12_far_raw[RW-1:N])",
+    ),
     Bug("four times", "lean", "w_n", f"{LEAN}ik_lean_turn.v", "((low_n ? (w_1 <<< 1)", "((low_n ? (w_1 <<< 2)"),
 )  # fmt: skip
 

@@ -19,8 +19,11 @@ def test_every_node_fits(width):
     lean_ranges.check(width)
 
 
-@pytest.mark.parametrize(("name", "width"), [("u_x", 32), ("t_a_raw", 18), ("k_t", 24), ("length_sq", 32), ("qs_i", 16),
-                                             ("rho_sq", 32), ("m_a", 18)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [("u_x", 32), ("inv_law_raw", 18), ("k_scaled", 24), ("length_sq", 32), ("qs_i", 16), ("rho_sq", 32),
+     ("m_far", 18)],
+)
 def test_a_format_too_short_is_named(name, width):
     fmt = lean_ranges.LeanRanges(width).nodes[name].format
     spare = {"rho_sq": 2, "length_sq": 2, "u_x": 2}.get(name, 1)  # one bit, or the spare one and another

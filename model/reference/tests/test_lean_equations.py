@@ -21,7 +21,7 @@ from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_N
 RESULTS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 NODES = (
     "rho_sq", "s", "a_far", "b_near", "k_law", "u_x", "u_y", "sin_el", "cos_el", "cos_a", "sin_a",
-    "h1_c", "h1_s", "ht_c", "ht_s", "ha_c", "ha_s", "cos_half", "sin_half", "t",
+    "az_c", "az_s", "tilt_c", "tilt_s", "arm_c", "arm_s", "cos_h", "sin_h", "length_sq",
 )  # fmt: skip
 ROUNDOFF = 5e-15
 """Rad, and of the reach."""
@@ -63,7 +63,7 @@ def assert_defined(result):
     np.testing.assert_allclose((elbow(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qe| = 1")
     assert (result["qs_k"] >= 0).all(), "the k part of Qs is never negative"
     assert (result["qe_w"] >= 0).all() and (result["qe_i"] <= 0).all(), "signs of (14)"
-    assert (result["t"] >= 1 / 8).all() and (result["t"] <= 1 + 1e-15).all(), "t lies in [1/8, 1]"
+    assert (result["length_sq"] >= 1 / 8).all() and (result["length_sq"] <= 1 + 1e-15).all(), "in [1/8, 1]"
 
 
 def workspace(size, seed):
@@ -313,21 +313,21 @@ def test_nodes_are_what_their_names_say():
         "b_near": distance**2 - (d1 - d2) ** 2, "k_law": distance**2 + d1**2 - d2**2,
         "u_x": x / rho, "u_y": y / rho, "sin_el": z / distance, "cos_el": rho / distance,
         "cos_a": (distance**2 + d1**2 - d2**2) / (2 * d1 * distance),
-        "cos_half": np.cos(phi / 2), "sin_half": np.sin(phi / 2),
+        "cos_h": np.cos(phi / 2), "sin_h": np.sin(phi / 2),
     }  # fmt: skip
     for name, value in expected.items():
         np.testing.assert_allclose(lean[name], value, rtol=0, atol=1e-14, err_msg=name)
     np.testing.assert_allclose(lean["cos_a"] ** 2 + lean["sin_a"] ** 2, 1, rtol=0, atol=1e-14)
     assert (lean["sin_a"] >= 0).all()
-    for c, s, name in ((-lean["u_y"], lean["u_x"], "h1"), (lean["sin_el"], lean["cos_el"], "ht"),
-                       (lean["cos_a"], lean["sin_a"], "ha")):  # fmt: skip
+    for c, s, name in ((-lean["u_y"], lean["u_x"], "az"), (lean["sin_el"], lean["cos_el"], "tilt"),
+                       (lean["cos_a"], lean["sin_a"], "arm")):  # fmt: skip
         h_c, h_s = lean[f"{name}_c"], lean[f"{name}_s"]
         length = h_c**2 + h_s**2
         np.testing.assert_allclose(length, (1 + np.abs(c)) / 2, rtol=1e-14, err_msg=f"|{name}|^2")
         np.testing.assert_allclose((h_c**2 - h_s**2) / length, c, rtol=0, atol=1e-14, err_msg=f"{name}: cosine")
         np.testing.assert_allclose(2 * h_c * h_s / length, s, rtol=0, atol=1e-14, err_msg=f"{name}: sine")
-    lengths = [lean[f"{name}_c"] ** 2 + lean[f"{name}_s"] ** 2 for name in ("h1", "ht", "ha")]
-    np.testing.assert_allclose(lean["t"], np.prod(lengths, axis=0), rtol=1e-14, err_msg="t")
+    lengths = [lean[f"{name}_c"] ** 2 + lean[f"{name}_s"] ** 2 for name in ("az", "tilt", "arm")]
+    np.testing.assert_allclose(lean["length_sq"], np.prod(lengths, axis=0), rtol=1e-14, err_msg="length_sq")
 
 
 def test_shoulder_is_the_matrix_of_normal_and_elbow():

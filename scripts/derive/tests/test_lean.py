@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The derivation of the lean dataflow: its page is up to date, and a wrong line on either side does not pass."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import sympy
 
 from model.reference import cga
 from model.reference.lean_equations import solve_lean
+from model.reference.lean_table import HALF, LEAN
 from scripts.derive import lean as derive_lean
-from scripts.derive.lean import HALF, HALVES, LEAN, Tables
+from scripts.derive.lean import Tables
 
 
 @pytest.fixture(scope="module")
@@ -35,25 +38,19 @@ def test_table_is_what_the_model_computes():
     p *= (np.abs(d1 - d2) + np.minimum(d1, d2) * rng.uniform(0.1, 1.9, 500)) / np.linalg.norm(p, axis=0)
     phi = rng.uniform(-np.pi, np.pi, 500)
     model = solve_lean(*p, phi, d1, d2)
-    names = {"rsqrt": lambda v: 1 / np.sqrt(v), "Abs": np.abs}
-    values = dict(zip(("x", "y", "z", "d1", "d2"), (*p, d1, d2), strict=True))
-    values |= {"cos_half": np.cos(phi / 2), "sin_half": np.sin(phi / 2)}
+    values = dict(zip(("x", "y", "z", "phi", "d1", "d2"), (*p, phi, d1, d2), strict=True))
+    names = {"rsqrt": lambda v: 1 / np.sqrt(v), "Abs": np.abs, "cos": np.cos, "sin": np.sin}
 
     def number(text, **more):
         return eval(text, {"__builtins__": {}}, names | values | more)  # noqa: S307
 
-    for group, lines in LEAN.items():
-        if group == "Product":
-            for name, (c, s, _) in HALVES.items():
-                angle = {"c": number(c), "s": number(s)}
-                branches = {when: [number(text, **angle) for text in pair] for when, pair in HALF.items()}
-                for n, part in enumerate("cs"):
-                    values[f"{name}_{part}"] = np.where(
-                        angle["c"] >= 0, branches["c >= 0"][n], branches["c < 0"][n]
-                    )
-        for name, text in lines.items():
-            values[name] = number(text)
-    sign = np.where(values["k"] < 0, -1, 1)
+    def half(part, c, s):
+        return np.where(c >= 0, *(number(HALF[branch][part], c=c, s=s) for branch in ("c >= 0", "c < 0")))
+
+    names |= {"half_c": partial(half, 0), "half_s": partial(half, 1)}
+    for name, text in (line for group in LEAN.values() for line in group.items()):
+        values[name] = number(text)
+    sign = np.where(values["k_1"] < 0, -1, 1)
     for part in "wijk":
         values[f"qs_{part}"] = values[f"qs_{part}"] * sign
     compared = set(values) & set(model)
@@ -79,8 +76,8 @@ def assert_found(step, tables):
 @pytest.mark.parametrize(
     "name, right, wrong, step",
     [
-        ("r", "+", "-", "directions"),
-        ("q", "-", "+", "directions"),
+        ("d_sum", "+", "-", "directions"),
+        ("d_dif", "-", "+", "directions"),
         ("rho_sq", "+", "-", "directions"),
         ("s", "+", "-", "directions"),
         ("a_far", "-", "+", "directions"),
@@ -88,52 +85,55 @@ def assert_found(step, tables):
         ("k_law", "+", "-", "directions"),
         ("k_law", "+", "-", "elbow"),
         ("k_law", "+", "-", "elbow_quaternion"),
-        ("g_rho", "rho_sq", "s", "directions"),
-        ("g_1", "d1", "d2", "directions"),
-        ("g_2", "d2", "d1", "elbow_quaternion"),
+        ("inv_rho", "rho_sq", "s", "directions"),
+        ("inv_1", "d1", "d2", "directions"),
+        ("inv_2", "d2", "d1", "elbow_quaternion"),
         ("u_x", "x", "y", "directions"),
-        ("u_y", "g_rho", "g_s", "directions"),
+        ("u_y", "inv_rho", "inv_s", "directions"),
         ("sin_el", "z", "-z", "directions"),
-        ("cos_el", "g_rho", "g_s", "directions"),
-        ("root_a", "g_a", "g_b", "elbow_quaternion"),
-        ("root_b", "b_near", "a_far", "directions"),
-        ("g_12", "/2", "", "elbow_quaternion"),
-        ("qe_w", "root_a", "-root_a", "elbow_quaternion"),
+        ("root_rho", "inv_rho", "inv_s", "directions"),
+        ("cos_el", "root_rho", "rho_sq", "directions"),
+        ("root_far", "inv_far", "inv_near", "elbow_quaternion"),
+        ("root_near", "b_near", "a_far", "directions"),
+        ("inv_12", "/2", "", "elbow_quaternion"),
+        ("qe_w", "root_far", "-root_far", "elbow_quaternion"),
         ("qe_i", "-", "", "elbow_quaternion"),
-        ("g_11", "**2", "", "directions"),
+        ("inv_11", "**2", "", "directions"),
+        ("inv_law", "/2", "", "directions"),
         ("cos_a", "k_law", "-k_law", "directions"),
-        ("sin_a", "root_a", "k_law", "directions"),
-        ("u_x", "x*g_rho", "x*g_rho + y", "near_singular"),
+        ("root_ab", "root_far", "k_law", "directions"),
+        ("sin_a", "root_ab", "root_far", "directions"),
+        ("u_x", "x*inv_rho", "x*inv_rho + y", "near_singular"),
         ("s", "+", "-", "near_singular"),
         ("rho_sq", "+", "-", "near_singular"),
-        ("a_far", "r**2", "r**2/3", "near_singular"),
-        ("a_far", "r**2", "q**2", "near_singular"),
-        ("b_near", "q", "r", "near_singular"),
-        ("l_1", "+", "-", "length"),
-        ("l_t", "sin_el", "cos_el", "length"),
-        ("l_a", "/2", "", "length"),
-        ("h_cc", "h1_c", "h1_s", "product"),
-        ("h_ss", "sin_half", "cos_half", "product"),
-        ("h_sc", "h1_s", "-h1_s", "product"),
-        ("h_cs", "h1_c", "-h1_c", "product"),
+        ("a_far", "d_sum**2", "d_sum**2/3", "near_singular"),
+        ("a_far", "d_sum**2", "d_dif**2", "near_singular"),
+        ("b_near", "d_dif", "d_sum", "near_singular"),
+        ("az_sq", "+", "-", "length"),
+        ("tilt_sq", "sin_el", "cos_el", "length"),
+        ("arm_sq", "/2", "", "length"),
+        ("cc", "az_c", "az_s", "product"),
+        ("ss", "sin_h", "cos_h", "product"),
+        ("sc", "az_s", "-az_s", "product"),
+        ("cs", "az_c", "-az_c", "product"),
         ("c_plus", "-", "+", "product"),
         ("c_plus", "-", "+", "length"),
         ("s_plus", "+", "-", "product"),
         ("c_minus", "+", "-", "product"),
         ("s_minus", "-", "+", "product"),
-        ("w_0", "ht_c", "ht_s", "product"),
+        ("w_0", "tilt_c", "tilt_s", "product"),
         ("i_0", "c_minus", "c_plus", "product"),
         ("j_0", "s_minus", "s_plus", "product"),
-        ("k_0", "ht_c", "ht_s", "product"),
-        ("w", "+", "-", "product"),
-        ("i", "-", "+", "product"),
-        ("j", "-", "+", "product"),
-        ("k", "+", "-", "product"),
-        ("k", "+", "-", "length"),
-        ("k", "j_0*ha_s", "j_0*ha_s*ha_s", "near_singular"),
-        ("t", "*l_a", "", "length"),
-        ("qs_i", "i", "j", "length"),
-        ("qs_k", "k", "-k", "length"),
+        ("k_0", "tilt_c", "tilt_s", "product"),
+        ("w_1", "+", "-", "product"),
+        ("i_1", "-", "+", "product"),
+        ("j_1", "-", "+", "product"),
+        ("k_1", "+", "-", "product"),
+        ("k_1", "+", "-", "length"),
+        ("k_1", "j_0*arm_s", "j_0*arm_s*arm_s", "near_singular"),
+        ("length_sq", "*arm_sq", "", "length"),
+        ("qs_i", "i_1", "j_1", "length"),
+        ("qs_k", "k_1", "-k_1", "length"),
     ],
 )
 def test_an_error_in_the_lean_form_is_found(name, right, wrong, step):
@@ -267,12 +267,12 @@ def test_a_relation_is_not_used_where_it_is_not_given():
         ("x", (0, 0, 0)),
         ("x**2 + y**2", (2, 1, 0)),
         ("-x*y/2", (1, 0, 0)),
-        ("s + r*q", (1, 1, 0)),
+        ("s + d_sum*d_dif", (1, 1, 0)),
         ("x*y*z - 1", (2, 1, 0)),
         ("(1 + Abs(c))/2", (0, 1, 0)),
-        ("rsqrt(t)", (0, 0, 1)),
+        ("rsqrt(length_sq)", (0, 0, 1)),
         ("-cos_phi*v_y - sin_phi*u_x", (2, 1, 0)),
-        ("g_1**2*g_s/2", (2, 0, 0)),
+        ("inv_1**2*inv_s/2", (2, 0, 0)),
     ],
 )
 def test_operations_are_counted(text, expected):
@@ -299,8 +299,8 @@ def test_check_tells_a_stale_page(tmp_path, monkeypatch, steps, capsys):
 def test_a_wrong_sign_fails_the_command_and_names_the_step(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(derive_lean, "ROOT", tmp_path)
     monkeypatch.setattr(derive_lean, "PAGE", tmp_path / "lean.md")
-    monkeypatch.setitem(derive_lean.LEAN["Product"], "k", "k_0*ha_c - j_0*ha_s")
+    monkeypatch.setitem(LEAN["Product"], "k_1", "k_0*arm_c - j_0*arm_s")
     assert derive_lean.main([]) == 1
     said = capsys.readouterr().err
-    assert "step 8. The product of the four quaternions: k = " in said and "not written" in said
+    assert "step 8. The product of the four quaternions: k_1 = " in said and "not written" in said
     assert not derive_lean.PAGE.exists(), "a page with a false statement is not written"
