@@ -62,9 +62,8 @@ def parameter_sets(name: str, text: str) -> list[dict]:
 
 def commands(source: Path, root: Path, parameters: dict) -> list[list[str]]:
     name = source.stem
-    places = [("-I", folder) for folder in includes(root)]
-    places += [("-y", folder) for folder in dict.fromkeys(path.parent for path in sources(root))]
-    where = [f"{option}{folder}" for option, folder in places]
+    where = [f"-I{folder}" for folder in includes(root)]
+    where += [word for folder in dict.fromkeys(path.parent for path in sources(root)) for word in ("-y", str(folder))]
     lint_vlt = root / "rtl" / "lint.vlt"
     waivers = [str(lint_vlt)] if lint_vlt.exists() else []
     verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", *waivers]
