@@ -102,7 +102,7 @@ exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit
 	@$(SETUP) verilator
 	@$(VENV) -m scripts.exhaustive
 
-lint: ## Verilator -Wall and Icarus -Wall on every module as its own top, ruff on the Python
+lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, rooms, sizes and types of the Python
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.lint
 

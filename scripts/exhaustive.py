@@ -15,28 +15,23 @@ Exit status: 0 all is well, 1 failures found, 2 wrong options or no program can 
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
 import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from datetime import date
 from importlib import metadata
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
 from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
-from model.targets.scoring import write_atomically
-from scripts.run import InputError, _Parser, exit_status
-from scripts.soak import _whole
+from model.targets.files import write_atomically
+from scripts.console import InputError, Meter, Parser, exit_status, progress, whole, writing
 from tb.sim.env import CORES, ROOT
 from tb.sim.native import build
 from tb.sim.simulate import SimulationError
@@ -175,53 +170,23 @@ def check(case: Case, path: Path, pool: ThreadPoolExecutor, tell: Callable[[Resu
     return result
 
 
-class _Watch:
-    """Progress over all vectors of all cases: a bar on a terminal, else a line every half minute."""
+class Watch:
+    """Progress over all vectors of all cases; a case's first failure is told at once."""
 
-    def __init__(self, progress: Progress | None, cases: Sequence[Case]) -> None:
-        self.progress = progress
-        self.total = sum(case.vectors for case in cases)
+    def __init__(self, meter: Meter) -> None:
+        self.meter = meter
         self.before = 0
         self.failed: set[str] = set()
-        self.said = time.monotonic()
-        if progress:
-            self.task = progress.add_task("", total=self.total, rate=0.0)
-
-    def _line(self, text: str) -> None:
-        if self.progress:
-            self.progress.console.print(text, highlight=False, soft_wrap=True)
-        else:
-            print(text, file=sys.stderr, flush=True)
 
     def so_far(self, result: Result) -> None:
-        """What came of the case at hand; its first failure at once."""
+        """What came of the case at hand."""
         name = result.case.name
         if result.failures and name not in self.failed:
             self.failed.add(name)
-            self._line(f"exhaustive: {name}: vector {result.first}")
-        done, now = self.before + result.vectors, time.monotonic()
-        if self.progress:
-            self.progress.update(self.task, description=name, completed=done, rate=result.rate / 1e6)
-        elif now - self.said >= 30:
-            self.said = now
-            part, left = result.vectors / result.case.vectors, (self.total - done) / result.rate
-            self._line(f"exhaustive: {name} {part:.0%}, {result.rate / 1e6:.1f} million a second, {left:.0f} s left")
+            self.meter.line(f"exhaustive: {name}: vector {result.first}")
+        self.meter(self.before + result.vectors, name)
         if result.vectors == result.case.vectors:
-            self.before = done
-
-
-@contextlib.contextmanager
-def _watch(cases: Sequence[Case]) -> Iterator[_Watch]:
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield _Watch(None, cases)
-        return
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.1f} %"),
-        TextColumn("{task.fields[rate]:.1f} million/s"), TimeRemainingColumn(), TextColumn("left"),
-    )  # fmt: skip
-    with Progress(*columns, console=console, transient=True, speed_estimate_period=120) as progress:
-        yield _Watch(progress, cases)
+            self.before += result.vectors
 
 
 def _programs(cases: Sequence[Case], pool: ThreadPoolExecutor) -> list[Path]:
@@ -240,7 +205,8 @@ def run(cases: Sequence[Case], jobs: int) -> list[Result]:
     with ThreadPoolExecutor(jobs) as pool:
         try:
             programs = _programs(cases, pool)
-            with _watch(cases) as watch:
+            with progress("exhaustive", sum(case.vectors for case in cases), every=30) as meter:
+                watch = Watch(meter)
                 for case, path in zip(cases, programs, strict=True):
                     result = check(case, path, pool, watch.so_far)
                     results.append(result)
@@ -337,18 +303,16 @@ def page(results: Sequence[Result], jobs: int, seconds: float, sources: dict[str
 # -- the command line --------------------------------------------------------------------------------------------------
 
 
-def _parser() -> _Parser:
-    parser = _Parser(
-        prog="python -m scripts.exhaustive",
-        description="Every argument of a divider, a square root and the reciprocal root, each answer judged.",
-        epilog="Exit status: 0 all is well, 1 failures found, 2 wrong options or nothing to build with, 130 "
-        "interrupted.",
-        allow_abbrev=False,
+def _parser() -> Parser:
+    parser = Parser(
+        "exhaustive",
+        "Every argument of a divider, a square root and the reciprocal root, each answer judged.",
+        fails="failures found",
     )
     parser.add_argument("--only", action="append", metavar="NAME", help="only cases with NAME in their name; no page")
     parser.add_argument("--small", action="store_true", help="the cases of short words, in seconds; no page")
     parser.add_argument(
-        "--jobs", type=_whole(1), default=os.cpu_count(), metavar="N", help="processes (default: %(default)s)"
+        "--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="processes (default: %(default)s)"
     )
     parser.add_argument("--list", action="store_true", help="only say which cases there are")
     return parser
@@ -378,10 +342,8 @@ def _exhaustive(arguments: Sequence[str] | None) -> int:
     if hashes() != before:
         print("exhaustive: sources were changed during the run, docs/exhaustive.md is not written", file=sys.stderr)
         return 1
-    try:
+    with writing():
         write_atomically(PAGE, page(results, options.jobs, seconds, before))
-    except OSError as error:
-        raise InputError(f"cannot write {PAGE.relative_to(ROOT)}: {error.strerror}") from None
     print(f"wrote {PAGE.relative_to(ROOT)}")
     return 0
 

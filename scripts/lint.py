@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make lint: every Verilog module as its own top in Verilator -Wall and Icarus -Wall, then ruff.
+"""make lint: every Verilog module as its own top in Verilator -Wall and Icarus -Wall, then the Python's contracts.
 
 A module that has a parameter of PARAMETER_SETS is looked at once for each value. Any message is a finding,
 and the exit status is then 1. Verilator's waivers, if there are any, stand in rtl/lint.vlt; each one matches a text
@@ -16,6 +16,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from scripts import contracts
 from tb.sim.env import ROOT, environment
 from tb.sim.sources import LIST, includes, sources
 
@@ -107,7 +108,7 @@ def main(arguments=None) -> int:
     parser = argparse.ArgumentParser(prog="python -m scripts.lint", description=__doc__.split("\n")[0])
     parser.add_argument("modules", nargs="*", metavar="MODULE", help="only these modules, and no Python")
     parser.add_argument("--root", type=Path, default=ROOT, metavar="DIR", help="the folder that holds rtl/")
-    parser.add_argument("--no-python", action="store_true", help="leave out ruff")
+    parser.add_argument("--no-python", action="store_true", help="only the Verilog")
     options = parser.parse_args(arguments)
 
     root = options.root.resolve()
@@ -131,9 +132,7 @@ def main(arguments=None) -> int:
     print(f"{len(found) - failed} of {len(found)} Verilog modules without a finding", flush=True)
 
     if not (options.no_python or options.modules):
-        ruff = subprocess.run(["ruff", "check", "--quiet", str(ROOT)], env=env, cwd=ROOT, check=False)
-        print("ok   Python (ruff)" if ruff.returncode == 0 else "FAIL Python (ruff)", flush=True)
-        failed += ruff.returncode != 0
+        failed += contracts.main()
     return 1 if failed else 0
 
 

@@ -11,42 +11,29 @@ cannot be used (one line on stderr, nothing written), 130 after Ctrl-C.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 from rich import box
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from model.bounds.predict import hand_bar
-from model.dataflow.nodes import WIDTHS
 from model.targets import flags as flag_bits
 from model.targets import trajectories
 from model.targets.files import read_csv
 from model.targets.scoring import Score, score, write_results_csv, write_score_json
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, TargetError, Targets, to_words
+from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, Targets, to_words
+from scripts.console import InputError, Parser, arm_length, check_out, exit_status, finite, progress, show, writing
 from scripts.waves import write_save_file
-from tb.sim.env import CORES, SIMULATORS
-from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
+from tb.sim.env import CORES
+from tb.sim.simulate import Job, Run, simulate
 
 ALL = "all"
-
-PLAIN_COLUMNS = 120
-"""Width of the table when it does not go to a terminal."""
-
-
-class InputError(Exception):
-    """Input that cannot be used; the text is one line for the user."""
-
 
 @dataclass(frozen=True)
 class Prepared:
@@ -60,56 +47,12 @@ class Prepared:
 # -- the command line ------------------------------------------------------------------------------
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser that reports a mistake as every other part of this command does: in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(message)
-
-
-def _one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
-    def check(text: str) -> str:
-        if text not in valid:
-            raise argparse.ArgumentTypeError(f"unknown {what} {text!r}; valid: {', '.join(valid)}")
-        return text
-
-    return check
-
-
-def _width(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) in WIDTHS):
-        raise argparse.ArgumentTypeError(f"unknown width {text!r}; valid: {WIDTHS[0]} to {WIDTHS[-1]} bits")
-    return int(text)
-
-
-def _angle(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
-def _length(text: str) -> float:
-    value = _angle(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not positive: an arm length must be greater than 0")
-    return value
-
-
-def parser_of(prog: str, description: str, *, out: str, written: str) -> argparse.ArgumentParser:
+def parser_of(command: str, description: str, *, out: str, written: str) -> Parser:
     """The parser of a command that runs trajectories, with the options that all of them have.
 
     out: the default of --out; written: what is written there, for its help.
     """
-    parser = _Parser(
-        prog=prog,
-        description=description,
-        epilog="Exit status: 0 all trajectories pass, 1 one fails, 2 bad input, 130 interrupted.",
-        allow_abbrev=False,
-    )
+    parser = Parser(command, description, passes="all trajectories pass", fails="one fails")
     parser.add_argument(
         "--trajectory",
         default=trajectories.DEFAULT,
@@ -124,45 +67,25 @@ def parser_of(prog: str, description: str, *, out: str, written: str) -> argpars
         metavar="DIR",
         help=f"folder for {written}, made if need be (default: %(default)s)",
     )
-    parser.add_argument(
-        "--sim",
-        type=_one_of("simulator", SIMULATORS),
-        default=SIMULATORS[0],
-        metavar="|".join(SIMULATORS),
-        help="the simulator (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--datapath",
-        type=_one_of("datapath", DATAPATHS),
-        default=DATAPATHS[0],
-        metavar="|".join(DATAPATHS),
-        help="which dataflow of the core to run (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--width",
-        type=_width,
-        default=WIDTHS[-1],
-        metavar="BITS",
-        help=f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--cores",
-        type=_one_of("cores", CORES),
-        default=CORES[0],
-        metavar="|".join(CORES),
-        help="the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
+    parser.core()
+    parser.choice(
+        "--cores", "cores", CORES, CORES[0],
+        "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
         "the results are the same (default: %(default)s)",
-    )
+    )  # fmt: skip
     only_csv = "only with a CSV file, for rows of a file without that column"
-    parser.add_argument("--d1", type=_length, metavar="LENGTH", help=f"upper arm, {only_csv} (default: {DEFAULT_D1})")
-    parser.add_argument("--d2", type=_length, metavar="LENGTH", help=f"forearm, {only_csv} (default: {DEFAULT_D2})")
-    parser.add_argument("--phi", type=_angle, metavar="RAD", help=f"swivel angle, {only_csv} (default: {DEFAULT_PHI})")
+    for option, kind, unit, what, default in (
+        ("--d1", arm_length, "LENGTH", "upper arm", DEFAULT_D1),
+        ("--d2", arm_length, "LENGTH", "forearm", DEFAULT_D2),
+        ("--phi", finite, "RAD", "swivel angle", DEFAULT_PHI),
+    ):
+        parser.add_argument(option, type=kind, metavar=unit, help=f"{what}, {only_csv} (default: {default})")
     return parser
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser() -> Parser:
     parser = parser_of(
-        "python -m scripts.run",
+        "run",
         "Run trajectories through the core in a simulator and score them.",
         out="build/run",
         written="results.csv and score.json",
@@ -201,35 +124,7 @@ def _results_path(out: Path, name: str, many: bool) -> Path:
     return out / name / "results.csv" if many else out / "results.csv"
 
 
-def check_out(out: Path, paths: list[Path]) -> None:
-    """Make the folders of `paths` and try to write in each. Raises InputError when that cannot work."""
-    for folder in dict.fromkeys([out, *(path.parent for path in paths)]):
-        probe = folder / f".probe.{os.getpid()}"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            probe.write_bytes(b"")
-            probe.unlink()
-        except OSError as exc:
-            raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
-    for path in paths:
-        if path.is_dir():
-            raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
-
-
 # -- the run ---------------------------------------------------------------------------------------
-
-
-@contextlib.contextmanager
-def _progress(description: str) -> Iterator[Callable[[int, int], None] | None]:
-    """A callback (done, total) that draws a progress bar on stderr, or None when stderr is no terminal."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task(description, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
 def run_and_score(
@@ -237,14 +132,15 @@ def run_and_score(
 ) -> list[tuple[Run, Score]]:
     """Run all trajectories in one simulation and score them, in their order. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
-    with _progress(f"{arguments.sim}, {sum(len(job.words) for job in jobs)} targets") as progress:
+    total = sum(len(job.words) for job in jobs)
+    with progress(f"{arguments.sim}, {total} targets", total) as meter:
         runs = simulate(
             jobs,
             simulator=arguments.sim,
             datapath=arguments.datapath,
             width=arguments.width,
             waves=waves,
-            progress=progress,
+            progress=(lambda done, _: meter(done)) if meter.bar else None,
             cores=arguments.cores,
         )
     scores = [
@@ -268,21 +164,6 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
     return 0 if all(result.passed for result in scores) else 1
 
 
-def exit_status(name: str, work: Callable[[], int]) -> int:
-    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 130."""
-    try:
-        return work()
-    except SimulationError as exc:
-        print(f"{name}: {exc}", file=sys.stderr)
-        return 1
-    except (InputError, TargetError) as exc:
-        print(f"{name}: {exc}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print(f"{name}: interrupted", file=sys.stderr)
-        return 130
-
-
 def _run(arguments: argparse.Namespace) -> int:
     """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
     width, out = arguments.width, arguments.out
@@ -294,15 +175,12 @@ def _run(arguments: argparse.Namespace) -> int:
 
     waves = (out / "waves.vcd").absolute() if arguments.waves else None
     runs, scores = zip(*run_and_score(arguments, prepared, waves), strict=True)
-    try:
+    with writing():
         for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
             write_results_csv(path, item.targets, run.results, run.flags, result.each.hand_error, width)
         write_score_json(score_path, scores)
-    except OSError as exc:  # the disk is full, say
-        raise InputError(f"argument --out: cannot write {exc.filename!r}: {exc.strerror}") from None
 
-    console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
-    console.print(_table_of_many(scores) if many else _table_of_one(scores[0], runs[0].flags))
+    show(_table_of_many(scores) if many else _table_of_one(scores[0], runs[0].flags))
     written = [
         f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0],
         score_path,

@@ -26,7 +26,6 @@ import dataclasses
 import hashlib
 import json
 import math
-import os
 import re
 import sys
 import time
@@ -42,12 +41,12 @@ from rich.table import Table
 
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
+from model.targets.files import write_atomically
 from model.targets.flags import expected_flags, names
-from model.targets.scoring import write_atomically
 from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from model.targets.words import FIELDS
+from scripts.console import InputError, Parser, check_out, exit_status, one_of, show, whole, word_length, writing
 from scripts.pages.wordlengths import edges
-from scripts.run import PLAIN_COLUMNS, InputError, _one_of, _Parser, _width, check_out, exit_status
 from tb.core import hardest
 from tb.sim.env import ROOT, SIMULATORS
 from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
@@ -329,38 +328,25 @@ def state_of(arguments: argparse.Namespace, path: Path) -> State:
 # -- the command line --------------------------------------------------------------------------------------------------
 
 
-def _whole(least: int) -> Callable[[str], int]:
-    def check(text: str) -> int:
-        if not (text.isascii() and text.isdigit() and len(text) <= 15 and int(text) >= least):
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least {least}")
-        return int(text)
-
-    return check
-
-
 NOT_AGAIN = ("targets", "seed", "datapath", "width", "restart", "keep")
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="python -m scripts.soak",
-        description="Random targets of all kinds through the core in a simulator, every node compared with the model.",
-        epilog="Exit status: 0 all is well, 1 a check fails, 2 bad input, 130 interrupted.",
-        allow_abbrev=False,
+    parser = Parser(
+        "soak", "Random targets of all kinds through the core in a simulator, every node compared with the model."
     )
     parser.add_argument(
-        "--targets", type=_whole(1), metavar="N", help=f"how many in all, earlier runs included (default: {TARGETS})"
+        "--targets", type=whole(1), metavar="N", help=f"how many in all, earlier runs included (default: {TARGETS})"
     )
-    parser.add_argument("--seed", type=_whole(0), metavar="S", help=f"of everything random (default: {SEED})")
+    parser.add_argument("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
     parser.add_argument(
-        "--datapath", type=_one_of("datapath", DATAPATHS), metavar="|".join(DATAPATHS),
+        "--datapath", type=one_of("datapath", DATAPATHS), metavar="|".join(DATAPATHS),
         help=f"which dataflow of the core to run (default: {DATAPATHS[0]})",
     )  # fmt: skip
+    about = f"word length, {WIDTHS[0]} to {WIDTHS[-1]} (default: {WIDTHS[-1]})"
+    parser.add_argument("--width", type=word_length, metavar="BITS", help=about)
     parser.add_argument(
-        "--width", type=_width, metavar="BITS", help=f"word length, {WIDTHS[0]} to {WIDTHS[-1]} (default: {WIDTHS[-1]})"
-    )
-    parser.add_argument(
-        "--sim", type=_one_of("simulator", SIMULATORS), default="verilator", metavar="|".join(SIMULATORS),
+        "--sim", type=one_of("simulator", SIMULATORS), default="verilator", metavar="|".join(SIMULATORS),
         help="the simulator (default: %(default)s)",
     )  # fmt: skip
     parser.add_argument(
@@ -433,19 +419,9 @@ def _watch(done: int, total: int) -> Iterator[_Watch]:
         yield _Watch(progress, done, total)
 
 
-@contextlib.contextmanager
-def _writing() -> Iterator[None]:
-    """An OSError, the disk is full, say, becomes an InputError."""
-    try:
-        yield
-    except OSError as error:
-        where = os.fspath(error.filename) if error.filename else "a file"
-        raise InputError(f"cannot write {where!r}: {error.strerror}") from None
-
-
 def _write_failing(arguments: argparse.Namespace, rows: list[hardest.Row]) -> None:
     path = arguments.out / "failing.csv"
-    with _writing():
+    with writing():
         write_atomically(path, hardest.text(rows))
     print(f"soak: {len(rows)} failing targets in {path}; to run them again: --again {path}", file=sys.stderr)
 
@@ -503,7 +479,7 @@ def _soak(arguments: argparse.Namespace) -> int:
                 while state.done < arguments.targets:
                     if not _step(arguments, state, watch):
                         return 1
-                    with _writing():
+                    with writing():
                         state.write(path)
                     watch.chunk_done(state.done)
                 rate = watch.rate(state.done)
@@ -513,11 +489,11 @@ def _soak(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return 130
-    _print(_summary(arguments, state, rate), _table(state))
+    show(_summary(arguments, state, rate), _table(state))
     hards = {tuple(hard.words): hard for hard in state.found.by_hand + state.found.by_norm}.values()
     rows = [_row(arguments, hard.words, hard.hand_error, hard.target) for hard in hards]
     for file, before in earlier.items():
-        with _writing():
+        with writing():
             write_atomically(file, hardest.text(hardest.merge(before + rows)))
         print(f"wrote {file}")
     return 0
@@ -552,12 +528,6 @@ def _again(arguments: argparse.Namespace) -> int:
 
 
 # -- tables ------------------------------------------------------------------------------------------------------------
-
-
-def _print(*tables: Table) -> None:
-    console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
-    for table in tables:
-        console.print(table)
 
 
 def _summary(arguments: argparse.Namespace, state: State, rate: float | None) -> Table:

@@ -30,7 +30,7 @@ _TINY = 1e-30  # ratio of lengths below which products of the printed equations 
 _SIDE_NOISE = 1e-13  # the inner product of (17), over |p_w|, is roundoff below this
 
 
-def _columns(**values):
+def columns(**values):
     """The arguments as float64 arrays of one shape (N,). ValueError for other shapes, nan and inf."""
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in values.values()))
     if arrays[0].ndim != 1:
@@ -62,7 +62,7 @@ def swivel_normal(x, y, z, phi):
     as one on the positive z axis. phi in radians. Raises ValueError for inputs that are not finite or do not
     broadcast.
     """
-    x, y, z, phi = _columns(x=x, y=y, z=z, phi=phi)
+    x, y, z, phi = columns(x=x, y=y, z=z, phi=phi)
     rho = np.hypot(x, y)
     distance = np.hypot(rho, z)
     on_axis, at_shoulder = rho == 0, distance == 0
@@ -235,7 +235,7 @@ def solve(x, y, z, phi, d1, d2):
     Raises ValueError for inputs that are not finite or do not broadcast, for arm lengths outside
     LENGTH_RANGE, and for targets out of reach by more than REACH_TOLERANCE of d1+d2.
     """
-    x, y, z, phi, d1, d2 = _columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
+    x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     _check_reachable(x, y, z, d1, d2)
     at_shoulder = np.hypot(np.hypot(x, y), z) <= _TINY * (d1 + d2)
 
@@ -274,7 +274,7 @@ def pose_flags(x, y, z, d1, d2):
     d1 - d2 must be exact in double precision for the flags to be, as they are for words of the core. Raises
     ValueError for inputs that are not finite or do not broadcast.
     """
-    x, y, z, d1, d2 = _columns(x=x, y=y, z=z, d1=d1, d2=d2)
+    x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
     on_axis = (x == 0) & (y == 0)
     bad_length = (d1 <= 0) | (d2 <= 0)
     conditions = {
@@ -298,7 +298,7 @@ def clamp(x, y, z, d1, d2):
     or at the shoulder, with the longer link toward the target. The shoulder itself counts as lying in the
     direction +z.
     """
-    x, y, z, d1, d2 = _columns(x=x, y=y, z=z, d1=d1, d2=d2)
+    x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)
     clamped = flags & (UNREACHABLE | AT_SHOULDER) != 0
     straight = flags & (TOO_FAR | BAD_LENGTH) != 0
@@ -325,7 +325,7 @@ def solve_clamped(x, y, z, phi, d1, d2):
     ValueError for inputs that are not finite or do not broadcast, and for positive arm lengths outside
     LENGTH_RANGE.
     """
-    x, y, z, phi, d1, d2 = _columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
+    x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     pose = clamp(x, y, z, d1, d2)
     clamped = pose["clamped"]
     e = np.stack([pose[f"e_{axis}"] for axis in "xyz"], axis=-1)[clamped]

@@ -21,7 +21,7 @@ of its digits. Lengths have any one unit, angles are in radians, arrays are floa
 
 import numpy as np
 
-from model.reference.equations import LENGTH_RANGE, _columns, pose_flags
+from model.reference.equations import LENGTH_RANGE, columns, pose_flags
 from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
 
 _SPLIT = 2.0**27 + 1
@@ -162,7 +162,7 @@ def solve_lean(x, y, z, phi, d1, d2):
     ValueError for inputs that are not finite or do not broadcast, and for arm lengths outside LENGTH_RANGE of a target
     in reach.
     """
-    x, y, z, phi, d1, d2 = _columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
+    x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)
     on_axis, at_shoulder = flags & ON_AXIS != 0, flags & AT_SHOULDER != 0
     clamped = flags & (UNREACHABLE | AT_SHOULDER) != 0

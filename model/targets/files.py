@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of targets: CSV with a header, in the user's units.
+"""Files of targets: CSV with a header, in the user's units; and how every file is written.
 
 Every mistake in a file is a `TargetError`, whose text is one line that names file, row, column and value.
 """
@@ -153,3 +153,19 @@ def format_csv(targets: Targets) -> str:
     table = np.column_stack([getattr(targets, field) for field in FIELDS])
     lines += [",".join(map(repr, row)) for row in table.tolist()]
     return "\n".join(lines) + "\n"
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Write a file in one step: a reader, or a user who presses Ctrl-C, finds the old file or the new one.
+
+    Raises OSError, whose filename is `path`.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+        os.replace(temporary, path)
+    except BaseException as error:
+        temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            error.filename = os.fspath(path)
+        raise

@@ -31,6 +31,7 @@ import numpy as np
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
 from model.targets import flags as flag_bits
+from model.targets.files import write_atomically
 from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
 
 REGULAR_DISTANCE = 0.2
@@ -329,14 +330,3 @@ def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> N
     """
     text = json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False)
     write_atomically(Path(path), text + "\n")
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Write a file in one step: a reader, or a user who presses Ctrl-C, finds the old file or the new one."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
-        os.replace(temporary, path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise

@@ -26,9 +26,11 @@ import numpy as np
 from model.reference.equations import swivel_normal
 from model.targets import flags as flag_bits
 from model.targets import trajectories
-from model.targets.scoring import Score, write_atomically
+from model.targets.files import write_atomically
+from model.targets.scoring import Score
 from model.targets.words import from_words, result_values
 from scripts import run
+from scripts.console import check_out, exit_status, writing
 from tb.sim.env import ROOT
 from tb.sim.simulate import Run
 
@@ -123,17 +125,15 @@ def page(shown: Sequence[dict[str, Any]], *, out: Path, datapath: str, width: in
 
 
 def _report(parsed: Any) -> int:
-    """Run, score and write the page; the exit status 0 or 1. Raises what `run.exit_status` reports."""
+    """Run, score and write the page; the exit status 0 or 1. Raises what `exit_status` reports."""
     path = parsed.out / "report.html"
     prepared = run.prepare(parsed)
-    run.check_out(parsed.out, [path])
+    check_out(parsed.out, [path])
     done = run.run_and_score(parsed, prepared)
     shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
     text = page(shown, out=parsed.out, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
-    try:
+    with writing():
         write_atomically(path, text)
-    except OSError as exc:
-        raise run.InputError(f"argument --out: cannot write {os.fspath(path)!r}: {exc.strerror}") from None
     print(f"wrote {path}")
     return run.verdict("report", [result for _, result in done])
 
@@ -143,11 +143,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     def work() -> int:
         parser = run.parser_of(
-            "python -m scripts.report",
+            "report",
             "Run trajectories through the core in a simulator and write a page that shows them.",
             out="build/report",
             written="report.html",
         )
         return _report(parser.parse_args(arguments))
 
-    return run.exit_status("report", work)
+    return exit_status("report", work)

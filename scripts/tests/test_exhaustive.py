@@ -11,6 +11,7 @@ import time
 import pytest
 
 from scripts import exhaustive
+from scripts.console import Meter
 from scripts.exhaustive import FULL, SMALL, Result, main
 from scripts.pages.tables import table
 from tb.sim.env import ROOT, environment
@@ -140,7 +141,9 @@ def test_sources_that_change_meanwhile_are_status_1_and_no_page(pretend, monkeyp
 def test_page_that_cannot_be_written_is_one_line_and_status_2(pretend, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(exhaustive, "PAGE", tmp_path / "no folder" / "page.md")
     assert main([]) == 2
-    assert capsys.readouterr().err.splitlines()[-1].startswith("exhaustive: cannot write no folder/page.md: ")
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        f"exhaustive: cannot write {str(exhaustive.PAGE)!r}: No such file or directory"
+    )
 
 
 def test_program_that_cannot_be_built_is_one_line_and_status_2(pretend, monkeypatch, capsys):
@@ -205,15 +208,21 @@ def test_interrupt_leaves_the_other_pieces(monkeypatch, pretend):
     assert len(begun) < 10 and not exhaustive.PAGE.exists()
 
 
-def test_progress_without_a_terminal_is_a_line_now_and_then(pretend, monkeypatch, capsys):
-    watch = exhaustive._Watch(None, FULL)
-    watch.said -= 31
-    watch.so_far(Result(FULL[0], FULL[0].vectors // 4, seconds=100.0))
-    watch.so_far(Result(FULL[0], FULL[0].vectors // 2, seconds=200.0))
-    said = capsys.readouterr().err
-    assert re.fullmatch(r"exhaustive: div_16_0 25%, 10\.7 million a second, 11\d\d s left\n", said)
-    watch.so_far(Result(FULL[0], FULL[0].vectors))
-    assert watch.before == FULL[0].vectors
+def test_progress_is_over_all_cases(pretend, capsys):
+    """A case's first failure is told at once, and once."""
+    seen = []
+
+    class Seen(Meter):
+        def __call__(self, *said):
+            seen.append(said)
+
+    watch = exhaustive.Watch(Seen("exhaustive", sum(case.vectors for case in FULL)))
+    half, all_ = FULL[0].vectors // 2, FULL[0].vectors
+    watch.so_far(Result(FULL[0], half, failures=1, first="7: 1 2"))
+    watch.so_far(Result(FULL[0], all_, failures=2, first="7: 1 2"))
+    watch.so_far(Result(FULL[1], 5))
+    assert seen == [(half, FULL[0].name), (all_, FULL[0].name), (all_ + 5, FULL[1].name)]
+    assert capsys.readouterr().err == f"exhaustive: {FULL[0].name}: vector 7: 1 2\n"
 
 
 def test_the_command_is_there():

@@ -358,7 +358,7 @@ def test_out_that_fills_up(cli, monkeypatch):
     status, _, err = cli()
     assert (status, err) == (
         2,
-        ["run: argument --out: cannot write 'build/run/score.json': No space left on device"],
+        ["run: cannot write 'build/run/score.json': No space left on device"],
     )
 
 

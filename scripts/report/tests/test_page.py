@@ -304,7 +304,7 @@ def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, w
         expected = (130, "report: interrupted")
     else:
         monkeypatch.setattr(os, "replace", full)
-        expected = (2, f"report: argument --out: cannot write '{PAGE}': No space left on device")
+        expected = (2, f"report: cannot write '{PAGE}': No space left on device")
     status, out, err = cli()
     assert (status, out, err) == (expected[0], [], [expected[1]])
     assert files() == [str(PAGE)] and text() == "old"

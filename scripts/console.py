@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every command of scripts/ says and takes the same way: options, mistakes in one line, exit status, progress.
+
+Exit status of a command: 0 all is well, 1 a check fails or a simulation breaks off, 2 input that cannot be used (one
+line on stderr, nothing written), 130 after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+from model.dataflow.nodes import WIDTHS
+from model.targets.words import TargetError
+from tb.sim.env import SIMULATORS
+from tb.sim.simulate import DATAPATHS, SimulationError
+
+PLAIN_COLUMNS = 120
+"""Width of a table when it does not go to a terminal."""
+
+
+class InputError(Exception):
+    """Input that cannot be used; the text is one line for the user."""
+
+
+# -- the command line ------------------------------------------------------------------------------
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that reports a mistake as every other part of a command does: in one line.
+
+    command: the module below scripts/ that is run. passes: what exit status 0 means. fails: what 1 means.
+    """
+
+    def __init__(self, command: str, description: str, passes: str = "all is well", fails: str = "a check fails"):
+        super().__init__(
+            prog=f"python -m scripts.{command}",
+            description=description,
+            epilog=f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, 130 interrupted.",
+            allow_abbrev=False,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(message)
+
+    def choice(self, option: str, what: str, valid: Sequence[str], default: str | None, about: str) -> None:
+        """An option that takes one of a few words."""
+        self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
+
+    def core(self, sim: str = SIMULATORS[0], datapath: str = DATAPATHS[0], width: int = WIDTHS[-1]) -> None:
+        """The options that say which core is simulated by what."""
+        default = "(default: %(default)s)"
+        self.choice("--sim", "simulator", SIMULATORS, sim, f"the simulator {default}")
+        self.choice("--datapath", "datapath", DATAPATHS, datapath, f"which dataflow of the core to run {default}")
+        about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
+        self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
+
+
+def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
+    """The type of an option that takes one of a few words."""
+
+    def check(text: str) -> str:
+        if text not in valid:
+            raise argparse.ArgumentTypeError(f"unknown {what} {text!r}; valid: {', '.join(valid)}")
+        return text
+
+    return check
+
+
+def whole(least: int) -> Callable[[str], int]:
+    """The type of an option that takes a whole number of at least `least`."""
+
+    def check(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and len(text) <= 15 and int(text) >= least):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least {least}")
+        return int(text)
+
+    return check
+
+
+def word_length(text: str) -> int:
+    """The type of an option that takes the core's W (bits)."""
+    if not (text.isascii() and text.isdigit() and int(text) in WIDTHS):
+        raise argparse.ArgumentTypeError(f"unknown width {text!r}; valid: {WIDTHS[0]} to {WIDTHS[-1]} bits")
+    return int(text)
+
+
+def finite(text: str) -> float:
+    """The type of an option that takes a finite number, such as an angle."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def arm_length(text: str) -> float:
+    """The type of an option that takes the length of an arm, in any unit."""
+    value = finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive: an arm length must be greater than 0")
+    return value
+
+
+# -- exit status and files -------------------------------------------------------------------------
+
+
+def exit_status(name: str, work: Callable[[], int]) -> int:
+    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 130."""
+    try:
+        return work()
+    except SimulationError as exc:
+        print(f"{name}: {exc}", file=sys.stderr)
+        return 1
+    except (InputError, TargetError) as exc:
+        print(f"{name}: {exc}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"{name}: interrupted", file=sys.stderr)
+        return 130
+
+
+def check_out(out: Path, paths: Sequence[Path]) -> None:
+    """Make the folders of `paths` and try to write in each. Raises InputError when that cannot work."""
+    for folder in dict.fromkeys([out, *(path.parent for path in paths)]):
+        probe = folder / f".probe.{os.getpid()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            probe.write_bytes(b"")
+            probe.unlink()
+        except OSError as exc:
+            raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
+    for path in paths:
+        if path.is_dir():
+            raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
+
+
+@contextlib.contextmanager
+def writing() -> Iterator[None]:
+    """Around what writes files: an OSError, the disk is full, say, becomes an InputError."""
+    try:
+        yield
+    except OSError as exc:
+        where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
+        raise InputError(f"cannot write {where}: {exc.strerror}") from None
+
+
+def show(*tables: Table) -> None:
+    """Print tables, as wide as the terminal, or `PLAIN_COLUMNS` into a file."""
+    console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
+    for table in tables:
+        console.print(table)
+
+
+# -- progress --------------------------------------------------------------------------------------
+
+
+class Meter:
+    """How far a command is, on stderr: a bar on a terminal; elsewhere a line every `every` seconds, or nothing.
+
+    name: of the command, before each line. total, first: things to do in all, and done before. rate: of this run.
+    """
+
+    def __init__(self, name: str, total: int, first: int = 0, every: float | None = None, bar: Progress | None = None):
+        self.name, self.total, self.first, self.every, self.bar = name, total, first, every, bar
+        self.begin = self.said = time.monotonic()
+        self.rate = 0.0
+        self.task = bar.add_task(name, total=total, completed=first, rate=0.0) if bar else None
+
+    def __call__(self, done: int, what: str = "") -> None:
+        """So many are done; `what` is being done."""
+        now = time.monotonic()
+        self.rate = (done - self.first) / max(now - self.begin, 1e-9)
+        if self.bar:
+            self.bar.update(self.task, description=what or self.name, completed=done, rate=self.rate)
+        elif self.every is not None and now - self.said >= self.every and self.rate:
+            self.said = now
+            left = (self.total - done) / self.rate
+            of = f"{done} of {self.total} done, {self.rate:.0f}/s, {left:.0f} s left"
+            self.line(": ".join(part for part in (self.name, what, of) if part))
+
+    def line(self, text: str) -> None:
+        """A line on stderr, above the bar if there is one."""
+        if self.bar:
+            self.bar.console.print(text, highlight=False, markup=False, soft_wrap=True)
+        else:
+            print(text, file=sys.stderr, flush=True)
+
+
+@contextlib.contextmanager
+def progress(name: str, total: int, first: int = 0, every: float | None = None) -> Iterator[Meter]:
+    """A `Meter` that is called with the number of things done."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield Meter(name, total, first, every)
+        return
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]:.0f}/s"),
+        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
+    )  # fmt: skip
+    with Progress(*columns, console=console, transient=True, speed_estimate_period=120) as bar:
+        yield Meter(name, total, first, every, bar)

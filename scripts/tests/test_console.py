@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""scripts/console.py: what no command's own test looks at."""
+
+import io
+import re
+
+import pytest
+from rich.progress import Progress
+
+from scripts import console
+from scripts.console import InputError, Meter, Parser, exit_status, progress, writing
+
+
+def test_a_mistake_is_one_line_and_status_2(capsys):
+    parser = Parser("some", "Does things.")
+    parser.add_argument("--count", type=console.whole(2))
+    assert exit_status("some", lambda: parser.parse_args(["--count", "1"]).count) == 2
+    assert capsys.readouterr().err == "some: argument --count: '1' is not a whole number of at least 2\n"
+
+
+@pytest.mark.parametrize("error, status", [(InputError("no"), 2), (KeyboardInterrupt(), 130)])
+def test_what_is_raised_becomes_a_status(error, status, capsys):
+    def work():
+        raise error
+
+    assert exit_status("some", work) == status
+    assert capsys.readouterr().err.startswith("some: ")
+
+
+def test_a_full_disk_is_an_input_error():
+    with pytest.raises(InputError, match="^cannot write 'a/b': No space left on device$"), writing():
+        raise OSError(28, "No space left on device", "a/b")
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Seconds that pass as the test says."""
+    now = [100.0]
+    monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_without_a_terminal_a_line_now_and_then(clock, capsys):
+    with progress("some", 5000, first=1000, every=30) as meter:
+        clock[0] += 20
+        meter(1200)
+        clock[0] += 20
+        meter(3000, "half")
+        clock[0] += 20
+        meter(4000)
+    assert capsys.readouterr().err == "some: half: 3000 of 5000 done, 50/s, 40 s left\n"
+
+
+def test_without_a_terminal_and_interval_nothing_but_lines_of_the_command(clock, capsys):
+    with progress("some", 10) as meter:
+        clock[0] += 100
+        meter(5)
+        meter.line("some: target 3 is wrong")
+    assert capsys.readouterr().err == "some: target 3 is wrong\n"
+
+
+def test_on_a_terminal_a_bar_with_the_same_figures(clock):
+    out = io.StringIO()
+    bar = Progress(console=console.Console(file=out, force_terminal=True), auto_refresh=False)
+    meter = Meter("some", 100, bar=bar)
+    clock[0] += 2
+    meter(50, "half [3/4]")
+    (task,) = bar.tasks
+    assert (task.completed, task.total, task.fields["rate"], task.description) == (50, 100, 25.0, "half [3/4]")
+    meter.line("some: [a] line")
+    assert re.search(r"some: \[a\] line", out.getvalue())
