@@ -4,17 +4,18 @@
 import pytest
 
 from model.dataflow.nodes import GUARD
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, with_sets
 
 
 def words(iw, sh, ow, sub):
     return {"IW": iw, "SH": sh, "OW": ow, "SUB": sub}
 
 
-PARAMETERS = sets(
+@pytest.mark.parametrize(("module", "last"), [("ik_sum2", "B"), ("ik_sum3", "C")])
+@with_sets(
     words(4, 1, 3, 1),
     words(32 + GUARD, GUARD, 32, 0),
-    icarus=[
+    more=[
         words(4, 1, 3, 0),
         words(4, 2, 2, 1),
         words(4, 0, 8, 1),  # q holds any sum
@@ -24,10 +25,6 @@ PARAMETERS = sets(
         words(32 + GUARD, GUARD, 32, 1) | {"SAT": 0},
     ],
 )
-
-
-@pytest.mark.parametrize(("module", "last"), [("ik_sum2", "B"), ("ik_sum3", "C")])
-@pytest.mark.parametrize("parameters", PARAMETERS, ids=title)
-def test_ik_sum(module, last, parameters):
-    own = {f"SUB_{last}" if name == "SUB" else name: value for name, value in parameters.items()}
+def test_ik_sum(module, last, sets):
+    own = [{f"SUB_{last}" if name == "SUB" else name: value for name, value in one.items()} for one in sets]
     run_unit(module, own, tests="ik_sum")
