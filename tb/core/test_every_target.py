@@ -41,6 +41,8 @@ def run(program, answers):
     return subprocess.run(command, env=environment(), capture_output=True, text=True, check=False)
 
 
+@pytest.mark.sim
+@pytest.mark.slow
 def test_every_node_of_some_targets(words):
     """What the results do not show: every node, of targets from all over."""
     some = np.random.default_rng(1).permutation(words)[:1500]
@@ -50,11 +52,15 @@ def test_every_node_of_some_targets(words):
 
 if simulator() == "verilator":
 
+    @pytest.mark.sim
+    @pytest.mark.slow
     def test_every_target(answers):
         done = run(build("ik_lean", HARNESS, {"W": WIDTH}), answers)
         assert done.returncode == 0, done.stdout + done.stderr
         assert done.stdout.split() == [str(1 << (6 * WIDTH)), "0"]
 
+    @pytest.mark.sim
+    @pytest.mark.slow
     def test_a_wrong_pipeline_is_found(answers, tmp_path):
         shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
         module = tmp_path / "rtl" / "lean" / "ik_lean_guard.v"

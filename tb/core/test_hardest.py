@@ -57,7 +57,11 @@ def test_errors_in_the_model(datapath, width):
         assert hand[worst] <= bar[worst], f"hand error {hand[worst]:.3g}, bar {bar[worst]:.3g}: {rows[worst]}"
 
 
-@pytest.mark.parametrize(("datapath", "width"), IN_RTL)
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("datapath", "width"),
+    [key if key in (("lean", 32), ("paper", 32)) else pytest.param(*key, marks=pytest.mark.slow) for key in IN_RTL],
+)
 def test_the_rtl_equals_the_model(datapath, width):
     """Every node.  A length without rows of its own gets the words of the longest, cut to it."""
     words = _words(datapath, width)

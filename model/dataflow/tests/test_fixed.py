@@ -88,7 +88,9 @@ def test_words_are_at_most_32_bits():
                 assert {o.format.width for o in node.operands} == {32 + GUARD}, f"{name} adds words that were rounded"
 
 
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize(
+    "width", [w if w in (18, 32) else pytest.param(w, marks=[pytest.mark.slow, pytest.mark.cost(5)]) for w in WIDTHS]
+)
 def test_hand_error_stays_below_its_prediction(width):
     words = random_reachable(4000, width, 3)
     answer = fixed.run(words, width)

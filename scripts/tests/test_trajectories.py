@@ -12,6 +12,8 @@ from scripts import run
 from scripts.pages import gen_docs
 from tb.sim.env import CORES, cores, simulator
 
+pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("trajectories"), pytest.mark.cost(120)]
+
 AIM = 1e-6
 """What regular trajectories are to reach; their bar is wider."""
 
@@ -89,6 +91,7 @@ def test_the_page_of_scores_is_up_to_date(outcomes):
 
 if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a minute
 
+    @pytest.mark.slow
     def test_both_kinds_of_cores_write_the_same_files(outcomes, tmp_path):
         out, _ = outcomes["paper"]
         (other,) = set(CORES) - {cores()}
@@ -101,6 +104,7 @@ if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a 
 
 if simulator() == "verilator":
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("datapath", DATAPATHS)
     def test_both_simulators_write_the_same_files(datapath, outcomes, tmp_path):
         out, _ = outcomes[datapath]
