@@ -87,8 +87,8 @@ operations: ## table 4 of the paper counted from the equations and the elaborate
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.pages.opcounts
 
-figures: ## figures 6 and 7 of the paper for the whole design: docs/figures.md
-	@$(SETUP) icarus
+figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: docs/figures.md
+	@$(SETUP) graphviz
 	@$(VENV) -m scripts.pages.figures
 
 bench: ## simulated targets per second, both simulators in one run
