@@ -17,21 +17,33 @@ BUILD = ROOT / "build" / "native"
 
 
 def build(
-    toplevel: str, harness: Path, parameters: dict[str, int], root: Path = ROOT, name: str = "", define: str = ""
+    toplevel: str,
+    harness: Path,
+    parameters: dict[str, int],
+    root: Path = ROOT,
+    name: str = "",
+    define: str = "",
+    wrapper: str = "",
 ) -> Path:
     """The program of ``toplevel`` and ``harness``; ``root`` holds another copy of ``rtl/``, ``name`` tells it apart.
 
-    ``define`` is a macro for the harness, NAME=VALUE. Raises :class:`RuntimeError` with what the compilers say.
+    ``define`` is a macro for the harness, NAME=VALUE; ``wrapper`` is the Verilog of a toplevel that ``rtl/`` does not
+    hold.  Raises :class:`RuntimeError` with what the compilers say.
     """
     folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
+    top = folder / f"{toplevel}.v"
     command = [
-        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--prefix", "Vtop", "--top-module", toplevel,
+        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique",
+        "--prefix", "Vtop", "--top-module", toplevel,
         *(f"-G{key}={value}" for key, value in parameters.items()),
         *(f"-I{folder}" for folder in includes(root)),
-        "-CFLAGS", f"-O2 -D{define}" if define else "-O2", "-MAKEFLAGS", " ".join(MAKE_ARGS), "--Mdir", str(folder),
-        *map(str, sources(root)), str(harness),
+        "-CFLAGS", " ".join(["-O2 -std=gnu++20", *([f"-D{define}"] if define else [])]),
+        "-MAKEFLAGS", " ".join(MAKE_ARGS), "--Mdir", str(folder),
+        *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
     ]  # fmt: skip
     with alone(folder):
+        if wrapper and not (top.exists() and top.read_text() == wrapper):
+            top.write_text(wrapper)
         done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{toplevel}: {done.stderr[-4000:] or done.stdout[-4000:]}")
