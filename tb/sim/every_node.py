@@ -20,14 +20,14 @@ from model.dataflow.nodes import Node
 from model.targets.words import FIELDS
 from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment
+from tb.sim.job import Job, Run, SimulationError
 from tb.sim.native import build
-from tb.sim.run import Run, SimulationError
 
 HARNESS = ROOT / "tb" / "sim" / "every_node.cpp"
 TOP = "ik_every_node"
 
-FRAME = 4096
-"""Targets that the model computes at a time: its arrays fit the caches."""
+FRAME = 5000
+"""Targets that the model computes at a time: its arrays fit the caches, and columns do not fall into the same lines."""
 
 
 def nodes_of(datapath: str, width: int) -> list[Node]:
@@ -49,6 +49,7 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
     pad = f"{32 - width}'d0, " if width < 32 else ""
     asked = ", ".join(f"target[{32 * k + width - 1}:{32 * k}]" for k in reversed(lanes))
     given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(lanes))
+    lines = ",\n      ".join(reversed(parts))
     return f"""\
 // Written by tb/sim/every_node.py: the {datapath} datapath, {width} bits.
 module {TOP} (
@@ -68,7 +69,7 @@ module {TOP} (
   );
   assign result = {{{given}}};
   assign nodes = {{
-      {(","+chr(10)+"      ").join(reversed(parts))}
+      {lines}
   }};
 endmodule
 """
@@ -146,6 +147,18 @@ def compare(
             raise SimulationError(f"the verilator simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
         back = np.fromfile(file.name, dtype="<i8")
     return _run(out.decode(), back, sizes, nodes, width)
+
+
+def run(
+    path: Path, jobs: list[Job], width: int, datapath: str, progress: Callable[[int, int], None] | None = None
+) -> list[Run]:
+    """Runs each job after a reset of its own; ``progress(done, total)``.  Raises :class:`SimulationError`."""
+    total, before, runs = sum(len(job.words) for job in jobs), 0, []
+    for job in jobs:
+        told = (lambda done, since=before: progress(since + done, total)) if progress else None
+        runs.append(compare(path, answered(job.words, width, datapath), width, datapath, told))
+        before += len(job.words)
+    return runs
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int) -> Run:

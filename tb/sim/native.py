@@ -6,11 +6,12 @@ The C++ file includes ``Vtop.h``; everything of one build stands in a folder of 
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
 from tb.sim.env import ROOT, environment
-from tb.sim.runner import MAKE_ARGS, alone
+from tb.sim.runner import MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
 
 BUILD = ROOT / "build" / "native"
@@ -37,11 +38,12 @@ def build(
         "--prefix", "Vtop", "--top-module", toplevel,
         *(f"-G{key}={value}" for key, value in parameters.items()),
         *(f"-I{folder}" for folder in includes(root)),
-        "-CFLAGS", " ".join(["-O2 -std=gnu++20", *([f"-D{define}"] if define else [])]),
-        "-MAKEFLAGS", " ".join(MAKE_ARGS), "--Mdir", str(folder),
+        "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),
+        # The slow files hold what runs once.
+        "-MAKEFLAGS", " ".join([*MAKE_ARGS, "OPT_FAST=-O2", "OPT_SLOW=-O0", f"-j{os.cpu_count()}"]),
         *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
     ]  # fmt: skip
-    with alone(folder):
+    with alone(folder), runtime(folder, "native"):
         if wrapper and not (top.exists() and top.read_text() == wrapper):
             top.write_text(wrapper)
         done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulation of targets gives, however it was run."""
+"""What a simulation is given and what it gives, however it is run."""
 
 from __future__ import annotations
 
@@ -10,6 +10,14 @@ import numpy as np
 
 class SimulationError(Exception):
     """The simulation did not come to an end; the message is one or more lines for a person."""
+
+
+@dataclass
+class Job:
+    """Targets to run one after the other: ``words`` (N, 6) signed input words."""
+
+    name: str
+    words: np.ndarray
 
 
 @dataclass
