@@ -123,7 +123,6 @@ def compare(
     with tempfile.NamedTemporaryFile(prefix="ik_") as file:
         process = subprocess.Popen(
             [path, file.name], env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for this program, which ends the other
         )  # fmt: skip
         try:
             try:
