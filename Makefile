@@ -22,7 +22,7 @@ unexport CORES
 
 # Options of `make run`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by make and
 # reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI TARGETS SEED RESTART KEEP AGAIN ONLY
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI TARGETS SEED FROM KEEP AGAIN ONLY
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 MAKEOVERRIDES :=
@@ -98,13 +98,13 @@ bench: ## simulated targets per second, both simulators in one run
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
-soak: ## random targets, as many as wanted [TARGETS= SEED= DATAPATH= WIDTH= OUT= SIM= RESTART=1 KEEP=1 AGAIN=file]
+soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file]
 	@$(SETUP) $(soak_sim)
 	@$(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
-	  $(if $(filter-out 0,$(call given,RESTART,$(value RESTART))),--restart) \
+	  $(call given,FROM,--from="$$CGA_FROM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: docs/exhaustive.md

@@ -5,9 +5,9 @@ import json
 
 import pytest
 
+from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.targets import trajectories
-from model.targets.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import run
 from scripts.pages import gen_docs
 from tb.sim.env import CORES, cores, simulator
@@ -53,13 +53,13 @@ def test_no_bit_differs_from_the_model(outcome):
 def test_regular_trajectories_reach_the_aim(outcomes):
     _, scores = outcomes["paper"]
     for name in trajectories.REGULAR:
-        assert scores[name]["hand_error_bar"] == REGULAR_BAR, f"{name} is not regular"
+        assert scores[name]["hand_error_bar"] == tolerances.REGULAR, f"{name} is not regular"
         assert scores[name]["hand_error_max"] <= AIM, f"{name}: {scores[name]['hand_error_max']}"
 
 
 def test_the_lean_datapath_is_held_to_its_own_bar(outcomes):
     _, scores = outcomes["lean"]
-    assert {score["hand_error_bar"] for score in scores.values()} == {LEAN_BAR}
+    assert {score["hand_error_bar"] for score in scores.values()} == {tolerances.LEAN[32]}
 
 
 def test_the_lean_datapath_is_better_in_every_figure(outcomes):

@@ -57,7 +57,7 @@ def alone(folder: Path):
 
 
 @contextmanager
-def _runtime(folder: Path, kind: str):
+def runtime(folder: Path, kind: str):
     """Verilator's own runtime, 7 s of compilation, is the same in every build of a kind: compile it once."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     store.mkdir(parents=True, exist_ok=True)
@@ -147,6 +147,6 @@ def simulate(
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
-        with alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
+        with alone(folder), runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
             run(compile_only=True, **options)
         return Path(run(**options))

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from model.bounds import predict
+from model.bounds.tolerances import NORM_ULPS
 from model.dataflow import fixed
 from model.dataflow.nodes import GUARD, Format
 from model.reference import equations
 from model.reference.kinematics import angle_between, forward
 from model.targets.flags import BAD_LENGTH, SATURATED, TOO_FAR, TOO_NEAR, UNREACHABLE, expected_flags
-from model.targets.scoring import NORM_ULPS
 from model.targets.stimuli import corners, mixed, random_reachable, unreachable
 from model.targets.words import RESULT_FIELDS, from_words, result_values
 

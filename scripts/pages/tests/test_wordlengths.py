@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from model.bounds import predict, ranges
+from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
-from model.targets.scoring import REGULAR_DISTANCE, singular_distance
+from model.targets.scoring import singular_distance
 from scripts.pages import opcounts, wordlengths
 
 
