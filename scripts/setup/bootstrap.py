@@ -3,8 +3,8 @@
 
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [fpga]
 
-makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds the
-tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`. What the system lacks is installed
+makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
+the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`. What the system lacks is installed
 with apt-get where that is allowed (root, or sudo without a password); otherwise one line says what to install and
 the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
 
