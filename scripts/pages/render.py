@@ -23,7 +23,12 @@ def row(cells: Iterable[Any]) -> str:
     return f"| {' | '.join(map(str, cells))} |"
 
 
-TEMPLATES.filters["row"] = row
+def error(value: float | None) -> str:
+    """An error in a table, which None is where nothing was measured."""
+    return "-" if value is None else f"{value:.1e}"
+
+
+TEMPLATES.filters |= {"row": row, "error": error}
 
 
 def render(name: str, **values: Any) -> str:
