@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,12 @@ TEMPLATES = Environment(
 def row(cells: Iterable[Any]) -> str:
     """A row of a table."""
     return f"| {' | '.join(map(str, cells))} |"
+
+
+def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> str:
+    """A table, its first ``left`` columns to the left and the others, figures, to the right."""
+    line = ["---"] * left + ["--:"] * (len(head) - left)
+    return "\n".join(map(row, (head, line, *rows)))
 
 
 def error(value: float | None) -> str:

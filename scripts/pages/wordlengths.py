@@ -30,10 +30,10 @@ from model.targets.flags import UNREACHABLE, expected_flags
 from model.targets.scoring import singular_distance
 from model.targets.stimuli import random_reachable, unreachable
 from model.targets.words import Targets, from_words, result_values
-from tb.sim.env import ROOT
+from tb.sim.env import GENERATED, ROOT
 
-PAGE = ROOT / "docs" / "wordlengths.md"
-PLOT = ROOT / "docs" / "wordlengths.svg"
+PAGE = GENERATED / "wordlengths.md"
+PLOT = GENERATED / "wordlengths.svg"
 
 WIDTH = 32
 CHUNK = 20000
