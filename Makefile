@@ -20,9 +20,9 @@ endif
 endif
 unexport CORES
 
-# Options of `make run`, `report` and `soak`, from make's command line only. A value is never expanded by make and
+# Options of `make run`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by make and
 # reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI TARGETS SEED RESTART KEEP AGAIN
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI TARGETS SEED FROM KEEP AGAIN ONLY
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 MAKEOVERRIDES :=
@@ -32,7 +32,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI")
 
-.PHONY: help setup run report test test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal fpga fpga-quick lock clean distclean
+.PHONY: help setup run report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -48,9 +48,18 @@ report: ## the same run as an HTML page to look at: the arm in motion, errors, p
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.report $(job)
 
-test: ## all tests [SIM=icarus|verilator CORES=behavioural|digit]
+# With SIM=verilator only what starts a simulator: the rest would be the same again.
+only_sim = $(if $(filter verilator,$(SIM)),sim)
+pytest = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadgroup --no-loadscope-reorder \
+  $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
+
+test: ## the quick gate; SIM=verilator: what starts a simulator [SIM= CORES=behavioural|digit ONLY=file or -k pattern]
 	@$(SETUP) $(sort icarus $(SIM))
-	@SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto
+	@$(pytest) -m "$(if $(only_sim),sim and )not slow"
+
+test-all: ## all tests; SIM=verilator: all that start a simulator [SIM= CORES= ONLY=]
+	@$(SETUP) $(sort icarus $(SIM))
+	@$(pytest) -m "$(only_sim)"
 
 test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
@@ -78,8 +87,8 @@ operations: ## table 4 of the paper counted from the equations and the elaborate
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.pages.opcounts
 
-figures: ## figures 6 and 7 of the paper for the whole design: docs/figures.md
-	@$(SETUP) icarus
+figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: docs/figures.md
+	@$(SETUP) graphviz
 	@$(VENV) -m scripts.pages.figures
 
 bench: ## simulated targets per second, both simulators in one run
@@ -89,13 +98,13 @@ bench: ## simulated targets per second, both simulators in one run
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
-soak: ## random targets, as many as wanted [TARGETS= SEED= DATAPATH= WIDTH= OUT= SIM= RESTART=1 KEEP=1 AGAIN=file]
+soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file]
 	@$(SETUP) $(soak_sim)
 	@$(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
-	  $(if $(filter-out 0,$(call given,RESTART,$(value RESTART))),--restart) \
+	  $(call given,FROM,--from="$$CGA_FROM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: docs/exhaustive.md

@@ -31,7 +31,7 @@ from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, Targets, to
 from scripts.console import InputError, Parser, arm_length, check_out, exit_status, finite, progress, show, writing
 from scripts.waves import write_save_file
 from tb.sim.env import CORES
-from tb.sim.simulate import Job, Run, simulate
+from tb.sim.simulate import LONG, Job, Run, simulate
 
 ALL = "all"
 
@@ -128,9 +128,10 @@ def _results_path(out: Path, name: str, many: bool) -> Path:
 
 
 def run_and_score(
-    arguments: argparse.Namespace, prepared: Sequence[Prepared], waves: Path | None = None
+    arguments: argparse.Namespace, prepared: Sequence[Prepared], waves: Path | None = None, predict: bool = True
 ) -> list[tuple[Run, Score]]:
-    """Run all trajectories in one simulation and score them, in their order. Raises SimulationError."""
+    """Run all trajectories in one simulation and score them, in their order, beside the errors that are predicted
+    if `predict` says so. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     total = sum(len(job.words) for job in jobs)
     with progress(f"{arguments.sim}, {total} targets", total) as meter:
@@ -149,7 +150,7 @@ def run_and_score(
             width=arguments.width, datapath=arguments.datapath, simulator=arguments.sim,
             latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
             bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
-            predicted=hand_bar(item.words, arguments.width, arguments.datapath),
+            predicted=hand_bar(item.words, arguments.width, arguments.datapath) if predict else None,
         )
         for item, run in zip(prepared, runs, strict=True)
     ]  # fmt: skip
@@ -174,7 +175,9 @@ def _run(arguments: argparse.Namespace) -> int:
     check_out(out, [*result_paths, score_path])
 
     waves = (out / "waves.vcd").absolute() if arguments.waves else None
-    runs, scores = zip(*run_and_score(arguments, prepared, waves), strict=True)
+    # A prediction takes longer than everything else of a long file.
+    predict = sum(len(item.words) for item in prepared) < LONG
+    runs, scores = zip(*run_and_score(arguments, prepared, waves, predict), strict=True)
     with writing():
         for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
             write_results_csv(path, item.targets, run.results, run.flags, result.each.hand_error, width)

@@ -1,67 +1,62 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random targets of all kinds through the RTL, as many as wanted, every node compared: what `make soak` does.
+"""An unlimited stream of random targets of all kinds through the RTL, every node compared: what `make soak` does.
 
-    python -m scripts.soak [--targets N] [--seed S] [--datapath ...] [--width ...] [--keep] [--restart] ...
+    python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--datapath ...] [--width ...] [--keep] ...
     python -m scripts.soak --again FILE.csv
 
-Targets come in chunks; a chunk depends on seed, width and its number only. After each chunk the state file
-OUT/<datapath>-<width>-<seed>.json holds how far the soak is and the hardest targets so far; a run with more targets, or
-after Ctrl-C, goes on there. At the end the hardest go into OUT/hardest.csv and, with --keep, into
-tb/core/hardest.csv, the regression list.
+Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
+--from resumes at any chunk. With Verilator each core of the machine runs chunks of its own. At the end the hardest
+targets go into OUT/hardest.csv and, with --keep, into tb/core/hardest.csv, the regression list.
 
 It stops at the first chunk in which a bit or a flag is wrong, a quaternion is not of unit length or a hand of the lean
-datapath is further off than its bar, and writes the targets to OUT/failing.csv. The paper's equations are held to no
-bar here: near two singular poses at once their errors pass even what `model.bounds.predict` explains; they are
-reported.
+datapath is further off than its tolerance, names seed and chunk, and writes the targets to OUT/failing.csv. The paper's
+equations are held to no tolerance here: near two singular poses at once their errors pass even what
+`model.bounds.predict` explains; they are reported.
 
 Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 input that cannot be used (one line on
-stderr), 130 after Ctrl-C.
+stderr), 130 after Ctrl-C, 143 after SIGTERM.
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import dataclasses
-import hashlib
-import json
 import math
+import multiprocessing
+import os
 import re
+import signal
 import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 from rich import box
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from model.dataflow import fixed
+from model.bounds import tolerances
 from model.dataflow.nodes import WIDTHS
 from model.targets.files import write_atomically
 from model.targets.flags import expected_flags, names
 from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from model.targets.words import FIELDS
-from scripts.console import InputError, Parser, check_out, exit_status, one_of, show, whole, word_length, writing
+from scripts.console import InputError, Parser, check_out, exit_status, progress, show, whole, writing
 from scripts.pages.wordlengths import edges
 from tb.core import hardest
-from tb.sim.env import ROOT, SIMULATORS
+from tb.sim import every_node
 from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
 
 CHUNK = 20000
-TARGETS = 100_000
+TARGETS = 1_000_000
 SEED = 1
 
 CANDIDATES = 1000
-"""Targets of a chunk, those with the largest hand errors, whose bars are predicted where there is no fixed one."""
-
-FORMAT = 1
-"""Of the state file."""
-
-TOP = "ik_axis"
+"""Targets of a chunk, those with the largest hand errors, whose tolerance is asked for: the paper's is a prediction."""
 
 
 # -- targets ---------------------------------------------------------------------------------------------------------
@@ -79,29 +74,6 @@ def chunk(number: int, width: int, seed: int, count: int = CHUNK) -> np.ndarray:
     return np.random.default_rng((own, width)).permutation(np.concatenate(parts))
 
 
-def digest_of_core(datapath: str, root: Path = ROOT) -> str:
-    """Of the Verilog that is simulated, without comments and spaces: a count of targets is of one core.
-
-    That is `ik_axis` and every file of the datapath and of the libraries that it names, or one that it names does.
-    """
-    texts = {}
-    for folder in ("rtl", "rtl/lib", "rtl/cores", f"rtl/{datapath}"):
-        for path in (root / folder).glob("*.v*"):
-            texts[path.stem] = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
-    used, new = {TOP}, {TOP}
-    while new:
-        named = {name for file in new for name in re.findall(r"\bik_\w+", texts.get(file, ""))}
-        new = (named & set(texts)) - used
-        used |= new
-    text = "\0".join(f"{file}\0{''.join(texts.get(file, '').split())}" for file in sorted(used))
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def digest_of_targets(width: int, seed: int) -> str:
-    """Of the first chunk: a count of targets is of one sequence."""
-    return hashlib.sha256(chunk(0, width, seed).astype("<i8").tobytes()).hexdigest()[:16]
-
-
 # -- judging -----------------------------------------------------------------------------------------------------------
 
 
@@ -112,15 +84,16 @@ class Hard:
     target: int
     words: list[int]
     hand_error: float
-    bar: float
+    tolerance: float
     norm_error: float
 
 
 @dataclass
 class Found:
-    """What some targets gave: how many of them are in reach and above their prediction, the largest errors, the
-    hardest targets by either measure."""
+    """What some targets gave: how many there are, in reach, above their prediction; the largest errors, the hardest
+    targets by either measure."""
 
+    targets: int = 0
     reachable: int = 0
     above: int = 0
     hand_error_max: float = 0.0
@@ -130,11 +103,12 @@ class Found:
 
     def __add__(self, other: Found) -> Found:
         return Found(
+            self.targets + other.targets,
             self.reachable + other.reachable,
             self.above + other.above,
             max(self.hand_error_max, other.hand_error_max),
             max(self.norm_error_max, other.norm_error_max),
-            _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.bar),
+            _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
             _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
         )
 
@@ -152,65 +126,81 @@ class Failure:
     rows: list[int]
 
 
-def judge(
-    words: np.ndarray, run: Run, numbers: Sequence[int], width: int, datapath: str
-) -> tuple[Found, list[Failure], np.ndarray]:
-    """What a run of targets gave, what fails, and the hand errors (N,), nan out of reach.
+@dataclass(frozen=True)
+class Core:
+    """What is simulated: simulator, datapath, word length, and the native program, which Verilator makes."""
 
-    numbers (N,): of the targets in their sequence. Raises SimulationError for lost results.
+    sim: str
+    datapath: str
+    width: int
+    program: Path | None = None
+
+    @classmethod
+    def built(cls, sim: str, datapath: str, width: int) -> Core:
+        return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
+
+    def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
+        """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""
+        frames = list(every_node.answered(words, self.width, self.datapath))
+        if self.program:
+            run = every_node.compare(self.program, frames, self.width, self.datapath)
+        else:
+            (run,) = simulate([Job("soak", words)], simulator=self.sim, datapath=self.datapath, width=self.width)
+        return run, *(np.concatenate([getattr(answer, part) for _, answer in frames]) for part in ("results", "flags"))
+
+    def __str__(self) -> str:
+        return f"{self.datapath} datapath, {self.width} bits, {self.sim}"
+
+
+def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found, list[Failure], np.ndarray]:
+    """Run targets: what they give, what fails, and the hand errors (N,), nan out of reach.
+
+    numbers (N,): of the targets in their sequence. Raises SimulationError, for lost results too.
     """
+    run, results, flags = core.run(words)
     if run.results.shape != words.shape or run.flags.shape != (len(words),):
         raise SimulationError(f"{len(words)} targets were sent, {len(run.results)} results came back")
-    answer = fixed.run(words, width, datapath)
-    hand, norm = hardest.errors(words, run.results, width)
+    hand, norm = hardest.errors(words, run.results, core.width)
     reachable = np.flatnonzero(~np.isnan(hand))
     candidates = reachable[np.argsort(-hand[reachable], kind="stable")][:CANDIDATES]
-    bar = np.full(len(words), np.inf)
-    bar[candidates] = hardest.bars(words[candidates], width, datapath)
-    above = candidates[hand[candidates] > bar[candidates]]
+    tolerance = np.full(len(words), np.inf)
+    tolerance[candidates] = tolerances.hand(words[candidates], core.width, core.datapath)
+    above = candidates[hand[candidates] > tolerance[candidates]]
 
     failures = []
-    differs = (run.results != answer.results).any(axis=1) | (run.flags != answer.flags)
+    differs = (run.results != results).any(axis=1) | (run.flags != flags)
     if run.bit_mismatches or differs.any():
         failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
-    wrong = np.flatnonzero(run.flags != (owed := expected_flags(words, width)))
+    wrong = np.flatnonzero(run.flags != (owed := expected_flags(words, core.width)))
     if len(wrong):
         n = int(wrong[0])
         text = f"flags {names(int(run.flags[n]))} instead of {names(int(owed[n]))} ({len(wrong)} targets)"
         failures.append(Failure([text], wrong.tolist()))
-    if datapath == "lean" and len(above):
-        rows = above[np.argsort(-hand[above] / bar[above], kind="stable")].tolist()
-        n = rows[0]
-        text = f"hand error / reach {hand[n]:.3e} is above its bar {bar[n]:.3e} ({len(rows)} targets)"
-        failures.append(Failure([text], rows))
-    long = np.flatnonzero(~(norm <= hardest.norm_bar(width)))
-    if len(long):
-        rows = long[np.argsort(-norm[long], kind="stable")].tolist()
-        most = hardest.norm_bar(width)
-        text = f"abs(norm^2 - 1) {norm[rows[0]]:.3e} is above its bar {most:.3e} ({len(rows)} targets)"
-        failures.append(Failure([text], rows))
+    for what, error, most, rows in (
+        ("hand error / reach", hand, tolerance, above if core.datapath == "lean" else above[:0]),
+        ("abs(norm^2 - 1)", norm, np.full(len(words), tolerances.norm(core.width)),
+         np.flatnonzero(~(norm <= tolerances.norm(core.width)))),
+    ):  # fmt: skip
+        if len(rows):
+            worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
+            n = worst[0]
+            text = f"{what} {error[n]:.3e} is above its tolerance {most[n]:.3e} ({len(rows)} targets)"
+            failures.append(Failure([text], worst))
 
     by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: hardest.KEPT]
-    missing = by_norm[np.isinf(bar[by_norm])]
-    if len(missing):
-        bar[missing] = hardest.bars(words[missing], width, datapath)
+    missing = by_norm[np.isinf(tolerance[by_norm])]
+    tolerance[missing] = tolerances.hand(words[missing], core.width, core.datapath)
 
     def hard(rows) -> list[Hard]:
         return [
-            Hard(int(numbers[n]), words[n].tolist(), float(hand[n]), float(bar[n]), float(norm[n]))
+            Hard(int(numbers[n]), words[n].tolist(), float(hand[n]), float(tolerance[n]), float(norm[n]))
             for n in rows.tolist()
         ]
 
-    by_ratio = candidates[np.argsort(-hand[candidates] / bar[candidates], kind="stable")][: hardest.KEPT]
-    found = Found() + Found(
-        reachable=len(reachable),
-        above=len(above),
-        hand_error_max=float(hand[reachable].max(initial=0.0)),
-        norm_error_max=float(norm.max(initial=0.0)),
-        by_hand=hard(by_ratio),
-        by_norm=hard(by_norm),
-    )
-    return found, failures, hand
+    by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: hardest.KEPT]
+    largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
+    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm))
+    return Found() + found, failures, hand
 
 
 _TARGET = re.compile(r"(?<= of target )\d+")
@@ -239,134 +229,36 @@ def tell(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]
     return list(dict.fromkeys(n for failure in failures for n in failure.rows))
 
 
-# -- the state ---------------------------------------------------------------------------------------------------------
-
-
-@dataclass
-class State:
-    """How far a soak of one datapath, word length and seed is, and what it found."""
-
-    datapath: str
-    width: int
-    seed: int
-    core: str
-    targets: str
-    done: int = 0
-    found: Found = field(default_factory=Found)
-
-    def write(self, path: Path) -> None:
-        """Raises OSError; then the file is what it was before."""
-        data = {"format": FORMAT, **dataclasses.asdict(self)}
-        write_atomically(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
-
-
-def _is(kind: type, value) -> bool:
-    """Whether a value of a JSON file is a count, a finite number, a text or a list."""
-    if kind is float:
-        return type(value) in (int, float) and math.isfinite(value) and value >= 0
-    return type(value) is kind and (kind is not int or value >= 0)
-
-
-def _record(cls, data, kinds: dict[str, type]):
-    """The dataclass `cls` from a JSON object that has just these keys. Raises ValueError."""
-    if type(data) is not dict or set(data) != set(kinds):
-        raise ValueError(f"its {cls.__name__} has other keys than {', '.join(kinds)}")
-    for name, kind in kinds.items():
-        if not _is(kind, data[name]):
-            raise ValueError(f"{name} is {str(data[name])[:40]}")
-    return cls(**data)
-
-
-def read_state(path: Path) -> State:
-    """The state in a file. Raises InputError, in one line."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        if type(data) is not dict or data.pop("format", None) != FORMAT:
-            raise ValueError(f"it is not of format {FORMAT}")
-        state = _record(
-            State, data,
-            {"datapath": str, "width": int, "seed": int, "core": str, "targets": str, "done": int, "found": dict},
-        )  # fmt: skip
-        found = _record(
-            Found, state.found,
-            {"reachable": int, "above": int, "hand_error_max": float, "norm_error_max": float, "by_hand": list,
-             "by_norm": list},
-        )  # fmt: skip
-        kinds = {"target": int, "words": list, "hand_error": float, "bar": float, "norm_error": float}
-        for name in ("by_hand", "by_norm"):
-            hards = [_record(Hard, hard, kinds) for hard in getattr(found, name)]
-            if any(len(h.words) != len(FIELDS) or h.bar == 0 or {*map(type, h.words)} != {int} for h in hards):
-                raise ValueError(f"a target of {name} makes no sense")
-            setattr(found, name, hards)
-        state.found = found
-        return state
-    except (ValueError, RecursionError) as error:  # of which UnicodeDecodeError and JSONDecodeError are some
-        raise InputError(f"{path}: not a state of a soak: {error}; --restart begins anew") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-
-
-def state_of(arguments: argparse.Namespace, path: Path) -> State:
-    """The state to go on from. Raises InputError."""
-    fresh = State(
-        arguments.datapath,
-        arguments.width,
-        arguments.seed,
-        digest_of_core(arguments.datapath),
-        digest_of_targets(arguments.width, arguments.seed),
-    )
-    if arguments.restart or not path.exists():
-        return fresh
-    state = read_state(path)
-    for name, what in (("datapath", "another datapath"), ("width", "another width"), ("seed", "another seed"),
-                       ("core", "other Verilog"), ("targets", "other targets")):  # fmt: skip
-        if getattr(state, name) != getattr(fresh, name):
-            raise InputError(f"{path}: is of {what} than there would be now; --restart begins anew")
-    return state
-
-
 # -- the command line --------------------------------------------------------------------------------------------------
 
 
-NOT_AGAIN = ("targets", "seed", "datapath", "width", "restart", "keep")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        "soak", "Random targets of all kinds through the core in a simulator, every node compared with the model."
-    )
-    parser.add_argument(
-        "--targets", type=whole(1), metavar="N", help=f"how many in all, earlier runs included (default: {TARGETS})"
-    )
-    parser.add_argument("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
-    parser.add_argument(
-        "--datapath", type=one_of("datapath", DATAPATHS), metavar="|".join(DATAPATHS),
-        help=f"which dataflow of the core to run (default: {DATAPATHS[0]})",
-    )  # fmt: skip
-    about = f"word length, {WIDTHS[0]} to {WIDTHS[-1]} (default: {WIDTHS[-1]})"
-    parser.add_argument("--width", type=word_length, metavar="BITS", help=about)
-    parser.add_argument(
-        "--sim", type=one_of("simulator", SIMULATORS), default="verilator", metavar="|".join(SIMULATORS),
-        help="the simulator (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--out", type=Path, default=Path("build/soak"), metavar="DIR",
-        help="folder for the state, hardest.csv and failing.csv, made if need be (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument("--restart", action="store_true", help="begin anew instead of going on where the state is")
-    parser.add_argument("--keep", action="store_true", help="put the hardest targets into tb/core/hardest.csv too")
-    parser.add_argument("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
-    return parser
+DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DATAPATHS[0], "width": WIDTHS[-1]}
+NOT_AGAIN = (*DEFAULTS, "keep")
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parsed = _parser().parse_args(arguments)
+    parser = Parser("soak", "Random targets of all kinds through the core, every node compared with the model.")
+    parser.epilog += " 143 terminated."
+    add = parser.add_argument
+    add("--targets", type=whole(1), metavar="N", help=f"how many (default: {TARGETS})")
+    add("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
+    add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"begin at this chunk of {CHUNK} (default: 0)")
+    parser.core(sim="verilator", datapath=None, width=None)
+    add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
+    add(
+        "--out", type=Path, default=Path("build/soak"), metavar="DIR",
+        help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",
+    )  # fmt: skip
+    add("--keep", action="store_true", help="put the hardest targets into tb/core/hardest.csv too")
+    add("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
+    parsed = parser.parse_args(arguments)
     if parsed.again:
         for name in NOT_AGAIN:
             value = getattr(parsed, name)
             if value is not None and value is not False:  # a seed of 0 is one
-                raise InputError(f"argument --{name}: does not go with --again, whose file says what to run")
-    for name, value in (("targets", TARGETS), ("seed", SEED), ("datapath", DATAPATHS[0]), ("width", WIDTHS[-1])):
+                option = name.rstrip("_")
+                raise InputError(f"argument --{option}: does not go with --again, whose file says what to run")
+    for name, value in DEFAULTS.items():
         if getattr(parsed, name) is None:
             setattr(parsed, name, value)
     return parsed
@@ -375,128 +267,118 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 # -- the run -----------------------------------------------------------------------------------------------------------
 
 
-class _Watch:
-    """Progress over all targets: a bar on a terminal, else a line a chunk."""
-
-    def __init__(self, progress: Progress | None, done: int, total: int) -> None:
-        self.progress = progress
-        self.first, self.total = done, total
-        self.begin = time.monotonic()
-        if progress:
-            self.task = progress.add_task("soak", total=total, completed=done, rate=0.0)
-
-    def rate(self, done: int) -> float:
-        """Targets a second in this run."""
-        return (done - self.first) / max(time.monotonic() - self.begin, 1e-9)
-
-    def simulated(self, since: int) -> Callable[[int, int], None] | None:
-        """For `simulate`, in a chunk that begins at target `since`."""
-        if not self.progress:
-            return None
-        return lambda done, total: self.progress.update(self.task, completed=since + done, rate=self.rate(since + done))
-
-    def chunk_done(self, done: int) -> None:
-        """A chunk is judged and its state written."""
-        rate = self.rate(done)
-        if self.progress:
-            self.progress.update(self.task, completed=done, rate=rate)
-        else:
-            left = (self.total - done) / rate
-            print(f"soak: {done} of {self.total} targets, {rate:.0f}/s, {left:.0f} s left", file=sys.stderr)
+class Stopped(KeyboardInterrupt):
+    """By a signal; its number."""
 
 
 @contextlib.contextmanager
-def _watch(done: int, total: int) -> Iterator[_Watch]:
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield _Watch(None, done, total)
+def stoppable() -> Iterator[None]:
+    """SIGTERM, and Ctrl-C where it is not ignored, become :class:`Stopped`."""
+
+    def stop(number: int, _) -> NoReturn:
+        raise Stopped(number)
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        for number, handler in before.items():
+            if handler is not signal.SIG_IGN:
+                signal.signal(number, stop)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _worker() -> None:
+    """A process of its own: Ctrl-C is for the parent, and SIGTERM ends it with the simulation that it has started."""
+
+    def end(*_) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.killpg(0, signal.SIGTERM)
+
+    os.setsid()
+    signal.signal(signal.SIGTERM, end)
+
+
+def piece(core: Core, seed: int, end: int, number: int) -> tuple[np.ndarray, Found, list[Failure], np.ndarray]:
+    """Chunk `number` as far as target `end`: its words, and what :func:`judge` says."""
+    start = number * CHUNK
+    words = chunk(number, core.width, seed)[: end - start]
+    return words, *judge(core, words, range(start, start + len(words)))
+
+
+@contextlib.contextmanager
+def _spread(jobs: int) -> Iterator[Callable]:
+    """A `map` that keeps the order; with more than one job, over processes, which end with the block."""
+    if jobs == 1:
+        yield map
         return
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]:.0f}/s"),
-        TimeRemainingColumn(), TextColumn("left"),
-    )  # fmt: skip
-    with Progress(*columns, console=console, transient=True, speed_estimate_period=120) as progress:
-        yield _Watch(progress, done, total)
+    # Not forked: a progress bar has a thread.
+    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _worker) as pool:
+        try:
+            yield pool.map
+        except BaseException:
+            for process in multiprocessing.active_children():
+                process.terminate()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
-def _write_failing(arguments: argparse.Namespace, rows: list[hardest.Row]) -> None:
-    path = arguments.out / "failing.csv"
+def _soak(arguments: argparse.Namespace) -> int:
+    """Run the chunks; the exit status 0 or 1. Raises what `exit_status` reports, and Stopped."""
+    hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
+    check_out(arguments.out, [hardest_path, failing])
+    lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
+    earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
+    end = arguments.from_ * CHUNK + arguments.targets
+    chunks = range(arguments.from_, -(-end // CHUNK))
+    found, number = Found(), arguments.from_
+    try:
+        core = Core.built(arguments.sim, arguments.datapath, arguments.width)
+        what = f"{core}, seed {arguments.seed}"
+        print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
+        work = partial(piece, core, arguments.seed, end)
+        with (
+            _spread(min(arguments.jobs, len(chunks))) as spread,
+            progress("soak", arguments.targets, every=10) as meter,
+        ):
+            for words, more, failures, hand in spread(work, chunks):  # noqa: B007
+                if failures:
+                    break
+                number += 1
+                found += more
+                meter(found.targets)
+    except BrokenProcessPool:
+        raise SimulationError(f"a process broke off, in chunk {number} of seed {arguments.seed} or later") from None
+    except Stopped:
+        done = f"{found.targets} targets passed, those before chunk {number}; --from {number} resumes"
+        print(f"soak: stopped; {done}", file=sys.stderr)
+        raise
+    if failures:
+        numbers = range(number * CHUNK, (number + 1) * CHUNK)
+        rows = tell(failures, words, lambda n: f"target {numbers[n]} in chunk {number} of seed {arguments.seed}")
+        _write(failing, [_row(arguments, words[n], hand[n], numbers[n]) for n in rows])
+        print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
+        return 1
+    show(_summary(what, core, found, meter.rate), _table(found))
+    hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
+    rows = [_row(arguments, hard.words, hard.hand_error, hard.target) for hard in hards]
+    for file, before in earlier.items():
+        _write(file, hardest.merge(before + rows))
+        print(f"wrote {file}")
+    return 0
+
+
+def _write(path: Path, rows: list[hardest.Row]) -> None:
     with writing():
         write_atomically(path, hardest.text(rows))
-    print(f"soak: {len(rows)} failing targets in {path}; to run them again: --again {path}", file=sys.stderr)
 
 
 def _row(arguments, words, hand_error: float, number: int) -> hardest.Row:
     error = None if math.isnan(hand_error) else float(hand_error)
     words = tuple(map(int, words))
     return hardest.Row(arguments.datapath, arguments.width, words, error, f"seed {arguments.seed} target {number}")
-
-
-def _step(arguments: argparse.Namespace, state: State, watch: _Watch) -> bool:
-    """The next chunk, or what is left of it or wanted of it, and the state after it; False when something fails."""
-    number, since = divmod(state.done, CHUNK)
-    words = chunk(number, arguments.width, arguments.seed)[since:][: arguments.targets - state.done]
-    numbers = range(state.done, state.done + len(words))
-    (run,) = simulate(
-        [Job(f"chunk {number}", words)],
-        simulator=arguments.sim,
-        datapath=arguments.datapath,
-        width=arguments.width,
-        progress=watch.simulated(state.done),
-    )
-    found, failures, hand = judge(words, run, numbers, arguments.width, arguments.datapath)
-    if failures:
-        if watch.progress:
-            watch.progress.stop()
-        where = f"in chunk {number} of seed {arguments.seed}"
-        rows = tell(failures, words, lambda n: f"target {numbers[n]} {where}")
-        _write_failing(arguments, [_row(arguments, words[n], hand[n], numbers[n]) for n in rows])
-        return False
-    if digest_of_core(arguments.datapath) != state.core:
-        raise InputError("the Verilog changed during the soak: its last chunk does not count; --restart begins anew")
-    state.done += len(words)
-    state.found += found
-    return True
-
-
-def _soak(arguments: argparse.Namespace) -> int:
-    """Go on to --targets; the exit status 0, 1 or 130. Raises what `exit_status` reports."""
-    path = arguments.out / f"{arguments.datapath}-{arguments.width}-{arguments.seed}.json"
-    hardest_path = arguments.out / "hardest.csv"
-    check_out(arguments.out, [path, hardest_path, arguments.out / "failing.csv"])
-    lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
-    earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
-    state = state_of(arguments, path)
-    print(
-        f"soak: {arguments.datapath} datapath, {arguments.width} bits, {arguments.sim}, seed {arguments.seed}; "
-        f"{state.done} of {arguments.targets} targets done before ({path})",
-        flush=True,
-    )
-    rate = None
-    try:
-        if state.done < arguments.targets:
-            with _watch(state.done, arguments.targets) as watch:
-                while state.done < arguments.targets:
-                    if not _step(arguments, state, watch):
-                        return 1
-                    with writing():
-                        state.write(path)
-                    watch.chunk_done(state.done)
-                rate = watch.rate(state.done)
-    except KeyboardInterrupt:
-        print(
-            f"soak: interrupted; {state.done} targets are done, the same command (without --restart) goes on there",
-            file=sys.stderr,
-        )
-        return 130
-    show(_summary(arguments, state, rate), _table(state))
-    hards = {tuple(hard.words): hard for hard in state.found.by_hand + state.found.by_norm}.values()
-    rows = [_row(arguments, hard.words, hard.hand_error, hard.target) for hard in hards]
-    for file, before in earlier.items():
-        with writing():
-            write_atomically(file, hardest.text(hardest.merge(before + rows)))
-        print(f"wrote {file}")
-    return 0
 
 
 def _read_rows(path: Path) -> list[hardest.Row]:
@@ -515,14 +397,14 @@ def _again(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.again}: no targets")
     status = 0
     for (datapath, width), group in hardest.groups(rows).items():
+        core = Core.built(arguments.sim, datapath, width)
         words = hardest.array(group)
-        (run,) = simulate([Job("again", words)], simulator=arguments.sim, datapath=datapath, width=width)
-        found, failures, _ = judge(words, run, range(len(words)), width, datapath)
+        found, failures, _ = judge(core, words, range(len(words)))
         tell(failures, words, lambda n, group=group: group[n].found)
         status |= bool(failures)
         print(
-            f"{datapath} datapath, {width} bits, {arguments.sim}: {len(words)} targets, {run.bit_mismatches} bits "
-            f"differ, largest hand error / reach {found.hand_error_max:.3e}: {'FAIL' if failures else 'pass'}"
+            f"{core}: {len(words)} targets, largest hand error / reach {found.hand_error_max:.3e}: "
+            f"{'FAIL' if failures else 'pass'}"
         )
     return status
 
@@ -530,44 +412,37 @@ def _again(arguments: argparse.Namespace) -> int:
 # -- tables ------------------------------------------------------------------------------------------------------------
 
 
-def _summary(arguments: argparse.Namespace, state: State, rate: float | None) -> Table:
-    """The figures of all targets so far; only those that pass are counted, so no bit differs."""
-    found, width = state.found, state.width
-    fixed_bar = state.datapath == "lean" and hardest.LEAN_BARS.get(width)
-    ratio = found.by_hand[0].hand_error / found.by_hand[0].bar if found.by_hand else 0.0
-    table = Table(
-        title=f"soak: {state.datapath} datapath, {width} bits, {arguments.sim}, seed {state.seed}",
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-    )
+def _summary(what: str, core: Core, found: Found, rate: float) -> Table:
+    """The figures of all targets; only those that pass are counted, so no bit differs."""
+    lean = core.datapath == "lean"
+    ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
+    table = Table(title=f"soak: {what}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("figure")
     table.add_column("measured", justify="right")
-    table.add_column("bar", justify="right")
-    table.add_row("targets", str(state.done))
-    table.add_row("of them in reach", str(found.reachable))
-    table.add_row("bits that differ from the bit-true model", "0", "0")
-    table.add_row("hand error / reach, largest", f"{found.hand_error_max:.2e}", f"{fixed_bar:.2e}" if fixed_bar else "")
-    table.add_row(
-        f"hand error / {'bar' if fixed_bar else 'prediction'}, largest",
-        f"{ratio:.3f}", "1" if state.datapath == "lean" else "",
-    )  # fmt: skip
-    if not fixed_bar:
-        table.add_row("targets seen above their prediction", str(found.above))
-    table.add_row(
-        "abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{hardest.norm_bar(width):.2e}"
-    )
-    table.add_row("targets a second in this run, build included", "-" if rate is None else f"{rate:.0f}")
+    table.add_column("tolerance", justify="right")
+    for row in (
+        ("targets", str(found.targets)),
+        ("of them in reach", str(found.reachable)),
+        ("bits that differ from the bit-true model", "0", "0"),
+        ("hand error / reach, largest", f"{found.hand_error_max:.2e}",
+         f"{tolerances.lean(core.width):.2e}" if lean else ""),
+        (f"hand error / {'tolerance' if lean else 'prediction'}, largest", f"{ratio:.3f}", "1" if lean else ""),
+        *([] if lean else [("targets seen above their prediction", str(found.above))]),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{tolerances.norm(core.width):.2e}"),
+        ("targets a second, build excluded", f"{rate:.0f}"),
+    ):  # fmt: skip
+        table.add_row(*row)
     return table
 
 
-def _table(state: State) -> Table:
-    """The hardest targets: first by hand error beside its bar, then by norm error."""
+def _table(found: Found) -> Table:
+    """The hardest targets: first by hand error beside its tolerance, then by norm error."""
     table = Table(title="the hardest targets", box=box.SIMPLE_HEAD, title_justify="left", padding=(0, 1, 0, 0))
-    for heading in ("target", "hand", "/ bar", "norm", *FIELDS):
+    for heading in ("target", "hand", "/ tol.", "norm", *FIELDS):
         table.add_column(heading, justify="right")
-    for hards in (state.found.by_hand, state.found.by_norm):
+    for hards in (found.by_hand, found.by_norm):
         for hard in hards:
-            figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.bar:.3f}", f"{hard.norm_error:.2e}"
+            figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
             table.add_row(str(hard.target), *figures, *map(str, hard.words))
         table.add_section()
     return table
@@ -578,7 +453,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     def work() -> int:
         parsed = _parse(arguments)
-        return _again(parsed) if parsed.again else _soak(parsed)
+        try:
+            with stoppable():
+                return _again(parsed) if parsed.again else _soak(parsed)
+        except Stopped as stopped:
+            return 128 + stopped.args[0]
 
     return exit_status("soak", work)
 

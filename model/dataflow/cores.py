@@ -72,20 +72,24 @@ def mul3_error(shift: int, a_width: int, b_width: int) -> tuple[float, float]:
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------
 
-_bit_length = np.frompyfunc(lambda v: int(v).bit_length(), 1, 1)
+
+def bit_length(words):
+    """Bits of unsigned words of up to 64 bits, 0 for 0."""
+    high = words >> np.uint64(32)
+    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
+    _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
+    return bits + 32 * (high > 0)
 
 
 def even(value, width: int, mantissa_bits: int):
     """``ik_even``: (k, m), the leading zero pairs of an unsigned word and floor(value 4^k / 2^(width-mantissa_bits)).
 
-    As a fraction, m lies in [1/4, 1); 0 gives k = width/2 - 1 and m = 0.  ``width`` is even.
+    As a fraction, m lies in [1/4, 1); 0 gives k = width/2 - 1 and m = 0.  ``width`` is even, and at most 64.
     """
-    value = np.asarray(value)
-    k = (width - np.maximum(_bit_length(value).astype(np.int64), 1)) // 2
+    value = np.asarray(value).astype(np.uint64)
+    k = (width - np.maximum(bit_length(value), 1)).astype(np.int64) // 2
     right = width - mantissa_bits - 2 * k
-    down, up = np.maximum(right, 0), np.maximum(-right, 0)
-    if value.dtype == object:
-        down, up = down.astype(object), up.astype(object)
+    down, up = (np.maximum(n, 0).astype(np.uint64) for n in (right, -right))
     return k, ((value >> down) << up).astype(np.int64)
 
 

@@ -10,8 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.targets.words import FIELDS
-
 TOO_FAR = 1 << 0
 TOO_NEAR = 1 << 1
 ON_AXIS = 1 << 2
@@ -54,7 +52,6 @@ def names(flags: int) -> str:
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
     """The flags that the core owes for input words (N, 6) of `width` bits; (N,) int64.
 
-    Exact: Python integers, since squares of 32-bit words do not fit 64 bits once three are added.
     `SATURATED` is never owed. Raises ValueError for a word that does not fit `width` bits, which the core
     could not be asked.
     """
@@ -62,25 +59,16 @@ def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
     half = 2 ** (width - 1)
     if ((words < -half) | (words >= half)).any():
         raise ValueError(f"a word does not fit {width} bits")
-    flags = np.zeros(len(words), dtype=np.int64)
-    for n, row in enumerate(words.tolist()):
-        target = dict(zip(FIELDS, row, strict=True))
-        flags[n] = _flags(**target)
-    return flags
-
-
-def _flags(x: int, y: int, z: int, phi: int, d1: int, d2: int) -> int:
-    del phi  # a swivel angle is never out of range: it wraps
-    flags = 0
-    if x == 0 and y == 0:
-        flags |= ON_AXIS
-        if z == 0:
-            flags |= AT_SHOULDER
-    if d1 <= 0 or d2 <= 0:
-        return flags | BAD_LENGTH
-    squared = x * x + y * y + z * z
-    if squared > (d1 + d2) ** 2:
-        flags |= TOO_FAR
-    if squared < (d1 - d2) ** 2:
-        flags |= TOO_NEAR
-    return flags
+    x, y, z, _, d1, d2 = words.T  # a swivel angle is never out of range: it wraps
+    # Exact: three squares of 32-bit words, and the square of a sum of positive ones, fit 64 bits without a sign.
+    squared = sum((v * v).astype(np.uint64) for v in (x, y, z))
+    furthest, nearest = ((np.abs(v).astype(np.uint64)) ** 2 for v in (d1 + d2, d1 - d2))
+    on_axis = (x == 0) & (y == 0)
+    bad = (d1 <= 0) | (d2 <= 0)
+    return (
+        np.where(on_axis, ON_AXIS, 0)
+        | np.where(on_axis & (z == 0), AT_SHOULDER, 0)
+        | np.where(bad, BAD_LENGTH, 0)
+        | np.where(~bad & (squared > furthest), TOO_FAR, 0)
+        | np.where(~bad & (squared < nearest), TOO_NEAR, 0)
+    )

@@ -11,9 +11,7 @@ What is compared with what (DESIGN, section 5):
 Lengths are scaled by the power of two that `targets.scale_exponent` found before anything is squared, so
 that arms in any unit are scored alike; errors of the hand and the elbow are relative to d1+d2.
 
-Bars. With words of 32 bits, a trajectory whose every target keeps `REGULAR_DISTANCE` from the singular
-poses of the equations has the fixed bar `REGULAR_BAR`. Any other has a bar for each target, which the
-caller predicts from word length and conditioning (`model.bounds.predict`).
+What an error is held to, its bar, is of one table: `model.bounds.tolerances`.
 """
 
 from __future__ import annotations
@@ -28,27 +26,12 @@ from typing import Any
 
 import numpy as np
 
+from model.bounds import tolerances
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
 from model.targets import flags as flag_bits
 from model.targets.files import write_atomically
 from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
-
-REGULAR_DISTANCE = 0.2
-"""How far from every singular pose a regular trajectory keeps (rad)."""
-
-REGULAR_BAR = 1e-4
-"""Largest hand error / reach of a regular trajectory: the paper group's 1/16 mm on an arm of 0.6 m."""
-
-REGULAR_WIDTH = 32
-"""Word length for which the fixed bar holds; shorter words have a predicted one."""
-
-LEAN_BAR = 2e-8
-"""The same of the lean datapath, in any pose."""
-
-NORM_ULPS = 16
-"""Ulps that abs(norm^2 - 1) of a quaternion may have: its words are rounded, and so are the factors and the length
-that they come from."""
 
 
 def singular_distance(targets: Targets) -> np.ndarray:
@@ -84,7 +67,7 @@ class Each:
     clamped: np.ndarray
     hand_error: np.ndarray
     judged_error: np.ndarray
-    predicted: np.ndarray
+    predicted: np.ndarray | None
     bar: np.ndarray
     shoulder_angle_error: np.ndarray
     elbow_angle_error: np.ndarray
@@ -148,7 +131,7 @@ def score(
     total_cycles: int,
     bit_mismatches: int,
     first_mismatch: str | None = None,
-    predicted: np.ndarray,
+    predicted: np.ndarray | None,
 ) -> Score:
     """Score what the core answered.
 
@@ -157,7 +140,7 @@ def score(
     * results (N, 6): the core's signed words, columns as `RESULT_FIELDS`; flags (N,): its flag bits
     * latency_cycles: clocks from the first target in to the first result out
     * total_cycles: clocks from the first target in to the last result out, both counted
-    * predicted (N,): hand error / reach that word length and conditioning explain
+    * predicted (N,): hand error / reach that word length and conditioning explain; None where nobody asked
 
     Raises ValueError for arrays whose shapes do not fit, since a lost result would otherwise go unseen, and
     for a prediction that is not positive and finite, since it would let everything pass.
@@ -165,9 +148,9 @@ def score(
     count = len(targets)
     shapes = {"words": (count, 6), "results": (count, 6), "flags": (count,), "predicted": (count,)}
     for name, array in (("words", words), ("results", results), ("flags", flags), ("predicted", predicted)):
-        if np.shape(array) != shapes[name]:
+        if array is not None and np.shape(array) != shapes[name]:
             raise ValueError(f"{targets.name}: {name} has shape {np.shape(array)}, not {shapes[name]}")
-    if not (np.isfinite(predicted) & (np.asarray(predicted) > 0)).all():
+    if predicted is not None and not (np.isfinite(predicted) & (np.asarray(predicted) > 0)).all():
         raise ValueError(f"{targets.name}: the predicted hand error is not positive and finite")
 
     asked = from_words(words, 0, width, targets.name)  # in scaled lengths, as everything below
@@ -194,12 +177,9 @@ def score(
     clamped = (expected & flag_bits.UNREACHABLE) != 0
     reachable = ~clamped
     distance = singular_distance(asked)
-    lean = datapath == "lean"
-    if width == REGULAR_WIDTH and (lean or (distance >= REGULAR_DISTANCE).all()):
-        bar = np.full(count, LEAN_BAR if lean else REGULAR_BAR)
-    else:
-        bar = np.asarray(predicted, dtype=np.float64)
-    norm_bar = np.full(count, np.ldexp(float(NORM_ULPS), 2 - width))
+    regular = bool((distance >= tolerances.REGULAR_DISTANCE).all())
+    bar = tolerances.hand(words, width, datapath, regular=regular, predicted=predicted)
+    norm_bar = np.full(count, tolerances.norm(width))
     everywhere = np.ones(count, dtype=bool)
 
     failures = [
@@ -220,7 +200,7 @@ def score(
         hand_error_max=_max(hand_error, reachable),
         hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
         hand_error_bar=_max(bar, reachable),
-        hand_error_predicted=_max(np.asarray(predicted), reachable),
+        hand_error_predicted=None if predicted is None else _max(predicted, reachable),
         hand_error_over_bar=_max(hand_error / bar, reachable),
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
         shoulder_angle_error_max=_max(shoulder_angle, reachable),
@@ -244,7 +224,7 @@ def score(
             clamped=clamped,
             hand_error=hand_error,
             judged_error=np.where(clamped, clamped_error, hand_error),
-            predicted=np.asarray(predicted, dtype=np.float64),
+            predicted=predicted,
             bar=bar,
             shoulder_angle_error=shoulder_angle,
             elbow_angle_error=elbow_angle,

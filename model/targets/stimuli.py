@@ -48,29 +48,31 @@ def unreachable(count: int, width: int, seed: int) -> np.ndarray:
     out of reach, arms without a length."""
     random = np.random.default_rng((seed, width, 2))
     top = (1 << (width - 1)) - 1
-    rows = np.zeros((count, len(FIELDS)), dtype=np.int64)
-    for k, row in enumerate(rows):
-        size = int(random.integers(2, width - 1))  # bits of the target
-        row[:3] = random.integers(-(1 << size), 1 << size, 3)
-        row[3] = random.integers(-top - 1, top + 1)
-        row[4:] = random.integers(1, 1 << int(random.integers(1, width - 1)), 2)
-        kind = k % 7
-        if kind == 0:  # too far
-            row[:3] |= 1 << (width - 3)
-            row[4:] = random.integers(1, 1 << (width - 5), 2)
-        elif kind in (1, 2):  # too near
-            row[:3] >>= 4
-            row[3 + kind], row[6 - kind] = top - int(random.integers(0, 1 << (width - 3))), 1 << (width - 5)
-        elif kind == 3:
-            row[:3] = 0
-        elif kind == 4:  # out of reach on the axis, on either side
-            row[:3] = 0, 0, (1 << (width - 2)) * (1 if k % 2 else -1)
-            row[4:] >>= 3
-        elif kind == 5:
-            row[4 + int(random.integers(2))] = 0
-        else:
-            row[4 + int(random.integers(2))] *= -1
-    np.clip(rows, -top - 1, top, out=rows)
+    number = np.arange(count)
+    kind = number % 7
+    size = 1 << random.integers(2, width - 1, (count, 1))
+    position = random.integers(-size, size, (count, 3))
+    phi = random.integers(-top - 1, top + 1, count)
+    arms = random.integers(1, 1 << random.integers(1, width - 1, (count, 1)), (count, 2))
+    either = random.integers(2, size=count)  # arm
+
+    too_far = kind == 0
+    position[too_far] |= 1 << (width - 3)
+    arms[too_far] = random.integers(1, 1 << (width - 5), (too_far.sum(), 2))
+    for arm in range(2):
+        too_near = kind == 1 + arm
+        position[too_near] >>= 4
+        arms[too_near, arm] = top - random.integers(0, 1 << (width - 3), too_near.sum())
+        arms[too_near, 1 - arm] = 1 << (width - 5)
+    position[kind == 3] = 0
+    on_axis = kind == 4  # out of reach, on either side
+    position[on_axis] = 0
+    position[on_axis, 2] = np.where(number[on_axis] % 2, 1, -1) << (width - 2)
+    arms[on_axis] >>= 3
+    arms[kind == 5, either[kind == 5]] = 0
+    arms[kind == 6, either[kind == 6]] *= -1
+
+    rows = np.clip(np.column_stack([position, phi, arms]), -top - 1, top)
     stray = (expected_flags(rows, width) & UNREACHABLE == 0) & rows[:, :3].any(axis=1)
     rows[stray, 4] = 0
     return rows

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
+from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Latency, Node
 from model.targets import trajectories
-from model.targets.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import run
 from tb.sim.env import ROOT, SIMULATORS
 
@@ -42,8 +42,8 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
         "Written by `python -m scripts.pages.gen_docs` from an RTL run; `make test` fails when it is out of date.",
         "",
         "- *hand*: distance of the forward-kinematics wrist from the target / (d1 + d2), over the targets in reach;",
-        f"- *bar*: what it must not exceed. {LEAN_BAR:.0e} for the lean datapath; for the paper's "
-        f"{REGULAR_BAR:.0e} where",
+        f"- *bar*: what it must not exceed. {tolerances.LEAN[32]:.0e} for the lean datapath; for the paper's "
+        f"{tolerances.REGULAR:.0e} where",
         "  every pose keeps 0.2 rad away from the singular poses of the equations, otherwise the largest prediction;",
         "- *predicted*: what the roundings can do at these poses, from word lengths and conditioning alone;",
         "- *angle*: largest angle of the shoulder or elbow rotation from double precision, rad;",

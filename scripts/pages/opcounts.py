@@ -261,10 +261,10 @@ class _Counting(fixed.Bits):
         return np.asarray(value).view(np.ndarray)
 
 
-def counted_run(flow=paper) -> tuple[fixed.Bits, Counter]:
+def counted_run(flow=paper, width: int = WIDTH) -> tuple[fixed.Bits, Counter]:
     """The dataflow after a run, and for every choice how many + and - it does."""
-    d = _Counting(WIDTH)
-    flow(d, {k: d.input(k, np.array([1 << (WIDTH - 3)])) for k in FIELDS})
+    d = _Counting(width)
+    flow(d, {k: d.input(k, np.array([1 << (width - 3)])) for k in FIELDS})
     return d, d.additions
 
 

@@ -21,12 +21,13 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TimeElapsedColumn
 
 from model.bounds import affine, predict, ranges
+from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS, FormatError, Node
 from model.dataflow.reals import Real
 from model.reference.kinematics import forward
 from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.scoring import REGULAR_DISTANCE, singular_distance
+from model.targets.scoring import singular_distance
 from model.targets.stimuli import random_reachable, unreachable
 from model.targets.words import Targets, from_words, result_values
 from tb.sim.env import ROOT

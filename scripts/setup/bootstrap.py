@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up: what `make` runs before everything else. Standard library only.
 
-    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [fpga]
+    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [fpga]
 
-makes `.venv` from requirements.lock and sees that the named simulators and the browser can run. `fpga` adds the
-tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`. What the system lacks is installed
+makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
+the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`. What the system lacks is installed
 with apt-get where that is allowed (root, or sudo without a password); otherwise one line says what to install and
 the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
 
@@ -22,9 +22,9 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OLDEST, NEWEST = (3, 10), (3, 14)  # what the lock files were resolved for
 PROGRAMS = {"icarus": ["iverilog", "vvp"], "verilator": ["perl", "make", "g++"], "chromium": ["chromium"]}
+PROGRAMS["graphviz"] = ["dot"]
 PROGRAMS["fpga"] = []  # all from requirements-fpga.lock
-PACKAGE = {"iverilog": "iverilog", "vvp": "iverilog", "perl": "perl", "make": "make", "g++": "g++"}
-PACKAGE["chromium"] = "chromium"
+PACKAGE = {"vvp": "iverilog", "dot": "graphviz"}  # others are named as their program
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
 
 
@@ -166,7 +166,7 @@ def install_packages(packages):
 
 def missing_packages(needs):
     """Debian packages without which a simulator or the browser cannot run."""
-    packages = [PACKAGE[program] for need in needs for program in PROGRAMS[need] if which(program) is None]
+    packages = [PACKAGE.get(program, program) for need in needs for program in PROGRAMS[need] if which(program) is None]
     if "verilator" in needs and which("perl"):  # Debian's perl-base alone lacks some modules
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         if subprocess.call(["perl"] + PERL_MODULES + ["-e", "1"], **quiet):
@@ -332,7 +332,7 @@ def main(arguments):
         return 0 if suits() else 1
     for need in arguments:
         if need not in PROGRAMS:
-            die("unknown requirement '%s': use icarus, verilator, chromium or fpga" % need)
+            die("unknown requirement '%s': use %s" % (need, ", ".join(PROGRAMS)))
     setup = Setup()
     if setup.is_ready(arguments):
         return 0

@@ -14,6 +14,8 @@ from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
 from model.targets.words import result_values
 from scripts import compare
 
+pytestmark = [pytest.mark.xdist_group("compare"), pytest.mark.cost(60)]  # what is measured is shared
+
 
 @pytest.fixture(scope="module")
 def text():
@@ -30,10 +32,12 @@ def asked(text):
     return targets, seed
 
 
+@pytest.mark.slow
 def test_the_page_made_anew_is_the_same(text, measured):
     assert compare.differing(text, compare.page(measured, *asked(text))) == [], "run `make compare`"
 
 
+@pytest.mark.slow
 def test_lean_is_below_its_bars(measured):
     for width, bar in compare.BARS.items():
         for name, errors in measured.lean[width].items():
@@ -42,6 +46,7 @@ def test_lean_is_below_its_bars(measured):
         assert max(errors.shoulder.max(), errors.elbow.max()) < 1e-7
 
 
+@pytest.mark.slow
 def test_both_have_the_same_targets_and_lean_is_better(measured):
     for name in REGIONS:
         paper, lean = (measured.same[path][name] for path in compare.PATHS)
@@ -118,6 +123,7 @@ def test_targets_at_a_distance_are_there(kind, distance):
     assert (found <= 4.5 * distance + lsb).all() and np.median(found) >= distance / 4 - lsb
 
 
+@pytest.mark.slow
 def test_picture_is_the_same_every_time_and_well_formed(measured):
     first = compare.plot(measured.near)
     assert first == compare.plot(measured.near)
@@ -134,6 +140,7 @@ def test_bad_arguments_are_refused(argument, capsys):
     assert argument[0] in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_command_writes_the_page_and_check_finds_it_stale(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(compare, "ROOT", tmp_path)
     monkeypatch.setattr(compare, "PAGE", tmp_path / "page.md")

@@ -192,7 +192,7 @@ def test_a_piece_that_breaks_off_is_no_success(monkeypatch, rc, out):
         exhaustive.piece(SMALL[0], ROOT / "x", 0, 10)
 
 
-def test_interrupt_leaves_the_other_pieces(monkeypatch, pretend):
+def test_interrupt_leaves_the_other_pieces(monkeypatch, pretend, interruptible):
     """Ctrl-C in the middle: status 130, and no piece is begun after it."""
     begun = []
 

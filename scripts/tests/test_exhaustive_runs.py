@@ -12,6 +12,8 @@ from model.dataflow.cores import rsqrt
 from scripts import exhaustive
 from tb.sim.env import ROOT, simulator
 
+pytestmark = [pytest.mark.sim, pytest.mark.slow]
+
 SMALL = {case.name: case for case in exhaustive.SMALL}
 
 BUGS = {

@@ -11,6 +11,8 @@ from scripts import waves
 from tb.sim.env import simulator
 from tb.sim.simulate import Job, simulate
 
+pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("waves")]
+
 WIDTH = 32
 TARGETS = 3
 MOST_BYTES = 30e6

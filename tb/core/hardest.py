@@ -2,9 +2,8 @@
 """The hardest targets that were ever found, a regression list: ``tb/core/hardest.csv``.
 
 ``python -m scripts.soak --keep`` writes it, tb/core/test_hardest.py runs it.  Hard is a reachable target whose hand
-error is
-large beside its bar, or whose quaternions are far from unit length.  A row holds the datapath, the word length, the
-six input words, the hand error / reach (of the bit-true model, which the RTL equals) and where it was found.
+error is large beside its tolerance, or whose quaternions are far from unit length.  A row holds the datapath, the word
+length, the six input words, the hand error / reach (of the bit-true model, which the RTL equals) and where found.
 """
 
 from __future__ import annotations
@@ -18,13 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from model.bounds.predict import hand_bar
+from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import WIDTHS
 from model.reference.kinematics import forward
 from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.scoring import LEAN_BAR, NORM_ULPS
 from model.targets.words import FIELDS, result_values
 from tb.sim.env import ROOT
 
@@ -33,10 +31,6 @@ COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
 
 KEPT = 10
 """Targets of each kind of hardness that are kept, per datapath and word length."""
-
-LEAN_BARS = {32: LEAN_BAR, 24: 1e-6, 18: 5e-5}
-"""Word length -> largest hand error / reach of the lean datapath in any pose; at other lengths the prediction."""
-
 
 @dataclass(frozen=True)
 class Row:
@@ -60,18 +54,6 @@ def errors(words: np.ndarray, results: np.ndarray, width: int) -> tuple[np.ndarr
     hand = np.full(len(words), np.nan)
     np.divide(np.linalg.norm(wrist - position, axis=1), d1 + d2, out=hand, where=reachable)
     return hand, np.maximum(*(np.abs((q**2).sum(axis=1) - 1) for q in (qs, qe)))
-
-
-def bars(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
-    """What the hand error of reachable targets is held against (N,): the lean datapath's bar or the prediction."""
-    if datapath == "lean" and width in LEAN_BARS:
-        return np.full(len(words), LEAN_BARS[width])
-    return hand_bar(words, width, datapath)
-
-
-def norm_bar(width: int) -> float:
-    """Largest abs(norm^2 - 1) of a quaternion."""
-    return NORM_ULPS * 2.0 ** (2 - width)
 
 
 def array(rows: Iterable[Row]) -> np.ndarray:
@@ -138,8 +120,8 @@ def text(rows: Iterable[Row]) -> str:
 
 
 def merge(rows: Iterable[Row]) -> list[Row]:
-    """The hardest of these rows: per datapath and word length ``KEPT`` by hand error beside their bar, then ``KEPT``
-    others by norm error; hand errors are computed anew.  Does not depend on the order of the rows."""
+    """The hardest of these rows: per datapath and word length ``KEPT`` by hand error beside their tolerance, then
+    ``KEPT`` others by norm error; hand errors are recomputed.  Does not depend on the order of the rows."""
     kept = []
     for (datapath, width), group in groups(rows).items():
         # Of a target that was found more than once, the first by the text of where.
@@ -148,7 +130,7 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         words = array(unique)
         hand, norm = errors(words, fixed.run(words, width, datapath).results, width)
         # A row at a time: the random ends that a prediction tries depend on the place among others.
-        ratio = hand / np.concatenate([bars(word[None], width, datapath) for word in words])
+        ratio = hand / np.concatenate([tolerances.hand(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))
         by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]
         by_norm = reachable[np.argsort(-norm[reachable], kind="stable")]

@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import logging
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 
 import cocotb
 import numpy as np
@@ -21,41 +20,7 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 from model.dataflow import fixed
 from model.dataflow.nodes import Node
 from model.targets.words import FIELDS, pack, unpack
-
-
-@dataclass(frozen=True)
-class Difference:
-    """One node of one target in which RTL and model differ."""
-
-    node: Node
-    target: int
-    clock: int
-    rtl: str  # bits, X and Z included
-    model: int
-
-    def bits(self) -> int:
-        """How many bits differ; X and Z count."""
-        expected = format(self.model, f"0{self.node.format.width}b")
-        return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
-
-    def __str__(self) -> str:
-        fmt = self.node.format
-        width = -(-fmt.width // 4)
-        known = set(self.rtl) <= {"0", "1"}
-        rtl = f"{int(self.rtl, 2):0{width}x}" if known else self.rtl
-        real = f"{_real(int(self.rtl, 2), fmt):.12g}" if known else "unknown"
-        equation = f" {self.node.equation}" if self.node.equation else ""
-        return (
-            f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
-            f"RTL {rtl} ({real}), model {self.model:0{width}x} ({_real(self.model, fmt):.12g})"
-        )
-
-
-def _real(word: int, fmt) -> float:
-    """Value of an unsigned bit pattern in format ``fmt``."""
-    if fmt.signed and word >> (fmt.width - 1):
-        word -= 1 << fmt.width
-    return word / 2**fmt.frac
+from tb.sim.difference import KEPT, Difference, report
 
 
 class Scoreboard:
@@ -65,11 +30,8 @@ class Scoreboard:
     ``admitted`` and ``sample`` are called once a clock.
     """
 
-    KEPT = 1000  # differences that are kept for the message; all are counted
-
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
         self.nodes = list(nodes)
-        self.order = {node.name: k for k, node in enumerate(self.nodes)}
         self.by_time: dict[int, list[tuple[Node, object]]] = {}
         for node in self.nodes:
             self.by_time.setdefault(node.time, []).append((node, handle_of(node)))
@@ -107,23 +69,12 @@ class Scoreboard:
                 if bits != format(expected, f"0{node.format.width}b"):
                     difference = Difference(node, target, clock, bits, expected)
                     self.mismatching_bits += difference.bits()
-                    if len(self.differences) < self.KEPT:
+                    if len(self.differences) < KEPT:
                         self.differences.append(difference)
 
-    def report(self, most: int = 5, since: int = 0) -> str:
-        """The first target that differs, its nodes in dataflow order; empty when nothing differs.
-
-        Targets are counted from target ``since`` on.
-        """
-        if not self.differences:
-            return ""
-        first = min(d.target for d in self.differences)
-        of_first = [replace(d, target=first - since) for d in self.differences if d.target == first]
-        of_first.sort(key=lambda d: self.order[d.node.name])
-        lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:most])]
-        if len(of_first) > most:
-            lines.append(f"            and {len(of_first) - most} more nodes of this target")
-        return "\n".join(lines)
+    def report(self, since: int = 0) -> str:
+        """The first target that differs, counted from target ``since`` on; empty when nothing differs."""
+        return report(self.differences, self.nodes, since=since)
 
 
 class Pipeline:

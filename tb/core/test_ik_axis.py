@@ -3,12 +3,19 @@
 
 import pytest
 
-from model.dataflow.datapaths import DATAPATHS
 from tb.sim.runner import simulate
 
+# One of each datapath in the quick gate, with either length of words and tags.
+SETS = [
+    pytest.param("lean", 32, 8, marks=pytest.mark.cost(32)),
+    pytest.param("paper", 18, 3, marks=pytest.mark.cost(40)),
+    pytest.param("lean", 18, 3, marks=[pytest.mark.slow, pytest.mark.cost(28)]),
+    pytest.param("paper", 32, 8, marks=[pytest.mark.slow, pytest.mark.cost(73)]),
+]
 
-@pytest.mark.parametrize(("width", "tag_width"), [(32, 8), (18, 3)])
-@pytest.mark.parametrize("datapath", DATAPATHS)
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("datapath", "width", "tag_width"), SETS)
 def test_streams(datapath, width, tag_width):
     parameters = {"W": width, "TAG_W": tag_width, "LEAN": int(datapath == "lean")}
     simulate("ik_axis", "tb.core.ik_axis", parameters=parameters, seed=1)

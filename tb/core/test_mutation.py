@@ -80,7 +80,13 @@ def test_mutants_change_one_place():
         assert mutant.node in nodes, mutant.name
 
 
-@pytest.mark.parametrize("mutant", BUILT, ids=lambda m: m.name)
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    "mutant",
+    # one of each datapath in the quick gate
+    [m if m.name in ("sign", "lean_flag") else pytest.param(m, marks=pytest.mark.slow) for m in BUILT],
+    ids=lambda m: m.name,
+)
 def test_mutant_is_named(mutant, tmp_path):
     """Target, clock, both words and both values of the first wrong node; all that follows from it is counted too."""
     shutil.copytree(ROOT / "rtl", tmp_path / "rtl")

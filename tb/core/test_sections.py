@@ -8,9 +8,10 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from tb.core.section import inputs
-from tb.sim.env import simulator
-from tb.sim.runner import ROOT, simulate
+from tb.core.ports import inputs
+from tb.sim.env import ROOT, cores
+from tb.sim.runner import simulate, with_cores
+from tb.sim.shells import TOP, top_of
 
 # results has no module of its own
 MODULES = [(name, section) for name, path in DATAPATHS.items() for section in path.sections if section != "results"]
@@ -58,19 +59,26 @@ def test_a_delayed_copy_is_named_for_its_clock(datapath):
     assert seen > 20
 
 
-# Two word lengths of every section; more of the lean ones, whose formats follow from W, where a build costs nothing.
-BUILT = [(*module, width) for module in MODULES for width in (32, 18)]
-if simulator() == "icarus":
-    BUILT += [(*module, width) for module in MODULES if module[0] == "lean" for width in (16, 24, 27)]
+# Both datapaths in the quick gate; other lengths, more of them of the lean one, whose formats follow from W, in all.
+BUILT = [
+    ("lean", 32),
+    ("paper", 18),
+    *(pytest.param(*one, marks=pytest.mark.slow) for one in [("paper", 32), *(("lean", w) for w in (16, 18, 24, 27))]),
+]
 
 
-@pytest.mark.parametrize(("datapath", "section", "width"), BUILT)
-def test_section(datapath, section, width):
+@pytest.mark.sim
+@pytest.mark.parametrize(("datapath", "width"), BUILT)
+def test_sections(datapath, width):
     """Random, clamped, extreme and named corner targets, back to back with gaps of random words."""
+    path = DATAPATHS[datapath]
+    modules = {section: path.module(section) for name, section in MODULES if name == datapath}
+    instances = {name: (module, with_cores(module, {"W": width}, cores())) for name, module in modules.items()}
     simulate(
-        DATAPATHS[datapath].module(section),
+        TOP,
         "tb.core.section",
-        parameters={"W": width},
-        env={"IK_DATAPATH": datapath, "IK_SECTION": section, "IK_WIDTH": str(width), "IK_TARGETS": str(TARGETS)},
+        top=top_of(instances),
+        env={"IK_DATAPATH": datapath, "IK_WIDTH": str(width), "IK_TARGETS": str(TARGETS)},
+        name=datapath,
         seed=1,
     )

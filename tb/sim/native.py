@@ -6,32 +6,46 @@ The C++ file includes ``Vtop.h``; everything of one build stands in a folder of 
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
 from tb.sim.env import ROOT, environment
-from tb.sim.runner import MAKE_ARGS, alone
+from tb.sim.runner import MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
 
 BUILD = ROOT / "build" / "native"
 
 
 def build(
-    toplevel: str, harness: Path, parameters: dict[str, int], root: Path = ROOT, name: str = "", define: str = ""
+    toplevel: str,
+    harness: Path,
+    parameters: dict[str, int],
+    root: Path = ROOT,
+    name: str = "",
+    define: str = "",
+    wrapper: str = "",
 ) -> Path:
     """The program of ``toplevel`` and ``harness``; ``root`` holds another copy of ``rtl/``, ``name`` tells it apart.
 
-    ``define`` is a macro for the harness, NAME=VALUE. Raises :class:`RuntimeError` with what the compilers say.
+    ``define`` is a macro for the harness, NAME=VALUE; ``wrapper`` is the Verilog of a toplevel that ``rtl/`` does not
+    hold.  Raises :class:`RuntimeError` with what the compilers say.
     """
     folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
+    top = folder / f"{toplevel}.v"
     command = [
-        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--prefix", "Vtop", "--top-module", toplevel,
+        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique",
+        "--prefix", "Vtop", "--top-module", toplevel,
         *(f"-G{key}={value}" for key, value in parameters.items()),
         *(f"-I{folder}" for folder in includes(root)),
-        "-CFLAGS", f"-O2 -D{define}" if define else "-O2", "-MAKEFLAGS", " ".join(MAKE_ARGS), "--Mdir", str(folder),
-        *map(str, sources(root)), str(harness),
+        "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),
+        # The slow files hold what runs once.
+        "-MAKEFLAGS", " ".join([*MAKE_ARGS, "OPT_FAST=-O2", "OPT_SLOW=-O0", f"-j{os.cpu_count()}"]),
+        *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
     ]  # fmt: skip
-    with alone(folder):
+    with alone(folder), runtime(folder, "native"):
+        if wrapper and not (top.exists() and top.read_text() == wrapper):
+            top.write_text(wrapper)
         done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{toplevel}: {done.stderr[-4000:] or done.stdout[-4000:]}")

@@ -7,6 +7,7 @@ Every set of toplevel, parameters and options has a folder of its own under ``bu
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import os
 import re
 import shutil
@@ -36,7 +37,7 @@ TRACED = ROOT / "tb" / "sim" / "waves.vlt"
 """What a waveform leaves out under Verilator; under Icarus ``ik_waves.v`` says it."""
 
 
-def _with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path) -> dict[str, int]:
+def with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path = ROOT) -> dict[str, int]:
     """The parameters, and DIGIT where the module has it, is not given it and ``kind`` is not its default."""
     number = CORES.index(kind)
     if number == 0 or "DIGIT" in parameters:
@@ -56,7 +57,7 @@ def alone(folder: Path):
 
 
 @contextmanager
-def _runtime(folder: Path, kind: str):
+def runtime(folder: Path, kind: str):
     """Verilator's own runtime, 7 s of compilation, is the same in every build of a kind: compile it once."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     store.mkdir(parents=True, exist_ok=True)
@@ -95,26 +96,34 @@ def simulate(
     root: Path = ROOT,
     name: str = "",
     core: str | None = None,
+    top: str = "",
 ) -> Path:
     """Runs the cocotb tests of ``module`` on ``toplevel``; returns the results file.
 
     ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
     ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` tells its build apart;
     ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
-    behavioural).
+    behavioural); ``top`` is the text of a toplevel that is not in ``rtl/``.
     Raises ``SystemExit`` when a test fails or the build does, as cocotb-test does.
     """
     use_environment()
     sim = simulator(sim)
-    parameters = _with_cores(toplevel, parameters or {}, cores(core), root)
+    parameters = with_cores(toplevel, parameters or {}, cores(core), root)
     parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
     if waves and sim == "verilator":
         parts.append("waves")
     folder = BUILD / sim / "-".join(parts)
+    extra = []
+    if top:
+        folder = folder.with_name(f"{folder.name}-{hashlib.sha1(top.encode()).hexdigest()[:10]}")
+        folder.mkdir(parents=True, exist_ok=True)
+        extra = [folder / f"{toplevel}.v"]
+        if not extra[0].exists():
+            extra[0].write_text(top)
     options: dict = {
         "toplevel": toplevel,
         "module": module,
-        "verilog_sources": [str(p) for p in sources(root)],
+        "verilog_sources": [str(p) for p in [*sources(root), *extra]],
         "includes": [str(folder) for folder in includes(root)],
         "parameters": parameters,
         "sim_build": str(folder),
@@ -138,6 +147,6 @@ def simulate(
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
-        with alone(folder), _runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
+        with alone(folder), runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
             run(compile_only=True, **options)
         return Path(run(**options))

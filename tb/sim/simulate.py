@@ -8,44 +8,20 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from model.dataflow import datapaths
+from tb.sim import every_node
 from tb.sim.env import ROOT, environment
+from tb.sim.job import Job, Run, SimulationError
 
 DATAPATHS = tuple(datapaths.DATAPATHS)
 
 
-class SimulationError(Exception):
-    """The simulation did not come to an end; the message is one or more lines for a person."""
-
-
-@dataclass
-class Job:
-    """Targets to run one after the other: ``words`` (N, 6) signed input words."""
-
-    name: str
-    words: np.ndarray
-
-
-@dataclass
-class Run:
-    """What the RTL made of a job.
-
-    ``results`` (N, 6) signed words and ``flags`` (N,) in input order; ``latency_cycles`` from first in to first out;
-    ``total_cycles`` from first in to last out, both included; ``bit_mismatches`` over all named nodes, and the first
-    of them as text.
-    """
-
-    results: np.ndarray
-    flags: np.ndarray
-    latency_cycles: int
-    total_cycles: int
-    bit_mismatches: int
-    first_mismatch: str | None
+LONG = 5000
+"""From so many targets on Verilator runs them natively: for fewer, building that program takes longer than cocotb."""
 
 
 def simulate(
@@ -59,16 +35,24 @@ def simulate(
     root: Path = ROOT,
     name: str = "",
     cores: str | None = None,
+    native: bool | None = None,
 ) -> list[Run]:
     """Runs all jobs in one simulation, comparing every node with the bit-true model.
 
     ``waves`` is a VCD file to write.  ``progress(done, total)`` is called about twice a second.  ``root`` and ``name``
-    choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`).  Raises
-    :class:`SimulationError`.
+    choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`).  ``native``
+    takes Python out of the loop (:mod:`tb.sim.every_node`), which gives the same; it needs Verilator, writes no waves,
+    and is what :data:`LONG` jobs get that say nothing.  Raises :class:`SimulationError`.
     """
     if datapath not in DATAPATHS:
         raise ValueError(f"datapath {datapath}: there is {', '.join(DATAPATHS)}")
     total = sum(len(job.words) for job in jobs)
+    if native is None:
+        native = simulator == "verilator" and not waves and total >= LONG
+    if native:
+        if simulator != "verilator" or waves:
+            raise ValueError("only Verilator runs natively, and without waves")
+        return every_node.run(every_node.program(datapath, width, root, name, cores), jobs, width, datapath, progress)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
         np.savez(place / "jobs.npz", **{f"words_{k}": job.words for k, job in enumerate(jobs)})

@@ -7,9 +7,10 @@ import random
 import cocotb
 import numpy as np
 
+from model.bounds.cordic import sincos_bound
 from model.dataflow import fixed
 from model.dataflow.nodes import Latency
-from tb.units.unit import Unit, corners, named, parameters, signed, sincos_bound, some
+from tb.units.unit import Unit, corners, named, parameters, signed, some
 
 W = parameters()["W"]
 PHI = signed(W)
@@ -23,7 +24,7 @@ def model(vectors):
 
 
 async def check(dut, vectors) -> None:
-    """Equal to the model, and as near to the true values as :func:`tb.units.unit.sincos_bound` says."""
+    """Equal to the model, and as near to the true values as :func:`model.bounds.cordic.sincos_bound` says."""
     unit = Unit(dut, "phi", "sin_h cos_h", model, latency=Latency(W)["sincos"], signed="phi sin_h cos_h")
     worst, at = 0.0, 0
     vectors = list(vectors)

@@ -6,7 +6,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.nodes import GUARD, Latency
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, title, with_sets
 
 
 def div(nw, dw, sh, qw, lat, digit=0):
@@ -27,12 +27,12 @@ def instances(width, digit):
     return kinds
 
 
-SETS = sets(
+@with_sets(
     div(6, 5, 2, 5, 7),
     div(32 + GUARD, 32, 22, 32, Latency(32)["div"]),  # p_e of (13)
     div(6, 5, 2, 5, 4, digit=1),
     div(32 + GUARD, 32, 22, 32, Latency(32)["div"], digit=1),
-    icarus=[
+    more=[
         div(6, 5, 0, 5, 1),
         div(4, 7, 1, 9, 0),  # the quotient is the widest
         div(4, 8, 1, 5, 3),  # the divisor is
@@ -65,11 +65,8 @@ SETS = sets(
         div(18, 18, 16, 18, 30, digit=1),
     ],
 )
-
-
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_div(parameters):
-    run_unit("ik_div", parameters)
+def test_ik_div(sets):
+    run_unit("ik_div", sets)
 
 
 @pytest.mark.parametrize(
@@ -79,12 +76,12 @@ def test_ik_div(parameters):
 )
 def test_too_short_a_latency_stops_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
-        run_unit("ik_div", parameters, sim="icarus")
+        run_unit("ik_div", [parameters], sim="icarus")
     assert "ik_div_digit_needs_LAT_of_at_least_2_and_half_a_clock_a_quotient_bit" in caplog.text
 
 
 @pytest.mark.parametrize("parameters", [div(1, 5, 4, 5, 9, 1), div(5, 1, 4, 5, 9, 1), div(5, 5, 4, 1, 9, 1)], ids=title)
 def test_widths_out_of_range_stop_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
-        run_unit("ik_div", parameters, sim="icarus")
+        run_unit("ik_div", [parameters], sim="icarus")
     assert "ik_div_digit_needs_NW_DW_QW_of_at_least_2_and_SH_of_at_least_0" in caplog.text

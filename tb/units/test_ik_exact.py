@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts the tests of ``tb/units/ik_exact.py``."""
 
-import pytest
-
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, with_sets
 
 
 def exact(w, square):
     return {"W": w, "SQUARE": square}
 
 
-SETS = sets(
+@with_sets(
     exact(5, 0),
     exact(33, 0),
     exact(33, 1),
-    icarus=[
+    more=[
         exact(5, 1),
         exact(6, 0),
         exact(6, 1),
@@ -28,8 +26,5 @@ SETS = sets(
         exact(35, 1),
     ],
 )
-
-
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_exact(parameters):
-    run_unit("ik_exact", parameters)
+def test_ik_exact(sets):
+    run_unit("ik_exact", sets)

@@ -4,19 +4,19 @@
 import pytest
 
 from model.dataflow.nodes import GUARD
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, with_sets
 
 
 def mul(aw, bw, sh, ow):
     return {"AW": aw, "BW": bw, "SH": sh, "OW": ow}
 
 
-SETS = sets(
+@with_sets(
     mul(5, 5, 3, 7),
     mul(32, 32, 24, 32 + GUARD),
     mul(33, 33, 0, 66),
     mul(32, 32, 24, 32 + GUARD) | {"SQUARE": 1},
-    icarus=[
+    more=[
         mul(5, 5, 0, 10),
         mul(7, 4, 2, 9),
         mul(4, 7, 1, 11),
@@ -32,11 +32,8 @@ SETS = sets(
         mul(5, 5, 3, 7) | {"SQUARE": 1, "DA": 2},
     ],
 )
-
-
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_mul(parameters):
-    run_unit("ik_mul", parameters)
+def test_ik_mul(sets):
+    run_unit("ik_mul", sets)
 
 
 def test_ik_mul_of_long_words_does_not_elaborate(caplog):

@@ -3,17 +3,17 @@
 
 import pytest
 
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, title, with_sets
 
 
 def mul3(aw, bw, sh, ow):
     return {"AW": aw, "BW": bw, "SH": sh, "OW": ow}
 
 
-SETS = sets(
+@with_sets(
     mul3(5, 6, 5, 8),
     mul3(35, 35, 33, 36),
-    icarus=[
+    more=[
         mul3(33, 33, 31, 35),
         mul3(33, 35, 31, 35),
         mul3(35, 35, 32, 35),
@@ -31,11 +31,8 @@ SETS = sets(
         mul3(5, 6, 5, 8) | {"DA": 1, "DB": 4},
     ],
 )
-
-
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_mul3(parameters):
-    run_unit("ik_mul3", parameters)
+def test_ik_mul3(sets):
+    run_unit("ik_mul3", sets)
 
 
 ILLEGAL = mul3(36, 33, 31, 33), mul3(33, 36, 30, 33), mul3(1, 9, 4, 9), mul3(9, 9, 2, 9), mul3(5, 5, 8, 3)
@@ -44,5 +41,5 @@ ILLEGAL = mul3(36, 33, 31, 33), mul3(33, 36, 30, 33), mul3(1, 9, 4, 9), mul3(9, 
 @pytest.mark.parametrize("parameters", ILLEGAL, ids=title)
 def test_tiles_that_do_not_fit_stop_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
-        run_unit("ik_mul3", parameters, sim="icarus")
+        run_unit("ik_mul3", [parameters], sim="icarus")
     assert "ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut" in caplog.text

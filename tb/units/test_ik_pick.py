@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts the tests of ``tb/units/ik_pick.py``."""
 
-import pytest
-
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, with_sets
 
 
-@pytest.mark.parametrize("parameters", sets({"W": 32}, icarus=[{"W": 4}]), ids=title)
-def test_ik_pick(parameters):
-    run_unit("ik_pick", parameters)
+@with_sets({"W": 32}, more=[{"W": 4}])
+def test_ik_pick(sets):
+    run_unit("ik_pick", sets)

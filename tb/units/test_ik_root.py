@@ -6,7 +6,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.nodes import Latency
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, title, with_sets
 
 
 def root(nw, sh, qw, lat, digit=0):
@@ -27,12 +27,12 @@ def instances(width, digit):
     return kinds
 
 
-SETS = sets(
+@with_sets(
     root(10, 5, 8, 4),
     root(32, 30, 32, Latency(32)["root"]),
     root(10, 5, 8, 5, digit=1),
     root(33, 29, 32, Latency(32)["root"], digit=1),
-    icarus=[
+    more=[
         root(10, 2, 7, 1),
         root(10, 0, 6, 0),
         root(10, 5, 5, 4),  # not all roots fit
@@ -59,22 +59,19 @@ SETS = sets(
         root(18, 17, 18, 30, digit=1),
     ],
 )
-
-
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_root(parameters):
-    run_unit("ik_root", parameters)
+def test_ik_root(sets):
+    run_unit("ik_root", sets)
 
 
 @pytest.mark.parametrize("parameters", [root(10, 5, 8, 4, 1), root(32, 30, 32, 16, 1), root(10, 0, 2, 1, 1)], ids=title)
 def test_too_short_a_latency_stops_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
-        run_unit("ik_root", parameters, sim="icarus")
+        run_unit("ik_root", [parameters], sim="icarus")
     assert "ik_root_digit_needs_LAT_of_at_least_1_and_half_a_clock_a_result_bit" in caplog.text
 
 
 @pytest.mark.parametrize("parameters", [root(1, 5, 8, 9, 1), root(10, 5, 1, 9, 1)], ids=title)
 def test_widths_out_of_range_stop_the_build(parameters, caplog):
     with pytest.raises(SystemExit):
-        run_unit("ik_root", parameters, sim="icarus")
+        run_unit("ik_root", [parameters], sim="icarus")
     assert "ik_root_digit_needs_NW_QW_of_at_least_2_and_SH_of_at_least_0" in caplog.text

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts the tests of ``tb/units/ik_shift3.py``."""
 
-import pytest
-
 from model.dataflow.nodes import inner_frac
-from tb.units.unit import run_unit, sets, title
+from tb.units.unit import run_unit, with_sets
 
 
 def shift3(iw, drop, ow):
@@ -17,11 +15,11 @@ def triangle(width):
     return shift3(2 * width + 2, 2 * width + width % 2 - frac, frac + 2)
 
 
-SETS = sets(
+@with_sets(
     shift3(7, 3, 4),
     triangle(32),
     triangle(17),  # one place longer than the word
-    icarus=[
+    more=[
         shift3(7, 2, 3),  # bits of the word above the result
         shift3(5, 3, 6),
         shift3(66, 20, 33),
@@ -30,11 +28,8 @@ SETS = sets(
         *map(triangle, (31, 27, 18, 16)),
     ],
 )
-
-
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_shift3(parameters):
-    run_unit("ik_shift3", parameters)
+def test_ik_shift3(sets):
+    run_unit("ik_shift3", sets)
 
 
 def test_triangle():

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts the tests of ``tb/units/ik_trig.py``."""
 
-import pytest
-
-from tb.units.unit import run_unit, sets, title
-
-# F goes with W as in the datapath: min(W + 3, 31). Up to F = 21 the core has fewer tiles.
-SETS = sets(*({"W": w, "F": min(w + 3, 31)} for w in (16, 18, 24, 27, 32)), icarus=[{"W": 19, "F": 22}])
+from tb.units.unit import run_unit, with_sets
 
 
-@pytest.mark.parametrize("parameters", SETS, ids=title)
-def test_ik_trig(parameters):
-    run_unit("ik_trig", parameters)
+def trig(w):
+    """F goes with W as in the datapath.  Up to F = 21 the core has fewer tiles."""
+    return {"W": w, "F": min(w + 3, 31)}
+
+
+@with_sets(trig(18), trig(32), more=[trig(16), trig(19), trig(24), trig(27)])
+def test_ik_trig(sets):
+    run_unit("ik_trig", sets)

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import itertools
 import json
-import math
 import os
 import random
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import cocotb
+import pytest
 from apytypes import APyFixedArray, OverflowMode, QuantizationMode
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
@@ -30,29 +30,48 @@ SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
 
 
-def run_unit(module: str, parameters: dict[str, int], tests: str | None = None, **options) -> Path:
-    """Runs ``tb/<module>.py`` (or ``tb/<tests>.py``) on a module with these parameters; ``SIM`` names the simulator."""
+def run_unit(module: str, sets: Sequence[dict[str, int]], tests: str | None = None, sim: str | None = None) -> Path:
+    """Runs ``tb/units/<module>.py`` (or ``<tests>.py``) on an instance of ``module`` for each of the parameter sets.
+
+    All of them stand in one top (tb/sim/shells.py).  ``sim`` is icarus or verilator (default: ``SIM``).  Raises
+    ``SystemExit`` when a test or the build fails; the log names the set.
+    """
     from tb.sim.runner import simulate
+    from tb.sim.shells import TOP, top_of
 
-    env = {"IK_PARAMETERS": json.dumps(parameters)}
-    return simulate(module, f"tb.units.{tests or module}", parameters=parameters, env=env, seed=SEED, **options)
+    top = top_of({title(parameters): (module, parameters) for parameters in sets})
+    return simulate(
+        TOP,
+        "tb.units.sets",
+        top=top,
+        env={
+            "IK_BENCH": f"tb.units.{tests or module}",
+            "IK_SETS": json.dumps({title(parameters): parameters for parameters in sets}),
+        },
+        name=module,
+        seed=SEED,
+        sim=sim,
+    )
 
 
-def sets(*both: dict[str, int], icarus: Sequence[dict[str, int]] = ()) -> list[dict[str, int]]:
-    """Parameter sets: ``both`` for either simulator, ``icarus`` for Icarus only, where a build costs nothing."""
-    return [*both, *(icarus if os.environ.get("SIM", "icarus") == "icarus" else ())]
+def with_sets(*few: dict[str, int], more: Sequence[dict[str, int]] = ()) -> Callable:
+    """Gives a test lists of parameter sets, ``sets``: a few in the quick gate, and more in ``make test-all``."""
+    groups = [pytest.param(few, id="few")]
+    if more:
+        groups.append(pytest.param(more, id="more", marks=pytest.mark.slow))
+    return lambda test: pytest.mark.sim(pytest.mark.parametrize("sets", groups)(test))
 
 
 def title(parameters: dict[str, int]) -> str:
-    """A parameter set as the name of a test."""
-    return "-".join(f"{k}{v}" for k, v in parameters.items())
+    """A parameter set as a name, in Verilog and of tests."""
+    return "_".join(f"{k}{v}" for k, v in parameters.items()).replace("-", "m")
 
 
 # ---- inside a simulation (cocotb) ------------------------------------------------------------------------------------
 
 
 def parameters() -> dict[str, int]:
-    """The parameters that :func:`run_unit` was given."""
+    """The parameters of the instance that a bench is loaded for (tb/units/sets.py)."""
     return json.loads(os.environ["IK_PARAMETERS"])
 
 
@@ -118,8 +137,7 @@ class Unit:
         ]
         assert not wrong, "\n".join(
             [
-                f"{self.dut._name} {os.environ.get('IK_PARAMETERS', '')}, latency {self.latency}, "
-                f"seed {SEED}: {len(wrong)} of {len(vectors)} vectors differ",
+                f"{self.dut._name}, latency {self.latency}, seed {SEED}: {len(wrong)} of {len(vectors)} vectors differ",
                 *lines,
             ]
         )
@@ -274,27 +292,3 @@ def rounded(values: APyFixedArray, width: int) -> tuple[list[int], list[int]]:
 def _words(values: APyFixedArray) -> list[int]:
     half = 1 << values.bits - 1
     return [(int(v) + half) % (2 * half) - half for v in values.to_bits()]
-
-
-def sincos_bound(width: int) -> float:
-    """Largest error of ``ik_sincos`` in units of its last place, 2^-(width-2).
-
-    With G = 6 guard bits, in units g = 2^-G of the last place:
-
-    * x and y lose less than 1 g in each iteration i >= 1 (the shift of iteration 0 is exact), a vector of less than
-      sqrt(2) g, which the iterations after it stretch by the product of their sqrt(1 + 4^-j);
-    * the rounded gain is off by 1/2 g, stretched by K = 1.6468;
-    * the angle: one place of z is pi/4 g as an arc.  After n = width iterations at most the last angle,
-      atan(2^-(n-1)) = 32 g, is left to turn.  Each table angle is off by half a place and half a bit of the 48-bit
-      table; once in what has been turned, and once more in what is left, because the rounded angles after a step may
-      be that much short of taking it back;
-    * rounding the result: half a last place.
-    """
-    guard = 6
-    stretch = [math.prod(math.sqrt(1 + 4.0**-j) for j in range(i + 1, width)) for i in range(width)]
-    lost = math.sqrt(2) * sum(stretch[1:])
-    gain = 0.5 * stretch[0] * math.sqrt(2)
-    place = math.pi / 4
-    table = 0.5 + 2.0 ** (width + guard - 49)
-    angle = math.atan(2.0 ** (1 - width)) * 2.0 ** (width - 2 + guard) + 2 * width * table * place
-    return 0.5 + (lost + gain + angle) / 2**guard

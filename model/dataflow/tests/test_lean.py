@@ -13,7 +13,7 @@ import pytest
 from hypothesis import event, example, given, settings, target
 from hypothesis import strategies as st
 
-from model.bounds import predict
+from model.bounds import predict, tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS, root_frac
 from model.reference.equations import solve_clamped
@@ -37,10 +37,6 @@ from model.targets.words import FIELDS, RESULT_FIELDS, from_words, result_values
 TESTED = (16, 18, 24, 27, 32)
 COUNT = 9000
 """Targets of a region and width: 108,000 a width."""
-
-HAND_BAR = {16: 2.05e-4, 18: 5e-5, 24: 1e-6, 27: 1.25e-7, 32: 2e-8}
-"""Hand error / reach: 3.3 ulps for 18 and 3.4 for 16; 4.2 for 24 and as many for 27; 21.5 for 32, whose inner words
-have three bits more than the results where the others have seven, and whose roots have one."""
 
 WORST = {
     16: (-28352, -2, -5, 14435, 503, 28359),
@@ -176,14 +172,14 @@ def test_a_width_has_more_than_100000_targets():
 def test_hand_is_at_its_target(name, width):
     run = region_run(name, width)
     assert not (run.answer.flags & UNREACHABLE).any(), "in reach"
-    run.below(run.hand, HAND_BAR[width], "hand error / reach")
+    run.below(run.hand, tolerances.lean(width), "hand error / reach")
 
 
 @every_width
 @everywhere
 def test_elbow_is_where_the_swivel_angle_puts_it(name, width):
     run = region_run(name, width)
-    run.below(run.elbow, HAND_BAR[width], "elbow error / reach")
+    run.below(run.elbow, tolerances.lean(width), "elbow error / reach")
 
 
 @every_width
@@ -213,7 +209,7 @@ def test_angles_do_not_get_worse_toward_a_singular_target(pose, at):
     run = Run(at_distance(pose, 10.0**at, 3000, 32, seed=2), 32)
     run.below(run.shoulder_angle, ANGLE_ULPS[32] * ulp(32), "shoulder angle error (rad)")
     run.below(run.elbow_angle, ANGLE_ULPS[32] * ulp(32), "elbow angle error (rad)")
-    run.below(run.hand, HAND_BAR[32], "hand error / reach")
+    run.below(run.hand, tolerances.lean(32), "hand error / reach")
 
 
 @every_width
@@ -232,7 +228,7 @@ def test_worst_targets_found(width):
     """Roundings that all go one way: no bar but that of the search, and what affine prediction allows."""
     words = np.array([WORST[width]])
     run = Run(words, width)
-    run.below(run.hand, HAND_BAR[width], "hand error / reach")
+    run.below(run.hand, tolerances.lean(width), "hand error / reach")
     run.below(run.hand, predict.hand_bar(words, width, "lean")[0], "hand error / reach")
     run.check_norms(width)
 
@@ -290,8 +286,8 @@ def test_clamped_arms_are_those_of_double_precision(width):
     run.below(run.elbow_angle, 1e-12, "elbow angle error (rad)")
     run.below(run.shoulder_angle, ANGLE_ULPS[width] * ulp(width), "shoulder angle error (rad)")
     # Lengths of opposite sign cancel: the points are held against the longer of them.
-    run.below(run.elbow, HAND_BAR[width], "elbow error / reach")
-    run.below(run.hand, HAND_BAR[width], "hand error / reach of the clamped pose")
+    run.below(run.elbow, tolerances.lean(width), "elbow error / reach")
+    run.below(run.hand, tolerances.lean(width), "hand error / reach of the clamped pose")
 
 
 @every_width
@@ -306,7 +302,7 @@ def test_agrees_with_the_paper_datapath(width):
         values = result_values(fixed.run(words, width, datapath).results, width)
         wrists.append(forward(values[:, :4], values[:, 4:], asked.d1, asked.d2)[1])
     apart = np.linalg.norm(wrists[0] - wrists[1], axis=1) / asked.reach
-    bar = predict.hand_bar(words, width) + HAND_BAR[width]
+    bar = predict.hand_bar(words, width) + tolerances.lean(width)
     n = int(np.argmax(apart / bar))
     assert apart[n] <= bar[n], f"hands {apart[n]:.3g} > {bar[n]:.3g} of the reach apart at {words[n].tolist()}"
     assert np.median(apart) < np.median(bar)
@@ -402,7 +398,7 @@ def hunt(words, width: int) -> None:
     if run.answer.flags[0] & UNREACHABLE:
         return
     target(float(run.hand[0]) * 2.0**width, label="hand error in parts of 2^-W")
-    run.below(run.hand, HAND_BAR[width], "hand error / reach")
+    run.below(run.hand, tolerances.lean(width), "hand error / reach")
     run.below(run.shoulder_angle, ANGLE_ULPS[width] * ulp(width), "shoulder angle error (rad)")
     run.below(run.elbow_angle, ANGLE_ULPS[width] * ulp(width), "elbow angle error (rad)")
 

@@ -387,7 +387,9 @@ def chosen(mask, a: Pose, b: Pose) -> Pose:
 
 
 every_kind = pytest.mark.parametrize("kind", KINDS)
-every_width = pytest.mark.parametrize("width", TESTED)
+every_width = pytest.mark.parametrize(
+    "width", [w if w in (18, 32) else pytest.param(w, marks=[pytest.mark.slow, pytest.mark.cost(1)]) for w in TESTED]
+)
 
 
 @every_width

@@ -9,11 +9,12 @@ import math
 import numpy as np
 import pytest
 
+from model.bounds.tolerances import REGULAR
 from model.reference.equations import pose_flags, solve_clamped
 from model.reference.kinematics import forward
 from model.targets import scoring
 from model.targets.flags import AT_SHOULDER, ON_AXIS, SATURATED, TOO_FAR, TOO_NEAR, expected_flags
-from model.targets.scoring import REGULAR_BAR, score, singular_distance, write_results_csv, write_score_json
+from model.targets.scoring import score, singular_distance, write_results_csv, write_score_json
 from model.targets.trajectories import make
 from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
 
@@ -109,7 +110,7 @@ def test_an_ideal_core_passes(name):
     assert 0 < result.norm_error_max < 4 * ULP
     assert result.clamped_error_max is None and result.clamped_error_bar is None
     assert result.flagged == 0
-    assert result.hand_error_over_bar == pytest.approx(result.hand_error_max / REGULAR_BAR)
+    assert result.hand_error_over_bar == pytest.approx(result.hand_error_max / REGULAR)
 
 
 def test_clocks(case):
@@ -181,11 +182,11 @@ def test_bit_mismatches_fail(case):
 def test_hand_above_its_bar_fails(case):
     case.turn_shoulder(99, 4e-4)
     result = case.score()
-    assert result.hand_error_max > REGULAR_BAR
+    assert result.hand_error_max > REGULAR
     assert [text.split(" is ")[0] for text in result.failures] == [
         f"hand error {result.hand_error_max:.3g} at target 99"
     ]
-    assert f"times its bar {REGULAR_BAR:.3g} (1 targets above)" in result.failures[0]
+    assert f"times its bar {REGULAR:.3g} (1 targets above)" in result.failures[0]
     assert result.hand_error_over_bar > 1
 
 
@@ -194,7 +195,7 @@ def test_the_fixed_bar_needs_distance_and_32_bits():
     regular = Case(make("reach"), predicted=1e-12)
     near = Case(make("punch"), predicted=1e-12)
     short = Case(make("reach"), width=31, predicted=1e-12)
-    assert regular.score().hand_error_bar == REGULAR_BAR
+    assert regular.score().hand_error_bar == REGULAR
     assert regular.score().hand_error_predicted == 1e-12
     assert regular.score().passed
     for case in (near, short):
@@ -209,7 +210,7 @@ def test_the_fixed_bar_needs_distance_and_32_bits():
     assert "at target 50" in result.failures[0]
 
 
-@pytest.mark.parametrize(("distance", "bar"), [(0.19, 1e-6), (0.21, REGULAR_BAR)])
+@pytest.mark.parametrize(("distance", "bar"), [(0.19, 1e-6), (0.21, REGULAR)])
 def test_the_fixed_bar_begins_at_a_fifth_of_a_radian(distance, bar):
     polar = np.array([1.0, distance])
     result = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar))).score()

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.bounds.tolerances import REGULAR_DISTANCE
 from model.targets import trajectories
 from model.targets.files import format_csv, read_csv
 from model.targets.flags import TOO_FAR, expected_flags
-from model.targets.scoring import REGULAR_DISTANCE, singular_distance
+from model.targets.scoring import singular_distance
 from model.targets.words import FIELDS, to_words
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

@@ -13,6 +13,8 @@ from model.reference.lean_table import HALF, LEAN
 from scripts.derive import lean as derive_lean
 from scripts.derive.lean import Tables
 
+pytestmark = [pytest.mark.xdist_group("derive-lean"), pytest.mark.cost(100)]  # what is derived is shared
+
 
 @pytest.fixture(scope="module")
 def steps():
@@ -73,6 +75,7 @@ def assert_found(step, tables):
     assert found and "does not hold" in found[0], "the wrong line passes"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, right, wrong, step",
     [
@@ -152,6 +155,7 @@ def test_an_error_in_half_is_found(branch, part):
     assert_found("product", tables)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, right, wrong, step",
     [
@@ -179,6 +183,7 @@ def test_an_error_in_the_matrix_form_is_found(name, right, wrong, step):
     assert_found(step, tables)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "equation, name, right, wrong, step",
     [
@@ -224,6 +229,7 @@ def test_an_error_in_the_turns_is_found(monkeypatch):
     assert_found("product", Tables())
 
 
+@pytest.mark.slow
 def test_an_error_in_the_algebra_is_found(monkeypatch):
     rotate = cga.rotate
     monkeypatch.setattr(cga, "rotate", lambda q, v: rotate(q.reverse(), v))
@@ -231,6 +237,7 @@ def test_an_error_in_the_algebra_is_found(monkeypatch):
         assert_found(step, Tables())
 
 
+@pytest.mark.slow
 def test_no_statement_holds_whatever_its_right_side_is(monkeypatch):
     """Each equality again with 1 added to the last component of its right side: none of them holds."""
     equal = derive_lean.Step.equal
@@ -296,6 +303,7 @@ def test_check_tells_a_stale_page(tmp_path, monkeypatch, steps, capsys):
     assert "lean.md is out of date" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_wrong_sign_fails_the_command_and_names_the_step(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(derive_lean, "ROOT", tmp_path)
     monkeypatch.setattr(derive_lean, "PAGE", tmp_path / "lean.md")

@@ -9,6 +9,8 @@ import sympy
 from model.reference import cga, geometry
 from scripts.derive import paper as derive
 
+pytestmark = [pytest.mark.xdist_group("derive-paper"), pytest.mark.cost(60)]  # what is derived is shared
+
 
 @pytest.fixture(scope="module")
 def sections():
@@ -47,6 +49,7 @@ SECTION_OF = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "equation, name, right, wrong",
     [
@@ -89,6 +92,7 @@ def other_way_round(function, first, second):
     return exchanged
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, spoiled, section",
     [
@@ -105,6 +109,7 @@ def test_an_error_in_the_geometry_is_found(monkeypatch, name, spoiled, section):
     assert derive.unexpected([section(derive.PRINTED)])
 
 
+@pytest.mark.slow
 def test_an_error_in_the_algebra_is_found(monkeypatch):
     half_angle = cga.half_angle
     monkeypatch.setattr(cga, "half_angle", lambda cosine: half_angle(cosine)[::-1])

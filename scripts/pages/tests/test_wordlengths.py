@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from model.bounds import predict, ranges
+from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
-from model.targets.scoring import REGULAR_DISTANCE, singular_distance
+from model.targets.scoring import singular_distance
 from scripts.pages import opcounts, wordlengths
 
 
@@ -22,6 +23,8 @@ def test_proofs_of_the_page_are_up_to_date(text):
     assert wordlengths.stale(text) == [], "run `make wordlengths`"
 
 
+@pytest.mark.slow
+@pytest.mark.cost(110)
 def test_the_page_made_anew_is_the_same(text):
     targets, seed = (int(v) for v in re.search(r"--targets (\d+) --seed (\d+)", text).groups())
     assert targets >= 1_000_000
@@ -92,6 +95,7 @@ def test_bad_arguments_are_refused(argument, capsys):
     assert argument[0] in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_command_writes_the_page_and_check_finds_it_stale(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(wordlengths, "ROOT", tmp_path)
     monkeypatch.setattr(wordlengths, "PAGE", tmp_path / "page.md")

@@ -16,9 +16,9 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 
+from model.bounds import tolerances
 from model.reference.kinematics import forward
 from model.targets import trajectories
-from model.targets.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import run
 from scripts.report import page as report
 from scripts.tests.test_run import FakeSimulator, ctrl_c
@@ -90,7 +90,7 @@ def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator):
     assert PAGE.stat().st_size < 2_000_000
 
 
-@pytest.mark.parametrize(("datapath", "bar"), [("lean", LEAN_BAR), ("paper", REGULAR_BAR)])
+@pytest.mark.parametrize(("datapath", "bar"), [("lean", tolerances.LEAN[32]), ("paper", tolerances.REGULAR)])
 def test_figures_agree_with_the_score(cli, datapath, bar):
     """What the plots show has the maxima that `make run` writes, and the table is that of `make run`."""
     cli("--trajectory", "all", "--datapath", datapath)

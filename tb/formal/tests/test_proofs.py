@@ -146,7 +146,7 @@ def test_smallest_proof_and_its_bugs():
 
 
 @tools
-def test_interrupt():
+def test_interrupt(interruptible):
     command = [sys.executable, "-u", "-m", "tb.formal.proofs", "--only", "root_row_30", "--again"]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     time.sleep(2)

@@ -5,12 +5,14 @@ import json
 
 import pytest
 
+from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.targets import trajectories
-from model.targets.scoring import LEAN_BAR, REGULAR_BAR
 from scripts import run
 from scripts.pages import gen_docs
 from tb.sim.env import CORES, cores, simulator
+
+pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("trajectories"), pytest.mark.cost(120)]
 
 AIM = 1e-6
 """What regular trajectories are to reach; their bar is wider."""
@@ -51,13 +53,13 @@ def test_no_bit_differs_from_the_model(outcome):
 def test_regular_trajectories_reach_the_aim(outcomes):
     _, scores = outcomes["paper"]
     for name in trajectories.REGULAR:
-        assert scores[name]["hand_error_bar"] == REGULAR_BAR, f"{name} is not regular"
+        assert scores[name]["hand_error_bar"] == tolerances.REGULAR, f"{name} is not regular"
         assert scores[name]["hand_error_max"] <= AIM, f"{name}: {scores[name]['hand_error_max']}"
 
 
 def test_the_lean_datapath_is_held_to_its_own_bar(outcomes):
     _, scores = outcomes["lean"]
-    assert {score["hand_error_bar"] for score in scores.values()} == {LEAN_BAR}
+    assert {score["hand_error_bar"] for score in scores.values()} == {tolerances.LEAN[32]}
 
 
 def test_the_lean_datapath_is_better_in_every_figure(outcomes):
@@ -89,6 +91,7 @@ def test_the_page_of_scores_is_up_to_date(outcomes):
 
 if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a minute
 
+    @pytest.mark.slow
     def test_both_kinds_of_cores_write_the_same_files(outcomes, tmp_path):
         out, _ = outcomes["paper"]
         (other,) = set(CORES) - {cores()}
@@ -101,6 +104,7 @@ if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a 
 
 if simulator() == "verilator":
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("datapath", DATAPATHS)
     def test_both_simulators_write_the_same_files(datapath, outcomes, tmp_path):
         out, _ = outcomes[datapath]

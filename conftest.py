@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all tests share: the longest cases start first, so that no worker is left with one at the end."""
+
+import signal
+
+import pytest
+
+
+def pytest_collection_modifyitems(items):
+    items.sort(key=cost, reverse=True)
+
+
+def cost(item) -> float:
+    """Seconds: of the marker ``cost``, else what the others of its kind take."""
+    marker = item.get_closest_marker("cost")
+    if marker:
+        return marker.args[0]
+    return 20 * bool(item.get_closest_marker("slow")) + 5 * bool(item.get_closest_marker("sim"))
+
+
+@pytest.fixture
+def interruptible():
+    """Ctrl-C is heard, by this process and those that it starts, also where a shell started the tests in the background
+    and has SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of tolerances: what it may not be widened to, and that the hardest kinds of targets keep it."""
+
+import numpy as np
+import pytest
+
+from model.bounds import tolerances
+from model.dataflow import fixed
+from model.dataflow.nodes import WIDTHS
+from model.reference.kinematics import forward
+from model.targets.stimuli import REGIONS, random_reachable, region
+from model.targets.words import result_values
+
+
+def test_the_lean_datapath():
+    """A shorter word never has the smaller tolerance."""
+    assert {w: tolerances.lean(w) for w in (16, 18, 24, 32)} == {16: 2.05e-4, 18: 5e-5, 24: 1e-6, 32: 2e-8}
+    table = [tolerances.lean(width) for width in WIDTHS]
+    assert table == sorted(table, reverse=True)
+    assert all(tolerances.lean(w) <= max(4.2 * 2.0 ** (2 - w), 2e-8) for w in WIDTHS)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_word_length_keeps_it(width):
+    """And uses an eighth of it at least: a tolerance that nothing comes near to says nothing."""
+    words = np.concatenate([region(name, 1000, width, 5) for name in REGIONS])
+    q, at = result_values(fixed.run(words, width, "lean").results, width), result_values(words, width)
+    wrist = forward(q[:, :4], q[:, 4:], at[:, 4], at[:, 5])[1]
+    error = np.linalg.norm(wrist - at[:, :3], axis=1) / (at[:, 4] + at[:, 5])
+    assert tolerances.lean(width) / 8 < error.max() <= tolerances.lean(width)
+
+
+def test_the_paper():
+    """A fixed figure for regular trajectories of 32 bits, the prediction elsewhere, whoever made it."""
+    words = random_reachable(20, 32, seed=3)
+    predicted = np.full(20, 1e-3)
+    assert (tolerances.hand(words, 32, "paper", regular=True) == 1e-4).all()
+    assert (tolerances.hand(words, 32, "paper", predicted=predicted) == predicted).all()
+    own = tolerances.hand(words, 32, "paper")
+    assert (own > 0).all() and (own != predicted).any()
+    assert (tolerances.hand(words >> 8, 24, "paper", regular=True) > 1e-7).all()
+    assert (tolerances.hand(words, 32, "lean", regular=True, predicted=predicted) == 2e-8).all()
+    assert tolerances.norm(18) == 16 / 2**16

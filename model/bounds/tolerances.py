@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tolerances that scores, the soak and the list of hardest targets judge by: hand error / reach, norm error.
+
+A prediction (:mod:`model.bounds.predict`) explains an error; it is a tolerance only for the paper's equations near
+their singular poses, where no fixed figure says anything: their error grows without bound toward them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.bounds.predict import hand_bar
+
+LEAN = {32: 2e-8, 27: 1.25e-7, 24: 1e-6, 18: 5e-5, 16: 2.05e-4}
+"""Word length -> largest hand error / reach of the lean datapath, in any pose: 3.3 ulps of a result for 18 bits and 3.4
+for 16; 4.2 for 24 and as many for 27; 21.5 for 32, whose inner words have three bits more than the results where the
+others have seven, and whose roots have one."""
+
+LEAN_ULPS = 4.2
+"""The same at other lengths, in ulps of a result (that of 24 and 27 bits), but not below that of 32: from 29 bits on,
+inner words do not grow any more.  In 40000 targets of every kind at each length, no error is above 2.9 ulps up to 30
+bits and 3.9 at 31."""
+
+REGULAR = 1e-4
+"""Of the paper's equations where all targets are regular: the paper group's 1/16 mm on an arm of 0.6 m."""
+
+REGULAR_DISTANCE = 0.2
+"""How far from every singular pose a regular target keeps (rad)."""
+
+REGULAR_WIDTH = 32
+"""Word length at which a regular trajectory has this fixed tolerance."""
+
+NORM_ULPS = 16
+"""Ulps that abs(norm^2 - 1) of a quaternion may have: its words are rounded, and so are the factors and the length
+that they come from."""
+
+
+def lean(width: int) -> float:
+    """Largest hand error / reach of the lean datapath at a word length."""
+    return LEAN.get(width) or max(LEAN_ULPS * 2.0 ** (2 - width), LEAN[32])
+
+
+def hand(
+    words: np.ndarray, width: int, datapath: str, *, regular: bool = False, predicted: np.ndarray | None = None
+) -> np.ndarray:
+    """Largest hand error / reach of each target, (N,), for input words (N, 6).
+
+    ``regular``: all targets keep :data:`REGULAR_DISTANCE`.  ``predicted`` (N,) is what :func:`hand_bar` gives, if it is
+    known already; it is asked for where it decides.
+    """
+    if datapath == "lean":
+        return np.full(len(words), lean(width))
+    if regular and width == REGULAR_WIDTH:
+        return np.full(len(words), REGULAR)
+    return hand_bar(words, width, datapath) if predicted is None else np.asarray(predicted, dtype=np.float64)
+
+
+def norm(width: int) -> float:
+    """Largest abs(norm^2 - 1) of a quaternion."""
+    return NORM_ULPS * 2.0 ** (2 - width)

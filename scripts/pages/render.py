@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The generated pages: where they are, and their templates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+TEMPLATES = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
+
+
+def row(cells: Iterable[Any]) -> str:
+    """A row of a table."""
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+TEMPLATES.filters["row"] = row
+
+
+def render(name: str, **values: Any) -> str:
+    """The page of ``templates/<name>.md.j2``; a value that it asks for and does not get is an error."""
+    return TEMPLATES.get_template(f"{name}.md.j2").render(values)

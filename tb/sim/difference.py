@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A word in which RTL and model differ, and the message about the first target that has one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from model.dataflow.nodes import Node
+
+KEPT = 1000
+"""Differences that are kept for the message; all are counted."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One node of one target in which RTL and model differ."""
+
+    node: Node
+    target: int
+    clock: int
+    rtl: str  # bits, X and Z included
+    model: int
+
+    def bits(self) -> int:
+        """How many bits differ; X and Z count."""
+        expected = format(self.model, f"0{self.node.format.width}b")
+        return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
+
+    def __str__(self) -> str:
+        fmt = self.node.format
+        width = -(-fmt.width // 4)
+        known = set(self.rtl) <= {"0", "1"}
+        rtl = f"{int(self.rtl, 2):0{width}x}" if known else self.rtl
+        real = f"{_real(int(self.rtl, 2), fmt):.12g}" if known else "unknown"
+        equation = f" {self.node.equation}" if self.node.equation else ""
+        return (
+            f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
+            f"RTL {rtl} ({real}), model {self.model:0{width}x} ({_real(self.model, fmt):.12g})"
+        )
+
+
+def _real(word: int, fmt) -> float:
+    """Value of an unsigned bit pattern in format ``fmt``."""
+    if fmt.signed and word >> (fmt.width - 1):
+        word -= 1 << fmt.width
+    return word / 2**fmt.frac
+
+
+def report(differences: Sequence[Difference], nodes: Iterable[Node], most: int = 5, since: int = 0) -> str:
+    """The first target that differs, its nodes in the order of ``nodes``; empty when nothing differs.
+
+    Targets are counted from target ``since`` on.
+    """
+    if not differences:
+        return ""
+    order = {node.name: k for k, node in enumerate(nodes)}
+    first = min(d.target for d in differences)
+    of_first = [replace(d, target=first - since) for d in differences if d.target == first]
+    of_first.sort(key=lambda d: order[d.node.name])
+    lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:most])]
+    if len(of_first) > most:
+        lines.append(f"            and {len(of_first) - most} more nodes of this target")
+    return "\n".join(lines)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets through ``ik_axis`` without Python in the loop: every node of every target compared by ``every_node.cpp``.
+
+:func:`wrapper` writes the Verilog that brings all named nodes of a datapath to one port; :func:`compare` streams
+targets and the bit-true model's words through the program that Verilator makes of it.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from model.dataflow import fixed
+from model.dataflow.nodes import Node
+from model.targets.words import FIELDS
+from tb.sim.difference import Difference, report
+from tb.sim.env import CORES, ROOT, cores, environment
+from tb.sim.job import Job, Run, SimulationError
+from tb.sim.native import build
+
+HARNESS = ROOT / "tb" / "sim" / "every_node.cpp"
+TOP = "ik_every_node"
+
+FRAME = 5000
+"""Targets that the model computes at a time: its arrays fit the caches, and columns do not fall into the same lines."""
+
+
+def nodes_of(datapath: str, width: int) -> list[Node]:
+    """The named nodes of a datapath, in dataflow order."""
+    return list(fixed.run(np.zeros((1, len(FIELDS)), np.int64), width, datapath).bits.nodes.values())
+
+
+def wrapper(datapath: str, width: int, digit: int) -> str:
+    """Verilog: ``ik_axis``, fields in lanes of 32 bits, and every node at a multiple of 32 bits of one port."""
+    core = f"u_axis.g_{datapath}.u_core"
+    parts, words = [], 0
+    for node in nodes_of(datapath, width):
+        bits = node.format.width
+        pad = -bits % 32
+        signal = ".".join(part for part in (core, node.instance, node.name) if part)
+        parts.append(f"{{{pad}'d0, {signal}}}" if pad else signal)
+        words += (bits + pad) // 32
+    lanes = range(len(FIELDS))
+    pad = f"{32 - width}'d0, " if width < 32 else ""
+    asked = ", ".join(f"target[{32 * k + width - 1}:{32 * k}]" for k in reversed(lanes))
+    given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(lanes))
+    lines = ",\n      ".join(reversed(parts))
+    return f"""\
+// Written by tb/sim/every_node.py: the {datapath} datapath, {width} bits.
+module {TOP} (
+    input wire clk, rst, in_valid,
+    input wire [7:0] tag,
+    input wire [{32 * len(lanes) - 1}:0] target,
+    output wire in_ready, out_valid,
+    output wire [7:0] out_tag, out_flags,
+    output wire [{32 * len(lanes) - 1}:0] result,
+    output wire [{32 * words - 1}:0] nodes
+);
+  wire [{len(lanes) * width - 1}:0] answer;
+  ik_axis #(.W({width}), .TAG_W(8), .LEAN({int(datapath == "lean")}), .DIGIT({digit})) u_axis (
+      .clk(clk), .rst(rst),
+      .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
+      .m_axis_tdata(answer), .m_axis_tuser({{out_flags, out_tag}}), .m_axis_tvalid(out_valid), .m_axis_tready(1'b1)
+  );
+  assign result = {{{given}}};
+  assign nodes = {{
+      {lines}
+  }};
+endmodule
+"""
+
+
+def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None) -> Path:
+    """The program of a datapath, built if need be; parameters as of :func:`tb.sim.simulate.simulate`.
+
+    Raises :class:`SimulationError`.
+    """
+    digit = CORES.index(cores(kind)) if datapath == "paper" else 0
+    parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
+    try:
+        return build(TOP, HARNESS, {}, root=root, name="-".join(parts), wrapper=wrapper(datapath, width, digit))
+    except RuntimeError as error:
+        raise SimulationError(f"the verilator build failed: {error}") from None
+
+
+def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
+    """Targets (N, 6) and the model's answers to them, in pieces."""
+    for start in range(0, len(words), FRAME):
+        piece = words[start : start + FRAME]
+        yield piece, fixed.run(piece, width, datapath)
+
+
+def columns(node: Node) -> Iterator[np.ndarray]:
+    """The 64-bit words of a node, the lowest first."""
+    value = node.value
+    for low in range(0, node.format.width, 64):
+        limb = value >> low if low else value
+        if limb.dtype == object:
+            limb = (limb & ((1 << 64) - 1)).astype(np.uint64)
+        yield limb.astype("<i8")
+
+
+def compare(
+    path: Path,
+    frames: Iterable[tuple[np.ndarray, fixed.Answer]],
+    width: int,
+    datapath: str,
+    progress: Callable[[int], None] | None = None,
+) -> Run:
+    """Runs the targets of all frames one after the other, a target a clock.
+
+    ``progress(done)`` is called after each frame.  Raises :class:`SimulationError` for lost or disordered results, a
+    changing latency, and a program that breaks off.
+    """
+    nodes = nodes_of(datapath, width)
+    header = [width, len(nodes), *(fact for node in nodes for fact in (node.time, node.format.width))]
+    sizes = []
+    with tempfile.NamedTemporaryFile(prefix="ik_") as file:
+        process = subprocess.Popen(
+            [path, file.name], env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        try:
+            try:
+                process.stdin.write(np.array(header, dtype="<u8").tobytes())
+                for words, answer in frames:
+                    process.stdin.write(np.array([len(words)], dtype="<u8").tobytes())
+                    given = [*words.T, *answer.results.T, answer.flags]
+                    for column in (*given, *(c for node in answer.bits.nodes.values() for c in columns(node))):
+                        process.stdin.write(np.ascontiguousarray(column, dtype="<i8"))
+                    sizes.append(len(words))
+                    if progress:
+                        progress(sum(sizes))
+                process.stdin.write(bytes(8))
+            except BrokenPipeError:
+                pass  # it says why on stderr
+            out, err = process.communicate()
+        finally:
+            process.kill()
+            process.wait()
+        if process.returncode:
+            raise SimulationError(f"the verilator simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
+        back = np.fromfile(file.name, dtype="<i8")
+    return _run(out.decode(), back, sizes, nodes, width)
+
+
+def run(
+    path: Path, jobs: list[Job], width: int, datapath: str, progress: Callable[[int, int], None] | None = None
+) -> list[Run]:
+    """Runs each job after a reset of its own; ``progress(done, total)``.  Raises :class:`SimulationError`."""
+    total, before, runs = sum(len(job.words) for job in jobs), 0, []
+    for job in jobs:
+        told = (lambda done, since=before: progress(since + done, total)) if progress else None
+        runs.append(compare(path, answered(job.words, width, datapath), width, datapath, told))
+        before += len(job.words)
+    return runs
+
+
+def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int) -> Run:
+    """What the program said, and its results ``back``."""
+    done, *differs = said.splitlines()
+    targets, latency, clocks, bits = map(int, done.split()[1:])
+    if targets != sum(sizes) or len(back) != (len(FIELDS) + 1) * targets:
+        raise SimulationError(f"{sum(sizes)} targets were sent, {targets} results came back")
+    ends = np.cumsum(sizes)[:-1] * (len(FIELDS) + 1)
+    rows = np.concatenate([part.reshape(len(FIELDS) + 1, -1).T for part in np.split(back, ends)])
+    half = 1 << (width - 1)
+    differences = []
+    for line in differs:
+        node, target, clock, rtl, model = re.fullmatch(r"differs (\d+) (\d+) (\d+) (\w+) (\w+)", line).groups()
+        of = nodes[int(node)]
+        bit = format(int(rtl, 16), f"0{of.format.width}b")
+        differences.append(Difference(of, int(target), int(clock), bit, int(model, 16)))
+    first = report(differences, nodes) or None
+    return Run((rows[:, :-1] ^ half) - half, rows[:, -1].copy(), latency, clocks, bits, first)

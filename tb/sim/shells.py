@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A generated top with several modules of ``rtl/`` side by side: one start of the simulator serves all of them.
+
+Every module stands in a shell that has registers in place of its inputs and wires in place of its outputs, of the same
+names: to a testbench the shell looks like the module.  Each has a clock of its own, so that only the one under test
+runs.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from tb.sim.sources import sources
+
+TOP = "ik_shells"
+
+HEADER = re.compile(r"^module (\w+) #\((.*?)^\) \((.*?)^\);", re.DOTALL | re.MULTILINE)
+PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*?\])?)\s*(\w+)", re.MULTILINE)
+
+
+def top_of(instances: dict[str, tuple[str, dict[str, int]]]) -> str:
+    """The text of :data:`TOP`, with a shell for each instance: name -> (module, parameters)."""
+    files = {path.stem: path for path in sources()}
+    modules = sorted({module for module, _ in instances.values()})
+    shells = [_shell(files[module].read_text()) for module in modules]
+    lines = [
+        f"  {module}_shell #({_by_name(parameters, parameters.values())}) {name} ();"
+        for name, (module, parameters) in instances.items()
+    ]
+    return "\n".join(["`default_nettype none", *shells, f"module {TOP};", *lines, "endmodule", ""])
+
+
+def _shell(text: str) -> str:
+    module, parameters, ports = HEADER.search(text).groups()
+    kinds = {"input": "reg ", "output": "wire"}
+    found = PORT.findall(ports)
+    names = re.findall(r"parameter integer (\w+)", parameters)
+    ports = [name for *_, name in found]
+    return "\n".join(
+        [
+            f"module {module}_shell #({parameters});",
+            *(f"  {kinds[way]} {form} {name};" for way, form, name in found),
+            f"  {module} #({_by_name(names, names)}) u ({_by_name(ports, ports)});",
+            "endmodule",
+        ]
+    )
+
+
+def _by_name(names: Iterable[str], values: Iterable) -> str:
+    return ", ".join(f".{name}({value})" for name, value in zip(names, values, strict=True))
