@@ -16,11 +16,14 @@ module ik_lean #(
     parameter integer W     = 32,  // word length, 16 to 32; from 3 on for exhaustive tests
     parameter integer TAG_W = 8    // width of the tag
 ) (
+    // Clock
     input  wire             clk,
     input  wire             rst,        // synchronous: forgets the targets in flight
+    // Target
     input  wire             in_valid,
     input  wire [TAG_W-1:0] in_tag,
     input  wire [  6*W-1:0] in_data,    // x, y, z, phi, d1, d2, lowest bits first
+    // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
     output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, saturated, 0, 0

@@ -10,19 +10,25 @@ module ik_lean_direction #(
     parameter integer W = 32,  // word length, 16 to 32
     parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
 ) (
+    // Clock
     input  wire                  clk,
+    // Target
     input  wire signed [  W-1:0] x,
     input  wire signed [  W-1:0] y,
     input  wire signed [  W-1:0] z,
+    // From guard
     input  wire signed [2*W+1:0] rho_sq,       // T_RHO_SQ
     input  wire signed [2*W+1:0] s,            // T_S
     input  wire                  on_axis,      // T_ON_AXIS
     input  wire                  at_shoulder,  // T_AT_SHOULDER
+    // For the triangle
     output wire        [    5:0] e_s,          // (L9) T_E_S
     output wire signed [  N-1:0] inv_s,        // (L9) T_INV_S
+    // Azimuth
     output reg  signed [  N-1:0] az_sq,        // (L29) T_AZ_SQ
     output reg  signed [  N-1:0] az_c,         // (L32) T_AZ_C
     output reg  signed [  N-1:0] az_s,         // (L33)
+    // Tilt
     output reg  signed [  N-1:0] tilt_sq,      // (L30) T_TILT_SQ
     output reg  signed [  N-1:0] tilt_c,       // (L34) T_TILT_C
     output reg  signed [  N-1:0] tilt_s        // (L35)

@@ -8,22 +8,27 @@
 module ik_lean_guard #(
     parameter integer W = 32  // word length, 16 to 32
 ) (
+    // Clock
     input  wire                  clk,
+    // Target
     input  wire signed [  W-1:0] x,
     input  wire signed [  W-1:0] y,
     input  wire signed [  W-1:0] z,
     input  wire signed [  W-1:0] d1,
     input  wire signed [  W-1:0] d2,
+    // Results
     output wire signed [2*W+1:0] rho_sq,       // (L3) T_RHO_SQ
     output wire signed [2*W+1:0] s,            // (L4) T_S
     output wire signed [2*W+1:0] a_far,        // (L5) T_A_FAR
     output wire signed [2*W+1:0] b_near,       // (L6)
     output wire signed [2*W+1:0] k_law,        // (L7)
+    // Flags
     output reg                   bad_length,   // T_BAD_LENGTH
     output reg                   on_axis,      // T_ON_AXIS
     output reg                   at_shoulder,  // T_AT_SHOULDER
     output reg                   too_far,      // T_TOO_FAR
     output reg                   too_near,
+    // Decisions
     output reg                   clamp,        // T_CLAMP
     output reg                   fold,
     output reg                   away

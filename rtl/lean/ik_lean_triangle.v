@@ -9,19 +9,25 @@ module ik_lean_triangle #(
     parameter integer W = 32,  // word length, 16 to 32
     parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
 ) (
+    // Clock
     input  wire                  clk,
+    // Target
     input  wire signed [  W-1:0] d1,
     input  wire signed [  W-1:0] d2,
+    // From guard
     input  wire signed [2*W+1:0] a_far,   // T_A_FAR
     input  wire signed [2*W+1:0] b_near,
     input  wire signed [2*W+1:0] k_law,
-    input  wire        [    5:0] e_s,     // T_E_S
-    input  wire signed [  N-1:0] inv_s,   // T_INV_S
     input  wire                  clamp,   // T_CLAMP
     input  wire                  fold,
     input  wire                  away,
+    // From direction
+    input  wire        [    5:0] e_s,     // T_E_S
+    input  wire signed [  N-1:0] inv_s,   // T_INV_S
+    // Elbow quaternion
     output reg  signed [  W-1:0] qe_w,    // (L22) (14) T_QE_W
     output reg  signed [  W-1:0] qe_i,    // (L23) (14)
+    // Angle at the shoulder
     output reg  signed [  N-1:0] arm_sq,  // (L31) T_ARM_SQ
     output reg  signed [  N-1:0] arm_c,   // (L36) T_ARM_C
     output reg  signed [  N-1:0] arm_s    // (L37)

@@ -9,17 +9,22 @@ module ik_lean_turn #(
     parameter integer W = 32,  // word length, 16 to 32
     parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
 ) (
+    // Clock
     input  wire                clk,
+    // Target
     input  wire signed [W-1:0] phi,
+    // From direction
     input  wire signed [N-1:0] az_sq,    // T_AZ_SQ
     input  wire signed [N-1:0] az_c,     // T_AZ_C
     input  wire signed [N-1:0] az_s,
     input  wire signed [N-1:0] tilt_sq,  // T_TILT_SQ
     input  wire signed [N-1:0] tilt_c,   // T_TILT_C
     input  wire signed [N-1:0] tilt_s,
+    // From triangle
     input  wire signed [N-1:0] arm_sq,   // T_ARM_SQ
     input  wire signed [N-1:0] arm_c,    // T_ARM_C
     input  wire signed [N-1:0] arm_s,
+    // Results
     output reg  signed [W-1:0] qs_w,     // (L58) (18) T_QS_W
     output reg  signed [W-1:0] qs_i,     // (L59) (18)
     output reg  signed [W-1:0] qs_j,     // (L60) (18)

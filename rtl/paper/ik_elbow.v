@@ -12,30 +12,37 @@ module ik_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
+    // Clock
     input  wire                clk,
+    // From guard
     input  wire signed [W-1:0] d_1,                 // T_D_1
     input  wire signed [W-1:0] d_2,
     input  wire        [  5:0] scale_j,             // T_SCALE_J
     input  wire signed [W-1:0] d_dif_j,             // T_D_DIF_J
     input  wire                clamp,               // T_CLAMP
     input  wire                away,                // T_AWAY
+    // From swivel
     input  wire signed [W-1:0] s,                   // T_S
     input  wire signed [W-1:0] l_sw,                // T_L_SW
     input  wire signed [W-1:0] pi_swivel_x,         // T_PI_SWIVEL_X
     input  wire signed [W-1:0] pi_swivel_y,
     input  wire signed [W-1:0] pi_swivel_z,
+    // Target
     input  wire signed [W-1:0] p_w_x_at_pi_swivel,  // the target, delayed to T_PI_SWIVEL_X
     input  wire signed [W-1:0] p_w_y_at_pi_swivel,
     input  wire signed [W-1:0] p_w_z_at_pi_swivel,
+    // For the sign of (17)
     output wire signed [W-1:0] pp_1_m,              // T_PP_1_M
     output wire signed [W-1:0] pp_2_m,
     output wire signed [W-1:0] pp_3_m,
     output reg                 flat,                // T_FLAT: target, elbow and shoulder on one line
     output reg                 back,                // T_BACK: the elbow lies behind the shoulder, seen from the target
+    // Results
     output wire signed [W-1:0] p_e_x,               // T_P_E_X
     output wire signed [W-1:0] p_e_y,
     output wire signed [W-1:0] p_e_z,
     output reg  signed [W-1:0] d_e,                 // T_D_E: length of the upper arm in the unit of p_e
+    // What did not fit
     output reg                 sat_elbow            // T_SAT_ELBOW
 );
 

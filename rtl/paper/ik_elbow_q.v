@@ -8,7 +8,9 @@ module ik_elbow_q #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
+    // Clock
     input  wire                clk,
+    // From guard
     input  wire signed [W-1:0] d_1,         // T_D_1
     input  wire signed [W-1:0] d_2,
     input  wire signed [W-1:0] p_a_x,       // the target in the arms' unit, T_P_A_X
@@ -16,11 +18,14 @@ module ik_elbow_q #(
     input  wire signed [W-1:0] p_a_z,
     input  wire                clamp,       // T_CLAMP
     input  wire                fold,        // T_FOLD
+    // From elbow
     input  wire signed [W-1:0] p_e_x,       // T_P_E_X
     input  wire signed [W-1:0] p_e_y,
     input  wire signed [W-1:0] p_e_z,
+    // Results
     output wire signed [W-1:0] qe_w,        // T_QE_W
     output reg  signed [W-1:0] qe_i,        // T_QE_I
+    // What did not fit
     output reg                 sat_elbow_q  // T_SAT_ELBOW_Q
 );
 

@@ -13,20 +13,21 @@
 module ik_guard #(
     parameter integer W = 32  // word length, 16 to 32
 ) (
+    // Clock
     input  wire                clk,
-    // the target, Q2.(W-2)
+    // Target, Q2.(W-2)
     input  wire signed [W-1:0] x,
     input  wire signed [W-1:0] y,
     input  wire signed [W-1:0] z,
     input  wire signed [W-1:0] d1,
     input  wire signed [W-1:0] d2,
-    // the target in its own unit, and its horizontal direction in a unit of its own, Q1.(W-1)
+    // Target in its own unit, and its horizontal direction in a unit of its own, Q1.(W-1)
     output wire signed [W-1:0] p_w_x,
     output wire signed [W-1:0] p_w_y,
     output wire signed [W-1:0] p_w_z,
     output wire signed [W-1:0] b_x,
     output wire signed [W-1:0] b_y,
-    // the arms, and the target in the same unit, Q1.(W-1)
+    // Arms, and the target in the same unit, Q1.(W-1)
     output reg  signed [W-1:0] d_1,
     output reg  signed [W-1:0] d_2,
     output reg  signed [W-1:0] p_a_x,
@@ -34,7 +35,7 @@ module ik_guard #(
     output reg  signed [W-1:0] p_a_z,
     output reg         [  5:0] scale_j,      // p_w = 2^scale_j p_a
     output reg  signed [W-1:0] d_dif_j,      // d1 - d2 in the target's unit, Q2.(W-2)
-    // decisions
+    // Decisions
     output reg                 too_far,
     output reg                 too_near,
     output reg                 on_axis,

@@ -10,18 +10,23 @@ module ik_swivel #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
+    // Clock
     input  wire                clk,
+    // Target
     input  wire signed [W-1:0] phi,          // binary angle, at clock 0
+    // From guard
     input  wire signed [W-1:0] p_w_x,        // T_P_W_X
     input  wire signed [W-1:0] p_w_y,
     input  wire signed [W-1:0] p_w_z,
     input  wire signed [W-1:0] b_x,          // T_B_X
     input  wire signed [W-1:0] b_y,
+    // Results
     output wire signed [W-1:0] s,            // |p_w|^2, T_S
     output wire signed [W-1:0] l_sw,         // T_L_SW
     output wire signed [W-1:0] pi_swivel_x,  // T_PI_SWIVEL_X
     output wire signed [W-1:0] pi_swivel_y,
     output wire signed [W-1:0] pi_swivel_z,
+    // What did not fit
     output reg                 sat_swivel    // T_SAT_SWIVEL
 );
 

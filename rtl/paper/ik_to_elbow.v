@@ -14,14 +14,18 @@ module ik_to_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
+    // Clock
     input  wire                clk,
+    // From elbow
     input  wire signed [W-1:0] d_e,          // length of the upper arm in the unit of p_e, T_D_E
     input  wire signed [W-1:0] p_e_x,        // T_P_E_X
     input  wire signed [W-1:0] p_e_y,
     input  wire signed [W-1:0] p_e_z,
+    // Results
     output wire signed [W-1:0] q12_i,        // T_Q12_I
     output wire signed [W-1:0] q12_j,
     output wire signed [W-1:0] q12_k,
+    // What did not fit
     output reg                 sat_to_elbow  // T_SAT_TO_ELBOW
 );
 

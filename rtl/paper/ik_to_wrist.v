@@ -9,25 +9,32 @@ module ik_to_wrist #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
+    // Clock
     input  wire                clk,
+    // From swivel
     input  wire signed [W-1:0] pi_swivel_x,         // T_PI_SWIVEL_X
     input  wire signed [W-1:0] pi_swivel_y,
     input  wire signed [W-1:0] pi_swivel_z,
+    // Target
     input  wire signed [W-1:0] p_w_x_at_pi_swivel,  // the target, delayed to T_PI_SWIVEL_X
     input  wire signed [W-1:0] p_w_y_at_pi_swivel,
     input  wire signed [W-1:0] p_w_z_at_pi_swivel,
+    // From elbow
     input  wire signed [W-1:0] pp_1_m,              // T_PP_1_M
     input  wire signed [W-1:0] pp_2_m,
     input  wire signed [W-1:0] pp_3_m,
     input  wire                flat,                // T_FLAT
     input  wire                back,                // T_BACK
+    // From to_elbow
     input  wire signed [W-1:0] q12_i,               // T_Q12_I
     input  wire signed [W-1:0] q12_j,
     input  wire signed [W-1:0] q12_k,
+    // Results
     output wire signed [W-1:0] qs_w,                // T_QS_W
     output wire signed [W-1:0] qs_i,                // T_QS_I
     output wire signed [W-1:0] qs_j,                // T_QS_J
     output wire signed [W-1:0] qs_k,                // T_QS_K
+    // What did not fit
     output reg                 sat_to_wrist         // T_SAT_TO_WRIST
 );
 

@@ -150,6 +150,46 @@ def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
     assert (found.driver("q").module == module) == outside
 
 
+def operand_of_an_operator(beside):
+    """Node a goes through 3 clocks outside and 2 inside of the operator to which it is operand b."""
+    ports = {"b": {"direction": "input", "bits": [2, 3]}, "q": {"direction": "output", "bits": [9]}}
+    inside = {
+        "u_b": {"type": "delay2", "connections": {"d": [2, 3], "q": [4, 5]}},
+        "sum": {"type": "$add", "connections": {"A": [4, 2 if beside else 5], "Y": [9]}},
+    }
+    operator = {"attributes": {"hdlname": "ik_mul"}, "parameter_default_values": {"DB": "10", "W": "10"},
+                "cells": inside, "netnames": {}, "ports": ports}  # fmt: skip
+    wait = {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [3]}}
+    delays = {
+        f"delay{n}": {"attributes": {"hdlname": "ik_delay"}, "parameter_default_values": {"N": f"{n:b}", "W": "10"},
+                      "cells": {}, "netnames": {}, "ports": wait}
+        for n in (2, 3)
+    }  # fmt: skip
+    section = {
+        "attributes": {}, "ports": {"a": {"direction": "input", "bits": [2, 3]}},
+        "netnames": {"a": {"bits": [2, 3]}, "q": {"bits": [6]}},
+        "cells": {
+            "u_late": {"type": "delay3", "connections": {"d": [2, 3], "q": [4, 5]}},
+            "u_q": {"type": "operator", "connections": {"b": [4, 5], "q": [6]}},
+        },
+    }  # fmt: skip
+    top = {"attributes": {}, "ports": {}, "netnames": {},
+           "cells": {"u_s": {"type": "s", "connections": {"a": [2, 3]}}}}  # fmt: skip
+    design = {"modules": {"top": top, "s": section, "operator": operator, **delays}}
+    return netlist.Netlist(design, "top", {"a": ("u_s", 2), "q": ("u_s", 1)}, {"a": True, "q": True})
+
+
+def test_delays_inside_of_an_operator_count():
+    found = operand_of_an_operator(beside=False)
+    assert found.operand("u_s.u_q", "b") == netlist.Operand("a", width=2, clocks=5)
+    assert found.driver("q").values == {"W": 2}, "an operator is proved without its delays"
+
+
+def test_an_operand_used_beside_its_delay_is_refused():
+    with pytest.raises(netlist.NetlistError, match="b is used beside its delay"):
+        operand_of_an_operator(beside=True).operand("u_s.u_q", "b")
+
+
 def test_constant_is_signed():
     assert tiny(["1", "0", "1"]).constant == -3
 
