@@ -77,9 +77,6 @@ class LeanRanges(Domain):
             raise RangeError(f"{name}: the dataflow does not say what exact arithmetic gives")
         return Bound(self.within[name].low, self.within[name].high, error)
 
-    def constant(self, value, fmt):
-        raise NotImplementedError
-
     def apply(self, name, operands, fmt, bits, real):
         if real is None:
             decided = fmt.width == 1 or fmt.frac == 0
@@ -104,9 +101,6 @@ class LeanRanges(Domain):
 
     def half_sincos(self, names, phi, fmt):
         return tuple(self._bound(name, 0.0) for name in names)
-
-    # operations of the paper's datapath only
-    overflowed = product = total = quotient = square_root = mantissa = sincos = constant
 
 
 def check(width: int) -> None:

@@ -199,16 +199,17 @@ def triangle(d: Domain, f: Lean) -> None:
     # The clamped elbow is folded (1, 0) or straight (0, -1).
     one = 1 << (d.width - 2)
 
-    def elbow(folded, straight, sign):
-        return (
-            lambda v, clamp, fold: np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop)),
-            lambda v, clamp, fold: np.where(clamp, np.where(fold, folded, straight) / one, sign * v),
-        )
+    def elbow(line, name, of, folded, straight, sign, within):
+        def bits(v, clamp, fold):
+            return np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop))
 
-    L(22).op("qe_w", ("elbow_w", "clamp", "fold"), f.result, "mux", *elbow(one, 0, 1), HALF_UP, within=ELBOW_W)  # (14)
-    L(23).op(  # (14)
-        "qe_i", ("elbow_i", "clamp", "fold"), f.result, "mux", *elbow(0, -one, -1), HALF_UP, within=ELBOW_I,
-    )  # fmt: skip
+        def real(v, clamp, fold):
+            return np.where(clamp, np.where(fold, folded, straight) / one, sign * v)
+
+        L(line).op(name, (of, "clamp", "fold"), f.result, "mux", bits, real, HALF_UP, within)
+
+    elbow(22, "qe_w", "elbow_w", one, 0, 1, ELBOW_W)  # (14)
+    elbow(23, "qe_i", "elbow_i", 0, -one, -1, ELBOW_I)  # (14)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)

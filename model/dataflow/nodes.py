@@ -68,6 +68,10 @@ class FormatError(ValueError):
     """A node's format does not go with its operands'; the text names the node."""
 
 
+Value = Any
+"""What a domain computes with: an array over targets, an interval, an affine form."""
+
+
 @dataclass(frozen=True)
 class Latency:
     """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
@@ -319,8 +323,8 @@ class Domain(ABC):
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
         """What :meth:`mul3` drops of the product's fraction bits, and the widths of its operands as signed words."""
-        widths = tuple(n.format.width + (not n.format.signed) for n in (a, b))
-        return a.format.frac + b.format.frac - scale - fmt.frac, widths
+        first, second = (n.format.width + (not n.format.signed) for n in (a, b))
+        return a.format.frac + b.format.frac - scale - fmt.frac, (first, second)
 
     def even(
         self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format,
@@ -367,47 +371,56 @@ class Domain(ABC):
             self.make(name, "normalize", words, self.word(0), "norm", self.mantissa(name, word, words, counts, fill))
         return counts
 
-    @abstractmethod
-    def apply(self, name, operands, fmt, bits, real): ...
+    # ---- what a domain computes: the value of a node, of whatever kind its values are ------------------------------
 
     @abstractmethod
-    def overflowed(self, watched, unless): ...
+    def apply(
+        self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None
+    ) -> Value:
+        """The value of :meth:`op`."""
 
-    @abstractmethod
-    def product(self, name, a, b, fmt, scale): ...
+    # The paper's datapath.
 
-    @abstractmethod
-    def total(self, name, signs, nodes, fmt): ...
+    def overflowed(self, watched: tuple[str, ...], unless: str | None) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def quotient(self, name, n, d, fmt): ...
+    def product(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def square_root(self, name, n, fmt): ...
+    def total(self, name: str, signs: tuple[int, ...], nodes: tuple[Node, ...], fmt: Format) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def mantissa(self, name, word, words, counts, fill): ...
+    def quotient(self, name: str, n: Node, d: Node, fmt: Format) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def sincos(self, sin: str, cos: str, phi: Node) -> tuple[Node, Node]:
-        """Sine and cosine of phi/2, words with one integer bit."""
+    def square_root(self, name: str, n: Node, fmt: Format) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
+    def mantissa(self, name: str, word: Node, words: tuple[Node, ...], counts: Node, fill: int) -> Value:
+        raise NotImplementedError
+
+    def sincos(self, sin: str, cos: str, phi: Node) -> tuple[Node, ...]:
+        """Makes sine and cosine of phi/2, words with one integer bit."""
+        raise NotImplementedError
+
     def constant(self, value: float, fmt: Format) -> Node:
         """A constant: wiring, ready at any time."""
-
-    # Operations of the lean datapath only; a domain of the paper's datapath does without.
-
-    def product3(self, name, a, b, fmt, scale):
         raise NotImplementedError
 
-    def even_mantissa(self, count, name, value, width, fmt):
+    # The lean datapath.
+
+    def product3(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
         raise NotImplementedError
 
-    def reciprocal_root(self, name, m, fmt):
+    def even_mantissa(self, count: str, name: str, value: Node, width: int, fmt: Format) -> tuple[Value, Value]:
+        """The shift ``count`` and the mantissa ``name``."""
         raise NotImplementedError
 
-    def half_sincos(self, names, phi, fmt):
+    def reciprocal_root(self, name: str, m: Node, fmt: Format) -> Value:
+        raise NotImplementedError
+
+    def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format) -> tuple[Value, ...]:
+        """Sine and cosine of phi/2."""
         raise NotImplementedError
 
 
