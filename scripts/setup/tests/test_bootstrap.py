@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from scripts.setup import bootstrap
-from tb.sim.env import ROOT, environment, simulator, verilator_root
+from tb.sim.env import ROOT, environment
 
 
 def script(path, text):
@@ -472,34 +472,3 @@ def test_second_setup_of_a_checkout_waits(checkout):
     Path(checkout.stamp).write_text(stamp)  # the first one finishes
     os.close(held)
     assert second.communicate(timeout=20)[1] == "" and second.returncode == 0
-
-
-# -- the environment -------------------------------------------------------------------------------
-
-
-def test_environment_puts_the_packaged_verilator_first(tmp_path, monkeypatch):
-    script(tmp_path / "verilator", "echo Verilator 5.006\n")
-    base = {"PATH": f"{tmp_path}:/usr/bin", "MAKEFLAGS": " -- OUT=x", "WAVES": "1", "VERILATOR_ROOT": "/old"}
-    env = environment(base)
-    assert env["VERILATOR_ROOT"] == str(verilator_root())
-    assert shutil.which("verilator", path=env["PATH"]) == str(verilator_root() / "bin" / "verilator")
-    assert "MAKEFLAGS" not in env and "WAVES" not in env
-    assert environment(env) == env
-    assert base["WAVES"] == "1"
-
-
-def test_compiler_cache_is_used_where_there_is_one(tmp_path):
-    assert "OBJCACHE" not in environment({"PATH": str(tmp_path)})
-    script(tmp_path / "ccache", "exit 0\n")
-    env = environment({"PATH": str(tmp_path)})
-    assert (env["OBJCACHE"], env["CCACHE_DIR"]) == ("ccache", str(ROOT / "build" / "ccache"))
-    assert environment({"PATH": str(tmp_path), "CCACHE_DIR": "mine"})["CCACHE_DIR"] == "mine"
-
-
-def test_simulator_name(monkeypatch):
-    monkeypatch.delenv("SIM", raising=False)
-    assert simulator() == "icarus" and simulator("verilator") == "verilator"
-    monkeypatch.setenv("SIM", "verilator")
-    assert simulator() == "verilator" and simulator("icarus") == "icarus"
-    with pytest.raises(ValueError, match="questa.*icarus or verilator"):
-        simulator("questa")
