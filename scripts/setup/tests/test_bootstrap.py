@@ -381,18 +381,19 @@ def stand_in(tmp_path):
     (root / "scripts" / "setup").mkdir(parents=True)
     shutil.copy(ROOT / "Makefile", root)
     (root / "scripts" / "setup" / "bootstrap.py").write_text("")
-    (root / "scripts" / "run.py").write_text(
-        "import json, os, sys\nprint(json.dumps([sys.argv[1:], bool({'OUT', 'WAVES'} & set(os.environ))]))\n"
-    )
+    for command in ("scripts/run.py", "pytest.py"):
+        (root / command).write_text(
+            "import json, os, sys\nprint(json.dumps([sys.argv[1:], bool({'OUT', 'WAVES'} & set(os.environ))]))\n"
+        )
     (root / ".venv" / "bin").mkdir(parents=True)
     script(root / ".venv" / "bin" / "python", f'exec "{sys.executable}" "$@"\n')
 
-    def run(*words, **env):
-        done = make("run", *words, cwd=root, **env)
+    def run(*words, target="run", **env):
+        done = make(target, *words, cwd=root, **env)
         assert done.returncode == 0, done.stderr
         arguments, leaked = json.loads(done.stdout)
         assert not leaked or env
-        assert sorted(p.name for p in root.iterdir()) == [".venv", "Makefile", "scripts"]
+        assert sorted(p.name for p in root.iterdir()) == [".venv", "Makefile", "pytest.py", "scripts"]
         return arguments
 
     return run
@@ -406,6 +407,29 @@ def test_run_passes_only_what_is_set(stand_in):
     words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1"
     given = "--trajectory=all --out=o --datapath=paper --width=32 --d1=0.3 --d2=0.2 --phi=-0.5 --waves"
     assert stand_in(*words.split()) == ["--sim", "icarus", *given.split()]
+
+
+@pytest.mark.parametrize(
+    ("words", "marks"),
+    [
+        ("test", "not slow"),
+        ("test SIM=verilator", "sim and not slow"),
+        ("test-all", ""),
+        ("test-all SIM=verilator", "sim"),
+    ],
+)
+def test_the_quick_gate_and_all_of_it(stand_in, words, marks):
+    target, *options = words.split()
+    assert stand_in(*options, target=target)[-2:] == ["-m", marks]
+
+
+def test_only_is_a_file_or_an_expression(stand_in):
+    """Slow cases included, as somebody works on them."""
+    for value in ("scripts/run.py", "scripts/run.py::test_x[1]"):
+        assert stand_in("ONLY=" + value, target="test")[-3:] == [value, "-m", ""]
+    for value in ("ik_mul and not 'x'", "a $(touch made) \"b"):
+        assert stand_in("ONLY=" + value, target="test")[-4:] == ["-k", value, "-m", ""]
+    assert stand_in("ONLY=x", "SIM=verilator", target="test")[-2:] == ["-m", "sim"]
 
 
 @pytest.mark.parametrize(

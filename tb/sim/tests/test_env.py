@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tb/sim/env.py: the environment of simulators and compilers."""
+"""The environment of simulators and compilers."""
 
 import shutil
 
@@ -8,13 +8,20 @@ import pytest
 from tb.sim.env import ROOT, environment, simulator, verilator_root
 
 
-def script(path, text):
-    path.write_text("#!/bin/sh\n" + text)
-    path.chmod(0o755)
+@pytest.fixture
+def program(tmp_path):
+    """Makes a shell script of that name."""
+
+    def make(name, text):
+        path = tmp_path / name
+        path.write_text(f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+
+    return make
 
 
-def test_environment_puts_the_packaged_verilator_first(tmp_path, monkeypatch):
-    script(tmp_path / "verilator", "echo Verilator 5.006\n")
+def test_environment_puts_the_packaged_verilator_first(tmp_path, program):
+    program("verilator", "echo Verilator 5.006")
     base = {"PATH": f"{tmp_path}:/usr/bin", "MAKEFLAGS": " -- OUT=x", "WAVES": "1", "VERILATOR_ROOT": "/old"}
     env = environment(base)
     assert env["VERILATOR_ROOT"] == str(verilator_root())
@@ -24,9 +31,9 @@ def test_environment_puts_the_packaged_verilator_first(tmp_path, monkeypatch):
     assert base["WAVES"] == "1"
 
 
-def test_compiler_cache_is_used_where_there_is_one(tmp_path):
+def test_compiler_cache_is_used_where_there_is_one(tmp_path, program):
     assert "OBJCACHE" not in environment({"PATH": str(tmp_path)})
-    script(tmp_path / "ccache", "exit 0\n")
+    program("ccache", "exit 0")
     env = environment({"PATH": str(tmp_path)})
     assert (env["OBJCACHE"], env["CCACHE_DIR"]) == ("ccache", str(ROOT / "build" / "ccache"))
     assert environment({"PATH": str(tmp_path), "CCACHE_DIR": "mine"})["CCACHE_DIR"] == "mine"
