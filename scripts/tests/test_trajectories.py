@@ -115,7 +115,7 @@ if simulator() == "verilator":
             ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
             assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the simulators' results differ"
 
-    @pytest.mark.parametrize("datapath", DATAPATHS)
+    @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
     def test_the_native_harness_writes_the_same_files(datapath, outcomes, tmp_path, monkeypatch):
         """As a long file gets it."""
         monkeypatch.setattr(simulate, "LONG", 0)
