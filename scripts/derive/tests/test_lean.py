@@ -11,7 +11,9 @@ from model.reference import cga
 from model.reference.lean_equations import solve_lean
 from model.reference.lean_table import HALF, LEAN
 from scripts.derive import lean as derive_lean
-from scripts.derive.lean import Tables
+from scripts.derive import lean_counts, lean_geometry, lean_quaternion, printed
+from scripts.derive.lean_forms import Tables, symbols
+from scripts.derive.lean_proofs import Step, known_root, turn
 
 pytestmark = [pytest.mark.xdist_group("derive-lean"), pytest.mark.cost(100)]  # what is derived is shared
 
@@ -23,7 +25,7 @@ def steps():
 
 def test_page_is_up_to_date(steps):
     assert derive_lean.PAGE.read_text(encoding="utf-8") == derive_lean.page(steps), (
-        "run `python -m scripts.derive.lean`"
+        "run `make derive`"
     )
 
 
@@ -61,7 +63,7 @@ def test_table_is_what_the_model_computes():
         np.testing.assert_allclose(values[name], model[name], rtol=0, atol=1e-12, err_msg=name)
 
 
-STEP_OF = {step.__name__.lstrip("_"): step for step in derive_lean.STEPS}
+STEP_OF = {step.__name__: step for step in derive_lean.STEPS}
 
 
 def spoil(table, name, right, wrong):
@@ -218,13 +220,13 @@ def test_an_error_in_the_paper_is_found(equation, name, right, wrong, step):
 
 def test_the_misprint_of_11_does_not_pass(monkeypatch):
     """Without the edit that scripts/derive/paper.py proves to be needed."""
-    monkeypatch.setattr(derive_lean.paper, "KNOWN_WRONG", {})
+    monkeypatch.setattr(printed, "KNOWN_WRONG", {})
     assert_found("swivel", Tables())
 
 
 def test_an_error_in_the_turns_is_found(monkeypatch):
-    turn = derive_lean.turn
-    monkeypatch.setattr(derive_lean, "turn", lambda axis, c, s: turn(axis, c, -s))
+    for steps in (lean_geometry, lean_quaternion):
+        monkeypatch.setattr(steps, "turn", lambda axis, c, s: turn(axis, c, -s))
     assert_found("factors", Tables())
     assert_found("product", Tables())
 
@@ -240,7 +242,7 @@ def test_an_error_in_the_algebra_is_found(monkeypatch):
 @pytest.mark.slow
 def test_no_statement_holds_whatever_its_right_side_is(monkeypatch):
     """Each equality again with 1 added to the last component of its right side: none of them holds."""
-    equal = derive_lean.Step.equal
+    equal = Step.equal
 
     def off_by_one(self, statement, left, right, *rest, **more):
         right = list(right) if isinstance(right, (list, sympy.MatrixBase)) else [right]
@@ -248,7 +250,7 @@ def test_no_statement_holds_whatever_its_right_side_is(monkeypatch):
         left = left if isinstance(left, (list, sympy.MatrixBase)) else [left]
         equal(self, statement, left, right, *rest, **more)
 
-    monkeypatch.setattr(derive_lean.Step, "equal", off_by_one)
+    monkeypatch.setattr(Step, "equal", off_by_one)
     for step in derive_lean.derive():
         for check in step.checks:
             assert check.method.startswith("expansion") <= (not check.holds or "powers, for" in check.method), (
@@ -257,14 +259,14 @@ def test_no_statement_holds_whatever_its_right_side_is(monkeypatch):
 
 
 def test_a_relation_is_not_used_where_it_is_not_given():
-    c, s = derive_lean.symbols("c s")
-    step = derive_lean.Step("a step", [])
+    c, s = symbols("c s")
+    step = Step("a step", [])
     step.equal("c^2 + s^2 = 1", c**2 + s**2, 1)
     step.equal("c^2 + s^2 = 1", c**2 + s**2, 1, {"c^2 + s^2 = 1": (s, 1 - c**2)})
     step.equal("(c, s) = (c, c)", [c, s], [c, c])
     assert [check.holds for check in step.checks] == [False, True, False]
     assert step.checks[0].rest == "c^{2} + s^{2} - 1"
-    root = derive_lean.known_root([c], {})
+    root = known_root([c], {})
     assert root(c**2) == c and str(root(c**2 + 1)) == "unrecognized"
 
 
@@ -283,13 +285,13 @@ def test_a_relation_is_not_used_where_it_is_not_given():
     ],
 )
 def test_operations_are_counted(text, expected):
-    ops = derive_lean.count({"line": text})
+    ops = lean_counts.count({"line": text})
     assert (ops.mul, ops.add, ops.root) == expected
 
 
 def test_an_unknown_operation_is_not_counted_as_free():
     with pytest.raises(ValueError, match="no rule"):
-        derive_lean.operations(sympy.sin(sympy.Symbol("x")))
+        lean_counts.operations(sympy.sin(sympy.Symbol("x")))
 
 
 def test_check_tells_a_stale_page(tmp_path, monkeypatch, steps, capsys):

@@ -8,6 +8,8 @@ import sympy
 
 from model.reference import cga, geometry
 from scripts.derive import paper as derive
+from scripts.derive import paper_steps
+from scripts.derive.printed import PRINTED, symbols
 
 pytestmark = [pytest.mark.xdist_group("derive-paper"), pytest.mark.cost(60)]  # what is derived is shared
 
@@ -30,12 +32,12 @@ def test_verdicts_are_the_known_ones(sections):
 
 
 def test_every_printed_row_is_compared(sections):
-    assert set(rows(sections)) == {(equation, name) for equation, table in derive.PRINTED.items() for name in table}
+    assert set(rows(sections)) == {(equation, name) for equation, table in PRINTED.items() for name in table}
 
 
 def test_misprint_of_11_is_found_and_mended(sections):
     row = rows(sections)["11", "pi_x"]
-    c, p_wy = derive.symbols("c p_wy")
+    c, p_wy = symbols("c p_wy")
     assert row.verdict == "differs"
     assert sympy.expand(row.difference - 2 * p_wy * c * (c - 1)) == 0, "cos^2 against cos"
     mended = [fact for section in sections for fact in section.facts if fact.equation == "11 mended"]
@@ -43,9 +45,9 @@ def test_misprint_of_11_is_found_and_mended(sections):
 
 
 SECTION_OF = {
-    "10": derive._swivel_plane, "11": derive._swivel_plane, "12": derive._point_pair, "19": derive._sums,
-    "13": derive._elbow_point, "14": derive._elbow_quaternion, "15": derive._rotate_to_elbow,
-    "17": derive._rotate_to_wrist, "18": derive._product,
+    "10": paper_steps.swivel_plane, "11": paper_steps.swivel_plane, "12": paper_steps.point_pair,
+    "19": paper_steps.sums, "13": paper_steps.elbow_point, "14": paper_steps.elbow_quaternion,
+    "15": paper_steps.rotate_to_elbow, "17": paper_steps.rotate_to_wrist, "18": paper_steps.product,
 }  # fmt: skip
 
 
@@ -72,7 +74,7 @@ SECTION_OF = {
     ],
 )
 def test_an_error_in_print_is_found(equation, name, right, wrong):
-    printed = copy.deepcopy(derive.PRINTED)
+    printed = copy.deepcopy(PRINTED)
     assert right in printed[equation][name]
     printed[equation][name] = printed[equation][name].replace(right, wrong, 1)
     section = SECTION_OF[equation](printed)
@@ -96,24 +98,24 @@ def other_way_round(function, first, second):
 @pytest.mark.parametrize(
     "name, spoiled, section",
     [
-        ("swivel_plane", lambda f: lambda P_w, phi: f(P_w, -phi), derive._swivel_plane),
-        ("elbow_point_pair", lambda f: other_way_round(f, 2, 3), derive._point_pair),
-        ("elbow_point", lambda f: lambda PP: f(-PP), derive._elbow_point),
-        ("elbow_quaternion", lambda f: other_way_round(f, 0, 1), derive._elbow_quaternion),
-        ("elbow_rotation", lambda f: lambda P_e, d1: f(P_e, 2 * d1), derive._rotate_to_elbow),
-        ("wrist_rotation", lambda f: lambda Q, plane, P_w: f(Q, -plane, P_w), derive._rotate_to_wrist),
+        ("swivel_plane", lambda f: lambda P_w, phi: f(P_w, -phi), paper_steps.swivel_plane),
+        ("elbow_point_pair", lambda f: other_way_round(f, 2, 3), paper_steps.point_pair),
+        ("elbow_point", lambda f: lambda PP: f(-PP), paper_steps.elbow_point),
+        ("elbow_quaternion", lambda f: other_way_round(f, 0, 1), paper_steps.elbow_quaternion),
+        ("elbow_rotation", lambda f: lambda P_e, d1: f(P_e, 2 * d1), paper_steps.rotate_to_elbow),
+        ("wrist_rotation", lambda f: lambda Q, plane, P_w: f(Q, -plane, P_w), paper_steps.rotate_to_wrist),
     ],
 )
 def test_an_error_in_the_geometry_is_found(monkeypatch, name, spoiled, section):
     monkeypatch.setattr(geometry, name, spoiled(getattr(geometry, name)))
-    assert derive.unexpected([section(derive.PRINTED)])
+    assert derive.unexpected([section(PRINTED)])
 
 
 @pytest.mark.slow
 def test_an_error_in_the_algebra_is_found(monkeypatch):
     half_angle = cga.half_angle
     monkeypatch.setattr(cga, "half_angle", lambda cosine: half_angle(cosine)[::-1])
-    assert derive.unexpected([derive._elbow_quaternion(derive.PRINTED)])
+    assert derive.unexpected([paper_steps.elbow_quaternion(PRINTED)])
 
 
 def test_check_tells_a_stale_page(tmp_path, monkeypatch, sections, capsys):
