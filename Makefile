@@ -48,16 +48,17 @@ report: ## the same run as an HTML page to look at: the arm in motion, errors, p
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.report $(job)
 
-# With SIM=verilator only what starts a simulator: the rest would be the same again.
+# With SIM=verilator only what starts a simulator: the rest would be the same again. ONLY picks slow cases, too.
 only_sim = $(if $(filter verilator,$(SIM)),sim)
-pytest = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadgroup --no-loadscope-reorder \
+quick    = $(if $(call given,ONLY,yes),,not slow)
+pytest   = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadgroup --no-loadscope-reorder \
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
-test: ## the quick gate; SIM=verilator: what starts a simulator [SIM= CORES=behavioural|digit ONLY=file or -k pattern]
+test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit ONLY=file or pattern]
 	@$(SETUP) $(sort icarus $(SIM))
-	@$(pytest) -m "$(if $(only_sim),sim and )not slow"
+	@$(pytest) -m "$(only_sim)$(if $(and $(only_sim),$(quick)), and )$(quick)"
 
-test-all: ## all tests; SIM=verilator: all that start a simulator [SIM= CORES= ONLY=]
+test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit]
 	@$(SETUP) $(sort icarus $(SIM))
 	@$(pytest) -m "$(only_sim)"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated targets per second: both simulators in one run, and their ratio (make bench).
+"""Simulated targets per second: both simulators and the native harness in one run, and their ratio (make bench).
 
 Times the whole command that a user waits for, build excluded: start of the simulator, every node of every target
 compared with the bit-true model, results read back.  Prints the Markdown table of docs/performance.md.
@@ -17,8 +17,10 @@ from model.bounds import predict
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.targets.stimuli import random_reachable
-from tb.sim.env import SIMULATORS
 from tb.sim.simulate import Job, simulate
+
+WAYS = (("icarus", False), ("verilator", False), ("verilator", True))
+"""Simulator, and whether Python is out of the loop."""
 
 
 def timed(action) -> float:
@@ -41,17 +43,19 @@ def main() -> int:
     print("| --- | --- | --- | --- |")
     slow = None
     for datapath in DATAPATHS:
-        for sim in SIMULATORS:
-            print(f"{datapath} in {sim} ...", file=sys.stderr, flush=True)
+        for sim, native in WAYS:
+            way = f"{sim}, natively" if native else sim
+            print(f"{datapath} in {way} ...", file=sys.stderr, flush=True)
 
-            def simulated(jobs, datapath=datapath, sim=sim):
-                simulate(jobs, simulator=sim, datapath=datapath, width=options.width)
+            def simulated(jobs, datapath=datapath, sim=sim, native=native):
+                simulate(jobs, simulator=sim, datapath=datapath, width=options.width, native=native)
 
             simulated([Job("warm", words[:1])])  # builds
             start = timed(lambda run=simulated: run([Job("one", words[:1])]))
-            rate = options.targets / (timed(lambda run=simulated: run([Job("many", words)])) - start)
+            longer = words if not native else np.concatenate([words] * 20)
+            rate = len(longer) / (timed(lambda run=simulated, of=longer: run([Job("many", of)])) - start)
             slow = slow or rate
-            print(f"| {datapath} RTL in {sim}, every node compared | {rate:.0f} | {rate / slow:.2g} | {start:.1f} |")
+            print(f"| {datapath} RTL in {way}, every node compared | {rate:.0f} | {rate / slow:.2g} | {start:.1f} |")
         many = np.concatenate([words] * (100_000 // options.targets))
         model = len(many) / timed(lambda many=many, path=datapath: fixed.run(many, options.width, path))
         bars = options.targets / timed(lambda path=datapath: predict.hand_bar(words, options.width, path))

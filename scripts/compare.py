@@ -26,11 +26,11 @@ from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
 from model.targets.words import RESULT_FIELDS, from_words, result_values
 from scripts.pages.opcounts import counted_run
 from scripts.pages.wordlengths import differing
-from tb.sim.env import ROOT, SIMULATORS
+from tb.sim.env import GENERATED, ROOT, SIMULATORS
 from tb.sim.simulate import Job, simulate
 
-PAGE = ROOT / "docs" / "compare.md"
-PLOT = ROOT / "docs" / "compare.svg"
+PAGE = GENERATED / "compare.md"
+PLOT = GENERATED / "compare.svg"
 
 WIDTH = 32
 FIFO_CLOCKS = 2

@@ -32,13 +32,13 @@ from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
 from model.targets.files import write_atomically
 from scripts.console import InputError, Meter, Parser, exit_status, progress, whole, writing
-from tb.sim.env import CORES, ROOT
+from tb.sim.env import CORES, GENERATED, ROOT
 from tb.sim.native import build
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import closure
 
 HARNESS = ROOT / "tb" / "units" / "exhaustive.cpp"
-PAGE = ROOT / "docs" / "exhaustive.md"
+PAGE = GENERATED / "exhaustive.md"
 
 PIECE = 1 << 23
 """Vectors of one process: about a second, so that Ctrl-C need not stop one."""

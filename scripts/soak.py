@@ -43,10 +43,10 @@ from model.bounds import tolerances
 from model.dataflow.nodes import WIDTHS
 from model.targets.files import write_atomically
 from model.targets.flags import expected_flags, names
+from model.targets.observed import edges
 from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from model.targets.words import FIELDS
 from scripts.console import InputError, Parser, check_out, exit_status, progress, show, whole, writing
-from scripts.pages.wordlengths import edges
 from tb.core import hardest
 from tb.sim import every_node
 from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate

@@ -132,7 +132,8 @@ class Affine(Domain):
         # ends of each operand's range must lie on the same piece, or what they miss is uncertain.  A mask has no error.
         centres = [f.centre for f in forms]
         centre = real(*centres)
-        terms, rest, spread = {}, 0.0, 0.0
+        terms: dict[str, np.ndarray] = {}
+        rest = spread = np.zeros_like(centre, dtype=np.float64)
         for k, form in enumerate(forms):
             radius = form.radius
             if not radius.any():

@@ -134,7 +134,8 @@ def rsqrt_rows() -> tuple[tuple[int, int, int], ...]:
         for row in range(FIRST, SEGMENTS):
             c0, c1, c2 = _interpolant(row)
             words = c0 * 2**C0_FRAC, c1 * 2**C1_FRAC, c2 * 2**C2_FRAC + 0.5
-            rows.append(tuple(int(mpmath.floor(w)) for w in words))
+            w0, w1, w2 = (int(mpmath.floor(w)) for w in words)
+            rows.append((w0, w1, w2))
         return tuple(rows)
 
 

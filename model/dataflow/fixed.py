@@ -129,7 +129,7 @@ class Bits(Domain):
         shift, widths = self.cut(a, b, fmt, scale)
         return wrap(lean_cores.mul3(a.value, b.value, shift, *widths), fmt.width)
 
-    def even_mantissa(self, name, value, width, fmt):
+    def even_mantissa(self, count, name, value, width, fmt):
         return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
 
     def reciprocal_root(self, name, m, fmt):
@@ -137,7 +137,7 @@ class Bits(Domain):
         frac = m.format.frac - 3
         return lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
 
-    def half_sincos(self, phi, fmt):
+    def half_sincos(self, names, phi, fmt):
         # An angle of fewer than 16 bits is one of 16 that ends in zeros.
         width = max(self.width, 16)
         frac = min(fmt.frac, lean_trig.FRACS[-1])

@@ -23,7 +23,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from model.dataflow.nodes import FLOOR, HALF_UP, Domain, Format, Node, inner_frac, root_frac, wrap
+from model.dataflow.nodes import FLOOR, HALF_UP, Domain, Format, Growth, Node, Within, inner_frac, root_frac, wrap
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -34,6 +34,28 @@ SECTIONS = {
 }
 """Section name -> what it is; the RTL module is ``ik_lean_<section>``, its instance ``u_<section>``."""
 
+
+# What geometry says of the nodes: ranges in exact arithmetic, and why.
+
+SQUARES = "squares of words in [-2, 2)"
+MANTISSA = Within(0.0, 1.0, "mantissa", below=True)
+INVERSE = Within(0.0, 1.0, "1/(2 sqrt m) with m >= 1/4")  # 0 where m = 0
+INVERSES = Within(0.0, 1.0, "products of inverses")
+COORDINATE = Within(-1.0, 1.0, "coordinates are no longer than the vector", below=True)
+CIRCLE = Within(-1.0, 1.0, "a sine or cosine")
+UPPER_HALF = Within(0.0, 1.0, "a sine or cosine")
+ROOT = Within(0.0, 1.0, "the root of a mantissa")
+HALF_LENGTH = Within(0.5, 1.0, "(1 + |c|)/2")
+HALF_ANGLE = Within(-1.0, 1.0, "half angles: squared length (1 + |c|)/2")
+PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
+ELBOW_W, ELBOW_I = Within(0.0, 1.0, "a component of Qe"), Within(-1.0, 0.0, "a component of Qe")
+RISEN = Within(0.0, 1.0, "e_rho >= e_s, because rho <= |p|")
+ARMS_UNIT = Within(0.0, 2.0, "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2")
+LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
+LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4")
+K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
+
+SUM = Growth((1.0, 1.0))
 
 WIDTHS = range(3, 33)
 """Word lengths that the lean datapath can be built with: below 16 only so that all inputs can be tried."""
@@ -89,19 +111,19 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0))
 
     L = d.line
-    d_sum = L(1).op("d_sum", (d1, d2), f.length, "mux", plus)
-    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus)
-    L(3).op("x_sq", (x,), f.exact, "square", square)
-    L(3).op("y_sq", (y,), f.exact, "square", square)
-    L(4).op("z_sq", (z,), f.exact, "square", square)
-    L(5).op("d_sum_sq", (d_sum,), f.exact, "square", square)
-    L(6).op("d_dif_sq", (d_dif,), f.exact, "square", square)
-    L(7).op("sum_dif", (d_sum, d_dif), f.exact, "square", times)  # d1^2 - d2^2
-    L(3).op("rho_sq", ("x_sq", "y_sq"), f.exact, "wide", plus)
-    L(4).op("s", ("rho_sq", "z_sq"), f.exact, "wide", plus)
-    L(5).op("a_far", ("d_sum_sq", "s"), f.exact, "wide", minus)
-    L(6).op("b_near", ("s", "d_dif_sq"), f.exact, "wide", minus)
-    L(7).op("k_law", ("s", "sum_dif"), f.exact, "wide", plus)
+    d_sum = L(1).op("d_sum", (d1, d2), f.length, "mux", plus, within=Within(0.0, 4.0, SQUARES, below=True))
+    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus, within=Within(-2.0, 2.0, SQUARES))
+    L(3).op("x_sq", (x,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
+    L(3).op("y_sq", (y,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
+    L(4).op("z_sq", (z,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
+    L(5).op("d_sum_sq", (d_sum,), f.exact, "square", square, within=Within(0.0, 16.0, SQUARES, below=True))
+    L(6).op("d_dif_sq", (d_dif,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
+    L(7).op("sum_dif", (d_sum, d_dif), f.exact, "square", times, within=Within(-4.0, 4.0, SQUARES))  # d1^2 - d2^2
+    L(3).op("rho_sq", ("x_sq", "y_sq"), f.exact, "wide", plus, within=Within(0.0, 8.0, SQUARES))
+    L(4).op("s", ("rho_sq", "z_sq"), f.exact, "wide", plus, within=Within(0.0, 12.0, SQUARES))
+    L(5).op("a_far", ("d_sum_sq", "s"), f.exact, "wide", minus, within=Within(0.0, 16.0, SQUARES, below=True))
+    L(6).op("b_near", ("s", "d_dif_sq"), f.exact, "wide", minus, within=Within(0.0, 12.0, SQUARES))
+    L(7).op("k_law", ("s", "sum_dif"), f.exact, "wide", plus, within=Within(-4.0, 16.0, SQUARES))
 
     d.at()
     d.op("too_far", ("a_far", "bad_length"), d.bit, "mux", lambda a, bad: (a < 0).astype(bool) & ~bad)
@@ -122,16 +144,18 @@ def direction(d: Domain, f: Lean) -> None:
     def unit(words, count):  # in the root's own unit: |x| <= rho, so nothing is lost at the top
         return wrap(words << (count + f.pad), f.shifted.width)
 
-    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1))
-    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1))
-    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, scaled_by(-2, 1))
-    L(14).mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1)
-    L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1)
-    L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1)
-    L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1)  # sqrt(m)
+    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1), within=COORDINATE)
+    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1), within=COORDINATE)
+    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, scaled_by(-2, 1), within=COORDINATE)
+    L(14).mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
+    L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
+    L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
+    L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
     L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus)
-    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR)
-    L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1)
+    L(18).op(
+        "inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR, within=RISEN,
+    )  # fmt: skip
+    L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, within=UPPER_HALF)
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
     # azimuth 0 is taken: (1, 1)/2.
@@ -154,10 +178,10 @@ def triangle(d: Domain, f: Lean) -> None:
     root(L(11), f, "near", n["b_near"], 2 * d.width)
     root(L(12), f, "1", n["d1"], f.even_width)
     root(L(13), f, "2", n["d2"], f.even_width)
-    L(19).mul3("root_far", n["inv_far"], n["m_far"], f.inner, scale=1)
-    L(20).mul3("root_near", n["inv_near"], n["m_near"], f.inner, scale=1)
+    L(19).mul3("root_far", n["inv_far"], n["m_far"], f.inner, scale=1, within=ROOT)
+    L(20).mul3("root_near", n["inv_near"], n["m_near"], f.inner, scale=1, within=ROOT)
     # 1/(4 sqrt(m_1 m_2)), and its shift to the unit of sqrt A: their product is a number up to 1, and root_far >= 1/2
-    L(21).mul3("inv_12", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"))
+    L(21).mul3("inv_12", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
 
     def arms_shift(e, e_1, e_2):
         return (e - e_1 - e_2 + 2 + f.odd) & 63
@@ -165,26 +189,32 @@ def triangle(d: Domain, f: Lean) -> None:
     for line, side, part in ((22, "far", "w"), (23, "near", "i")):
         L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms_shift)
         shifted = ("inv_12", f"n_{side}")
-        L(line).op(f"inv_12_{side}_raw", shifted, f.raised, "shift", down_from_4, scaled_by(3, -1), FLOOR)
-        limited(d, f, f"inv_12_{side}")
-        L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner)
+        L(line).op(
+            f"inv_12_{side}_raw", shifted, f.raised, "shift", down_from_4, scaled_by(3, -1), FLOOR,
+            within=ARMS_UNIT, grows=Growth((8.0, 0.0)),
+        )  # fmt: skip
+        limited(d, f, f"inv_12_{side}", ARMS_UNIT)
+        L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, within=ELBOW_W)
 
     # The clamped elbow is folded (1, 0) or straight (0, -1).
     one = 1 << (d.width - 2)
 
-    def elbow(folded, straight, sign):
-        return (
-            lambda v, clamp, fold: np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop)),
-            lambda v, clamp, fold: np.where(clamp, np.where(fold, folded, straight) / one, sign * v),
-        )
+    def elbow(line, name, of, folded, straight, sign, within):
+        def bits(v, clamp, fold):
+            return np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop))
 
-    L(22).op("qe_w", ("elbow_w", "clamp", "fold"), f.result, "mux", *elbow(one, 0, 1), HALF_UP)  # (14)
-    L(23).op("qe_i", ("elbow_i", "clamp", "fold"), f.result, "mux", *elbow(0, -one, -1), HALF_UP)  # (14)
+        def real(v, clamp, fold):
+            return np.where(clamp, np.where(fold, folded, straight) / one, sign * v)
+
+        L(line).op(name, (of, "clamp", "fold"), f.result, "mux", bits, real, HALF_UP, within)
+
+    elbow(22, "qe_w", "elbow_w", one, 0, 1, ELBOW_W)  # (14)
+    elbow(23, "qe_i", "elbow_i", 0, -one, -1, ELBOW_I)  # (14)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
-    L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner)
-    L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1)
-    inv_law = limited(d, f, "inv_law")
+    L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
+    L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
+    inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63)
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
@@ -192,17 +222,20 @@ def triangle(d: Domain, f: Lean) -> None:
     def to_law(k, e):
         return wrap((k.astype(object) << (e + raise_k)) >> drop_k, f.inner.width).astype(np.int64)
 
-    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", to_law, scaled_by(-4 - f.odd, 1), FLOOR)
-    L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1)
-    L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner)
+    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", to_law, scaled_by(-4 - f.odd, 1), FLOOR, within=K_UNIT)
+    L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1, within=CIRCLE)
+    L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner, within=ROOT)
 
     def law_shift(e_far, e_near, e_1, e_s):
         return (e_far + e_near - 2 * e_1 - e_s + f.odd + 2) & 63
 
     L(28).op("n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", law_shift)
-    L(28).op("inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down_from_4, scaled_by(2, -1), FLOOR)
-    inv_law_ab = limited(d, f, "inv_law_ab")
-    L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1)
+    L(28).op(
+        "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down_from_4, scaled_by(2, -1), FLOOR,
+        within=LAW_UNIT, grows=Growth((4.0, 0.0)),
+    )  # fmt: skip
+    inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
+    L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, within=UPPER_HALF)
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
     half_length(L(31), f, "arm_sq", ("cos_a", "clamp"))
 
@@ -218,37 +251,40 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     """Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, divided by their length."""
     n, L = d.nodes, d.line
     d.at("turn")
-    d.trig("sin_h", "cos_h", phi, f.inner, lines=(38, 39))
-    L(40).mul3("cc", n["az_c"], n["cos_h"], f.inner)
-    L(41).mul3("ss", n["az_s"], n["sin_h"], f.inner)
-    L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner)
-    L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner)
+    d.trig(("sin_h", "cos_h"), phi, f.inner, lines=(38, 39), within=(CIRCLE, UPPER_HALF))
+    L(40).mul3("cc", n["az_c"], n["cos_h"], f.inner, within=PART)
+    L(41).mul3("ss", n["az_s"], n["sin_h"], f.inner, within=PART)
+    L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner, within=PART)
+    L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner, within=PART)
     # half the sum and half the difference of azimuth and swivel
-    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus)
-    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus)
-    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus)
-    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus)
-    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner)
-    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner)
-    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner)
-    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner)
+    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
+    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
+    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
+    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
+    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, within=PART)
+    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, within=PART)
+    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, within=PART)
+    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, within=PART)
     turned = ((52, "w", "i", plus), (53, "i", "w", minus), (54, "j", "k", minus), (55, "k", "j", plus))
     for line, unit, other, how in turned:
-        L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner)
-        L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner)
-        L(line).op(f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how)
+        L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner, within=PART)
+        L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner, within=PART)
+        L(line).op(f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how, within=PART, grows=SUM)
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
-    L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner)
-    L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner)
+    L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
+    L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner, within=Within(0.125, 1.0, "a product of such"))
     quarter, up = 1 << (f.frac - 2), f.mantissa.frac - f.frac
 
     def mantissa(t, low):  # of four times the length, where it is below 1/4
         return np.minimum(t << np.where(low, up + 2, up), f.mantissa.high)
 
     low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
-    L(57).op("m_q", ("length_sq", low), f.mantissa, "mux", mantissa, lambda t, low: np.where(low, 4 * t, t))
-    inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner)
+    L(57).op(
+        "m_q", ("length_sq", low), f.mantissa, "mux", mantissa, lambda t, low: np.where(low, 4 * t, t),
+        within=Within(0.25, 1.0, "mantissa"), grows=Growth((4.0, 0.0), limited=True),
+    )  # fmt: skip
+    inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, within=INVERSE)
 
     # Doubled where the mantissa was taken from four times the length; the k part is not negative.
     def signed(q, minus, low):
@@ -260,10 +296,16 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     d.at()
     d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
-        L(line).op(f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, signed_real)
-        L(line).mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1)
+        L(line).op(
+            f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, signed_real,
+            within=PART, grows=Growth((2.0, 0.0, 0.0)),
+        )  # fmt: skip
+        L(line).mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1, within=PART)
         # (18)
-        L(line).op(f"qs_{unit}", (f"{unit}_q",), f.result, "mux", lambda q: half_up(q, f.drop), lambda q: q, HALF_UP)
+        L(line).op(
+            f"qs_{unit}", (f"{unit}_q",), f.result, "mux", lambda q: half_up(q, f.drop), lambda q: q, HALF_UP,
+            within=PART,
+        )  # fmt: skip
 
 
 # -- what the sections share -----------------------------------------------------------------------------------------
@@ -317,14 +359,17 @@ def truth(mask):
 
 def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     """e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
-    d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa)
-    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner)
+    d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa, MANTISSA)
+    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, INVERSE)
 
 
-def limited(d: Domain, f: Lean, name: str) -> Node:
+def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
     """Wiring: 2, which powers of two can give, becomes the largest inner word: ``name`` from ``name``_raw."""
     top = f.inner.high
-    return d.op(name, (f"{name}_raw",), f.inner, None, lambda v: np.minimum(v, top), lambda v: v)
+    return d.op(
+        name, (f"{name}_raw",), f.inner, None, lambda v: np.minimum(v, top), lambda v: v,
+        within=within, grows=Growth(limited=True),
+    )  # fmt: skip
 
 
 # h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or (s, 1 - c)/2
@@ -341,7 +386,7 @@ def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> Non
     def real(c, unit=False):
         return np.where(unit, 1.0, (1 + abs(c)) / 2)
 
-    d.op(name, operands, f.inner, "mux", bits, real, FLOOR)
+    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_LENGTH)
 
 
 def half_part(
@@ -358,4 +403,4 @@ def half_part(
         small = np.where(none(*masks), 0.0, s / 2) if none else s / 2
         return np.where(large(c, *masks), g, small)
 
-    d.op(name, operands, f.inner, "mux", bits, real, FLOOR)
+    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_ANGLE)

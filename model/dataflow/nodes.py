@@ -68,6 +68,10 @@ class FormatError(ValueError):
     """A node's format does not go with its operands'; the text names the node."""
 
 
+Value = Any
+"""What a domain computes with: an array over targets, an interval, an affine form."""
+
+
 @dataclass(frozen=True)
 class Latency:
     """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
@@ -140,6 +144,28 @@ class Format:
         return 2.0**-self.frac
 
 
+@dataclass(frozen=True)
+class Within:
+    """What geometry says of a node in exact arithmetic: it lies in [low, high], and ``why``.
+
+    ``below``: high is not reached, and the word is exact or cut off, never rounded up to it.
+    """
+
+    low: float
+    high: float
+    why: str
+    below: bool = False
+
+
+@dataclass(frozen=True)
+class Growth:
+    """How errors come out of an operation: the sum of the operands' times ``gains``, and the operation's own rounding;
+    without ``gains`` that of one of them, and an ulp.  ``limited``: the largest word stands for what is larger."""
+
+    gains: tuple[float, ...] = ()
+    limited: bool = False
+
+
 @dataclass
 class Node:
     """One named value of the dataflow.
@@ -186,6 +212,8 @@ class Domain(ABC):
         self.width = width
         self.latency = Latency(width)
         self.nodes: dict[str, Node] = {}
+        self.within: dict[str, Within] = {}  # what the dataflow says of a node's range, by name
+        self.grows: dict[str, Growth] = {}  # and of its error
         self._section = "guard"
         self._equation = ""
 
@@ -236,14 +264,24 @@ class Domain(ABC):
 
     # ---- operations ----------------------------------------------------------------------------------------------
 
-    def op(self, name, operands, fmt, latency, bits: Callable, real: Callable | None = None, error=EXACT) -> Node:
+    def op(
+        self, name: str, operands, fmt: Format, latency: str | None, bits: Callable, real: Callable | None = None,
+        error=EXACT, within: Within | None = None, grows: Growth | None = None,
+    ) -> Node:  # fmt: skip
         """A choice, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
 
-        ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.
+        ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.  ``grows``
+        says how the operands' errors come out; without it the answer has that of one of them, and an ulp.
         """
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
+        self._state(name, within)
+        self.grows[name] = grows or Growth()
         value = self.apply(name, operands, fmt, bits, real)
         return self.make(name, "choose", operands, fmt, latency, value, error=error)
+
+    def _state(self, name: str, within: Within | None) -> None:
+        if within:
+            self.within[name] = within
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
         """a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
@@ -273,8 +311,11 @@ class Domain(ABC):
         """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
         return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt), error=FLOOR)
 
-    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
+    def mul3(
+        self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, within: Within | None = None
+    ) -> Node:
         """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`)."""
+        self._state(name, within)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
         return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=mul3_error(shift, *widths))
@@ -282,23 +323,32 @@ class Domain(ABC):
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
         """What :meth:`mul3` drops of the product's fraction bits, and the widths of its operands as signed words."""
-        widths = tuple(n.format.width + (not n.format.signed) for n in (a, b))
-        return a.format.frac + b.format.frac - scale - fmt.frac, widths
+        first, second = (n.format.width + (not n.format.signed) for n in (a, b))
+        return a.format.frac + b.format.frac - scale - fmt.frac, (first, second)
 
-    def even(self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format) -> None:
+    def even(
+        self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format,
+        within: Within | None = None,
+    ) -> None:  # fmt: skip
         """Shifts the low ``width`` bits left by pairs until the first is not empty: the shift and a mantissa."""
-        shift, mantissa = self.even_mantissa(name, value, width, fmt)
+        self._state(name, within)
+        shift, mantissa = self.even_mantissa(count, name, value, width, fmt)
         self.make(count, "even", (value,), count_fmt, "even", shift)
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
-    def rsqrt(self, name: str, m: Node, fmt: Format) -> Node:
+    def rsqrt(self, name: str, m: Node, fmt: Format, within: Within | None = None) -> Node:
         """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0."""
+        self._state(name, within)
         value = self.reciprocal_root(name, m, fmt)
         return self.make(name, "rsqrt", (m,), fmt, "rsqrt", value, error=_faithful(fmt, m.format.frac - 3))
 
-    def trig(self, sin: str, cos: str, phi: Node, fmt: Format, lines: tuple[int, int]) -> None:
+    def trig(
+        self, names: tuple[str, str], phi: Node, fmt: Format, lines: tuple[int, int], within: tuple[Within, Within]
+    ) -> None:
         """Sine and cosine of phi/2, the lean equations of these numbers."""
-        for name, line, value in zip((sin, cos), lines, self.half_sincos(phi, fmt), strict=True):
+        for name, limits in zip(names, within, strict=True):
+            self._state(name, limits)
+        for name, line, value in zip(names, lines, self.half_sincos(names, phi, fmt), strict=True):
             self.line(line).make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
 
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
@@ -321,47 +371,56 @@ class Domain(ABC):
             self.make(name, "normalize", words, self.word(0), "norm", self.mantissa(name, word, words, counts, fill))
         return counts
 
-    @abstractmethod
-    def apply(self, name, operands, fmt, bits, real): ...
+    # ---- what a domain computes: the value of a node, of whatever kind its values are ------------------------------
 
     @abstractmethod
-    def overflowed(self, watched, unless): ...
+    def apply(
+        self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None
+    ) -> Value:
+        """The value of :meth:`op`."""
 
-    @abstractmethod
-    def product(self, name, a, b, fmt, scale): ...
+    # The paper's datapath.
 
-    @abstractmethod
-    def total(self, name, signs, nodes, fmt): ...
+    def overflowed(self, watched: tuple[str, ...], unless: str | None) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def quotient(self, name, n, d, fmt): ...
+    def product(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def square_root(self, name, n, fmt): ...
+    def total(self, name: str, signs: tuple[int, ...], nodes: tuple[Node, ...], fmt: Format) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def mantissa(self, name, word, words, counts, fill): ...
+    def quotient(self, name: str, n: Node, d: Node, fmt: Format) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
-    def sincos(self, sin: str, cos: str, phi: Node) -> tuple[Node, Node]:
-        """Sine and cosine of phi/2, words with one integer bit."""
+    def square_root(self, name: str, n: Node, fmt: Format) -> Value:
+        raise NotImplementedError
 
-    @abstractmethod
+    def mantissa(self, name: str, word: Node, words: tuple[Node, ...], counts: Node, fill: int) -> Value:
+        raise NotImplementedError
+
+    def sincos(self, sin: str, cos: str, phi: Node) -> tuple[Node, ...]:
+        """Makes sine and cosine of phi/2, words with one integer bit."""
+        raise NotImplementedError
+
     def constant(self, value: float, fmt: Format) -> Node:
         """A constant: wiring, ready at any time."""
-
-    # Operations of the lean datapath only; a domain of the paper's datapath does without.
-
-    def product3(self, name, a, b, fmt, scale):
         raise NotImplementedError
 
-    def even_mantissa(self, name, value, width, fmt):
+    # The lean datapath.
+
+    def product3(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
         raise NotImplementedError
 
-    def reciprocal_root(self, name, m, fmt):
+    def even_mantissa(self, count: str, name: str, value: Node, width: int, fmt: Format) -> tuple[Value, Value]:
+        """The shift ``count`` and the mantissa ``name``."""
         raise NotImplementedError
 
-    def half_sincos(self, phi, fmt):
+    def reciprocal_root(self, name: str, m: Node, fmt: Format) -> Value:
+        raise NotImplementedError
+
+    def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format) -> tuple[Value, ...]:
+        """Sine and cosine of phi/2."""
         raise NotImplementedError
 
 

@@ -46,9 +46,15 @@ def sections(d: Domain, phi: Node) -> None:
     results(d)
 
 
-def _jam_half(words):
-    """Drops the last bit, or-ing it into the place above it, so that a length never becomes 0."""
-    return (words >> 1) | (words & 1)
+def half_of(words, clamp, clamped=0):
+    """Without the last bit, which is or-ed into the place above it, so that a length never becomes 0; ``clamped`` of
+    a clamped target."""
+    return np.where(clamp, clamped, (words >> 1) | (words & 1))
+
+
+def signed(magnitude, sign):
+    """The magnitude with the sign of the other; 0 counts as positive."""
+    return np.where(sign < 0, -magnitude, magnitude)
 
 
 def guard(d: Domain, target: dict[str, Node]) -> None:
@@ -92,12 +98,10 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
         d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1))
-        half = lambda a, c: np.where(c, quarter, _jam_half(a))  # noqa: E731
-        d.op(name, (f"{name}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
+        d.op(name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM)
     for axis, raw in (("x", x), ("y", y), ("z", z)):
         d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1))
-        half = lambda a, c: np.where(c, 0, _jam_half(a))  # noqa: E731
-        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half, error=JAM)
+        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM)
     # d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder could
     # come to lie out of their reach.
     finer = Format(w + 1, w - 1, "W - 1")
@@ -331,8 +335,7 @@ def rotate_to_wrist(d: Domain) -> None:
     q3_scalar = d.root("q3_scalar", n["h3_p"], d.word(1))
     d.root("q3_abs", n["h3_m"], d.word(1))
     # 0 counts as positive: both signs are right there.
-    sign_of = lambda q, s: np.where(s < 0, -q, q)  # noqa: E731
-    q3_k = d.op("q3_k", ("q3_abs", "sign"), d.word(1), "mux", sign_of, sign_of)
+    q3_k = d.op("q3_k", ("q3_abs", "sign"), d.word(1), "mux", signed, signed)
 
     d.at(equation="(18)")
     d.mul("w_kk", q_k, q3_k, d.wide(1))

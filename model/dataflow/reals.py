@@ -74,8 +74,8 @@ class Real(Domain):
     def product3(self, name, a, b, fmt, scale):
         return self.product(name, a, b, fmt, scale)
 
-    def even_mantissa(self, name, value, width, fmt):
-        shift, mantissa = (self.bits.nodes[k].value for k in (f"e{name[1:]}", name))
+    def even_mantissa(self, count, name, value, width, fmt):
+        shift, mantissa = (self.bits.nodes[k].value for k in (count, name))
         exact = value.value / value.format.ulp * 2.0 ** (2 * shift - width)
         return shift, self._moved(name, np.where(mantissa == 0, 0.0, exact), fmt)
 
@@ -83,9 +83,9 @@ class Real(Domain):
         inverse = 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25))
         return self._moved(name, np.where(m.value > 0, inverse, 0.0), fmt)
 
-    def half_sincos(self, phi, fmt):
+    def half_sincos(self, names, phi, fmt):
         half = phi.value * (np.pi / 2)
-        return tuple(self._moved(n, v, fmt) for n, v in (("sin_h", np.sin(half)), ("cos_h", np.cos(half))))
+        return tuple(self._moved(n, v, fmt) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
 
     def hand(self, d1, d2) -> np.ndarray:
         """The wrist (N, 3) of an arm d1, d2 in the pose found."""

@@ -126,7 +126,8 @@ def _swivel_plane(x, y, z, phi, at_shoulder):
     pi_swivel_y = (2 * cos_half * sin_half * z * y + x * length - 2 * x * length * cos_half**2) / length  # (11)
     pi_swivel_z = -2 * sin_half * cos_half * (x**2 + y**2) / length  # (11)
     # (11) is rho long: it vanishes on the z axis. A plane is homogeneous, so there take the unit normal.
-    n = swivel_normal(*(np.where(at_shoulder, 0.0, p) for p in (x, y, z)), phi)
+    p_x, p_y, p_z = (np.where(at_shoulder, 0.0, p) for p in (x, y, z))
+    n = swivel_normal(p_x, p_y, p_z, phi)
     on_axis = at_shoulder | (rho <= _TINY * l_sw)
     return {
         "l_sw": l_sw,

@@ -21,6 +21,7 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from model.targets.files import format_csv
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets
@@ -47,7 +48,7 @@ def make(name: str) -> Targets:
 
 def describe(name: str) -> str:
     """What the trajectory `name` does, in one sentence. Raises KeyError for an unknown name."""
-    return TRAJECTORIES[name].__doc__
+    return TRAJECTORIES[name].__doc__ or ""
 
 
 def trajectory(function: Callable[[], Targets]) -> Callable[[], Targets]:
@@ -72,16 +73,16 @@ def _minimum_jerk(t: np.ndarray) -> np.ndarray:
 
 def _via(points: list[tuple[float, ...]], times: list[float], steps: int = STEPS) -> np.ndarray:
     """Minimum-jerk motion that rests at each of K `points` (D values each) at its time; (steps, D)."""
-    points = np.asarray(points, dtype=np.float64)
+    rests = np.asarray(points, dtype=np.float64)
     t = _time(steps)
-    path = np.tile(points[0], (steps, 1))
-    for n in range(len(points) - 1):
+    path = np.tile(rests[0], (steps, 1))
+    for n in range(len(rests) - 1):
         progress = _minimum_jerk((t - times[n]) / (times[n + 1] - times[n]))
-        path += progress[:, None] * (points[n + 1] - points[n])
+        path += progress[:, None] * (rests[n + 1] - rests[n])
     return path
 
 
-def _spherical(r: np.ndarray, azimuth: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+def _spherical(r: ArrayLike, azimuth: ArrayLike, elevation: ArrayLike) -> np.ndarray:
     """Points (N, 3) at distance r (m), azimuth from x toward y and elevation from the x-y plane (rad)."""
     return np.column_stack(
         np.broadcast_arrays(
@@ -102,7 +103,7 @@ def _targets(
     """Targets from positions (N, 3) in m; angles (rad) and lengths (m) are (N,) or scalars."""
     # Rounded to nm and nrad, so that they are the same on machines whose sines differ in the last place.
     x, y, z = np.round(position.T, 9)
-    return Targets(name=name, x=x, y=y, z=z, phi=np.round(phi, 9), d1=d1, d2=d2)
+    return Targets(name=name, x=x, y=y, z=z, phi=np.round(phi, 9), d1=np.asarray(d1), d2=np.asarray(d2))
 
 
 # -- the trajectories ------------------------------------------------------------------------------

@@ -136,9 +136,8 @@ def scale_exponent(targets: Targets, width: int) -> int:
     for column in ("d1", "d2"):
         words = _quantise(_ldexp(getattr(targets, column), exponent), width)
         if not words.all():
-            n = int(np.argmin(words != 0))
             raise targets.error(
-                n,
+                int(np.argmin(words != 0)),
                 column,
                 f"is too short: beside the longest arm, {reach[longest]:.6g}, its word of {width} bits is 0",
             )

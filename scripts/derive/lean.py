@@ -365,9 +365,8 @@ def _directions(tables: Tables) -> Step:
         [
             r"The lean lines down to $Q_e$, $\cos_a$ and $\sin_a$ are worked out with the roots of their arguments as "
             "symbols that are not negative; the relations say what their squares are. Off the z axis, inside the "
-            "limits "
-            "of reach, no root is 0. The three circles below are relations of the later steps, and so are the last "
-            "five statements, which put the target in polar form."
+            "limits of reach, no root is 0. The three circles below are relations of the later steps, and so are the "
+            "last five statements, which put the target in polar form."
         ],
     )
     step.shown = [(TEX[name], latex(sp.factor(values[name]))) for name in tables.lean["Directions"]]

@@ -28,10 +28,10 @@ from model.dataflow.nodes import FormatError
 from model.dataflow.paper import SECTIONS, paper
 from model.reference.printed import PRINTED, symbol
 from model.targets.words import FIELDS
-from tb.sim.env import ROOT, environment
+from tb.sim.env import GENERATED, ROOT, environment
 from tb.sim.sources import includes, sources
 
-PAGE = ROOT / "docs" / "operations.md"
+PAGE = GENERATED / "operations.md"
 WIDTH = 32
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,18 @@ def row(cells: Iterable[Any]) -> str:
     return f"| {' | '.join(map(str, cells))} |"
 
 
-TEMPLATES.filters["row"] = row
+def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> str:
+    """A table, its first ``left`` columns to the left and the others, figures, to the right."""
+    line = ["---"] * left + ["--:"] * (len(head) - left)
+    return "\n".join(map(row, (head, line, *rows)))
+
+
+def error(value: float | None) -> str:
+    """An error in a table, which None is where nothing was measured."""
+    return "-" if value is None else f"{value:.1e}"
+
+
+TEMPLATES.filters |= {"row": row, "error": error}
 
 
 def render(name: str, **values: Any) -> str:

@@ -4,8 +4,8 @@
     python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
 
 Writes OUT/report.html: the arm in motion as the core's quaternions put it, errors of every target with bars and
-predictions, the score, and the pipeline over time. The page holds everything it needs (report.html, .css and .js of
-this folder, and the figures as JSON) and opens from disk without network.
+predictions, the score, and the pipeline over time. The page holds all that it needs (report.html, .css and the scripts
+of this folder, and the figures as JSON) and opens from disk without network.
 
 Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
 """
@@ -108,6 +108,11 @@ def _links(out: Path) -> str:
     return "\n".join(items)
 
 
+def script() -> str:
+    """The scripts of the page, in the order in which they use each other."""
+    return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in ("canvas", "arm", "plots", "report"))
+
+
 def page(shown: Sequence[dict[str, Any]], *, out: Path, datapath: str, width: int, simulator: str) -> str:
     """The whole page. `out` is the folder it will stand in, for its links."""
     data = json.dumps({"trajectories": shown}, allow_nan=False, separators=(",", ":"))
@@ -116,7 +121,7 @@ def page(shown: Sequence[dict[str, Any]], *, out: Path, datapath: str, width: in
         "run": html.escape(f"{datapath} datapath, {width} bits, {simulator}"),
         "links": _links(out),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
-        "script": (HERE / "report.js").read_text(encoding="utf-8"),
+        "script": script(),
         "data": data.replace("<", "\\u003c"),  # so that no name can end the script element
     }
     template = (HERE / "report.html").read_text(encoding="utf-8")

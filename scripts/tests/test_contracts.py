@@ -21,7 +21,7 @@ def checkout(tmp_path):
     for name in ("model", "model/reference", "model/dataflow", "model/bounds", "model/targets", "tb", "scripts"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("")
-    for name in ("scoring", "stimuli", "trajectories", "files", "flags", "words"):
+    for name in ("observed", "scoring", "stimuli", "trajectories", "files", "flags", "words"):
         (tmp_path / "model" / "targets" / f"{name}.py").write_text("")
     run(tmp_path, "git", "init", "-q")
     return tmp_path

@@ -10,6 +10,7 @@ from model.dataflow.datapaths import DATAPATHS
 from model.targets import trajectories
 from scripts import run
 from scripts.pages import gen_docs
+from tb.sim import simulate
 from tb.sim.env import CORES, cores, simulator
 
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("trajectories"), pytest.mark.cost(120)]
@@ -113,3 +114,13 @@ if simulator() == "verilator":
         for name in trajectories.TRAJECTORIES:
             ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
             assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the simulators' results differ"
+
+    @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
+    def test_the_native_harness_writes_the_same_files(datapath, outcomes, tmp_path, monkeypatch):
+        """As a long file gets it."""
+        monkeypatch.setattr(simulate, "LONG", 0)
+        out, _ = outcomes[datapath]
+        arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(tmp_path), "--sim", "verilator"]
+        assert run.main([*arguments, "--cores", cores()]) == 0
+        for name in ["score.json", *(f"{name}/results.csv" for name in trajectories.TRAJECTORIES)]:
+            assert (out / name).read_bytes() == (tmp_path / name).read_bytes(), f"{name}: cocotb's differs"

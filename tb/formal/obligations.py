@@ -105,16 +105,17 @@ def table(datapath: str, width: int) -> dict[str, Range]:
             rule = "; ".join(row.rules) or ("" if row.node.op == "input" else CASES)
             found[name] = Range(max(low, fmt.low), min(high, fmt.high), rule)
         return found
-    for name, node in lean_ranges.LeanRanges(width).nodes.items():
+    proved = lean_ranges.LeanRanges(width)
+    for name, node in proved.nodes.items():
         fmt, bound = node.format, node.value
         if not fmt.frac:
             found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
             continue
-        # Numbers below a bound that is itself no word: "cut off, never rounded up", and (d1 + d2)^2 and A below 16.
-        below = name in lean_ranges.CUT or name in ("d_sum_sq", "a_far")
+        limits = proved.within.get(name)
+        below = limits is not None and limits.below
         low = math.ceil((bound.low - bound.error) / fmt.ulp)
         high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)
-        found[name] = Range(max(low, fmt.low), min(high, fmt.high), lean_ranges.WHY.get(name, ""))
+        found[name] = Range(max(low, fmt.low), min(high, fmt.high), limits.why if limits else "")
     return found
 
 

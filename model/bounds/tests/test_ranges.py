@@ -8,8 +8,8 @@ import pytest
 
 from model.bounds import ranges
 from model.dataflow import fixed
+from model.targets import observed
 from model.targets.stimuli import corners, extremes, random_reachable, unreachable
-from scripts.pages import wordlengths
 
 WIDTHS = (16, 18, 24, 32)
 
@@ -58,13 +58,13 @@ def test_without_a_rule_something_does_not_fit(rule, monkeypatch):
 def test_random_targets_stay_inside_the_proved_ranges(width, kind):
     words = {
         "reachable": lambda: random_reachable(20000, width, 7),
-        "edges": lambda: wordlengths.edges(5000, width, 7),
+        "edges": lambda: observed.edges(5000, width, 7),
         "unreachable": lambda: unreachable(2000, width, 7),
         "extremes": lambda: extremes(5000, width, 7),
         "corners": lambda: np.array(list(corners(width).values()), dtype=np.int64),
     }[kind]()
-    seen = wordlengths.Observed()
-    wordlengths.observe(seen, words, width)
+    seen = observed.Observed()
+    observed.observe(seen, words, width)
     assert not seen.beyond, seen.first
     for name, node in seen.nodes.items():
         proof = ranges.proved(width)[name]
@@ -74,14 +74,14 @@ def test_random_targets_stay_inside_the_proved_ranges(width, kind):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_nothing_is_seen_beyond_its_format(width):
-    seen = wordlengths.monte_carlo(2 * wordlengths.CHUNK, width, 1)
+    seen = observed.monte_carlo(2 * observed.CHUNK, width, 1)
     assert not seen.beyond, seen.first
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_proved_errors_hold_in_the_swivel_plane(width):
     """Before the first restart an error that is seen and one that is proved are the same thing."""
-    seen = wordlengths.monte_carlo(wordlengths.CHUNK, width, 2).nodes
+    seen = observed.monte_carlo(observed.CHUNK, width, 2).nodes
     table = ranges.proved(width)
     checked = [n for n, p in table.items() if p.node.section == "swivel" and n in seen and seen[n].count]
     assert len(checked) > 20
@@ -94,7 +94,7 @@ def test_the_cases_hold_every_unit_of_the_target():
         parts = ranges.cases(width)
         units = {j for c in parts if c.long for j in range(c.j[0], c.j[1] + 1)}
         assert units == set(range(width + 1))
-        words = np.concatenate([wordlengths.edges(4000, width, 3), random_reachable(4000, width, 3)])
+        words = np.concatenate([observed.edges(4000, width, 3), random_reachable(4000, width, 3)])
         bits = fixed.run(words, width).bits
         j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
         assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()

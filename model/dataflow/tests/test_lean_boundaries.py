@@ -146,8 +146,9 @@ def across_full_fold(b: Bases, size: float):
         base |= {a: base[a] // 4 for a in "xyz"}
         most = isqrt(without(base, None))
         for edge in (base[other] + most, base[other] - most):  # the longer arm, then the shorter one
-            near = lambda v, o=base[other], m=most: v > 0 and abs(v - o) > m  # noqa: E731
-            yield walk(base, axis, around(edge, 1), TOO_NEAR, near)
+            yield walk(
+                base, axis, around(edge, 1), TOO_NEAR, lambda v, o=base[other], m=most: v > 0 and abs(v - o) > m
+            )
 
 
 def across_the_z_axis(b: Bases, size: float):

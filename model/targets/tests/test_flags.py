@@ -17,6 +17,7 @@ from model.targets.flags import (
     expected_flags,
     names,
 )
+from model.targets.stimuli import extremes, mixed
 
 TOP = 2**31 - 1
 LOW = -(2**31)
@@ -47,6 +48,20 @@ LOW = -(2**31)
 )
 def test_expected_flags(target, flags):
     assert names(int(expected_flags(np.array([target]), 32)[0])) == names(flags)
+
+
+def in_python_integers(x, y, z, phi, d1, d2) -> int:
+    flags = ON_AXIS * (x == y == 0) | AT_SHOULDER * (x == y == z == 0)
+    if d1 <= 0 or d2 <= 0:
+        return flags | BAD_LENGTH
+    squared = x * x + y * y + z * z
+    return flags | TOO_FAR * (squared > (d1 + d2) ** 2) | TOO_NEAR * (squared < (d1 - d2) ** 2)
+
+
+@pytest.mark.parametrize("width", [16, 31, 32])
+def test_arrays_of_64_bits_decide_as_python_integers_do(width):
+    words = np.concatenate([mixed(4000, width, seed=1), extremes(4000, width, seed=2)])
+    assert expected_flags(words, width).tolist() == [in_python_integers(*row) for row in words.tolist()]
 
 
 def test_one_ulp_decides_at_full_word_length():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/fpga/measure.py without its tools: what it makes of their reports, of the RTL and of its own figures."""
+"""scripts/fpga without its tools: what it makes of their reports, of the RTL and of its own figures."""
 
 import argparse
 import json
@@ -10,6 +10,8 @@ import warnings
 import pytest
 
 from scripts.fpga import measure as fpga
+from scripts.fpga import pack, page, report, runs
+from scripts.fpga.wrapper import HEADER, wrapper
 from tb.sim.env import ROOT
 from tb.sim.sources import closure
 
@@ -35,28 +37,28 @@ STAT = {
 
 
 def test_cells_of_the_modules_inside_are_counted():
-    assert fpga.counted(STAT, "xc2vp") == {
+    assert report.counted(STAT, "xc2vp") == {
         "LUT": 3 + 1 + 10 + 3 * 8, "shift": 24, "FF": 2 + 3, "carry": 4, "MUXF": 2, "multipliers": 3, "RAM": 0,
     }  # fmt: skip
 
 
 def test_modules_have_their_own_cells_only_and_sections_all_inside():
-    modules = fpga.by_module(STAT, "xc2vp")
+    modules = report.by_module(STAT, "xc2vp")
     assert modules["ik_delay"]["instances"] == 3 and modules["ik_delay"]["shift"] == 24
     assert modules["ik_mul3"]["LUT"] == 10 and modules["ik_top"]["LUT"] == 4
-    assert sum(m["LUT"] for m in modules.values()) == fpga.counted(STAT, "xc2vp")["LUT"]
-    sections = fpga.by_section(STAT, "xc2vp")
+    assert sum(m["LUT"] for m in modules.values()) == report.counted(STAT, "xc2vp")["LUT"]
+    sections = report.by_section(STAT, "xc2vp")
     assert sections["ik_mul3"]["LUT"] == 18 and sections["ik_delay"]["LUT"] == 16 and sections["itself"]["LUT"] == 4
 
 
 def test_a_carry_cell_of_ecp5_is_two_luts():
     stat = {"modules": {"\\ik_top": {"num_cells_by_type": {"CCU2C": 5, "LUT4": 7, "PFUMX": 2, "TRELLIS_FF": 3}}}}
-    assert fpga.counted(stat, "ecp5")["LUT"] == 17
+    assert report.counted(stat, "ecp5")["LUT"] == 17
 
 
 def test_an_unknown_cell_is_named():
-    with pytest.raises(fpga.ToolError, match="SRLC32E_X"):
-        fpga.counted({"modules": {"\\t": {"num_cells_by_type": {"SRLC32E_X": 1}}}}, "xc2vp")
+    with pytest.raises(report.ToolError, match="SRLC32E_X"):
+        report.counted({"modules": {"\\t": {"num_cells_by_type": {"SRLC32E_X": 1}}}}, "xc2vp")
 
 
 REPORT = {
@@ -88,7 +90,7 @@ REPORT = {
 
 
 def test_clock_and_critical_path_of_a_report():
-    assert fpga.placed(REPORT) == {
+    assert report.placed(REPORT) == {
         "mhz": 98.6,
         "used": {"MULT18X18D": 149, "TRELLIS_FF": 15033},
         "path": {
@@ -99,8 +101,8 @@ def test_clock_and_critical_path_of_a_report():
 
 
 def test_no_clock_is_quoted_that_a_multiplier_could_not_keep():
-    report = {**REPORT, "fmax": {"clk": {"achieved": 400.0}}}
-    assert fpga.placed(report)["mhz"] == round(1000 / fpga.MULTIPLIER_NS, 1)
+    quick = {**REPORT, "fmax": {"clk": {"achieved": 400.0}}}
+    assert report.placed(quick)["mhz"] == round(1000 / report.MULTIPLIER_NS, 1)
 
 
 def flop(d, q, clk=2, **parameters):
@@ -128,7 +130,7 @@ def netlist(**cells):
 
 def test_registers_around_a_multiplier_go_into_it():
     design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31))
-    assert fpga.pack_registers(design) == {"multipliers": 1, "input": 1, "output": 1, "flip_flops": 3}
+    assert pack.pack_registers(design) == {"multipliers": 1, "input": 1, "output": 1, "flip_flops": 3}
     assert list(design["cells"]) == ["m"]
     nets = design["cells"]["m"]["connections"]
     assert (nets["A0"], nets["A1"], nets["B0"], nets["B1"], nets["P0"], nets["CLK0"]) == (
@@ -140,7 +142,7 @@ def test_registers_around_a_multiplier_go_into_it():
 def test_a_register_that_others_read_stays():
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [20]}}
     design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31), lut=lut)
-    assert fpga.pack_registers(design)["flip_flops"] == 2
+    assert pack.pack_registers(design)["flip_flops"] == 2
     assert set(design["cells"]) == {"a", "m", "lut"}
 
 
@@ -148,13 +150,13 @@ def test_what_is_no_plain_register_stays():
     """A reset, another clock, or a product that logic reads at once."""
     set_flop = flop(11, 21, REGSET="SET")
     design = netlist(a=flop(10, 20), b=set_flop, m=product(20, 21, 30), p=flop(30, 31))
-    counts = fpga.pack_registers(design)
+    counts = pack.pack_registers(design)
     assert (counts["input"], counts["output"]) == (0, 1)
     design = netlist(a=flop(10, 20), b=flop(11, 21, clk=3), m=product(20, 21, 30), p=flop(30, 31))
-    assert fpga.pack_registers(design)["input"] == 0
+    assert pack.pack_registers(design)["input"] == 0
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [30]}}
     design = netlist(a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 31), lut=lut)
-    assert fpga.pack_registers(design)["output"] == 0
+    assert pack.pack_registers(design)["output"] == 0
 
 
 def test_two_multipliers_in_a_row_share_no_register():
@@ -162,7 +164,7 @@ def test_two_multipliers_in_a_row_share_no_register():
     design = netlist(
         a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 22), n=product(22, 22, 40), q=flop(40, 31)
     )
-    fpga.pack_registers(design)
+    pack.pack_registers(design)
     m, n = (design["cells"][k]["connections"] for k in "mn")
     between = ["p"] if "p" in design["cells"] else []
     registers = len(between)
@@ -175,19 +177,19 @@ def test_two_multipliers_in_a_row_share_no_register():
 def test_hash_follows_the_sources(tmp_path):
     shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
     files = closure("ik_lean", tmp_path)
-    before = fpga.source_hash(files)
+    before = runs.source_hash(files)
     assert before == fpga.rtl_hash("lean")
     with next(p for p in files if p.name == "ik_mul3.v").open("a") as stream:
         stream.write("// one more line\n")
-    fpga.content.cache_clear()
-    assert fpga.source_hash(files) != before
+    runs.content.cache_clear()
+    assert runs.source_hash(files) != before
 
 
-@pytest.mark.parametrize("module", ["ik_lean", "ik_paper", "ik_axis", "ik_mul3", *fpga.SECTIONS["lean"]])
+@pytest.mark.parametrize("module", ["ik_lean", "ik_paper", "ik_axis", "ik_mul3", *page.SECTIONS["lean"]])
 def test_wrapper_connects_every_port(module):
-    text = fpga.closure(module)[0].read_text()
-    made = fpga.wrapper(text, {"W": 18})
-    header = re.sub(r"//[^\n]*", "", fpga.HEADER.search(text)[3])
+    text = closure(module)[0].read_text()
+    made = wrapper(text, {"W": 18})
+    header = re.sub(r"//[^\n]*", "", HEADER.search(text)[3])
     for name in re.findall(r"(\w+)\s*(?:,|$)", header, re.M):
         assert f".{name}({name})" in made
     if re.search(r"integer W\b", made):
@@ -196,7 +198,7 @@ def test_wrapper_connects_every_port(module):
 
 
 def test_page_is_made_from_the_figures():
-    assert fpga.PAGE.read_text() == fpga.page(DATA), "run `python -m scripts.fpga --page`"
+    assert fpga.PAGE.read_text() == page.page(DATA), "run `python -m scripts.fpga --page`"
 
 
 def test_page_says_which_sources_it_was_measured_at():
@@ -209,14 +211,14 @@ def test_page_says_which_sources_it_was_measured_at():
 
 
 def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
-    monkeypatch.setattr(fpga.shutil, "which", lambda *_, **__: None)
+    monkeypatch.setattr(runs.shutil, "which", lambda *_, **__: None)
     assert fpga.main(["--quick"]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "make fpga" in said
 
 
 def test_tools_work_in_their_folder_by_relative_names_only():
-    run = fpga.whole("lean", 18, "ecp5", "place")
+    run = fpga.synthesis("lean", 18, "ecp5", "place")
     assert not re.search(r"(^|\s)/", run.script())
     assert "fpga_top.v" in run.extra()
 
@@ -239,7 +241,7 @@ def test_registers_behind_a_memory_go_into_it():
     readers = ("a", 40), ("b", 41), ("c", 42), ("d", 43)
     logic = {k: {**lut, "connections": {"A": [net]}} for k, net in readers}
     design["cells"] |= logic
-    assert fpga.pack_registers(design) == {"multipliers": 0, "memory": 1, "flip_flops": 2}
+    assert pack.pack_registers(design) == {"multipliers": 0, "memory": 1, "flip_flops": 2}
     assert not {"a0", "a1"} & set(design["cells"]) and {"b0", "b1"} <= set(design["cells"])
     nets, parameters = (design["cells"]["rom"][k] for k in ("connections", "parameters"))
     assert (nets["DOA0"], nets["DOA1"], nets["DOB0"]) == ([40], [41], [52])
@@ -249,26 +251,26 @@ def test_registers_behind_a_memory_go_into_it():
 def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [40]}}
     design = netlist(rom=memory({"A0": 50}, CLKA=[3]), a=flop(50, 40), lut=lut)
-    assert fpga.pack_registers(design)["flip_flops"] == 0
+    assert pack.pack_registers(design)["flip_flops"] == 0
     design = netlist(rom=memory({"A0": 50}), a=flop(50, 40, REGSET="SET"), lut=lut)
-    assert fpga.pack_registers(design)["flip_flops"] == 0
+    assert pack.pack_registers(design)["flip_flops"] == 0
 
 
 def measured(monkeypatch, tmp_path, clocks):
     """What fpga.json has of placing the lean datapath at 18 bits, if each seed gives that clock or none in time."""
     def done(run, again, limit):
         if run.kind != "place":
-            return {"cells": dict.fromkeys(fpga.KINDS, 1)}
+            return {"cells": dict.fromkeys(report.KINDS, 1)}
         if clocks.get(run.seed) is None:
-            raise fpga.ToolError(f"{run.name}: not done after {limit / 60:.0f} min, left out")
+            raise runs.TimeOutError(f"{run.name}: not done after {limit / 60:.0f} min, left out")
         return {"mhz": clocks[run.seed]}
 
-    monkeypatch.setattr(fpga.Run, "done", done)
+    monkeypatch.setattr(runs.Run, "done", done)
     monkeypatch.setattr(fpga, "describe", lambda *_: {})
     monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
     figures = fpga.Figures(tmp_path / "fpga.json")
     options = argparse.Namespace(
-        width=[18], datapath=["lean"], family=None, place=True, seed=1, seeds=4, again=False, limit=1
+        width=[18], datapath=["lean"], family=[], place=True, seed=1, seeds=4, again=False, limit=1
     )
     left_out = fpga.measure(figures, options)
     return figures.data, left_out
@@ -289,5 +291,13 @@ def test_no_seed_is_tried_after_the_aim_is_reached(monkeypatch, tmp_path):
 def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tmp_path):
     data, left_out = measured(monkeypatch, tmp_path, {})
     assert data["designs"]["lean-18"]["placed"] == "by module"
-    modules = [fpga.TOPS["lean"], *fpga.SECTIONS["lean"]]
+    modules = [page.TOPS["lean"], *page.SECTIONS["lean"]]
     assert [line.split("-")[0] for line in left_out] == [name.removeprefix("ik_") for name in modules]
+
+
+def test_a_parameter_is_a_name_and_a_number(capsys, monkeypatch):
+    monkeypatch.setattr(fpga, "program", lambda name: name)
+    assert fpga.main(["--module", "ik_mul3", "--set", "W"]) == 2
+    assert capsys.readouterr().err == "fpga: argument --set: 'W' is not P=N\n"
+    assert fpga.main(["--module", "ik_none"]) == 2
+    assert capsys.readouterr().err == "fpga: no module ik_none in rtl\n"

@@ -228,7 +228,7 @@ def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
 
 def test_the_script_finds_its_elements():
     page = (report.HERE / "report.html").read_text()
-    script = (report.HERE / "report.js").read_text()
+    script = report.script()
     style = (report.HERE / "report.css").read_text()
     for name in re.findall(r'element\("([\w-]+)"\)', script):
         assert f'id="{name}"' in page, name

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from scripts.setup import bootstrap
-from tb.sim.env import ROOT, environment, simulator, verilator_root
+from tb.sim.env import ROOT, environment
 
 
 def script(path, text):
@@ -381,18 +381,19 @@ def stand_in(tmp_path):
     (root / "scripts" / "setup").mkdir(parents=True)
     shutil.copy(ROOT / "Makefile", root)
     (root / "scripts" / "setup" / "bootstrap.py").write_text("")
-    (root / "scripts" / "run.py").write_text(
-        "import json, os, sys\nprint(json.dumps([sys.argv[1:], bool({'OUT', 'WAVES'} & set(os.environ))]))\n"
-    )
+    for command in ("scripts/run.py", "pytest.py"):
+        (root / command).write_text(
+            "import json, os, sys\nprint(json.dumps([sys.argv[1:], bool({'OUT', 'WAVES'} & set(os.environ))]))\n"
+        )
     (root / ".venv" / "bin").mkdir(parents=True)
     script(root / ".venv" / "bin" / "python", f'exec "{sys.executable}" "$@"\n')
 
-    def run(*words, **env):
-        done = make("run", *words, cwd=root, **env)
+    def run(*words, target="run", **env):
+        done = make(target, *words, cwd=root, **env)
         assert done.returncode == 0, done.stderr
         arguments, leaked = json.loads(done.stdout)
         assert not leaked or env
-        assert sorted(p.name for p in root.iterdir()) == [".venv", "Makefile", "scripts"]
+        assert sorted(p.name for p in root.iterdir()) == [".venv", "Makefile", "pytest.py", "scripts"]
         return arguments
 
     return run
@@ -406,6 +407,29 @@ def test_run_passes_only_what_is_set(stand_in):
     words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1"
     given = "--trajectory=all --out=o --datapath=paper --width=32 --d1=0.3 --d2=0.2 --phi=-0.5 --waves"
     assert stand_in(*words.split()) == ["--sim", "icarus", *given.split()]
+
+
+@pytest.mark.parametrize(
+    ("words", "marks"),
+    [
+        ("test", "not slow"),
+        ("test SIM=verilator", "sim and not slow"),
+        ("test-all", ""),
+        ("test-all SIM=verilator", "sim"),
+    ],
+)
+def test_the_quick_gate_and_all_of_it(stand_in, words, marks):
+    target, *options = words.split()
+    assert stand_in(*options, target=target)[-2:] == ["-m", marks]
+
+
+def test_only_is_a_file_or_an_expression(stand_in):
+    """Slow cases included, as somebody works on them."""
+    for value in ("scripts/run.py", "scripts/run.py::test_x[1]"):
+        assert stand_in("ONLY=" + value, target="test")[-3:] == [value, "-m", ""]
+    for value in ("ik_mul and not 'x'", "a $(touch made) \"b"):
+        assert stand_in("ONLY=" + value, target="test")[-4:] == ["-k", value, "-m", ""]
+    assert stand_in("ONLY=x", "SIM=verilator", target="test")[-2:] == ["-m", "sim"]
 
 
 @pytest.mark.parametrize(
@@ -472,34 +496,3 @@ def test_second_setup_of_a_checkout_waits(checkout):
     Path(checkout.stamp).write_text(stamp)  # the first one finishes
     os.close(held)
     assert second.communicate(timeout=20)[1] == "" and second.returncode == 0
-
-
-# -- the environment -------------------------------------------------------------------------------
-
-
-def test_environment_puts_the_packaged_verilator_first(tmp_path, monkeypatch):
-    script(tmp_path / "verilator", "echo Verilator 5.006\n")
-    base = {"PATH": f"{tmp_path}:/usr/bin", "MAKEFLAGS": " -- OUT=x", "WAVES": "1", "VERILATOR_ROOT": "/old"}
-    env = environment(base)
-    assert env["VERILATOR_ROOT"] == str(verilator_root())
-    assert shutil.which("verilator", path=env["PATH"]) == str(verilator_root() / "bin" / "verilator")
-    assert "MAKEFLAGS" not in env and "WAVES" not in env
-    assert environment(env) == env
-    assert base["WAVES"] == "1"
-
-
-def test_compiler_cache_is_used_where_there_is_one(tmp_path):
-    assert "OBJCACHE" not in environment({"PATH": str(tmp_path)})
-    script(tmp_path / "ccache", "exit 0\n")
-    env = environment({"PATH": str(tmp_path)})
-    assert (env["OBJCACHE"], env["CCACHE_DIR"]) == ("ccache", str(ROOT / "build" / "ccache"))
-    assert environment({"PATH": str(tmp_path), "CCACHE_DIR": "mine"})["CCACHE_DIR"] == "mine"
-
-
-def test_simulator_name(monkeypatch):
-    monkeypatch.delenv("SIM", raising=False)
-    assert simulator() == "icarus" and simulator("verilator") == "verilator"
-    monkeypatch.setenv("SIM", "verilator")
-    assert simulator() == "verilator" and simulator("icarus") == "icarus"
-    with pytest.raises(ValueError, match="questa.*icarus or verilator"):
-        simulator("questa")

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of fpga.json: table 5 of the paper again, critical paths, where the logic goes."""
+
+from __future__ import annotations
+
+from scripts.fpga.report import HOLDS, KINDS, MULTIPLIER_NS
+from scripts.pages.render import render, table
+
+DEVICE = "ECP5-85k, speed grade 8"
+
+TOPS = {"lean": "ik_lean", "paper": "ik_paper"}
+PARAMETERS = {"lean": {}, "paper": {"DIGIT": 1}}
+"""What a datapath is built with beside its width: the paper's with the dividers and roots that are logic."""
+
+SECTIONS = {
+    "lean": ("ik_lean_guard", "ik_lean_direction", "ik_lean_triangle", "ik_lean_turn"),
+    "paper": ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist"),
+}
+
+AIM_MHZ = {"lean": 180, "paper": 150}
+"""A placement starts from a seed, and clocks differ by a tenth: the next seed is tried until this is reached."""
+
+BROKEN_DOWN = (32, 18)
+"""Widths whose logic is counted module by module."""
+
+PAPER_TABLE = {
+    "LUT4 on xc2vp": "~30000",
+    "clock (MHz)": "100",
+    "latency (clocks)": "~550",
+    "latency (ns)": "5500",
+    "100 targets (us)": "6",
+    "results a clock": "1",
+}
+"""Tables 5 and 6 of the paper: the Virtex-II Pro 2VP70, Xilinx ISE and Core Generator."""
+
+
+def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> list[tuple[str, dict]]:
+    """(module, figures) of those of the modules that were placed alone, or of the top, placed whole."""
+    found = []
+    for module in modules:
+        starts = f"{module.removeprefix('ik_')}-W{width}-"
+        named = (name for name in data["runs"] if name.startswith(starts) and name.endswith("-ecp5-place"))
+        found += [(module, data["runs"][name]) for name in named]
+    return found
+
+
+def slowest(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> float | None:
+    """MHz, if all of the modules were placed."""
+    found = place_runs(data, datapath, width, modules)
+    return min(run["mhz"] for _, run in found) if len(found) == len(modules) else None
+
+
+def _synth(data: dict, datapath: str, width: int, family: str, kind: str = "") -> dict | None:
+    starts = f"{TOPS[datapath].removeprefix('ik_')}-W{width}-"
+    ends = f"-{family}{'-' + kind if kind else ''}"
+    return next((r for n, r in data["runs"].items() if n.startswith(starts) and n.endswith(ends)), None)
+
+
+def comparison(data: dict) -> str:
+    """The table beside the paper's."""
+    columns = [(d, w) for d in ("paper", "lean") for w in range(32, 15, -1) if f"{d}-{w}" in data["designs"]]
+    rows = {}
+
+    def put(label, values, paper="-"):
+        if any(v is not None for v in values):
+            rows[label] = [PAPER_TABLE.get(label, paper), *("-" if v is None else v for v in values)]
+
+    words = {
+        "xc2vp": ("LUT4 on xc2vp", "of them SRL16", "MULT18X18", "RAMB16", "flip-flops", "carry bits (MUXCY)"),
+        "xc7": ("LUT6 on xc7", "of them SRL", "DSP48E1", "RAMB18", "flip-flops", "CARRY4"),
+        "ecp5": ("LUT4 on ECP5", None, "MULT18X18D", "DP16KD", "flip-flops", "CCU2C"),
+    }
+    for family, (lut, shift, multiplier, memory, flops, carry) in words.items():
+        got = [_synth(data, d, w, family) for d, w in columns]
+
+        def of(kind, got=got):
+            return [r["cells"][kind] if r else None for r in got]
+
+        put(lut, of("LUT"))
+        if shift:
+            put(f"{shift} ({family})", of("shift"))
+        put(f"{flops} ({family})", of("FF"))
+        put(f"{carry}", of("carry"))
+        put(multiplier, of("multipliers"))
+        put(memory, of("RAM"))
+    designs = [data["designs"][f"{d}-{w}"] for d, w in columns]
+    alone = [slowest(data, d, w, SECTIONS[d]) for d, w in columns]
+    one = [slowest(data, d, w, (TOPS[d],)) for d, w in columns]
+    mhz = [whole or modules for whole, modules in zip(one, alone, strict=True)]
+    put("clock (MHz)", [m and f"{m:.0f}" for m in mhz])
+    put("placed", [d.get("placed") for d in designs])
+    put("slowest of its modules alone (MHz)", [m and f"{m:.0f}" for m in alone])
+    put("latency (clocks)", [d["latency"] for d in designs])
+    put("latency (ns)", [m and f"{1000 * d['latency'] / m:.0f}" for m, d in zip(mhz, designs, strict=True)])
+    put("100 targets (us)", [m and f"{(d['latency'] + 100) / m:.2f}" for m, d in zip(mhz, designs, strict=True)])
+    put("results a clock", ["1"] * len(columns))
+    put("largest hand error / reach", [f"{d['hand']:.1e}" for d in designs])
+    head = ["", "the paper, table 5", *(f"{d}, W = {w}" for d, w in columns)]
+    return table(head, [[label, *cells] for label, cells in rows.items()])
+
+
+def breakdown(data: dict, datapath: str, width: int) -> dict | None:
+    """Where the logic of a datapath is: tables by section and by module; None where it was not counted."""
+    tree = _synth(data, datapath, width, "xc2vp", "tree")
+    if not tree:
+        return None
+    names = ["LUT4", "of them SRL16", "flip-flops", "carry", "MUXF", "MULT18X18", "RAMB16"]
+    sections = [[f"`{n}`", *(c[k] for k in KINDS)] for n, c in tree["sections"].items() if n != "itself"]
+    sections.sort(key=lambda row: -row[1])
+    sections.append(["beside them", *(tree["sections"]["itself"][k] for k in KINDS)])
+    modules = sorted(tree["modules"].items(), key=lambda item: -item[1]["LUT"])
+    rows = [[f"`{n}`", c["instances"], *(c[k] for k in KINDS)] for n, c in modules if any(c[k] for k in KINDS)]
+    rows.append(["all", "", *(sum(c[k] for _, c in modules) for k in KINDS)])
+    flat = _synth(data, datapath, width, "xc2vp")
+    return {
+        "datapath": datapath,
+        "width": width,
+        "flat": flat["cells"] if flat else None,
+        "sections": table(["section", *names], sections),
+        "modules": table(["module, without those inside of it", "instances", *names], rows),
+    }
+
+
+def critical(data: dict) -> str:
+    """The slowest path of each placement."""
+    rows = []
+    for design in data["designs"]:
+        datapath, width = design.split("-")
+        for module, run in place_runs(data, datapath, int(width), (TOPS[datapath], *SECTIONS[datapath])):
+            path = run["path"]
+            rows.append([
+                f"{datapath} {width}", f"`{module}`", f"{run['mhz']:.0f}", f"`{path['from']}`", f"`{path['to']}`",
+                ", ".join(path["through"]), f"{path['ns']:.2f}", f"{path['routing_ns']:.2f}",
+                run["used"].get("MULT18X18D", 0), ", ".join(f"{mhz:.0f}" for mhz in run["tried"]), run["place_s"],
+            ])  # fmt: skip
+    head = ["design", "placed", "MHz", "from", "to", "through", "ns", "of it routing", "multipliers", "seeds", "s"]
+    return table(head, rows)
+
+
+def page(data: dict) -> str:
+    """fpga.md."""
+    dates = sorted(run["date"] for run in data["runs"].values())
+    measured = sorted({(k.split("-")[0], d["commit"], d["rtl"]) for k, d in data["designs"].items()})
+    parts = [breakdown(data, datapath, width) for width in BROKEN_DOWN for datapath in ("lean", "paper")]
+    tried = data.get("tried", [])
+    return render(
+        "fpga",
+        dates=" to ".join(sorted({dates[0], dates[-1]})),
+        tools=", ".join(f"{name} {number}" for name, number in data["tools"].items()),
+        rtl="; ".join(f"{d} as of commit `{c}`, sources `{h}`" for d, c, h in measured),
+        comparison=comparison(data),
+        device=DEVICE,
+        multipliers=HOLDS["MULT18X18D"],
+        multiplier_ns=MULTIPLIER_NS,
+        multiplier_mhz=f"{1000 / MULTIPLIER_NS:.0f}",
+        aim=AIM_MHZ,
+        critical=critical(data),
+        tried=table(["change", "measured on", "before", "after"], tried, left=4) if tried else "",
+        parts=[part for part in parts if part],
+        commands=data["commands"],
+    )

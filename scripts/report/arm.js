@@ -1,0 +1,171 @@
+// Part of the page of scripts/report/page.py, which puts canvas.js, arm.js, plots.js and report.js into one function.
+
+// -- the arm --------------------------------------------------------------------------------
+
+// The sphere that holds all the motion and its shadow on the floor. It does not change while the arm moves.
+function bounds(t) {
+  const low = [0, 0, 0];
+  const high = [0, 0, 0];
+  const points = [[0, 0, 0], ...t.target, ...t.elbow, ...t.wrist];
+  for (const p of points) {
+    p.forEach((v, i) => {
+      low[i] = Math.min(low[i], v);
+      high[i] = Math.max(high[i], v);
+    });
+  }
+  low[2] -= 0.06 * length(sum(high, low, -1));
+  const floor = low[2];
+  const centre = sum(low, high).map((v) => v / 2);
+  const far = (p) => Math.max(length(sum(p, centre, -1)), length(sum([p[0], p[1], floor], centre, -1)));
+  const radius = points.reduce((most, p) => Math.max(most, far(p)), 0);
+  const step = 10 ** Math.floor(Math.log10(radius));
+  return { centre, radius, floor, step: radius / step < 2.5 ? step / 2 : step };
+}
+
+function camera(w, h) {
+  const { centre, radius } = state.bounds;
+  const { azimuth: a, elevation: e } = state.view;
+  const right = [-Math.sin(a), Math.cos(a), 0];
+  const up = [-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)];
+  const toward = [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+  const distance = 5 * radius;
+  const scale = (0.43 * Math.min(w, 1.1 * h)) / radius;
+  const depth = (p) => distance - dot(sum(p, centre, -1), toward);
+  const project = (p) => {
+    const q = sum(p, centre, -1);
+    const k = (scale * distance) / depth(p);
+    return [w / 2 + k * dot(q, right), h / 2 - k * dot(q, up)];
+  };
+  const direction = (v) => [dot(v, right), -dot(v, up)];
+  return { project, depth, scale, direction };
+}
+
+function drawFloor(g, project) {
+  const { centre, radius, floor, step } = state.bounds;
+  const count = Math.ceil((1.1 * radius) / step);
+  const middle = [Math.round(centre[0] / step) * step, Math.round(centre[1] / step) * step];
+  const reach = count * step;
+  for (let i = -count; i <= count; i++) {
+    for (const axis of [0, 1]) {
+      const ends = [-reach, reach].map((v) => {
+        const p = [middle[0] + v, middle[1] + v, floor];
+        p[axis] = middle[axis] + i * step;
+        return project(p);
+      });
+      line(g, ends, state.colours.grid, 0.6);
+    }
+  }
+}
+
+// Which way x, y and z go, in the corner.
+function drawAxes(g, direction, h) {
+  const origin = [44, h - 40];
+  [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, i) => {
+    const d = direction(axis);
+    line(g, [origin, sum(origin, d, 24)], state.colours.soft, 1.5);
+    text(g, "xyz"[i], ...sum(origin, d, 34), state.colours.soft, "center");
+  });
+}
+
+// The part of the swivel plane around the arm: u is the line to the wrist, the elbow is on the side +m of it.
+function drawPlane(g, project, t, n) {
+  const p = t.target[n];
+  const size = t.lengths[n][0] + t.lengths[n][1];
+  const u = length(p) > 0 ? p.map((v) => v / length(p)) : [0, 0, 1];
+  const m = cross(t.normal[n], u);
+  const along = [0, dot(t.elbow[n], u), dot(t.wrist[n], u)];
+  const [from, to] = [Math.min(...along) - 0.08 * size, Math.max(...along) + 0.08 * size];
+  const [below, above] = [-0.08 * size, Math.max(0, dot(t.elbow[n], m)) + 0.08 * size];
+  const corner = (a, b) => project(u.map((v, i) => a * v + b * m[i]));
+  const corners = [corner(from, below), corner(to, below), corner(to, above), corner(from, above)];
+  g.beginPath();
+  corners.forEach((c) => g.lineTo(c[0], c[1]));
+  g.closePath();
+  g.globalAlpha = 0.18;
+  g.fillStyle = state.colours.plane;
+  g.fill();
+  g.globalAlpha = 0.7;
+  line(g, [...corners, corners[0]], state.colours.plane, 1);
+  g.globalAlpha = 0.6;
+  line(g, [project([0, 0, 0]), project(p)], state.colours.plane, 1.2, [4, 4]);
+  g.globalAlpha = 1;
+}
+
+function drawPaths(g, project, t, arm, n) {
+  const mine = t.arm.map((a, i) => i).filter((i) => t.arm[i] === arm);
+  const path = (points, upTo) => mine.filter((i) => i <= upTo).map((i) => project(points[i]));
+  line(g, path(t.elbow, t.arm.length), state.colours.elbow, 1, [2, 4]);
+  line(g, path(t.elbow, n), state.colours.elbow, 2);
+  const targets = path(t.target, t.arm.length);
+  if (targets.length <= 400) {
+    targets.forEach((p) => disc(g, p, 1.3, state.colours.goal));
+  }
+  line(g, targets, state.colours.goal, 0.8);
+  line(g, path(t.wrist, n), state.colours.goal, 2.5);
+}
+
+function drawArm(g, { project, depth, scale }, t, n, labelled) {
+  const { floor } = state.bounds;
+  const joints = [[0, 0, 0], t.elbow[n], t.wrist[n]];
+  const points = joints.map(project);
+  const thick = Math.max(5, 0.05 * scale * (t.lengths[n][0] + t.lengths[n][1]));
+  g.globalAlpha = 0.25; // the shadow, which shows where in depth the arm is
+  line(g, joints.map((p) => project([p[0], p[1], floor])), state.colours.joint, 0.6 * thick);
+  line(g, [points[2], project([t.wrist[n][0], t.wrist[n][1], floor])], state.colours.joint, 1, [2, 3]);
+  g.globalAlpha = labelled ? 1 : 0.4;
+  const limbs = [
+    { ends: points.slice(0, 2), colour: state.colours.upper, width: thick, far: depth(joints[0]) + depth(joints[1]) },
+    { ends: points.slice(1), colour: state.colours.fore, width: 0.8 * thick, far: depth(joints[1]) + depth(joints[2]) },
+  ];
+  limbs.sort((a, b) => b.far - a.far);
+  for (const limb of limbs) {
+    line(g, limb.ends, state.colours.card, limb.width + 3);
+    line(g, limb.ends, limb.colour, limb.width);
+  }
+  points.forEach((p, i) => {
+    disc(g, p, (i === 2 ? 0.32 : 0.48) * thick, state.colours.card);
+    disc(g, p, (i === 2 ? 0.22 : 0.34) * thick, state.colours.joint);
+  });
+  g.globalAlpha = 1;
+  return { points, thick };
+}
+
+// Names stand off the arm: that of the elbow on the outside of its bend, the others beyond the ends.
+function drawNames(g, w, { points, thick }, goal) {
+  const unit = (v) => v.map((c) => c / (length(v) || 1));
+  const [shoulder, elbow, wrist] = points;
+  const chord = unit(sum(wrist, shoulder, -1));
+  const normal = [-chord[1], chord[0]];
+  const bend = normal[0] * (elbow[0] - shoulder[0]) + normal[1] * (elbow[1] - shoulder[1]);
+  const side = Math.abs(bend) > 2 ? Math.sign(bend) : normal[1] < 0 ? -1 : 1; // a straight arm: below it
+  const ways = [unit(sum([-chord[0], -chord[1]], [0, -0.8])), normal.map((v) => side * v), unit(sum(chord, [0, -0.8]))];
+  ["shoulder", "elbow", "wrist"].forEach((name, i) => {
+    const [x, y] = sum(points[i], ways[i], 0.6 * thick + 14);
+    const half = g.measureText(name).width / 2;
+    const shifted = x + half * Math.max(-1, Math.min(1, 2 * ways[i][0]));
+    text(g, name, Math.max(half + 4, Math.min(w - half - 4, shifted)), y, state.colours.text, "center");
+  });
+  g.beginPath();
+  g.arc(goal[0], goal[1], 0.45 * thick + 3, 0, 2 * Math.PI);
+  g.strokeStyle = state.colours.goal;
+  g.lineWidth = 2.5;
+  g.stroke();
+}
+
+function drawScene() {
+  const { shown: t, at: n } = state;
+  const { g, w, h } = prepare(scene);
+  const view = camera(w, h);
+  drawFloor(g, view.project);
+  drawAxes(g, view.direction, h);
+  drawPlane(g, view.project, t, n);
+  const arms = [...new Set(t.arm)].filter((arm) => arm !== t.arm[n]);
+  for (const arm of [...arms, t.arm[n]]) {
+    drawPaths(g, view.project, t, arm, n);
+  }
+  for (const arm of arms) {
+    const last = t.arm.lastIndexOf(arm, n); // where the other arm was left
+    drawArm(g, view, t, last < 0 ? t.arm.indexOf(arm) : last, false);
+  }
+  drawNames(g, w, drawArm(g, view, t, n, true), view.project(t.target[n]));
+}

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The native harness gives what cocotb gives, to the byte, and a broken core is found and told in the same words."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.targets.stimuli import mixed
+from tb.sim import every_node
+from tb.sim.env import ROOT, simulator
+from tb.sim.job import Job, SimulationError
+from tb.sim.simulate import simulate
+
+WIDTH = 18
+
+
+@pytest.mark.parametrize(("datapath", "width"), [("lean", 3), ("lean", 18), ("lean", 32), ("paper", 32)])
+def test_the_wrapper_has_every_node_once(datapath, width):
+    text = every_node.wrapper(datapath, width, 0)
+    nodes = every_node.nodes_of(datapath, width)
+    lines = [line.strip(" ,") for line in text.partition("assign nodes = {")[2].splitlines()]
+    signals = [line.strip("{}").split()[-1] for line in lines if ".u_core." in line]
+    assert [signal.split(".")[-1] for signal in reversed(signals)] == [node.name for node in nodes]
+    assert {node.instance for node in nodes} >= {f"u_{s}" for s in DATAPATHS[datapath].sections if s != "results"}
+
+
+def test_columns_hold_every_bit():
+    """Also of words of more than 64 bits."""
+    for node in fixed.run(mixed(300, 32, seed=1), 32, "lean").bits.nodes.values():
+        limbs = [column.astype(np.uint64) for column in every_node.columns(node)]
+        words = sum(limb.astype(object) << 64 * k for k, limb in enumerate(limbs))
+        mask = (1 << node.format.width) - 1
+        assert [word & mask for word in words.tolist()] == [int(v) & mask for v in node.value.tolist()], node.name
+
+
+def test_what_cannot_run_natively(tmp_path):
+    jobs = [Job("some", mixed(5, WIDTH, seed=1))]
+    for wrong in ({"simulator": "icarus"}, {"simulator": "verilator", "waves": tmp_path / "waves.vcd"}):
+        with pytest.raises(ValueError, match="only Verilator runs natively"):
+            simulate(jobs, datapath="lean", width=WIDTH, native=True, **wrong)
+
+
+if simulator() == "verilator":
+
+    @pytest.fixture(scope="module")
+    def program():
+        return every_node.program("lean", WIDTH)
+
+    def spoiled(words, change):
+        """The model's frames with one of them changed."""
+        frames = list(every_node.answered(words, WIDTH, "lean"))
+        change(frames[0][1])
+        return frames
+
+    def broken(folder, module, right, wrong, name, ways=(False, True)):
+        """What both ways say of a copy of the RTL with a change in it, at a word length that builds quickly."""
+        shutil.copytree(ROOT / "rtl", folder / "rtl")
+        path = folder / "rtl" / module
+        text = path.read_text()
+        assert right in text
+        path.write_text(text.replace(right, wrong))
+        jobs = [Job("some", np.random.default_rng(4).integers(-4, 4, (200, 6)))]
+        core = {"simulator": "verilator", "datapath": "lean", "width": 3, "root": folder, "name": f"native-{name}"}
+        return [simulate(jobs, **core, native=native)[0] for native in ways]
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    def test_both_ways_give_the_same(monkeypatch):
+        """Several jobs, one of them longer than a frame."""
+        monkeypatch.setattr(every_node, "FRAME", 100)
+        jobs = [Job(f"job {n}", mixed(count, WIDTH, seed=n)) for n, count in enumerate((1, 60, 330))]
+        core = {"simulator": "verilator", "datapath": "lean", "width": WIDTH}
+        for cocotb, native in zip(*(simulate(jobs, **core, native=way) for way in (False, True)), strict=True):
+            for ours, theirs in zip(vars(native).values(), vars(cocotb).values(), strict=True):
+                assert np.array_equal(ours, theirs)
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    def test_a_difference_is_told_in_the_same_words(tmp_path):
+        cocotb, native = broken(tmp_path, "lean/ik_lean_turn.v", "c_plus <= cc - ss;", "c_plus <= cc + ss;", "sign")
+        assert cocotb.bit_mismatches == native.bit_mismatches > 0
+        assert "turn.c_plus" in cocotb.first_mismatch
+        assert native.first_mismatch == cocotb.first_mismatch
+        assert (native.results == cocotb.results).all() and (native.flags == cocotb.flags).all()
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", ["x_sq", "u_x", "clamp", "qs_k"])
+    def test_every_bit_of_a_node_counts(program, name):
+        words = mixed(100, WIDTH, seed=2)
+        node = fixed.run(words, WIDTH, "lean").bits.nodes[name]
+        for bit in {0, node.format.width - 1}:
+
+            def change(answer, bit=bit):
+                value = answer.bits.nodes[name].value.astype(object)
+                value[57] = int(value[57]) ^ (1 << bit)
+                answer.bits.nodes[name].value = value
+
+            run = every_node.compare(program, spoiled(words, change), WIDTH, "lean")
+            assert run.bit_mismatches == 1
+            assert run.first_mismatch.startswith(f"first difference: {node.section}.{name} ")
+            assert " of target 57 at clock " in run.first_mismatch
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    def test_results_and_flags_at_the_port_count(program):
+        """The FIFO, say, has them wrong."""
+
+        def result(answer):
+            answer.results[3, 5] ^= 1
+
+        def flags(answer):
+            answer.flags[3] ^= 32
+
+        for change in (result, flags):
+            with pytest.raises(SimulationError, match="target 3: its nodes are right, its result or flags are not"):
+                every_node.compare(program, spoiled(mixed(100, WIDTH, seed=2), change), WIDTH, "lean")
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    @pytest.mark.parametrize(
+        ("name", "right", "wrong", "message"),
+        [
+            ("tag", "(s_axis_tuser),", "(s_axis_tuser ^ (s_axis_tuser == 9)),", "target 9: the result has tag 8"),
+            ("ready", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
+        ],
+    )
+    def test_a_broken_stream(tmp_path, name, right, wrong, message):
+        with pytest.raises(SimulationError, match=message):
+            broken(tmp_path, "ik_axis.v", right, wrong, name, ways=[True])
