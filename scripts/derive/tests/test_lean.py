@@ -13,7 +13,7 @@ from model.reference.lean_table import HALF, LEAN
 from scripts.derive import lean as derive_lean
 from scripts.derive.lean import Tables
 
-pytestmark = [pytest.mark.xdist_group("derive-lean"), pytest.mark.cost(100)]  # what is derived is shared
+pytestmark = pytest.mark.cost(100)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import sympy
 from model.reference import cga, geometry
 from scripts.derive import paper as derive
 
-pytestmark = [pytest.mark.xdist_group("derive-paper"), pytest.mark.cost(60)]  # what is derived is shared
+pytestmark = pytest.mark.cost(60)
 
 
 @pytest.fixture(scope="module")
