@@ -51,7 +51,7 @@ report: ## the same run as an HTML page to look at: the arm in motion, errors, p
 # With SIM=verilator only what starts a simulator: the rest would be the same again. ONLY picks slow cases, too.
 only_sim = $(if $(filter verilator,$(SIM)),sim)
 quick    = $(if $(call given,ONLY,yes),,not slow)
-pytest   = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadgroup --no-loadscope-reorder \
+pytest   = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
 test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit ONLY=file or pattern]

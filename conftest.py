@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all tests share: the longest cases start first, so that no worker is left with one at the end."""
+"""What all tests share: the longest files start first, so that no worker is left with one at the end."""
 
 import signal
 
@@ -7,7 +7,11 @@ import pytest
 
 
 def pytest_collection_modifyitems(items):
-    items.sort(key=cost, reverse=True)
+    """A file is a unit, as its fixtures serve all its tests; that with the longest case comes first."""
+    longest: dict = {}
+    for item in items:
+        longest[item.path] = max(longest.get(item.path, 0), cost(item))
+    items.sort(key=lambda item: longest[item.path], reverse=True)
 
 
 def cost(item) -> float:

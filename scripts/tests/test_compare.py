@@ -14,7 +14,7 @@ from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
 from model.targets.words import result_values
 from scripts import compare
 
-pytestmark = [pytest.mark.xdist_group("compare"), pytest.mark.cost(60)]  # what is measured is shared
+pytestmark = pytest.mark.cost(60)
 
 
 @pytest.fixture(scope="module")

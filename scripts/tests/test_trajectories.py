@@ -13,7 +13,7 @@ from scripts.pages import gen_docs
 from tb.sim import simulate
 from tb.sim.env import CORES, cores, simulator
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("trajectories"), pytest.mark.cost(120)]
+pytestmark = [pytest.mark.sim, pytest.mark.cost(120)]
 
 AIM = 1e-6
 """What regular trajectories are to reach; their bar is wider."""

@@ -11,7 +11,7 @@ from scripts import waves
 from tb.sim.env import simulator
 from tb.sim.simulate import Job, simulate
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("waves")]
+pytestmark = pytest.mark.sim
 
 WIDTH = 32
 TARGETS = 3

@@ -11,25 +11,24 @@ import json
 import os
 
 
-def _on(instance: str, given: str, test):
-    """The test function with the instance in place of the top, and its parameters in the environment again."""
+def _on(instance: str, parameters: str, test):
+    """The test function with the instance in place of the top, and its parameters."""
 
     @functools.wraps(test)
     async def narrowed(top, **options):
-        os.environ["IK_PARAMETERS"] = given
+        os.environ["IK_PARAMETERS"] = parameters
         await test(getattr(top, instance), **options)
 
     return narrowed
 
 
 for _instance, _parameters in json.loads(os.environ["IK_SETS"]).items():
-    _given = json.dumps(_parameters)
-    os.environ["IK_PARAMETERS"] = _given
+    os.environ["IK_PARAMETERS"] = json.dumps(_parameters)  # for the bench as it is loaded
     _spec = importlib.util.find_spec(os.environ["IK_BENCH"])
     _bench = importlib.util.module_from_spec(_spec)
     _bench.__name__ = f"{os.environ['IK_BENCH'].rpartition('.')[2]}[{_instance}]"
     _spec.loader.exec_module(_bench)
     for _name, _test in vars(_bench).items():
         if hasattr(_test, "generate_tests"):
-            _test.func = _on(_instance, _given, _test.func)
+            _test.func = _on(_instance, json.dumps(_parameters), _test.func)
             globals()[f"{_instance}.{_name}"] = _test

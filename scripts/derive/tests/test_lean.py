@@ -15,7 +15,7 @@ from scripts.derive import lean_counts, lean_geometry, lean_quaternion, printed
 from scripts.derive.lean_forms import Tables, symbols
 from scripts.derive.lean_proofs import Step, known_root, turn
 
-pytestmark = [pytest.mark.xdist_group("derive-lean"), pytest.mark.cost(100)]  # what is derived is shared
+pytestmark = pytest.mark.cost(100)
 
 
 @pytest.fixture(scope="module")

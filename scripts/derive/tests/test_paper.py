@@ -11,7 +11,7 @@ from scripts.derive import paper as derive
 from scripts.derive import paper_steps
 from scripts.derive.printed import PRINTED, symbols
 
-pytestmark = [pytest.mark.xdist_group("derive-paper"), pytest.mark.cost(60)]  # what is derived is shared
+pytestmark = pytest.mark.cost(60)
 
 
 @pytest.fixture(scope="module")
