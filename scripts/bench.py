@@ -19,7 +19,6 @@ from model.dataflow.datapaths import DATAPATHS
 from model.targets.stimuli import random_reachable
 from tb.sim.simulate import Job, simulate
 
-
 WAYS = (("icarus", False), ("verilator", False), ("verilator", True))
 """Simulator, and whether Python is out of the loop."""
 
