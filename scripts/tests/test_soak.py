@@ -433,45 +433,6 @@ def test_keep_with_a_list_that_is_of_no_use(cli, simulator):
     assert hardest.LIST.read_text() == "old"
 
 
-def rows_of(words, width=32, datapath="lean", found="here"):
-    return [hardest.Row(datapath, width, tuple(row), 0.5, found) for row in words.tolist()]
-
-
-def test_merge_keeps_the_hardest_in_any_order():
-    words = soak.chunk(0, 32, 1, 300)
-    words = np.unique(words[expected_flags(words, 32) & UNREACHABLE == 0], axis=0)
-    hand, norm = hardest.errors(words, fixed.run(words, 32, "lean").results, 32)
-    kept = hardest.merge(rows_of(words))
-    assert hardest.merge(rows_of(words)[::-1]) == kept and len(kept) == 20
-    assert hardest.merge(kept) == kept
-    error_of = dict(zip(map(tuple, words.tolist()), hand, strict=True))
-    norm_of = dict(zip(map(tuple, words.tolist()), norm, strict=True))
-    assert [row.hand_error for row in kept] == [error_of[row.words] for row in kept], "errors are computed anew"
-    by_hand = sorted(hand, reverse=True)[:10]
-    assert [row.hand_error for row in kept][:10] == by_hand
-    others = {row.words for row in kept if error_of[row.words] < by_hand[-1]}
-    least = min(norm_of[w] for w in others)
-    assert all(n <= least or w in {row.words for row in kept} for w, n in norm_of.items())
-
-
-def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():
-    words = soak.chunk(0, 18, 1, 300)
-    twice = rows_of(words, 18, found="b") + rows_of(words, 18, found="a")
-    kept = hardest.merge([*rows_of(words[:40], 20), *twice])
-    assert kept == hardest.merge([*twice[::-1], *rows_of(words[:40], 20)])
-    assert {(row.width, row.found) for row in kept} == {(20, "here"), (18, "a")}
-    assert [row.width for row in kept] == sorted(row.width for row in kept)
-    assert len({(row.width, row.words) for row in kept}) == len(kept)
-    assert not any(expected_flags(np.array([row.words]), row.width)[0] & UNREACHABLE for row in kept)
-
-
-def test_the_list_reads_as_it_was_written(tmp_path):
-    rows = [hardest.Row("lean", 18, (1, -2, 3, 4, 5, 6), 1.5e-8, "a, b"), hardest.Row("paper", 32, (0,) * 6, None, "c")]
-    path = tmp_path / "list.csv"
-    path.write_text(hardest.text(rows), encoding="utf-8")
-    assert hardest.read(path) == rows
-
-
 # -- bad input ---------------------------------------------------------------------------------------------------------
 
 
