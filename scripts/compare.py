@@ -24,7 +24,7 @@ from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
 from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
 from model.targets.words import RESULT_FIELDS, from_words, result_values
-from scripts.pages.opcounts import counted_run
+from scripts.pages import counts
 from scripts.pages.wordlengths import differing
 from tb.sim.env import GENERATED, ROOT, SIMULATORS
 from tb.sim.simulate import Job, simulate
@@ -90,29 +90,16 @@ class Errors:
 
 
 def operations(datapath: str) -> Counter:
-    """How many operations of each kind the dataflow makes.
-
-    A + or - counts wherever it is written: of rounded sums and exact ones, of shift counts, and of the rounding of a
-    result; not what is inside of a multiplier, a root, a divider or a CORDIC.
-    """
-    bits, additions = counted_run(DATAPATHS[datapath].flow)
-    counts = Counter()
-    for node in bits.nodes.values():
-        exact = node.op == "choose" and node.latency in ("mul", "square")
-        if node.op in ("mul", "mul3") or exact:
-            counts["multiplications"] += 1
-            counts["of them exact squares and products of the flags"] += exact
-        elif node.op == "sum":
-            counts["additions"] += len(node.operands) - 1
-        elif node.op == "choose":
-            counts["additions"] += additions[node.name]
-        elif node.op == "rsqrt":
-            counts["reciprocal square roots"] += 1
-        elif node.op == "root":
-            counts["square roots"] += 1
-        elif node.op == "div":
-            counts["divisions"] += 1
-    return counts
+    """How many operations of each kind of table 4 the dataflow makes; not what is inside of one."""
+    found = sum(counts.operations(DATAPATHS[datapath].flow).values(), Counter())
+    return Counter({
+        "multiplications": found["mul"] + found["mul3"] + found["square"],
+        "of them exact squares and products of the flags": found["exact"],
+        "additions": found["additions"],
+        "square roots": found["root"],
+        "reciprocal square roots": found["rsqrt"],
+        "divisions": found["div"],
+    })  # fmt: skip
 
 
 OPERATIONS = (
@@ -264,9 +251,9 @@ def _side_by_side(measured: Measured):
     clocks = [measured.clocks[path][WIDTH] for path in PATHS]
     yield "latency (clocks)", *clocks
     yield f"clocks for {BATCH} targets", *(c + BATCH for c in clocks)
-    counts = [operations(path) for path in PATHS]
+    both = [operations(path) for path in PATHS]
     for kind in OPERATIONS:
-        yield kind, *(c[kind] for c in counts)
+        yield kind, *(of_it[kind] for of_it in both)
     anywhere = {path: parts["anywhere"] for path, parts in measured.same.items()}
     everywhere = {
         path: Errors.together([errors for name, errors in parts.items() if name != BEYOND])

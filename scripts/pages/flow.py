@@ -12,9 +12,7 @@ from dataclasses import dataclass, replace
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Format, Latency, Node
 from model.targets.words import RESULT_FIELDS
-from scripts.pages import opcounts
-
-WIDTH = opcounts.WIDTH
+from scripts.pages.counts import WIDTH, counted_run
 
 KINDS = {
     "input": "input", "mul": "product", "add": "sum", "div": "division", "root": "root", "sincos": "sine, cosine",
@@ -34,7 +32,7 @@ FLAGS = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length", "saturat
 
 def design(datapath: str, width: int = WIDTH) -> dict[str, Node]:
     """The nodes of a datapath; a choice that adds words is a sum."""
-    bits, additions = opcounts.counted_run(DATAPATHS[datapath].flow, width)
+    bits, additions = counted_run(DATAPATHS[datapath].flow, width)
     exact = {n for n, v in bits.nodes.items() if v.latency == "mux" and additions[n]}
     return {n: replace(v, op="sum") if n in exact else v for n, v in bits.nodes.items()}
 

@@ -9,6 +9,7 @@ import sympy
 from model.dataflow.paper import paper
 from model.reference.printed import PRINTED, symbol
 from scripts.pages import opcounts
+from scripts.pages.counts import operations
 from scripts.pages.opcounts import Ops, count
 from tb.sim.env import ROOT
 from tb.sim.sources import LIST
@@ -85,7 +86,7 @@ def test_substituting_19_changes_no_value():
 
 
 def test_rtl_has_the_operations_of_the_dataflow(rtl):
-    assert opcounts.differences(rtl, opcounts.dataflow_counts()) == []
+    assert opcounts.differences(rtl, operations(paper)) == []
 
 
 def test_a_changed_dataflow_is_found(rtl):
@@ -95,7 +96,7 @@ def test_a_changed_dataflow_is_found(rtl):
         d.mul("extra", d.nodes["c4"], d.nodes["c4"], d.word(1))
         d.op("extra_sum", ("extra", "c4"), d.word(1), "mux", lambda p, q: (p + q) >> 1)
 
-    found = opcounts.differences(rtl, opcounts.dataflow_counts(more))
+    found = opcounts.differences(rtl, operations(more))
     assert found == [
         "section elbow_q: 4 ik_mul in the RTL, 5 in model/dataflow/paper.py",
         "section elbow_q: 7 additions in the RTL, 8 in model/dataflow/paper.py",
@@ -105,7 +106,7 @@ def test_a_changed_dataflow_is_found(rtl):
 def test_changed_rtl_is_found(tmp_path):
     root = copy_of_rtl(tmp_path)
     edit(root, "rtl/paper/ik_to_elbow.v", "{1'b0, d_e_q} + {1'b0, abs_z}", "{1'b0, d_e_q} ^ {1'b0, abs_z}")
-    found = opcounts.differences(opcounts.rtl_counts(root), opcounts.dataflow_counts())
+    found = opcounts.differences(opcounts.rtl_counts(root), operations(paper))
     assert found == ["section to_elbow: 3 additions in the RTL, 4 in model/dataflow/paper.py"]
 
 

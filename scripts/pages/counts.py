@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The operations of a dataflow, counted: nodes by the unit that computes them, and sums by their + and -."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+
+from model.dataflow import fixed
+from model.dataflow.nodes import Latency
+from model.targets.words import FIELDS
+
+WIDTH = 32
+
+VECTORS = ("norm", "sincos", "trig")
+"""Units that give several results at once."""
+
+
+class _Counted(np.ndarray):
+    """Words that count the + and - done with them."""
+
+    done: Counter = Counter()
+
+    def __array_ufunc__(self, ufunc, method, *inputs, **kwargs):
+        _Counted.done["+-"] += ufunc in (np.add, np.subtract)
+        plain = [i.view(np.ndarray) if isinstance(i, _Counted) else i for i in inputs]
+        return np.asarray(getattr(ufunc, method)(*plain, **kwargs)).view(_Counted)
+
+
+class _Counting(fixed.Bits):
+    """Runs the dataflow and keeps for every choice how many + and - it does with words."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__(width)
+        self.additions: Counter = Counter()
+
+    def apply(self, name, operands, fmt, bits, real):
+        before = _Counted.done["+-"]
+        value = bits(*(np.asarray(n.value).view(_Counted) for n in operands))
+        self.additions[name] = _Counted.done["+-"] - before
+        return np.asarray(value).view(np.ndarray)
+
+
+def counted_run(flow: Callable, width: int = WIDTH) -> tuple[fixed.Bits, Counter]:
+    """The dataflow after a run, and for every choice how many + and - it does."""
+    d = _Counting(width)
+    flow(d, {k: d.input(k, np.array([1 << (width - 3)])) for k in FIELDS})
+    return d, d.additions
+
+
+def operations(flow: Callable) -> dict[str, Counter]:
+    """Section -> how many of each unit, a kind of `Latency.TABLE`, and how many ``additions``.
+
+    A + or - is an addition where a sum is rounded or exact, not inside of another unit, such as the rounding of a
+    product or a shift's count.  ``exact`` are products of the flags, which are also counted as what they are.
+    """
+    run, written = counted_run(flow)
+    counts: dict[str, Counter] = {}
+    vectors = set()
+    for node in run.nodes.values():
+        mine, unit = counts.setdefault(node.section, Counter()), node.latency
+        if unit in ("sum2", "sum3"):
+            mine["additions"] += max(int(unit[-1]), len(node.operands)) - 1
+        elif unit in ("mux", "wide"):
+            mine["additions"] += written[node.name]
+        elif unit in VECTORS and (key := (unit, tuple(o.name for o in node.operands))) in vectors:
+            continue
+        elif unit in Latency.TABLE:
+            mine[unit] += 1
+            mine["exact"] += node.op == "choose" and unit in ("mul", "square")
+            if unit in VECTORS:
+                vectors.add(key)
+        elif unit:
+            raise RuntimeError(f"node {node.name}: no rule for the operation {unit}")
+    return counts
