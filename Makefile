@@ -32,7 +32,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI")
 
-.PHONY: help setup run report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal fpga fpga-quick lock clean distclean
+.PHONY: help setup run report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -116,10 +116,17 @@ lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, 
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.lint
 
-formal: ## proofs, and that they fail on seeded bugs: streams, divider, root: docs/proofs.md; no overflow: docs/ranges_proofs.md
+formal: ## proofs of streams, divider, root and ranges, each seen failing on seeded bugs: docs/*proofs.md [ONLY=name]
 	@$(SETUP) fpga
-	@$(VENV) -m tb.formal.proofs
-	@$(VENV) -m tb.formal.overflow
+	@$(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
+
+check-proofs: ## which pages of proofs and measurements are of other code than the present one
+	@$(SETUP)
+	@$(VENV) -m scripts.check_proofs
+
+release-check: ## the same, and fails if one is
+	@$(SETUP)
+	@$(VENV) -m scripts.check_proofs --strict
 
 fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga

@@ -15,7 +15,6 @@ Exit status: 0 all is well, 1 failures found, 2 wrong options or no program can 
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import subprocess
@@ -32,10 +31,11 @@ from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
 from model.targets.files import write_atomically
 from scripts.console import InputError, Meter, Parser, exit_status, progress, whole, writing
+from scripts.pages.render import render
 from tb.sim.env import CORES, GENERATED, ROOT
 from tb.sim.native import build
 from tb.sim.simulate import SimulationError
-from tb.sim.sources import closure
+from tb.sim.sources import closure, digest
 
 HARNESS = ROOT / "tb" / "units" / "exhaustive.cpp"
 PAGE = GENERATED / "exhaustive.md"
@@ -234,70 +234,17 @@ def files(cases: Sequence[Case] = FULL) -> list[Path]:
     return sorted(found, key=lambda path: path.relative_to(ROOT).as_posix())
 
 
-def digest(path: Path) -> str:
-    """Of a file without its comments and spaces, which cannot change what it does."""
-    code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
-    return hashlib.sha256("".join(code.split()).encode()).hexdigest()[:16]
-
-
-def hashes() -> dict[str, str]:
-    """File of the full run: what it is, in short."""
-    return {path.relative_to(ROOT).as_posix(): digest(path) for path in files()}
-
-
-INTRODUCTION = """# Every argument
-
-Written by `make exhaustive` (`python -m scripts.exhaustive`) on {today}, with Verilator {verilator}; {jobs} processes,
-{seconds:.0f} s. Do not edit.
-
-Verilator makes a program of each core and of `tb/units/exhaustive.cpp`, which drives one argument a clock through the
-pipeline and holds each answer, in order and after the core's clocks, against the definition in the core's first line:
-in integers of C++, without the model. Each argument comes once, in an order in which neighbours have nothing in common.
-The dividers and the root are those made of rows for a chip (`DIGIT=1`). `make test SIM=verilator` does the same with
-short words, where it also takes the behavioural cores, rows of two bits a clock, roots that overflow and negative
-radicands.
-"""
-
-NOTES = """
-- Divider: q and `ovf`, to the bit. With `SH=0` all quotients fit where d > 0; with `SH=14`, as equation (14) has it at
-  W = 16, about those of |n| < 2 d, and the others saturate.
-- Root: q q <= n 2^SH < (q + 1)(q + 1), multiplied out, and `neg`. The word of 33 bits holds a sign and all numbers of
-  32 bits, the half angles at W = 32; the negative half, whose answer is 0, is left to the short words.
-- Reciprocal root: y is less than one place from the exact value for every V from m to the next m, by squares of
-  integers. *Not nearest* counts the answers that are not the word nearest to 1/(2 sqrt m).
-"""
+def digests() -> dict[str, str]:
+    """File of the full run: the digest of its code."""
+    return {path.relative_to(ROOT).as_posix(): digest([path]) for path in files()}
 
 
 def page(results: Sequence[Result], jobs: int, seconds: float, sources: dict[str, str]) -> str:
     """docs/exhaustive.md."""
-    head = ("case", "module", "parameters", "arguments", "answer", "vectors", "failures", "not nearest", "s",
-            "million/s")  # fmt: skip
-    lines = [
-        INTRODUCTION.format(
-            today=date.today().isoformat(), verilator=metadata.version("verilator"), jobs=jobs, seconds=seconds
-        ),
-        f"| {' | '.join(head)} |",
-        f"|{' --- |' * 5}{' --: |' * 5}",
-    ]
-    for result in results:
-        case = result.case
-        far = str(result.not_nearest) if case.harness == "Rsqrt" else ""
-        cells = (f"`{case.name}`", f"`{case.module}`", f"`{case.words}`", case.arguments, case.says,
-                 str(result.vectors), str(result.failures), far, f"{result.seconds:.1f}",
-                 f"{result.rate / 1e6:.1f}")  # fmt: skip
-        lines.append(f"| {' | '.join(cells)} |")
-    lines += [
-        NOTES,
-        "## Of which files",
-        "",
-        "The start of the SHA-256 of each without comments and spaces: `scripts/tests/test_exhaustive.py` notices when",
-        "one has changed.",
-        "",
-        "| file | SHA-256 |",
-        "| --- | --- |",
-        *(f"| `{name}` | `{value}` |" for name, value in sources.items()),
-    ]
-    return "\n".join(lines) + "\n"
+    return render(
+        "exhaustive", today=date.today().isoformat(), verilator=metadata.version("verilator"), jobs=jobs,
+        seconds=seconds, results=results, digests=sources,
+    )  # fmt: skip
 
 
 # -- the command line --------------------------------------------------------------------------------------------------
@@ -330,7 +277,7 @@ def _exhaustive(arguments: Sequence[str] | None) -> int:
             print(f"{case.name:<20} {case.module:<9} {case.vectors:>11} vectors  {case.words}: {case.says}")
         return 0
 
-    before, begin = hashes(), time.monotonic()
+    before, begin = digests(), time.monotonic()
     results = run(chosen, options.jobs)
     seconds = time.monotonic() - begin
     failed = [result.case.name for result in results if result.failures]
@@ -339,7 +286,7 @@ def _exhaustive(arguments: Sequence[str] | None) -> int:
         return 1
     if tuple(chosen) != FULL:
         return 0
-    if hashes() != before:
+    if digests() != before:
         print("exhaustive: sources were changed during the run, docs/exhaustive.md is not written", file=sys.stderr)
         return 1
     with writing():

@@ -26,9 +26,9 @@ from scripts.compare import Errors, latency
 from scripts.console import InputError, Parser, exit_status, one_of, whole, word_length
 from scripts.fpga.page import AIM_MHZ, BROKEN_DOWN, DEVICE, PARAMETERS, SECTIONS, TOPS, comparison, page
 from scripts.fpga.report import HOLDS, KINDS
-from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, source_hash, version
+from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
 from tb.sim.env import GENERATED, ROOT
-from tb.sim.sources import closure
+from tb.sim.sources import closure, digest
 
 FIGURES = GENERATED / "fpga.json"
 PAGE = GENERATED / "fpga.md"
@@ -40,8 +40,20 @@ FAMILIES = ("xc2vp", "xc7", "ecp5")
 FULL = 0.97
 """Part of the device up to which a design is placed whole."""
 
-def rtl_hash(datapath: str) -> str:
-    return source_hash(closure(TOPS[datapath]))
+
+def rtl_digest(datapath: str) -> str:
+    """Of the code of a datapath."""
+    return digest(closure(TOPS[datapath]))
+
+
+def recorded() -> dict[str, str]:
+    """Design, as in lean-32: the digest of the code that the checked-in figures are of."""
+    return {f"RTL of {name}": design["rtl"] for name, design in json.loads(FIGURES.read_text())["designs"].items()}
+
+
+def present() -> dict[str, str]:
+    """The same of the present code."""
+    return {name: rtl_digest(name.split()[-1].split("-")[0]) for name in recorded()}
 
 
 def synthesis(datapath: str, width: int, family: str, kind: str = "synth") -> Run:
@@ -118,7 +130,7 @@ def describe(datapath: str, width: int) -> dict:
     return {
         "latency": latency(datapath, width),
         "hand": float(f"{errors.hand.max():.2g}"),
-        "rtl": rtl_hash(datapath),
+        "rtl": rtl_digest(datapath),
         "commit": commit(),
     }
 

@@ -20,7 +20,7 @@ from scripts.fpga.pack import PACKER, pack_registers
 from scripts.fpga.report import ToolError, by_module, by_section, counted, placed
 from scripts.fpga.wrapper import wrapper
 from tb.sim.env import ROOT
-from tb.sim.sources import closure
+from tb.sim.sources import closure, digest
 
 BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
@@ -42,14 +42,6 @@ class TimeOutError(ToolError):
 def content(path: Path) -> bytes:
     """Of a source, as it was when it was first asked for: others may write to it during the hours of a run."""
     return path.read_bytes()
-
-
-def source_hash(files: list[Path]) -> str:
-    """Of names and contents; comments and blank lines count too."""
-    digest = hashlib.sha256()
-    for path in sorted(files, key=lambda p: p.name):
-        digest.update(f"{path.name}\0".encode() + content(path) + b"\0")
-    return digest.hexdigest()[:16]
 
 
 # -- tools -----------------------------------------------------------------------------------------------------------
@@ -179,7 +171,7 @@ class Run:
         return {}
 
     def key(self) -> str:
-        parts = [self.kind, self.script(), *self.extra().values(), source_hash(self.files()), version("yosys")]
+        parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys")]
         if self.kind == "place":
             parts += [*PLACE, str(self.seed), str(self.packed), PACKER, version("nextpnr-ecp5")]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
@@ -197,7 +189,7 @@ class Run:
         for name, text in {**self.extra(), "run.ys": self.script()}.items():
             (folder / name).write_text(text)
         netlist = folder / "netlist.json"
-        figures = {"rtl": source_hash(self.files())}
+        figures = {"rtl": digest(self.files())}
         if again or not (folder / "stat.json").exists() or (self.kind == "place" and not netlist.exists()):
             (folder / "stat.json").unlink(missing_ok=True)
             seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, "yosys.log", self.name, limit)

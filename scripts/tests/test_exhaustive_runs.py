@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every argument of dividers, roots and reciprocal roots of short words, natively; a bug for one argument is found."""
 
-import shutil
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -11,6 +10,7 @@ import pytest
 from model.dataflow.cores import rsqrt
 from scripts import exhaustive
 from tb.sim.env import ROOT, simulator
+from tb.sim.mutants import Bug, copy_rtl
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
@@ -44,16 +44,13 @@ def pool():
 
 def test_bugs_change_one_place():
     for file, right, *_ in (*BUGS.values(), *EVERY_ANSWER.values()):
-        assert right in (ROOT / "rtl" / "cores" / file).read_text(), file
+        assert (ROOT / "rtl" / "cores" / file).read_text().count(right) == 1, file
     assert {SMALL[name].module for name in BUGS} == {case.module for case in exhaustive.FULL}
 
 
 def seeded(name, file, right, wrong, folder):
     """The program of a case in which one text of the RTL is another one."""
-    shutil.copytree(ROOT / "rtl", folder / "rtl")
-    module = folder / "rtl" / "cores" / file
-    module.write_text(module.read_text().replace(right, wrong, 1))
-    return exhaustive.program(SMALL[name], folder, "wrong")
+    return exhaustive.program(SMALL[name], copy_rtl(folder, Bug("", f"rtl/cores/{file}", right, wrong)), "wrong")
 
 
 def not_faithful(frac, y):

@@ -2,16 +2,14 @@
 """A deliberately wrong constant in the RTL is caught, and the scoreboard names the node that it is in."""
 
 import re
-import shutil
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
 from model.targets.stimuli import random_reachable, unreachable
 from tb.sim.env import ROOT, simulator
+from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 WIDTH = 18  # all constants are expressions of the width; short words build faster
@@ -24,35 +22,24 @@ FIRST_ADMITTED = {"icarus": 6, "verilator": 7}[simulator()]
 The stream source of cocotbext-axi notices the end of reset one clock later under Verilator."""
 
 
-@dataclass(frozen=True)
-class Mutant:
-    """In ``module``, ``right`` becomes ``wrong``; the first wrong value must be ``node``'s, of target ``target``."""
-
-    datapath: str
-    name: str
-    module: str
-    right: str
-    wrong: str
-    node: str
-    target: int = 0
-
-
-MUTANTS = [
-    Mutant("paper", "sign", "ik_elbow",
-           "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1)", "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(0)", "elbow.pp_2_m"),
-    Mutant("paper", "constant", "ik_guard", "QUARTER = {3'b001", "QUARTER = {3'b010", "guard.d_1", target=CLAMPED),
-    Mutant("paper", "shift", "ik_swivel", "F_SIN_H+F_COS_H-1-F_SIN_PHI", "F_SIN_H+F_COS_H-F_SIN_PHI", "swivel.sin_phi"),
-    Mutant("paper", "branch", "ik_elbow_q", ".MINUS(1)) u_h4_m", ".MINUS(0)) u_h4_m", "elbow_q.h4_m"),
-    Mutant("paper", "delay", "ik_to_elbow", ".DB(T_U_X-T_H)", ".DB(T_U_X-T_H+1)", "to_elbow.uh_x"),
-    Mutant("paper", "narrowing", "ik_to_wrist", ".SH(F_C3_R-F_C3_NUM), .OW(W)", ".SH(F_C3_R-F_C3_NUM+1), .OW(W)",
-           "to_wrist.c3_num"),
-    Mutant("lean", "lean_sign", "ik_lean_turn", "c_plus <= cc - ss;", "c_plus <= cc + ss;", "turn.c_plus"),
-    Mutant("lean", "lean_flag", "ik_lean_guard",
-           "(too_near || at_shoulder_at_too_far)", "(too_far || at_shoulder_at_too_far)", "guard.fold", target=CLAMPED),
-    Mutant("lean", "lean_shift", "ik_lean_triangle", "e_ab - e_1s;", "e_ab - e_1s + 6'd1;", "triangle.n_ab"),
-    Mutant("lean", "lean_delay", "ik_lean_direction", ".DC(T_INV_S-T_N_EL)", ".DC(T_INV_S-T_N_EL+1)",
-           "direction.inv_s_el"),
+MUTANTS = [  # the node that is the first to be wrong, in the first target
+    Bug("sign", "rtl/paper/ik_elbow.v",
+        "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1)", "F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(0)", "elbow.pp_2_m"),
+    Bug("constant", "rtl/paper/ik_guard.v", "QUARTER = {3'b001", "QUARTER = {3'b010", "guard.d_1"),
+    Bug("shift", "rtl/paper/ik_swivel.v", "F_SIN_H+F_COS_H-1-F_SIN_PHI", "F_SIN_H+F_COS_H-F_SIN_PHI", "swivel.sin_phi"),
+    Bug("branch", "rtl/paper/ik_elbow_q.v", ".MINUS(1)) u_h4_m", ".MINUS(0)) u_h4_m", "elbow_q.h4_m"),
+    Bug("delay", "rtl/paper/ik_to_elbow.v", ".DB(T_U_X-T_H)", ".DB(T_U_X-T_H+1)", "to_elbow.uh_x"),
+    Bug("narrowing", "rtl/paper/ik_to_wrist.v",
+        ".SH(F_C3_R-F_C3_NUM), .OW(W)", ".SH(F_C3_R-F_C3_NUM+1), .OW(W)", "to_wrist.c3_num"),
+    Bug("lean_sign", "rtl/lean/ik_lean_turn.v", "c_plus <= cc - ss;", "c_plus <= cc + ss;", "turn.c_plus"),
+    Bug("lean_flag", "rtl/lean/ik_lean_guard.v",
+        "(too_near || at_shoulder_at_too_far)", "(too_far || at_shoulder_at_too_far)", "guard.fold"),
+    Bug("lean_shift", "rtl/lean/ik_lean_triangle.v", "e_ab - e_1s;", "e_ab - e_1s + 6'd1;", "triangle.n_ab"),
+    Bug("lean_delay", "rtl/lean/ik_lean_direction.v",
+        ".DC(T_INV_S-T_N_EL)", ".DC(T_INV_S-T_N_EL+1)", "direction.inv_s_el"),
 ]  # fmt: skip
+ONLY_CLAMPED = ("constant", "lean_flag")
+"""Mutants that show in the target without an elbow alone."""
 
 # A build of the whole core takes 3 s with Icarus and 20 s with Verilator, which therefore gets one mutant only.
 BUILT = MUTANTS if simulator() == "icarus" else MUTANTS[:1]
@@ -62,6 +49,11 @@ MESSAGE = re.compile(
     r"RTL (?P<rtl>[0-9a-f]+) \((?P<rtl_real>[^)]+)\), model (?P<model>[0-9a-f]+) \((?P<model_real>[^)]+)\)$",
     re.MULTILINE,
 )
+
+
+def datapath(mutant: Bug) -> str:
+    """paper of rtl/paper/ik_elbow.v"""
+    return mutant.file.split("/")[1]
 
 
 def targets() -> np.ndarray:
@@ -74,45 +66,42 @@ def targets() -> np.ndarray:
 def test_mutants_change_one_place():
     """Each mutation can be made: its text stands once in the module, and the node it is to be found at exists."""
     for mutant in MUTANTS:
-        nodes = {f"{n.section}.{n.name}" for n in fixed.run(targets(), WIDTH, mutant.datapath).bits.nodes.values()}
-        file = ROOT / DATAPATHS[mutant.datapath].folder / f"{mutant.module}.v"
-        assert file.read_text().count(mutant.right) == 1, mutant.name
-        assert mutant.node in nodes, mutant.name
+        bits = fixed.run(targets(), WIDTH, datapath(mutant)).bits
+        assert mutant.seeded((ROOT / mutant.file).read_text())
+        assert mutant.fails in {f"{n.section}.{n.name}" for n in bits.nodes.values()}, mutant.what
 
 
 @pytest.mark.sim
 @pytest.mark.parametrize(
     "mutant",
     # one of each datapath in the quick gate
-    [m if m.name in ("sign", "lean_flag") else pytest.param(m, marks=pytest.mark.slow) for m in BUILT],
-    ids=lambda m: m.name,
+    [m if m.what in ("sign", "lean_flag") else pytest.param(m, marks=pytest.mark.slow) for m in BUILT],
+    ids=lambda m: m.what,
 )
 def test_mutant_is_named(mutant, tmp_path):
     """Target, clock, both words and both values of the first wrong node; all that follows from it is counted too."""
-    shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-    module = tmp_path / DATAPATHS[mutant.datapath].folder / f"{mutant.module}.v"
-    module.write_text(module.read_text().replace(mutant.right, mutant.wrong))
     words = targets()
 
     (run,) = simulate(
         [Job("mutant", words)],
         simulator=simulator(),
-        datapath=mutant.datapath,
+        datapath=datapath(mutant),
         width=WIDTH,
-        root=tmp_path,
-        name=f"mutant-{mutant.name}",
+        root=copy_rtl(tmp_path, mutant),
+        name=f"mutant-{mutant.what}",
     )
 
     assert run.bit_mismatches > 0
     found = MESSAGE.search(run.first_mismatch)
     assert found, run.first_mismatch
-    node = fixed.run(words, WIDTH, mutant.datapath).bits.nodes[mutant.node.split(".")[1]]
-    assert found["node"] == mutant.node, run.first_mismatch
+    node = fixed.run(words, WIDTH, datapath(mutant)).bits.nodes[mutant.fails.split(".")[1]]
+    target = CLAMPED if mutant.what in ONLY_CLAMPED else 0
+    assert found["node"] == mutant.fails, run.first_mismatch
     assert (found["equation"] or "").strip() == node.equation
-    assert int(found["target"]) == mutant.target
-    assert int(found["clock"]) == FIRST_ADMITTED + mutant.target + node.time
+    assert int(found["target"]) == target
+    assert int(found["clock"]) == FIRST_ADMITTED + target + node.time
     right, wrong = int(found["model"], 16), int(found["rtl"], 16)
-    assert right == int(node.value[mutant.target]) & ((1 << node.format.width) - 1)
+    assert right == int(node.value[target]) & ((1 << node.format.width) - 1)
     assert wrong != right
     for word, real in ((right, found["model_real"]), (wrong, found["rtl_real"])):
         if node.format.signed and word >> (node.format.width - 1):

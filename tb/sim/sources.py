@@ -81,8 +81,10 @@ def _python(text: str) -> str:
 
 
 def code(path: Path) -> str:
-    """A source file without its comments and blanks, which cannot change what it does: Verilog, C++ or Python."""
+    """A source file without its comments and blanks, which cannot change what it does: Verilog, C++, Python or .sby."""
     text = path.read_text(encoding="utf-8")
+    if path.suffix == ".sby":
+        return re.sub(r"^(#.*)?\n", "", text, flags=re.M)
     return _python(text) if path.suffix == ".py" else C_LIKE.sub(lambda found: found[1] or "", text)
 
 

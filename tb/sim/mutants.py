@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Seeded bugs: one text in a copy of the RTL becomes another one, and something has to notice."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from tb.sim.env import ROOT
+
+
+@dataclass(frozen=True)
+class Bug:
+    """In the copy of `file`, the text `old`, which stands there once, becomes `new`; `fails` is what must notice it."""
+
+    what: str
+    file: str
+    old: str
+    new: str
+    fails: str = ""
+
+    def seeded(self, text: str) -> str:
+        """The file's text with the bug in it. Raises LookupError where `old` does not stand exactly once."""
+        if text.count(self.old) != 1:
+            raise LookupError(f"{self.file} has not exactly one {self.old!r}")
+        return text.replace(self.old, self.new)
+
+
+def copy_rtl(place: Path, bug: Bug | None = None) -> Path:
+    """A fresh copy of rtl/ in `place`, with the bug in it if there is one; returns `place`.
+
+    Raises LookupError if the bug cannot be seeded.
+    """
+    shutil.rmtree(place / "rtl", ignore_errors=True)
+    shutil.copytree(ROOT / "rtl", place / "rtl")
+    if bug:
+        path = place / bug.file
+        path.write_text(bug.seeded(path.read_text()))
+    return place
