@@ -71,24 +71,24 @@ docs: ## write the generated pages and headers anew
 	@$(VENV) -m scripts.pages.gen_headers
 	@$(VENV) -m scripts.pages.gen_docs --sim $(SIM)
 
-derive: ## docs/derivation.md, the paper's equations from its geometry, and docs/lean.md, the lean ones from them
+derive: ## docs/generated/derivation.md, the paper's equations from its geometry, and docs/generated/lean.md, the lean ones from them
 	@$(SETUP)
 	@$(VENV) -m scripts.derive.paper
 	@$(VENV) -m scripts.derive.lean
 
-wordlengths: ## ranges proved and seen, errors of every node: docs/wordlengths.md and .svg
+wordlengths: ## ranges proved and seen, errors of every node: docs/generated/wordlengths.md and .svg
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.pages.wordlengths
 
-compare: ## both datapaths on the same targets, clocks, operations, errors: docs/compare.md and .svg
+compare: ## both datapaths on the same targets, clocks, operations, errors: docs/generated/compare.md and .svg
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.compare
 
-operations: ## table 4 of the paper counted from the equations and the elaborated RTL: docs/operations.md
+operations: ## table 4 of the paper counted from the equations and the elaborated RTL: docs/generated/operations.md
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.pages.opcounts
 
-figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: docs/figures.md
+figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: docs/generated/figures.md
 	@$(SETUP) graphviz
 	@$(VENV) -m scripts.pages.figures
 
@@ -108,7 +108,7 @@ soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPA
 	  $(call given,FROM,--from="$$CGA_FROM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
-exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: docs/exhaustive.md
+exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: docs/generated/exhaustive.md
 	@$(SETUP) verilator
 	@$(VENV) -m scripts.exhaustive
 
@@ -128,7 +128,7 @@ release-check: ## the same, and fails if one is
 	@$(SETUP)
 	@$(VENV) -m scripts.check_proofs --strict
 
-fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/fpga.md [DATAPATH= WIDTH=]
+fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/generated/fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga
 	@$(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 

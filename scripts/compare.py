@@ -3,8 +3,8 @@
 
     python -m scripts.compare [--targets 4000] [--seed 1] [--check]
 
-writes docs/compare.md and docs/compare.svg.  With --check everything is done anew, nothing is written, and the page is
-held against it.
+writes docs/generated/compare.md and its picture.  With --check everything is done anew, nothing is written, and the
+page is held against it.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def _three(values: np.ndarray) -> tuple[str, str, str]:
 
 
 def page(measured: Measured, targets: int, seed: int) -> str:
-    """docs/compare.md."""
+    """docs/generated/compare.md."""
     out = [
         "# The paper's and the lean datapath",
         "",
@@ -367,7 +367,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Both datapaths on the same targets: clocks, operations, errors.")
     parser.add_argument("--targets", type=int, default=4000, help="targets of a region (default: 4000)")
     parser.add_argument("--seed", type=int, default=1, help="of everything random (default: 1)")
-    parser.add_argument("--check", action="store_true", help="write nothing; 1 when docs/compare.md is out of date")
+    parser.add_argument("--check", action="store_true", help="write nothing; 1 when the page is out of date")
     options = parser.parse_args(arguments)
     if options.targets < 1 or options.seed < 0:
         parser.error("--targets is at least 1 and --seed at least 0")

@@ -7,7 +7,7 @@ A case is a module with its parameters, in a program that Verilator makes of it 
 drives
 one argument a clock and holds each answer against the module's definition in integers of C++: no Python in the loop,
 and no line in common with the model. The arguments are cut into pieces, a process each. A full run without a failure
-writes docs/exhaustive.md; --small takes short words and seconds, and writes nothing.
+writes docs/generated/exhaustive.md; --small takes short words and seconds, and writes nothing.
 
 Exit status: 0 all is well, 1 failures found, 2 wrong options or no program can be built (one line on stderr),
 130 after Ctrl-C.
@@ -240,7 +240,7 @@ def digests() -> dict[str, str]:
 
 
 def page(results: Sequence[Result], jobs: int, seconds: float, sources: dict[str, str]) -> str:
-    """docs/exhaustive.md."""
+    """docs/generated/exhaustive.md."""
     return render(
         "exhaustive", today=date.today().isoformat(), verilator=metadata.version("verilator"), jobs=jobs,
         seconds=seconds, results=results, digests=sources,
@@ -287,7 +287,7 @@ def _exhaustive(arguments: Sequence[str] | None) -> int:
     if tuple(chosen) != FULL:
         return 0
     if digests() != before:
-        print("exhaustive: sources were changed during the run, docs/exhaustive.md is not written", file=sys.stderr)
+        print("exhaustive: sources were changed during the run, the page is not written", file=sys.stderr)
         return 1
     with writing():
         write_atomically(PAGE, page(results, options.jobs, seconds, before))

@@ -3,7 +3,7 @@
 
     python -m scripts.formal [streams|ranges] [--only NAME] [--width W] [--again] [--list]
 
-A full run of a part without a failure writes its page, docs/proofs.md or docs/ranges_proofs.md.
+A full run of a part without a failure writes its page, docs/generated/proofs.md or docs/generated/ranges_proofs.md.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def say(text: str) -> None:
 
 
 def streams_page(results: Sequence[prove.Result], digests: dict[str, str]) -> str:
-    """docs/proofs.md."""
+    """docs/generated/proofs.md."""
     seconds = sum(result.total for result in results)
     kinds = {proof.of: proof for proof in PROOFS}.values()
     return render(

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The dataflow of ``rtl/lean``, written once: the paper's answers from reciprocal square roots in two levels.
 
-docs/lean.md derives it from (10)-(18).  :func:`lean` is written against the same operations as the paper's dataflow
+docs/generated/lean.md derives it from (10)-(18).  :func:`lean` is written against the same operations as the paper's
+dataflow
 (:class:`model.dataflow.nodes.Domain`) and runs in the same ways: in integers, in double precision, as a table of
 formats and clocks.
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lean dataflow in double precision: the answers of (10)-(18) without division, elbow point or half angle roots.
 
-docs/lean.md derives it from the paper's equations; the lines (L1), (L2), ... and their names are those of
+docs/generated/lean.md derives it from the paper's equations; the lines (L1), (L2), ... and their names are those of
 :mod:`model.reference.lean_table`, the dataflow's and the RTL's. For a target in reach:
 
     d_sum, d_dif = d1 + d2, d1 - d2    rho_sq = x^2 + y^2    s = |p|^2                (L1)-(L4)

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The lean dataflow: the answers of ik_paper, with the same ports, from reciprocal square roots in two levels. A node
-// carries the number (L1), (L2), ... of its equation in docs/lean.md at its declaration; what has no number is a flag or
+// carries the number (L1), (L2), ... of its equation in docs/generated/lean.md at its declaration; what has no number is a flag or
 // alignment. A target enters and a result leaves in every clock. There is no enable and no reset but that of the valid
 // bits: the pipeline runs free, and valid and tag travel with the data.
 //

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // ovf is valid with q and says that q was saturated. SAT = 0 is for a sum whose format is proved to hold it
-// (docs/wordlengths.md): nothing is looked at and ovf is 0.
+// (docs/generated/wordlengths.md): nothing is looked at and ovf is 0.
 // Latency: 2 clocks (LAT_SUM2); from a DA more, from b DB more.
 `default_nettype none
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The symbolic derivations: docs/derivation.md and docs/lean.md."""
+"""The symbolic derivations: docs/generated/derivation.md and docs/generated/lean.md."""

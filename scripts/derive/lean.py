@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derives the lean dataflow from the paper's equations (10)-(18), with symbols, and writes docs/lean.md.
+"""Derives the lean dataflow from the paper's equations (10)-(18), with symbols, and writes docs/generated/lean.md.
 
     python -m scripts.derive.lean [--check]     writes the page; with --check compares it, status 1 if it is stale
 
@@ -18,9 +18,9 @@ from model.reference.lean_table import NUMBER
 from scripts.derive import lean_counts, lean_geometry, lean_quaternion, markdown
 from scripts.derive.lean_forms import TEX, Tables, line_tex
 from scripts.derive.lean_proofs import Step
-from tb.sim.env import ROOT
+from tb.sim.env import GENERATED, ROOT
 
-PAGE = ROOT / "docs" / "lean.md"
+PAGE = GENERATED / "lean.md"
 
 STEPS = (
     lean_geometry.directions, lean_geometry.swivel, lean_geometry.elbow, lean_geometry.elbow_quaternion,
@@ -45,7 +45,7 @@ def unexpected(steps: list[Step]) -> list[str]:
 
 
 def page(steps: list[Step], tables: Tables | None = None) -> str:
-    """docs/lean.md."""
+    """docs/generated/lean.md."""
     tables = tables or Tables()
     halves = [
         ("h(c, s) = (h_c(c, s), h_s(c, s))", rf"\left({line_tex(c)},\ {line_tex(s)}\right) \text{{ for }} {branch}")

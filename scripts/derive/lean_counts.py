@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Step 12 of docs/lean.md: the operations of the lean form and of the matrix form."""
+"""Step 12 of docs/generated/lean.md: the operations of the lean form and of the matrix form."""
 
 from __future__ import annotations
 

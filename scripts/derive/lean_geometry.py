@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steps 1 to 6 of docs/lean.md: from the paper's equations to four turns."""
+"""Steps 1 to 6 of docs/generated/lean.md: from the paper's equations to four turns."""
 
 from __future__ import annotations
 

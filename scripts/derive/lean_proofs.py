@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a statement of docs/lean.md is proved, and what its steps share."""
+"""How a statement of docs/generated/lean.md is proved, and what its steps share."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derives equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/derivation.md.
+"""Derives equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/generated/derivation.md.
 
     python -m scripts.derive.paper [--check]     writes the page; with --check compares it, status 1 if it is stale
 
@@ -16,9 +16,9 @@ from scripts.derive import markdown, paper_steps
 from scripts.derive.markdown import cell
 from scripts.derive.paper_proofs import Row, Section
 from scripts.derive.printed import FACTOR, KNOWN_WRONG, PRINTED, TEX, latex, tex
-from tb.sim.env import ROOT
+from tb.sim.env import GENERATED, ROOT
 
-PAGE = ROOT / "docs" / "derivation.md"
+PAGE = GENERATED / "derivation.md"
 
 def derive(printed: dict = PRINTED) -> list[Section]:
     """All sections. `printed` may be an altered copy of PRINTED."""
@@ -50,7 +50,7 @@ def unexpected(sections: list[Section]) -> list[str]:
 
 
 def page(sections: list[Section]) -> str:
-    """docs/derivation.md."""
+    """docs/generated/derivation.md."""
     groups: dict[tuple[str, str], list[Row]] = {}
     equations = list(dict.fromkeys(row.equation for section in sections for row in section.rows))
     for equation in equations:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sections of docs/derivation.md: each runs a step of model/reference/geometry.py on symbols."""
+"""The sections of docs/generated/derivation.md: each runs a step of model/reference/geometry.py on symbols."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def fits(cells: dict) -> bool:
 
 
 class Figures:
-    """docs/fpga.json: every run with its figures, and what else the page says of a design.
+    """docs/generated/fpga.json: every run with its figures, and what else the page says of a design.
 
     ``tried`` is written by hand: [what, where, before, after] of each change of the RTL, whether kept or not.
     """
@@ -125,7 +125,7 @@ def commit() -> str:
 
 
 def describe(datapath: str, width: int) -> dict:
-    """Clocks and accuracy from the bit-true model: as in docs/compare.md."""
+    """Clocks and accuracy from the bit-true model: as in docs/generated/compare.md."""
     errors = Errors.of(region("anywhere", 4000, width, 1), width, datapath)
     return {
         "latency": latency(datapath, width),

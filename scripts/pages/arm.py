@@ -13,9 +13,9 @@ import numpy as np
 from model.dataflow import fixed
 from model.reference.kinematics import forward
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, to_words
-from tb.sim.env import ROOT
+from tb.sim.env import GENERATED
 
-PICTURE = ROOT / "docs" / "generated" / "arm.svg"
+PICTURE = GENERATED / "arm.svg"
 
 TARGET = (0.38, -0.14, 0.05)
 PHI = 2.5

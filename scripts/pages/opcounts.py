@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 again: the operations of equations (10)-(19) and of the elaborated RTL, counted; docs/operations.md.
+"""Table 4 again: the operations of equations (10)-(19) and of the elaborated RTL, counted; operations.md.
 
     python -m scripts.pages.opcounts      counts and writes the page
 

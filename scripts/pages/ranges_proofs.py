@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/ranges_proofs.md of a run of tb/formal/overflow.py."""
+"""docs/generated/ranges_proofs.md of a run of tb/formal/overflow.py."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 
     python -m scripts.pages.wordlengths [--targets 1000000] [--seed 1] [--check]
 
-writes docs/wordlengths.md and docs/wordlengths.svg.  With --check everything is done anew, nothing is written, and
+writes docs/generated/wordlengths.md and its picture.  With --check everything is done anew, nothing is written, and
 the page is held against it.
 """
 
@@ -128,7 +128,7 @@ def analytic_cells(width: int = WIDTH) -> dict[str, list[str]]:
 
 
 def page(width, targets, seed, observed: Observed, moved, errors, proved_errors) -> str:
-    """docs/wordlengths.md."""
+    """docs/generated/wordlengths.md."""
     table = ranges.proved(width)
     nodes = {name: proof.node for name, proof in table.items()}
     spare = spare_bits(moved, nodes)
@@ -347,7 +347,7 @@ class Measured:
         return cls(observed, errors, moved, proved_errors)
 
     def page(self, targets: int, seed: int) -> str:
-        """docs/wordlengths.md."""
+        """docs/generated/wordlengths.md."""
         return page(WIDTH, targets, seed, self.observed, self.moved, self.errors, self.proved_errors)
 
 
@@ -356,7 +356,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Word lengths: ranges proved and seen, errors, plots.")
     parser.add_argument("--targets", type=int, default=1_000_000, help="random targets (default: 1000000)")
     parser.add_argument("--seed", type=int, default=1, help="of everything random (default: 1)")
-    parser.add_argument("--check", action="store_true", help="write nothing; 1 when docs/wordlengths.md is out of date")
+    parser.add_argument("--check", action="store_true", help="write nothing; 1 when the page is out of date")
     options = parser.parse_args(arguments)
     if options.targets < 1 or options.seed < 0:
         parser.error("--targets is at least 1 and --seed at least 0")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/compare.md and its picture are up to date, and what they are made of is right."""
+"""docs/generated/compare.md and its picture are up to date, and what they are made of is right."""
 
 import re
 import xml.etree.ElementTree as ElementTree

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/exhaustive.py and docs/exhaustive.md without a simulator: the page, what it is of, the command line."""
+"""scripts/exhaustive.py and its page without a simulator: the page, what it is of, the command line."""
 
 import os
 import re

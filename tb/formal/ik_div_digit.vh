@@ -3,7 +3,7 @@
 // No assumption: every operand in every clock, any state before.
 //
 // With the operands travel, as ghosts: the magnitude M, the divisor d, P and Q. A row makes P <= 2 P + q d and
-// Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/proofs.md). After n rows:
+// Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/generated/proofs.md). After n rows:
 // P + R == M >> (ROWS - n), 0 <= R < d, where R is r, or r + d where r is negative, -d <= r < d, and the word holds M's
 // bits to come and Q.
 

@@ -3,7 +3,7 @@
 // No assumption: every operand in every clock, any state before.
 //
 // With the operand travel, as ghosts: the radicand M (its 2 ROWS low bits), S and Q. A row makes S <= 4 S + q (4 Q + 1)
-// and Q <= 2 Q + q from S = Q = 0, so S = Q^2, without a multiplier in the formula (docs/proofs.md). After n rows:
+// and Q <= 2 Q + q from S = Q = 0, so S = Q^2, without a multiplier in the formula (docs/generated/proofs.md). After n rows:
 // S + R == M >> 2 (ROWS - n), 0 <= R <= 2 Q, where R is r, or r + 2 Q + 1 where r is negative, and the word holds M's
 // bits to come and Q.
 

@@ -43,7 +43,7 @@ ELSEWHERE = {
 }
 """Cores whose results' ranges are shown elsewhere."""
 
-SATURATES = "q is the floor, or the bound where it does not fit, and says so: docs/proofs.md"
+SATURATES = "q is the floor, or the bound where it does not fit, and says so: docs/generated/proofs.md"
 
 
 class Design(Elaborated):

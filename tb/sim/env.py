@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-GENERATED = ROOT / "docs"  # the pages and pictures that commands write
+GENERATED = ROOT / "docs" / "generated"  # the pages and pictures that commands write
 SIMULATORS = ("icarus", "verilator")
 CORES = ("behavioural", "digit")  # dividers and roots; the numbers are those of the RTL's parameter DIGIT
 

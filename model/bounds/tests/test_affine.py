@@ -127,7 +127,7 @@ class _Both(ranges.Ranges):
 
 
 def test_affine_forms_narrow_no_range():
-    """What docs/wordlengths.md says: over whole ranges intervals and rules are as good."""
+    """What docs/generated/wordlengths.md says: over whole ranges intervals and rules are as good."""
     for case in ranges.cases(32):
         assert _Both(32, case).run().narrowed == []
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/wordlengths.md and its picture are up to date, and the command says what is not."""
+"""docs/generated/wordlengths.md and its picture are up to date, and the command says what is not."""
 
 import re
 import xml.etree.ElementTree as ElementTree

@@ -212,7 +212,7 @@ def test_links_lead_to_the_pictures(cli):
         assert cli("--out", str(out))[0] == 0
         links = re.findall(r'href="([^"]*)"', text(out / "report.html"))
         assert all((out / unquote(link)).resolve().is_file() for link in links)
-        assert "../../docs/pipeline-lean.svg" in links
+        assert "../../docs/generated/pipeline-lean.svg" in links
     finally:
         (out / "report.html").unlink(missing_ok=True)
         out.rmdir()
@@ -223,7 +223,7 @@ def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
     cli("--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"))
     page = text(tmp_path / "o" / "report.html")
     assert str(ROOT) not in page and str(tmp_path) not in page
-    assert "href=" not in page and "<li>docs/pipeline-lean.svg</li>" in page
+    assert "href=" not in page and "<li>docs/generated/pipeline-lean.svg</li>" in page
 
 
 def test_the_script_finds_its_elements():
