@@ -283,3 +283,10 @@ def test_a_parameter_is_a_name_and_a_number(capsys, monkeypatch):
     assert capsys.readouterr().err == "fpga: argument --set: 'W' is not P=N\n"
     assert fpga.main(["--module", "ik_none"]) == 2
     assert capsys.readouterr().err == "fpga: no module ik_none in rtl\n"
+
+
+def test_a_tool_that_takes_too_long_is_ended(tmp_path):
+    start = time.monotonic()
+    with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
+        runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
+    assert time.monotonic() - start < 30
