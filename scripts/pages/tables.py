@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the pages in docs/ share."""
+"""Tables of the generated pages, read back: for tests, and for what checks that a page is fresh."""
 
 
 def table(text, heading):

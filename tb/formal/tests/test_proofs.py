@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """tb/formal/proofs.py and what runs it: the .sby files, the questions, and one proof of a few seconds."""
 
+import json
 import re
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -152,7 +154,7 @@ def test_result_is_kept(tmp_path):
     result = prove.Result("x", seconds=2.5, asserts=3, covers=[("full", 7)], seeded=[1.5], total=4.0)
     path = tmp_path / "done.json"
     assert prove.recall(path) is None
-    path.write_text(prove.json.dumps(prove.asdict(result)))
+    path.write_text(json.dumps(asdict(result)))
     again = prove.recall(path)
     assert (again.seconds, again.asserts, again.total, again.seeded) == (2.5, 3, 4.0, [1.5]) and again.failed == []
 
