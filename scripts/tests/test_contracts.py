@@ -81,8 +81,3 @@ def test_a_wrong_type_in_the_model_is_found(checkout):
 
 def test_the_checkout_keeps_its_contracts():
     assert contracts.findings() == []
-
-
-def test_a_file_that_is_short_by_now_is_not_excepted():
-    short = [name for name in contracts.TO_SPLIT if len((ROOT / name).read_text().splitlines()) <= contracts.LONGEST]
-    assert short == []
