@@ -19,7 +19,7 @@ SMALL = {case.name: case for case in exhaustive.SMALL}
 BUGS = {
     # case: file, what stands there, what it becomes, how many arguments show it, and words of the first one's message
     "div_8_0": ("ik_div.v", ".n  (n),", ".n  (n ^ (n == 91 && d == 7)),", 1, "n=91 d=7: q=13 ovf=0 expected, q=12"),
-    "div_8_6": ("ik_div.v", ".d  (d),", ".d  (d | (d == 0)),", 4, "d=0: "),
+    "div_8_6": ("ik_div.v", ".d  (d_in),", ".d  (d_in | (d_in == 0)),", 4, "d=0: "),
     "root_17": ("ik_root.v", ".n  (n),", ".n  (n ^ (n == 900)),", 1, "n=900: q=2715 neg=0 expected, q=2716 neg=0 seen"),
     "root_17_overflow": ("ik_root.v", ".n  (n),", ".n  (n ^ (n == -5) << 16),", 1, "n=-5: q=0 neg=1 expected, q="),
     "rsqrt_19": (
