@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The targets of a soak, chunk by chunk."""
+
+import numpy as np
+import pytest
+
+from model.targets.flags import UNREACHABLE, expected_flags
+from model.targets.stimuli import corners
+from model.targets.words import from_words
+from scripts import soak
+
+
+def test_a_chunk_depends_on_its_number_and_seed_only():
+    first = soak.chunk(3, 32, 1)
+    assert (first == soak.chunk(3, 32, 1)).all() and first.shape == (20000, 6)
+    assert not np.array_equal(first, soak.chunk(4, 32, 1)) and not np.array_equal(first, soak.chunk(3, 32, 2))
+    assert len(np.unique(first, axis=0)) > 19000
+
+
+@pytest.mark.parametrize("width", [16, 17, 18, 24, 32])
+def test_chunks_at_other_word_lengths(width):
+    words = soak.chunk(0, width, 1)
+    assert words.shape == (20000, 6)
+    assert (words >= -(1 << (width - 1))).all() and (words < 1 << (width - 1)).all()
+
+
+def test_a_chunk_has_all_kinds():
+    """Also its first tenth, as a soak of few targets has it: the neighbourhoods of singular poses, down to where words
+    end, unequal arms, clamped targets; and the corners somewhere."""
+    whole = soak.chunk(0, 32, 1)
+    assert set(corners(32).values()) <= set(map(tuple, whole.tolist()))
+    words = whole[:2000]
+    flags = expected_flags(words, 32)
+    for bit in (1, 2, 4, 8, 16):
+        assert (flags & bit).astype(bool).sum() >= 10, bit
+    reach = flags & UNREACHABLE == 0
+    assert 0.7 < reach.mean() < 0.9
+    at = from_words(words[reach], 0, 32, "chunk")
+    off_axis = np.arctan2(np.hypot(at.x, at.y), np.abs(at.z))
+    distance = np.sqrt(at.x**2 + at.y**2 + at.z**2)
+    near = {
+        "z axis": off_axis,
+        "full stretch": 1 - distance / at.reach,
+        "full fold": (distance - np.abs(at.d1 - at.d2)) / at.reach,
+        "shoulder": distance / at.reach,
+        "arms": np.minimum(at.d1, at.d2) / np.maximum(at.d1, at.d2),
+    }
+    pose = solve_clamped(at.x, at.y, at.z, at.phi, at.d1, at.d2)
+    near["elbow on the z axis"] = np.arctan2(np.hypot(pose["p_e_x"], pose["p_e_y"]), np.abs(pose["p_e_z"]))
+    decades = {"z axis": 7, "full stretch": 8, "full fold": 8, "shoulder": 7, "arms": 1, "elbow on the z axis": 7}
+    for name, value in near.items():
+        for decade in range(1, decades[name] + 1):
+            assert (value < 10.0**-decade).sum() >= 5, f"{name}: none below 1e-{decade}"
+
+
+def test_fewer_targets_are_the_first_of_more(cli, simulator):
+    cli("--targets", "1000")
+    whole = np.concatenate([call["words"] for call in simulator.calls])
+    assert simulator.targets == [400, 400, 200]
+    simulator.calls.clear()
+    cli("--targets", "500")
+    some = np.concatenate([call["words"] for call in simulator.calls])
+    assert np.array_equal(whole[:500], some)
