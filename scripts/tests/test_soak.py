@@ -84,6 +84,16 @@ def measured(out, figure):
 # -- a soak that goes well ---------------------------------------------------------------------------------------------
 
 
+def test_fewer_targets_are_the_first_of_more(cli, simulator):
+    cli("--targets", "1000")
+    whole = np.concatenate([call["words"] for call in simulator.calls])
+    assert simulator.targets == [400, 400, 200]
+    simulator.calls.clear()
+    cli("--targets", "500")
+    some = np.concatenate([call["words"] for call in simulator.calls])
+    assert np.array_equal(whole[:500], some)
+
+
 def test_what_it_says_and_writes(cli, simulator):
     status, out, err = cli("--targets", "900")
     assert (status, err) == (0, [])
