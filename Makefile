@@ -66,29 +66,29 @@ test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
 	@SIM=$(SIM) $(VENV) -m pytest scripts/report/tests/browser_test_report.py
 
-docs: ## write the generated pages and headers anew
+docs: ## write scores.md, latency.md and the generated headers
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.pages.gen_headers
 	@$(VENV) -m scripts.pages.gen_docs --sim $(SIM)
 
-derive: ## docs/generated/derivation.md, the paper's equations from its geometry, and docs/generated/lean.md, the lean ones from them
+derive: ## the paper's equations from its geometry, the lean ones from them: derivation.md, lean.md
 	@$(SETUP)
 	@$(VENV) -m scripts.derive.paper
 	@$(VENV) -m scripts.derive.lean
 
-wordlengths: ## ranges proved and seen, errors of every node: docs/generated/wordlengths.md and .svg
+wordlengths: ## ranges proved and seen, errors of every node: wordlengths.md
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.pages.wordlengths
 
-compare: ## both datapaths on the same targets, clocks, operations, errors: docs/generated/compare.md and .svg
+compare: ## both datapaths on the same targets, clocks, operations, errors: compare.md and .svg
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.compare
 
-operations: ## table 4 of the paper counted from the equations and the elaborated RTL: docs/generated/operations.md
+operations: ## table 4 of the paper counted from the equations and the elaborated RTL: operations.md
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.pages.opcounts
 
-figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: docs/generated/figures.md
+figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: figures.md
 	@$(SETUP) graphviz
 	@$(VENV) -m scripts.pages.figures
 
@@ -108,7 +108,7 @@ soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPA
 	  $(call given,FROM,--from="$$CGA_FROM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
-exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: docs/generated/exhaustive.md
+exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
 	@$(SETUP) verilator
 	@$(VENV) -m scripts.exhaustive
 
@@ -116,7 +116,7 @@ lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, 
 	@$(SETUP) icarus
 	@$(VENV) -m scripts.lint
 
-formal: ## proofs of streams, divider, root and ranges, each seen failing on seeded bugs: docs/*proofs.md [ONLY=name]
+formal: ## proofs of streams, divider, root and ranges, each seen failing on seeded bugs: proofs.md, ranges_proofs.md [ONLY=name]
 	@$(SETUP) fpga
 	@$(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 
@@ -128,7 +128,7 @@ release-check: ## the same, and fails if one is
 	@$(SETUP)
 	@$(VENV) -m scripts.check_proofs --strict
 
-fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: docs/generated/fpga.md [DATAPATH= WIDTH=]
+fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga
 	@$(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 

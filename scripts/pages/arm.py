@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/generated/arm.svg: what the core solves, drawn from the answers of the bit-true model.
-
-    python -m scripts.pages.arm
+"""arm.svg: what the core solves, drawn from the answers of the bit-true model.
 
 One target, every swivel angle: the elbow runs around a circle about the line from shoulder to wrist.
 """
@@ -13,9 +11,6 @@ import numpy as np
 from model.dataflow import fixed
 from model.reference.kinematics import forward
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, to_words
-from tb.sim.env import GENERATED
-
-PICTURE = GENERATED / "arm.svg"
 
 TARGET = (0.38, -0.14, 0.05)
 PHI = 2.5
@@ -83,7 +78,3 @@ def picture() -> str:
         f'<style>{STYLE}</style>\n<rect x="40" y="60" width="460" height="310" fill="#fff"/>\n'
         + "\n".join(parts) + "\n</svg>\n"
     )
-
-
-if __name__ == "__main__":
-    PICTURE.write_text(picture())

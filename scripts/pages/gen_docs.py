@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make docs: scores of all trajectories, where every clock goes, the pipelines as pictures.
+"""make docs: scores of all trajectories, where every clock goes, pictures of the arm and of the pipelines.
 
     python -m scripts.pages.gen_docs [--sim icarus|verilator]     runs all trajectories through the RTL, then writes
 """
@@ -18,6 +18,7 @@ from model.dataflow.nodes import Latency
 from model.targets import trajectories
 from scripts import run
 from scripts.console import Parser, exit_status
+from scripts.pages import arm
 from scripts.pages.flow import design, longest_path, start
 from scripts.pages.pipeline import FIFO_CLOCKS, pipeline_svg
 from scripts.pages.render import render
@@ -55,7 +56,7 @@ def latency_page() -> str:
 def pages() -> dict[Path, str]:
     """What needs no run: file -> text."""
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}
-    return {GENERATED / "latency.md": latency_page(), **pictures}
+    return {GENERATED / "latency.md": latency_page(), GENERATED / "arm.svg": arm.picture(), **pictures}
 
 
 def _write(arguments: Sequence[str] | None) -> int:
