@@ -272,6 +272,8 @@ class Setup:
 
     def make_venv(self):
         """A fresh .venv, whatever was there; returns the path of its libpython."""
+        if os.path.islink(self.venv):  # --clear would empty what it leads to, outside of this checkout
+            die(".venv is a link to %s, which set-up will not overwrite: remove the link" % os.readlink(self.venv))
         dotted = "%d.%d" % tuple(sys.version_info[:2])
         say("making .venv with Python %s from requirements.lock (a minute or so) ..." % dotted)
         env = self.pip_environment()
