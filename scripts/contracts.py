@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make lint` holds the Python to, besides ruff's style: rooms, private names, sizes of files, types of the model.
+"""What `make lint` holds the tree to besides ruff: rooms, private names, sizes, licences, types of the model.
 
     python -m scripts.contracts
 
@@ -21,6 +21,10 @@ LONGEST = 500
 
 GENERATED = ("docs/generated/*", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh", "*.lock")
 """Files that a command writes."""
+
+LICENCE = "SPDX-License-Identifier: Apache-2.0"
+SOURCES = (".py", ".v", ".vh", ".vlt", ".f", ".cpp", ".js", ".css", ".html", ".j2", ".sby", ".toml", "Makefile", "run")
+"""How the names of files end that say their licence."""
 
 ROOMS = ("model", "tb", "scripts")
 
@@ -56,17 +60,31 @@ def too_long(path: Path, name: str) -> list[str]:
     return [f"{name}: {lines} lines; split what is written by hand at {LONGEST}"] if lines > LONGEST else []
 
 
+def tracked(root: Path) -> list[tuple[str, Path]]:
+    """The files of a checkout, by name."""
+    listed = subprocess.run(["git", "ls-files"], cwd=root, capture_output=True, text=True, check=True).stdout
+    return [(name, root / name) for name in listed.splitlines() if (root / name).is_file()]
+
+
+def unlicensed(root: Path = ROOT) -> list[str]:
+    """The source files of a checkout whose first lines do not say their licence."""
+    return [
+        f"{name}: no line {LICENCE}"
+        for name, path in tracked(root)
+        if name.endswith(SOURCES) and LICENCE not in "".join(path.open(encoding="utf-8").readlines()[:5])
+    ]
+
+
 def findings(root: Path = ROOT) -> list[str]:
     """Private names and long files of a checkout, a line each."""
-    listed = subprocess.run(["git", "ls-files"], cwd=root, capture_output=True, text=True, check=True).stdout
-    files = [(name, root / name) for name in listed.splitlines() if (root / name).is_file()]
+    files = tracked(root)
     found = [line for name, path in files if name.endswith(".py") for line in private_names(path)]
     return found + [line for name, path in files for line in too_long(path, name)]
 
 
 def main() -> int:
     """Prints a line for each contract, and what breaks it; 1 if something does."""
-    said = {"private names, sizes of files": findings()}
+    said = {"private names, sizes of files": findings(), "licences": unlicensed()}
     for what, command in TOOLS.items():
         done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
         said[what] = (done.stdout + done.stderr).splitlines() if done.returncode else []

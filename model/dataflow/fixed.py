@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Layer 4: the bit-true fixed-point model of the RTL, every node, in integers.
 
 A node's value is an int64 array over targets (object arrays of Python integers where 64 bits do not hold it).  There

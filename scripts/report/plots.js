@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Part of the page of scripts/report/page.py, which puts canvas.js, arm.js, plots.js and report.js into one function.
 
 // -- plots ----------------------------------------------------------------------------------

@@ -53,6 +53,14 @@ def test_a_long_file_is_found_unless_a_command_writes_it(checkout):
     assert contracts.findings(checkout) == ["scripts/a.js: 501 lines; split what is written by hand at 500"]
 
 
+def test_a_source_without_its_licence_is_found(checkout):
+    write(checkout, "rtl.f", f"// {contracts.LICENCE}\n")
+    write(checkout, "notes.md", "none\n")
+    assert not [line for line in contracts.unlicensed(checkout) if "rtl.f" in line or "notes.md" in line]
+    write(checkout, "rtl.f", "ik_axis.v\n")
+    assert f"rtl.f: no line {contracts.LICENCE}" in contracts.unlicensed(checkout)
+
+
 @pytest.mark.parametrize(
     ("name", "imports"),
     [
@@ -80,4 +88,4 @@ def test_a_wrong_type_in_the_model_is_found(checkout):
 
 
 def test_the_checkout_keeps_its_contracts():
-    assert contracts.findings() == []
+    assert contracts.findings() == [] == contracts.unlicensed()
