@@ -38,5 +38,5 @@ def test_ik_mul(sets):
 
 def test_ik_mul_of_long_words_does_not_elaborate(caplog):
     with pytest.raises(SystemExit):
-        run_unit("ik_mul", mul(36, 32, 30, 32))
+        run_unit("ik_mul", [mul(36, 32, 30, 32)])
     assert "ik_mul_needs_AW_BW_of_at_most_35" in caplog.text
