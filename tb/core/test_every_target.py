@@ -48,7 +48,8 @@ if simulator() == "verilator":
     def test_a_wrong_pipeline_is_found(words, tmp_path):
         shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
         module = tmp_path / "rtl" / "lean" / "ik_lean_guard.v"
-        right, wrong = "fold     <= (too_near || shoulder_far) && !bad_far", "fold     <= (too_near || shoulder_far)"
+        wrong = "fold     <= (too_near || at_shoulder_at_too_far)"
+        right = f"{wrong} && !bad_length_at_too_far"
         text = module.read_text()
         assert right in text
         module.write_text(text.replace(right, wrong))
