@@ -342,7 +342,7 @@ def test_a_name_that_is_markup_is_text(fake, browser, tmp_path):
 def test_problems_are_noticed(written, tmp_path, spoilt, problem):
     path = tmp_path / "spoilt.html"
     path.write_text(
-        Path(written.removeprefix("file://")).read_text().replace("  start();\n", f"  start();\n{spoilt}\n")
+        Path(written.removeprefix("file://")).read_text().replace("\nstart();\n", f"\nstart();\n{spoilt}\n")
     )
     with Page(tmp_path / "profile", *WIDE) as page:
         page.open(path.as_uri())
