@@ -16,7 +16,7 @@ import numpy as np
 from model.dataflow import cores as lean_cores
 from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import CORDIC, Domain, Format, Node, wrap
+from model.dataflow.nodes import CORDIC, Domain, Format, Node, effective_width, wrap
 from model.targets.flags import FLAGS
 from model.targets.words import FIELDS, RESULT_FIELDS
 
@@ -139,8 +139,7 @@ class Bits(Domain):
         return lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
 
     def half_sincos(self, names, phi, fmt):
-        # An angle of fewer than 16 bits is one of 16 that ends in zeros.
-        width = max(self.width, 16)
+        width = effective_width(self.width)  # a shorter angle ends in zeros
         frac = min(fmt.frac, lean_trig.FRACS[-1])
         pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac)
         return tuple(v << (fmt.frac - frac) for v in pair)

@@ -24,7 +24,19 @@ from collections.abc import Callable
 
 import numpy as np
 
-from model.dataflow.nodes import FLOOR, HALF_UP, Domain, Format, Growth, Node, Within, inner_frac, root_frac, wrap
+from model.dataflow.nodes import (
+    FLOOR,
+    HALF_UP,
+    Domain,
+    Format,
+    Growth,
+    Node,
+    Within,
+    effective_width,
+    inner_frac,
+    root_frac,
+    wrap,
+)
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -77,8 +89,9 @@ class Lean:
         self.length = Format(width + 1, width - 2, "W - 2")
         self.doubled = Format(frac + 3, frac, "FRAC")  # 2 and a little fits
         self.raised = Format(frac + 5, frac, "FRAC")  # shifted left by 2
-        self.pad = max(16 - width, 0)  # zeros below a coordinate, for the tiles of its product
-        self.shifted = Format(width + self.pad + 1, width + self.pad, "((W < 16) ? 16 : W)")
+        effective = effective_width(width)
+        self.pad = effective - width  # zeros below a coordinate
+        self.shifted = Format(effective + 1, effective, "WX")
         self.count = Format(6, 0, "0", signed=False)
         self.result = Format(width, width - 2, "W - 2")
         self.drop = frac - self.result.frac  # what a result's rounding drops of an inner word

@@ -44,18 +44,23 @@ each in both coordinates, the angle left over is below one ulp, and the result i
 WIDTHS = range(16, 33)
 """Word lengths that the datapaths are built for."""
 
-INNER_FRACS = 21, 33
-"""Fraction bits of an inner word of the lean datapath, least and most: words of 33 and two integer bits are cut into
-tiles of 18 bits and less."""
+INNER_FRAC = 33
+"""Most fraction bits of an inner word of the lean datapath: words of 33 and two integer bits are cut into tiles of
+18 bits and less."""
 
 ROOT_FRACS = 21, 31
 """Fraction bits of its roots: up to 18 bits a word, where no Newton step is needed, and at most."""
 
 
+def effective_width(width: int) -> int:
+    """The word length that the lean datapath's formats follow: shorter words, which only the exhaustive test has, are
+    computed as those of the least length."""
+    return max(width, WIDTHS[0])
+
+
 def inner_frac(width: int) -> int:
     """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
-    least, most = INNER_FRACS
-    return min(max(width + 5, least), most)
+    return min(effective_width(width) + 5, INNER_FRAC)
 
 
 def root_frac(width: int) -> int:

@@ -5,7 +5,8 @@
 // which it is valid, counted from the clock in which its target stands at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
-localparam integer FRAC = (W < 16) ? 21 : ((W < 28) ? W + 5 : 33);  // of an inner word
+localparam integer WX = (W < 16) ? 16 : W;  // the word length that formats follow
+localparam integer FRAC = (WX < 28) ? WX + 5 : 33;  // of an inner word
 localparam integer ROOT_FRAC = (W < 19) ? 21 : ((FRAC < 31) ? FRAC : 31);
 localparam integer LAT_SUM2 = 2;  // add, round and saturate
 localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
@@ -54,9 +55,9 @@ localparam integer F_INV_RHO = FRAC, T_INV_RHO = T_M_RHO + LAT_RSQRT;  // (L8)
 localparam integer T_E_S = T_S + LAT_EVEN;  // (L9)
 localparam integer T_M_S = T_S + LAT_EVEN;  // (L9)
 localparam integer F_INV_S = FRAC, T_INV_S = T_M_S + LAT_RSQRT;  // (L9)
-localparam integer F_X_N = ((W < 16) ? 16 : W), T_X_N = T_E_RHO + LAT_SHIFT;  // (L14)
-localparam integer F_Y_N = ((W < 16) ? 16 : W), T_Y_N = T_E_RHO + LAT_SHIFT;  // (L15)
-localparam integer F_Z_N = ((W < 16) ? 16 : W), T_Z_N = T_E_S + LAT_SHIFT;  // (L16)
+localparam integer F_X_N = WX, T_X_N = T_E_RHO + LAT_SHIFT;  // (L14)
+localparam integer F_Y_N = WX, T_Y_N = T_E_RHO + LAT_SHIFT;  // (L15)
+localparam integer F_Z_N = WX, T_Z_N = T_E_S + LAT_SHIFT;  // (L16)
 localparam integer F_U_X = FRAC, T_U_X = T_INV_RHO + LAT_MUL3;  // (L14)
 localparam integer F_U_Y = FRAC, T_U_Y = T_INV_RHO + LAT_MUL3;  // (L15)
 localparam integer F_SIN_EL = FRAC, T_SIN_EL = T_INV_S + LAT_MUL3;  // (L16)

@@ -7,7 +7,7 @@
 
 module ik_lean_triangle #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
+    parameter integer N = (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
 ) (
     // Clock
     input  wire                  clk,

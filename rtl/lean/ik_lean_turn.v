@@ -7,7 +7,7 @@
 
 module ik_lean_turn #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 16) ? 23 : ((W < 28) ? W + 7 : 35)  // of an inner word: follows from W
+    parameter integer N = (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
 ) (
     // Clock
     input  wire                clk,
@@ -49,10 +49,9 @@ module ik_lean_turn #(
   wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);  // (L38)
   wire signed [N-1:0] cos_x = {{(N - TF - 1) {cos_t[TF+1]}}, cos_t[TF:0]};
   wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);  // (L39)
-  // an angle of fewer than 16 bits is one of 16 that ends in zeros
-  localparam integer PW = (W < 16) ? 16 : W;
-  wire signed [PW-1:0] phi_w = {{(PW - W + 1) {phi[W-1]}}, phi[W-2:0]};
-  ik_trig #(.W(PW), .F(TF)) u_trig (.clk(clk), .phi(phi_w <<< (PW - W)), .sin_h(sin_t), .cos_h(cos_t));
+  // a shorter angle than WX is one of WX bits that ends in zeros
+  wire signed [WX-1:0] phi_w = {{(WX - W + 1) {phi[W-1]}}, phi[W-2:0]};
+  ik_trig #(.W(WX), .F(TF)) u_trig (.clk(clk), .phi(phi_w <<< (WX - W)), .sin_h(sin_t), .cos_h(cos_t));
 
   wire signed [N-1:0] cc;  // (L40)
   wire signed [N-1:0] ss;  // (L41)

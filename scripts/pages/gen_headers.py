@@ -18,7 +18,7 @@ from model.dataflow import cores as lean_cores
 from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
-from model.dataflow.nodes import GUARD, INNER_FRACS, ROOT_FRACS, WIDTHS, Latency, Node
+from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node
 from model.targets.words import RESULT_FIELDS
 from tb.sim.env import ROOT
 
@@ -63,10 +63,10 @@ def nodes_header(datapath: str) -> str:
     if datapath == "paper":
         lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
     else:
-        least, most = INNER_FRACS
-        frac = f"(W < {least - 5}) ? {least} : ((W < {most - 5}) ? W + 5 : {most})"
+        least, most = WIDTHS[0], INNER_FRAC
         short, long = ROOT_FRACS
-        lines.append(f"localparam integer FRAC = {frac};  // of an inner word")
+        lines.append(f"localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow")
+        lines.append(f"localparam integer FRAC = (WX < {most - 5}) ? WX + 5 : {most};  // of an inner word")
         lines.append(f"localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});")
     for kind, (_, _, why) in Latency.TABLE.items():
         if kind in used:
