@@ -122,12 +122,17 @@ if simulator() == "verilator":
     @pytest.mark.sim
     @pytest.mark.slow
     @pytest.mark.parametrize(
-        ("name", "right", "wrong", "message"),
+        ("module", "right", "wrong", "message"),
         [
-            ("tag", "(s_axis_tuser),", "(s_axis_tuser ^ (s_axis_tuser == 9)),", "target 9: the result has tag 8"),
-            ("ready", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
+            ("ik_axis", "(s_axis_tuser),", "(s_axis_tuser ^ (s_axis_tuser == 9)),", "target 9: the result has tag 8"),
+            ("ik_axis", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
+            (
+                "lib/ik_fifo", "(wr_ptr == rd_ptr)", "(wr_ptr == rd_ptr) || (rd_ptr == 9 && wr_ptr == 10)",
+                "target 9: 46 clocks, the first took 45",
+            ),
         ],
-    )
-    def test_a_broken_stream(tmp_path, name, right, wrong, message):
+    )  # fmt: skip
+    def test_a_broken_stream(tmp_path, module, right, wrong, message):
+        name = message.partition(":")[0].replace(" ", "_")
         with pytest.raises(SimulationError, match=message):
-            broken(tmp_path, "ik_axis.v", right, wrong, name, ways=[True])
+            broken(tmp_path, f"{module}.v", right, wrong, name, ways=[True])
