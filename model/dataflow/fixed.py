@@ -16,7 +16,7 @@ import numpy as np
 from model.dataflow import cores as lean_cores
 from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import CORDIC, Domain, Format, Node, effective_width, wrap
+from model.dataflow.nodes import Domain, Format, Node, effective_width, wrap
 from model.targets.flags import FLAGS
 from model.targets.words import FIELDS, RESULT_FIELDS
 
@@ -148,12 +148,8 @@ class Bits(Domain):
         empty = np.logical_and.reduce([w.value == 0 for w in words])
         return np.where(empty, fill, word.value << counts.value)
 
-    def sincos(self, sin, cos, phi):
-        values = cordic(phi.value, self.width)
-        return tuple(
-            self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC)
-            for n, v in zip((sin, cos), values, strict=True)
-        )
+    def cordic(self, names, phi):
+        return cordic(phi.value, self.width)
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ def table(datapath: str, width: int) -> dict[str, Range]:
         if not fmt.frac:
             found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
             continue
-        limits = proved.within.get(name)
+        limits = node.facts.within
         below = limits is not None and limits.below
         low = math.ceil((bound.low - bound.error) / fmt.ulp)
         high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)
