@@ -17,7 +17,7 @@ from model.bounds.ranges import RangeError
 from model.dataflow.facts import Within
 from model.dataflow.lean import lean
 from model.dataflow.nodes import Domain, Format, Node
-from model.targets.words import FIELDS
+from model.targets.words import ARMS
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,11 @@ class LeanRanges(Domain):
         super().__init__(width)
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
-        target = {}
-        for name in FIELDS:
-            fmt = self.word(0) if name == "phi" else self.word(1)
-            bound = Bound(fmt.ulp if name in ("d1", "d2") else fmt.low * fmt.ulp, fmt.high * fmt.ulp)
-            target[name] = self.make(name, "input", (), fmt, None, bound)
-        lean(self, target)
+
+        def word(name, fmt):
+            return Bound(fmt.ulp if name in ARMS else fmt.low * fmt.ulp, fmt.high * fmt.ulp)
+
+        lean(self, self.inputs(word))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=(0.0, 0.0)):
         if op in ("rsqrt", "trig", "mul3"):  # the rounding that the operation itself states

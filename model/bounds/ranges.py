@@ -22,7 +22,7 @@ from model.dataflow.cases import Case, cases
 from model.dataflow.facts import ANYTHING, Given, Rule
 from model.dataflow.nodes import CORDIC, Domain, Format, Node
 from model.dataflow.paper import paper
-from model.targets.words import FIELDS
+from model.targets.words import ARMS
 
 SLACK = 2.0**-48
 """Relative allowance for the double precision in which the bounds themselves are computed."""
@@ -71,14 +71,12 @@ class Ranges(Domain):
 
     def run(self) -> Ranges:
         """The whole datapath."""
-        low, high = -(1 << (self.width - 1)), (1 << (self.width - 1)) - 1
-        target = {}
-        for name in FIELDS:
-            fmt = self.word(1) if name != "phi" else self.word(0)
-            least = 1 if name in ("d1", "d2") and not self.case.clamped else low
-            value = self._fit(name, Bound(least * fmt.ulp, high * fmt.ulp), fmt)
-            target[name] = self.make(name, "input", (), fmt, None, value)
-        paper(self, target)
+
+        def word(name, fmt):
+            least = 1 if name in ARMS and not self.case.clamped else fmt.low
+            return self._fit(name, Bound(least * fmt.ulp, fmt.high * fmt.ulp), fmt)
+
+        paper(self, self.inputs(word))
         return self
 
     def _fit(self, name: str, bound: Bound, fmt: Format) -> Bound:

@@ -91,11 +91,6 @@ class Bits(Domain):
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
-    def input(self, name: str, words) -> Node:
-        """An input word, in the clock in which the target is accepted."""
-        fmt = self.word(1) if name != "phi" else self.word(0)
-        return self.make(name, "input", (), fmt, None, np.asarray(words, dtype=np.int64))
-
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, np.int64(round(value * 2.0**fmt.frac)))
 
@@ -165,7 +160,8 @@ class Answer:
 def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
     """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
     bits = Bits(width, datapath)
-    DATAPATHS[datapath].flow(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(FIELDS)})
+    columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
+    DATAPATHS[datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
     value = {k: n.value for k, n in bits.nodes.items()}
     # The lean datapath has nothing that saturates.
     flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)

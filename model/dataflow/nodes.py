@@ -32,6 +32,7 @@ from model.dataflow.cases import Case
 from model.dataflow.cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
 from model.dataflow.facts import Facts, Within, leading
 from model.dataflow.trig import FRACS, TRIG_CLOCKS
+from model.targets.words import FIELDS, LENGTHS
 
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""
@@ -250,6 +251,11 @@ class Domain(ABC):
         )  # fmt: skip
         self.nodes[name] = node
         return node
+
+    def inputs(self, value: Callable[[str, Format], Value]) -> dict[str, Node]:
+        """The input words, in the clock in which the target is accepted."""
+        formats = {name: self.word(int(name in LENGTHS)) for name in FIELDS}
+        return {name: self.make(name, "input", (), fmt, None, value(name, fmt)) for name, fmt in formats.items()}
 
     # ---- what is known from here on ------------------------------------------------------------------------------
 

@@ -213,8 +213,10 @@ def rules() -> list[str]:
     for name, of in facts.items():
         if isinstance(of.within, Rule):
             stated.setdefault((of.within.name, of.within.why), []).append(f"`{name}`")
+    names = [rule for rule, _ in stated]
+    together = sorted(stated.items(), key=lambda item: names.index(item[0][0]))  # what refers to one another
     out = ["## The rules", ""]
-    out += [f"- **{rule}** ({', '.join(nodes)}): {why}." for (rule, why), nodes in stated.items()]
+    out += [f"- **{rule}** ({', '.join(nodes)}): {why}." for (rule, why), nodes in together]
     return out + [f"- **saturates by design** (`{n}`): {of.limited.why}." for n, of in facts.items() if of.limited]
 
 
