@@ -276,6 +276,8 @@ def off_length(c: Case, n: dict[str, Node]) -> Case:
     |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 at right angles to it) the square undoes
     the root."""
     t, inf, worst = n["tmp_sqr"], n["inf_pp"].value, 0.0
+    if min(inf.low, inf.word[0]) <= 0:
+        return c  # the division says so
     for axis, m in zip("xyz", "123", strict=True):
         if f"e_{axis}_pp" not in n:  # as the first, at the most
             axis, m = "x", max("123", key=lambda k: n[f"pp_{k}_m"].value.error)
