@@ -61,7 +61,8 @@ HALF_LENGTH = Within(0.5, 1.0, "(1 + |c|)/2")
 HALF_ANGLE = Within(-1.0, 1.0, "half angles: squared length (1 + |c|)/2")
 PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
 ELBOW_W, ELBOW_I = Within(0.0, 1.0, "a component of Qe"), Within(-1.0, 0.0, "a component of Qe")
-RISEN = Within(0.0, 1.0, "e_rho >= e_s, because rho <= |p|")
+RISES = "e_rho >= e_s, because rho <= |p|"
+RISEN = Within(0.0, 1.0, RISES)
 ARMS_UNIT = Within(0.0, 2.0, "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2")
 LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
 LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4")
@@ -71,6 +72,12 @@ K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
 ROUNDED = "((1 <<< (DROP - 1)) {}) >>> DROP"
 TWO = Limited("2, which powers of two can give, becomes the largest word")
+
+
+def not_negative(why: str) -> Within:
+    """Of a shift count, 6 bits."""
+    return Within(0.0, 63.0, why)
+
 
 WIDTHS = range(3, 33)
 """Word lengths that the lean datapath can be built with: below 16 only so that all inputs can be tried."""
@@ -169,7 +176,7 @@ def direction(d: Domain, f: Lean) -> None:
     L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
-    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus, exact="e_rho_at_e_s - e_s")
+    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus, within=not_negative(RISES), exact="e_rho_at_e_s - e_s")
     L(18).op(
         "inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR, within=RISEN,
     )  # fmt: skip
@@ -211,9 +218,10 @@ def triangle(d: Domain, f: Lean) -> None:
     def arms_shift(e, e_1, e_2):
         return (e - e_1 - e_2 + 2 + f.odd) & 63
 
-    for line, side, part in ((22, "far", "w"), (23, "near", "i")):
+    for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
         L(line).op(
             f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms_shift,
+            within=not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"),
             exact=f"e_{side} - e_1_at_e_far - e_2_at_e_far + 2 + ODD",
         )  # fmt: skip
         shifted = ("inv_12", f"n_{side}")
@@ -263,7 +271,7 @@ def triangle(d: Domain, f: Lean) -> None:
 
     L(28).op(
         "n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", law_shift,
-        exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
+        within=not_negative("sin a <= 1"), exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
     )  # fmt: skip
     L(28).op(
         "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down_from_4, scaled_by(2, -1), FLOOR,
