@@ -23,6 +23,7 @@ from rich.progress import Progress, SpinnerColumn, TimeElapsedColumn
 from model.bounds import affine, predict, ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
+from model.dataflow.facts import Rule
 from model.dataflow.nodes import WIDTHS, FormatError, Node
 from model.dataflow.reals import Real
 from model.targets.observed import Observed, hand_errors, monte_carlo, regular_poses, shown, words_of
@@ -120,7 +121,7 @@ def analytic_cells(width: int = WIDTH) -> dict[str, list[str]]:
         rules = "; ".join(proof.rules) or "interval"
         if name in fails:
             rules += "; **does not fit**"
-        error = "-" if name in ranges.BY_DESIGN else f"{proof.error_ulps:.2g}"
+        error = "-" if proof.node.facts.limited else f"{proof.error_ulps:.2g}"
         equation = proof.node.equation or "-"
         low, high = proof.low + 0.0, proof.high + 0.0
         cells[name] = [equation, _bounds(low, high), rules.replace("|", "\\|"), kind, str(proof.bits_wasted), error]
@@ -207,11 +208,16 @@ def page(width, targets, seed, observed: Observed, moved, errors, proved_errors)
 
 def rules() -> list[str]:
     """The last section of the page."""
+    facts = {name: proof.node.facts for name, proof in ranges.proved(WIDTH).items()}
+    stated: dict[tuple[str, str], list[str]] = {}
+    for name, of in facts.items():
+        if isinstance(of.within, Rule):
+            stated.setdefault((of.within.name, of.within.why), []).append(f"`{name}`")
+    names = [rule for rule, _ in stated]
+    together = sorted(stated.items(), key=lambda item: names.index(item[0][0]))  # what refers to one another
     out = ["## The rules", ""]
-    out += [f"- **{r.name}** ({', '.join(f'`{n}`' for n in r.nodes)}): {r.why}." for r in ranges.RULES]
-    out += ["- **forearm** (`f_x`, `f_y`, `f_z`): |p_e - p_w| = d2 <= 1."]
-    out += [f"- **saturates by design** (`{name}`): {why}." for name, why in ranges.BY_DESIGN.items()]
-    return out
+    out += [f"- **{rule}** ({', '.join(nodes)}): {why}." for (rule, why), nodes in together]
+    return out + [f"- **saturates by design** (`{n}`): {of.limited.why}." for n, of in facts.items() if of.limited]
 
 
 def _summary(width: int, observed: Observed) -> list[str]:
@@ -296,7 +302,7 @@ def stale(text: str) -> list[str]:
     """What of the page's proofs is out of date: one line a node."""
     table, fresh = read_table(text), analytic_cells()
     if not text.endswith("\n".join(rules()) + "\n"):
-        return ["the rules are not those of model/bounds/ranges.py"]
+        return ["the rules are not those of model/dataflow/paper.py"]
     wrong = [f"{name}: not in the table, or no longer a node" for name in sorted(set(table) ^ set(fresh))]
     for name, cells in fresh.items():
         if name in table and table[name][: len(cells)] != cells:
