@@ -68,6 +68,12 @@ def depth(section: str, node: str) -> int:
     return SECTIONS[section][node].clocks + bool(inner(section, node))
 
 
+def last(section: str, node: str) -> str:
+    """The signal that has a node's exact value in the clock of the node."""
+    clocks = SECTIONS[section][node].clocks
+    return f"exact_{node}_{clocks}" if clocks else f"exact_{node}"
+
+
 def properties(section: str) -> str:
     """Verilog to append to a section: for each node its exact value and the assertion that the node holds it."""
     lines = ["localparam integer EXACT_W = 2 * W + 8;", "reg [1:0] exact_age = 2'd0;  // clocks, up to 3"]
@@ -80,7 +86,6 @@ def properties(section: str) -> str:
             before = f"{name}_{clock}" if clock else name
             lines.append(f"reg signed [EXACT_W-1:0] {name}_{clock + 1};")
             lines.append(f"always @(posedge clk) {name}_{clock + 1} <= {before};")
-        last = f"{name}_{value.clocks}" if value.clocks else name
-        check = f"holds_{node} : assert ({last} == {value.held});"
+        check = f"holds_{node} : assert ({last(section, node)} == {value.held});"
         lines.append(f"always @* if (exact_age >= {depth(section, node)}) {check}")
     return "\n".join(lines) + "\n"

@@ -357,7 +357,15 @@ class Design(Elaborated):
         text = self._text(formula, depth)
         one_bit = (s for s in signals(expression) if formula.widths.get(s) == 1)
         cases = tuple(formula.at(signal, 0) for signal in one_bit)
-        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases))
+        question = Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases)
+        self._settle(row, own, question)
+        if not row.problem and row.fits == own.rule:
+            # Of a wrong expression, the rule could leave nothing but values for which it happens to hold.
+            last, width = exact_values.last(driver.section, name), node.format.width
+            low = f"(= ((_ extract {width - 1} 0) {formula.at(last, depth)}) {formula.at(name, depth)})"
+            row.seconds += (answer := question.ask(facts, [low])).seconds
+            if answer.said != "unsat":
+                row.problem = f"without its rule it is not the low bits of its exact value: {answer.said}"
         if node.facts.limited and not row.problem:
             row.fits += f"; limited: {node.facts.limited.why}"
 
