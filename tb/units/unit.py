@@ -102,10 +102,18 @@ def sets_of(names: str) -> Callable[..., Parameters]:
     return lambda *values, **others: dict(zip(names.split(), values, strict=True)) | others
 
 
-def instances(op: str, width: int, of: Callable[..., Parameters]) -> list[Parameters]:
-    """The parameter sets that the paper datapath has of an operator, each once; ``of`` makes one of formats."""
-    sets = [of(*(n.format for n in (*node.operands, node))) for node in nodes_of("paper", width) if node.op == op]
-    return [one for k, one in enumerate(sets) if one not in sets[:k]]
+def instances(op: str, count: int, of: Callable[..., Parameters]) -> list[Parameters]:
+    """The parameter sets, ``count`` a width, that the paper datapath of 32 and 18 bits has of an operator, each once.
+
+    ``of`` makes one of the width and the formats of operands and result.
+    """
+    found = []
+    for width in (32, 18):
+        nodes = [node for node in nodes_of("paper", width) if node.op == op]
+        sets = [of(width, *(n.format for n in (*node.operands, node))) for node in nodes]
+        found += [one for k, one in enumerate(sets) if one not in sets[:k]]
+    assert len(found) == 2 * count, found
+    return found
 
 
 # ---- inside a simulation (cocotb) ------------------------------------------------------------------------------------

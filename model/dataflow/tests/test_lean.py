@@ -5,7 +5,6 @@ A result word is rounded, half an ulp (2^(2 - W)) each; that alone can move the 
 upper arm of a twentieth of the forearm. So the bars are also given in ulps.
 """
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -80,20 +79,9 @@ def as_quaternions(qe: np.ndarray) -> np.ndarray:
     return np.column_stack([qe, np.zeros_like(qe)])
 
 
-@dataclass
 class Run:
     """Words and what the model makes of them: errors in parts of |d1| + |d2| (that of the hand against the pose where
     the target is out of reach), rad, and ulps."""
-
-    words: np.ndarray
-    answer: fixed.Answer
-    hand: np.ndarray
-    elbow: np.ndarray
-    shoulder_angle: np.ndarray
-    elbow_angle: np.ndarray
-    norms: tuple[np.ndarray, np.ndarray]
-    targets: object
-    values: np.ndarray
 
     def __init__(self, words: np.ndarray, width: int, solve=solve_lean) -> None:
         self.words = words

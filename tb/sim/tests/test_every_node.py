@@ -120,7 +120,7 @@ if simulator() == "verilator":
     @pytest.mark.parametrize(
         ("name", "right", "wrong", "message"),
         [
-            ("tag", "(s_axis_tuser),", "(s_axis_tuser ^ (s_axis_tuser == 9)),", "target 9: the result has tag 8"),
+            ("tag", "core_tag, core", "core_tag ^ (core_tag == 9), core", "target 9: the result has tag 8"),
             ("ready", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
         ],
     )
