@@ -80,18 +80,7 @@ def count_shared(table: dict[str, str]) -> Ops:
 def counts(tables: Tables) -> Step:
     r = symbols("r_w r_i r_j r_k")
     turned = rotation_matrix(r)
-    step = Step(
-        "12. Operations",
-        [
-            "The shoulder quaternion can also be read off the matrix $R$ of step 5: $n$, $m$, $e$ as in steps 2 and "
-            r"3, $f = e \times (-n)$, and then the row of the largest of four sums, by one root. Both forms share the "
-            r"lines down to the triangle; sine and cosine are those of $\phi$ in the matrix form, of $\phi/2$ in the "
-            "lean one. The statements say that the matrix form is right, with $R$ from a unit quaternion $r$.",
-            "Counted from the expression trees of the lines. Signs, absolute values, doubling and halving are wiring. "
-            "A square is a multiplication; $\\sqrt v$ is $v$ times the reciprocal root of $v$ and counts as both. "
-            "Choices are not counted: three times one of two pairs here, one of four rows there.",
-        ],
-    )
+    step = Step("12. Operations")
     values = {f"{v}_{axis}": (-1 if v == "n" else 1) * turned[m, column]
               for v, column in (("n", 0), ("f", 1), ("e", 2)) for m, axis in enumerate("xyz")}  # fmt: skip
     sums = run_lines(tables.matrix, ["Four sums and what goes with them"], values)
@@ -138,8 +127,4 @@ def counts(tables: Tables) -> Step:
         shared[0].mul < shared[1].mul and shared[0].add < shared[1].add and shared[0].root == shared[1].root,
         "counts with common subexpressions (`sympy.cse`), as many roots",
     )  # fmt: skip
-    step.notes.append(
-        "[operations.md](operations.md) counts the paper's own form, for its table 4, and the RTL of `ik_paper`. "
-        "Flags, clamped poses and scaling come on top in each form."
-    )
     return step

@@ -67,10 +67,8 @@ class Step:
     """A section of the page."""
 
     title: str
-    text: list[str]
     shown: list[tuple[str, str]] = field(default_factory=list)  # LaTeX of both sides, as derived
     checks: list[Check] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
     extra: list[str] = field(default_factory=list)  # lines of the page
 
     def equal(self, statement: str, left, right, relations=None, more: str = "", root=None) -> None:

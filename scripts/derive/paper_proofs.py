@@ -151,8 +151,5 @@ def normal_vector(plane):
 @dataclass
 class Section:
     title: str
-    construction: str  # what the text of the paper builds, and where
-    settings: list[Setting]
     rows: list[Row] = field(default_factory=list)  # against the print
     facts: list[Row] = field(default_factory=list)  # statements that later sections use, or that explain
-    notes: list[str] = field(default_factory=list)
