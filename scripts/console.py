@@ -66,6 +66,13 @@ class Parser(argparse.ArgumentParser):
         about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
         self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
 
+    def sample(self, targets: int, about: str) -> Parser:
+        """The options of a command that measures on random targets."""
+        default = "(default: %(default)s)"
+        self.add_argument("--targets", type=whole(1), default=targets, metavar="N", help=f"{about} {default}")
+        self.add_argument("--seed", type=whole(0), default=1, metavar="N", help=f"of everything random {default}")
+        return self
+
 
 def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
     """The type of an option that takes one of a few words."""
