@@ -6,14 +6,7 @@ from __future__ import annotations
 import sympy as sp
 
 from scripts.derive import printed as paper
-from scripts.derive.lean_forms import (
-    TEX,
-    Tables,
-    latex,
-    line_tex,
-    lines,
-    symbols,
-)  # fmt: skip
+from scripts.derive.lean_forms import TEX, Tables, latex, line_tex, lines, symbols
 from scripts.derive.lean_proofs import (
     C2,
     CA,

@@ -9,14 +9,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from model.reference import cga
-from scripts.derive.lean_forms import (
-    ROOT_OF,
-    SYMBOL,
-    TEX,
-    Tables,
-    latex,
-    symbols,
-)  # fmt: skip
+from scripts.derive.lean_forms import ROOT_OF, SYMBOL, TEX, Tables, latex, symbols
 from scripts.derive.markdown import cell
 from scripts.derive.paper_proofs import normal_vector
 from scripts.derive.printed import evaluate

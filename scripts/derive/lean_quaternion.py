@@ -8,18 +8,7 @@ import itertools
 import sympy as sp
 
 from model.reference import cga
-from scripts.derive.lean_forms import (
-    HALVES,
-    NAMES,
-    SYMBOL,
-    TEX,
-    Tables,
-    latex,
-    line_tex,
-    lines,
-    symbols,
-    tree,
-)  # fmt: skip
+from scripts.derive.lean_forms import HALVES, NAMES, SYMBOL, TEX, Tables, latex, line_tex, lines, symbols, tree
 from scripts.derive.lean_proofs import (
     ANGLES,
     C2,

@@ -287,9 +287,11 @@ def test_operations_are_counted(text, expected):
     assert (ops.mul, ops.add, ops.root) == expected
 
 
-def test_an_unknown_operation_is_not_counted_as_free():
-    with pytest.raises(ValueError, match="no rule"):
-        lean_counts.operations(sympy.sin(sympy.Symbol("x")))
+def test_an_operation_that_the_table_does_not_show_is_not_counted_as_free():
+    tables = Tables()
+    spoil(tables.lean, "length_sq", "az_sq", "cos(az_sq)")
+    with pytest.raises(AssertionError, match="second level: what the table does not show"):
+        lean_counts.counts(tables)
 
 
 def test_command_writes_the_page(tmp_path, monkeypatch, steps):
