@@ -7,9 +7,8 @@ import re
 import pytest
 from rich.progress import Progress
 
-from scripts import compare, console
+from scripts import console
 from scripts.console import InputError, Meter, Parser, exit_status, progress, writing
-from scripts.pages import wordlengths
 
 
 def test_a_mistake_is_one_line_and_status_2(capsys):
@@ -17,13 +16,6 @@ def test_a_mistake_is_one_line_and_status_2(capsys):
     parser.add_argument("--count", type=console.whole(2))
     assert exit_status("some", lambda: parser.parse_args(["--count", "1"]).count) == 2
     assert capsys.readouterr().err == "some: argument --count: '1' is not a whole number of at least 2\n"
-
-
-@pytest.mark.parametrize("command", [compare, wordlengths])
-@pytest.mark.parametrize("argument", [["--targets", "0"], ["--seed", "-1"], ["--targets", "many"], ["--seed", "1_0"]])
-def test_bad_samples_are_refused(command, argument, capsys):
-    assert command.main(argument) == 2
-    assert argument[0] in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("error, status", [(InputError("no"), 2), (KeyboardInterrupt(), 130)])
