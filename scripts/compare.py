@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
 from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
 from model.targets.words import RESULT_FIELDS, from_words, result_values
-from scripts.console import Parser, exit_status
+from scripts.console import Parser, command
 from scripts.pages import counts
 from scripts.pages.render import error, render, svg
 from tb.sim.env import GENERATED, SIMULATORS
@@ -266,7 +267,8 @@ def simulated(width: int) -> list[str]:
     return lines
 
 
-def _compare(arguments: list[str] | None) -> int:
+@command("compare")
+def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("compare", "Both datapaths on the same targets: clocks, operations, errors.")
     options = parser.sample(4000, "targets of a region").parse_args(arguments)
     print(f"seed {options.seed}, {options.targets} targets a region", flush=True)
@@ -277,10 +279,6 @@ def _compare(arguments: list[str] | None) -> int:
     PLOT.write_bytes(plot(measured.near))
     print(f"wrote {PAGE.name} and {PLOT.name}")
     return 0
-
-
-def main(arguments: list[str] | None = None) -> int:
-    return exit_status("compare", lambda: _compare(arguments))
 
 
 if __name__ == "__main__":

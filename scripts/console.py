@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import functools
 import math
 import os
 import sys
@@ -138,6 +139,19 @@ def exit_status(name: str, work: Callable[[], int]) -> int:
     except KeyboardInterrupt:
         print(f"{name}: interrupted", file=sys.stderr)
         return 130
+
+
+def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
+    """Makes a function of the words of a command line the `main` of the command `name`, with its `exit_status`."""
+
+    def main_of(work: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
+        @functools.wraps(work)
+        def main(arguments: Sequence[str] | None = None) -> int:
+            return exit_status(name, lambda: work(arguments))
+
+        return main
+
+    return main_of
 
 
 def check_out(out: Path, paths: Sequence[Path]) -> None:

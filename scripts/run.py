@@ -28,7 +28,7 @@ from model.targets import trajectories
 from model.targets.files import read_csv
 from model.targets.scoring import Score, score, write_results_csv, write_score_json
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, Targets, to_words
-from scripts.console import InputError, Parser, arm_length, check_out, exit_status, finite, progress, show, writing
+from scripts.console import InputError, Parser, arm_length, check_out, command, finite, progress, show, writing
 from scripts.waves import write_save_file
 from tb.sim.env import CORES
 from tb.sim.simulate import LONG, Job, Run, simulate
@@ -294,18 +294,15 @@ def _table_of_many(scores: Sequence[Score]) -> Table:
     return table
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+@command("run")
+def main(arguments: Sequence[str] | None) -> int:
     """Run the command line; the exit status."""
-
-    def work() -> int:
-        parsed = _parser().parse_args(arguments)
-        if parsed.list:
-            for name in trajectories.TRAJECTORIES:
-                print(f"{name:14} {trajectories.describe(name)}")
-            return 0
-        return _run(parsed)
-
-    return exit_status("run", work)
+    parsed = _parser().parse_args(arguments)
+    if parsed.list:
+        for name in trajectories.TRAJECTORIES:
+            print(f"{name:14} {trajectories.describe(name)}")
+        return 0
+    return _run(parsed)
 
 
 if __name__ == "__main__":

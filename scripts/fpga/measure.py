@@ -22,7 +22,7 @@ from pathlib import Path
 
 from model.targets.stimuli import region
 from scripts.compare import Errors, latency
-from scripts.console import Parser, exit_status, one_of, word_length
+from scripts.console import Parser, command, one_of, word_length
 from scripts.fpga.page import AIM_MHZ, BROKEN_DOWN, DEVICE, PARAMETERS, SECTIONS, TOPS, comparison, page
 from scripts.fpga.report import HOLDS, KINDS
 from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
@@ -205,7 +205,8 @@ def quick(width: int) -> int:
     return 0
 
 
-def _measure(arguments: Sequence[str] | None) -> int:
+@command("fpga")
+def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("fpga", __doc__.splitlines()[0], fails="a run was not done in time")
     parser.add_argument("--quick", action="store_true", help="one small width, in a few minutes; writes no page")
     each = {"action": "append", "default": []}
@@ -223,8 +224,3 @@ def _measure(arguments: Sequence[str] | None) -> int:
     left_out = measure(Figures(), options.datapath, options.width)
     print("\n".join([comparison(json.loads(FIGURES.read_text())), *left_out]))
     return 1 if left_out else 0
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; the exit status."""
-    return exit_status("fpga", lambda: _measure(arguments))

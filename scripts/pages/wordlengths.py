@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS, FormatError, Node
 from model.dataflow.reals import Real
 from model.targets.observed import Observed, hand_errors, monte_carlo, regular_poses, shown, words_of
-from scripts.console import Parser, exit_status, progress
+from scripts.console import Parser, command, progress
 from scripts.pages.render import error, render, svg
 from scripts.pages.tables import table
 from tb.sim.env import GENERATED
@@ -236,7 +237,8 @@ class Measured:
         return cls(observed, errors, moved, affine_errors(WIDTH, seed, SENSITIVITY_POSES))
 
 
-def _wordlengths(arguments: list[str] | None) -> int:
+@command("wordlengths")
+def main(arguments: Sequence[str] | None) -> int:
     about = "Word lengths: ranges proved and seen, errors, plots."
     parser = Parser("pages.wordlengths", about, fails="a node does not fit")
     options = parser.sample(1_000_000, "random targets").parse_args(arguments)
@@ -264,11 +266,6 @@ def _wordlengths(arguments: list[str] | None) -> int:
             print(f"{name}: seen outside its proved range", file=sys.stderr)
             status = 1
     return status
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """The command; 0, or 1 where a format does not hold."""
-    return exit_status("wordlengths", lambda: _wordlengths(arguments))
 
 
 if __name__ == "__main__":
