@@ -55,16 +55,16 @@ def swivel_plane(printed) -> Section:
     section.rows.append(row)
     plane_printed = [evaluate(text).subs(half) for text in rows.values()]
     for name, derived, text in zip(rows, normal, plane_printed, strict=True):
-        section.rows.append(compare(setting, "11", name, derived, text))
+        section.row(setting, "11", name, derived, text)
     for (equation, name), edit in KNOWN_WRONG.items():
         if equation == "11":
             mended = evaluate(rows[name].replace(*edit)).subs(half)
             derived = normal[list(rows).index(name)]
             statement = f"{TEX[name]} = {tex(rows[name].replace(*edit))}"
-            section.facts.append(compare(setting, "11 mended", statement, derived, mended))
+            section.fact(setting, statement, derived, mended, "11 mended")
 
     def fact(statement, left, right=0):
-        section.facts.append(compare(setting, "fact", statement, left, right))
+        section.fact(setting, statement, left, right)
 
     for blade, label in (("einf", r"e_\infty"), ("e0", "e_0")):
         fact(f"\\langle\\pi_{{swivel}}\\rangle_{{{label}}} = 0", sp.sympify(cga.coefficient(plane, blade)).subs(half))
@@ -100,7 +100,7 @@ def point_pair(printed) -> Section:
     PP, pair = _pair()
     section = Section("(12) The point pair")
     for name, text in printed["12"].items():
-        section.rows.append(compare(setting, "12", name, pair[name], evaluate(text)))
+        section.row(setting, "12", name, pair[name], evaluate(text))
     assert (PP.grades, sp.expand(cga.dual(PP).e45)) == ((3,), 0), "what the page says of the pair"
     return section
 
@@ -112,36 +112,28 @@ def sums(printed) -> Section:
     for name, text in printed["19"].items():
         m, op = name[3], 1 if name.endswith("p") else -1
         derived = pair[f"PP_{m}5"] + op * pair[f"PP_{m}4"]
-        section.rows.append(compare(setting, "19", name, derived, evaluate(text), FACTOR["19"]))
+        section.row(setting, "19", name, derived, evaluate(text), FACTOR["19"])
     free = _pair_setting()
     nine = dict(zip(PP_NAMES, symbols(" ".join(PP_NAMES)), strict=True))
     point = elbow_of(nine, free)
     (P_e, square) = point
     products = sum((nine[f"PP_{m}5"] + nine[f"PP_{m}4"]) * (nine[f"PP_{m}5"] - nine[f"PP_{m}4"]) for m in "123")
     sums = products - sum(nine[f"PP_{u}"] ** 2 for u in "ijk")
-    section.facts.append(
-        compare(free, "fact", r"\mathrm{tmp}_1 = -PP_i^2 - PP_j^2 - PP_k^2 + \sum_m PP_m^+ PP_m^-", square, sums)
-    )
+    section.fact(free, r"\mathrm{tmp}_1 = -PP_i^2 - PP_j^2 - PP_k^2 + \sum_m PP_m^+ PP_m^-", square, sums)
     # p_e of a pair scaled by lambda > 0; its root scales by lambda, which the first statement says.
     lam, tmp_sqr = symbols("lam tmp_sqr")
     scaled = {nine[name]: lam * nine[name] for name in PP_NAMES}
-    section.facts.append(
-        compare(
-            free, "fact", r"\mathrm{tmp}_1(\lambda PP) = \lambda^2\,\mathrm{tmp}_1(PP)",
-            square.subs(scaled, simultaneous=True), lam**2 * square,
-        )
-    )  # fmt: skip
+    statement = r"\mathrm{tmp}_1(\lambda PP) = \lambda^2\,\mathrm{tmp}_1(PP)"
+    section.fact(free, statement, square.subs(scaled, simultaneous=True), lam**2 * square)
     for axis, value in zip("xyz", P_e, strict=True):
         statement = rf"p_{{e{axis}}}(\lambda PP) = p_{{e{axis}}}(PP),\ \lambda > 0"
         bigger = value.subs(scaled | {tmp_sqr: lam * tmp_sqr}, simultaneous=True)
-        section.facts.append(compare(free, "fact", statement, bigger, value))
+        section.fact(free, statement, bigger, value)
     # Only the last six doubled, as a reader of (12) with (19) gets them.
     mixed = {nine[name]: 2 * nine[name] for name in PP_NAMES[3:]}
     partly = square.subs(mixed, simultaneous=True)
-    section.facts.append(
-        compare(free, "fact false", r"\mathrm{tmp}_1 \text{ of a pair with only the last six doubled is } "
-                r"4\,\mathrm{tmp}_1", partly, 4 * square)
-    )  # fmt: skip
+    statement = r"\mathrm{tmp}_1 \text{ of a pair with only the last six doubled is } 4\,\mathrm{tmp}_1"
+    section.fact(free, statement, partly, 4 * square, "fact false")
     return section
 
 
@@ -174,11 +166,11 @@ def elbow_point(printed) -> Section:
     section = Section("(13) The elbow point")
     rows = printed["13"]
     inf_PP = sp.fraction(P_e[0])[1]
-    section.rows.append(compare(free, "13", "inf_PP", inf_PP, evaluate(rows["inf_PP"])))
-    section.rows.append(compare(free, "13", "tmp1", square, evaluate(rows["tmp1"])))
+    section.row(free, "13", "inf_PP", inf_PP, evaluate(rows["inf_PP"]))
+    section.row(free, "13", "tmp1", square, evaluate(rows["tmp1"]))
     for name, derived in zip(("p_ex", "p_ey", "p_ez"), P_e, strict=True):
         text = evaluate(rows[name], inf_PP=evaluate(rows["inf_PP"]))
-        section.rows.append(compare(free, "13", name, derived, text))
+        section.row(free, "13", name, derived, text)
 
     # The same point with the pair of (12) put in.
     _, pair = _pair()
@@ -193,25 +185,25 @@ def elbow_point(printed) -> Section:
     elbow = [sp.expand((value * inf_PP).subs(put)) for value in P_e]
     weight = sp.expand(inf_PP.subs(put))
 
-    def fact(statement, left, right):
-        section.facts.append(compare(reached, "fact", statement, sp.expand(left), sp.expand(right)))
+    def fact(statement, left, right=0):
+        section.fact(reached, statement, sp.expand(left), sp.expand(right))
         section.facts[-1].method += r", both sides times a power of $\mathrm{inf}_{PP}$"
 
     p_w_sqr, normal_sqr = dot(P_W, P_W), dot(PI, PI)
     fact(r"|p_e|^2 = d_1^2", dot(elbow, elbow), d1**2 * weight**2)
     forearm = minus(elbow, [weight * p for p in P_W])
     fact(r"|p_e - p_w|^2 = d_2^2", dot(forearm, forearm), d2**2 * weight**2)
-    fact(r"\pi_{swivel} \cdot p_e = 0", dot(PI, elbow), sp.Integer(0))
+    fact(r"\pi_{swivel} \cdot p_e = 0", dot(PI, elbow))
     fact(r"(\pi_{swivel} \times p_w) \cdot p_e = \mathrm{tmp}_{sqr}", dot(cross(PI, P_W), elbow), tmp_sqr * weight)
     product = ((d1 + d2) ** 2 - p_w_sqr) * (p_w_sqr - (d1 - d2) ** 2)
     statement = (
         r"\mathrm{tmp}_1 = \tfrac14 |\pi_{swivel}|^2 \left((d_1 + d_2)^2 - |p_w|^2\right)"
         r"\left(|p_w|^2 - (d_1 - d_2)^2\right)"
     )
-    section.facts.append(compare(reached, "fact", statement, radicand_pose, sp.expand(normal_sqr * product) / 4))
+    section.fact(reached, statement, radicand_pose, sp.expand(normal_sqr * product) / 4)
     # The left side is d1^2 by the first statement.
     statement = r"|p_e|^2 = d_2^2 \text{, table 3's } d_2 \text{ as the upper arm}"
-    section.facts.append(compare(Setting(point=POSE), "fact false", statement, d1**2, d2**2))
+    section.fact(Setting(point=POSE), statement, d1**2, d2**2, "fact false")
     return section
 
 
@@ -231,22 +223,18 @@ def elbow_quaternion(printed) -> Section:
     section = Section("(14) The elbow cosine and $Q_e$")
     derived = setting.named(c4)
     rows = printed["14"]
-    section.rows.append(compare(setting, "14", "c_4", c4, evaluate(rows["c_4"])))
+    section.row(setting, "14", "c_4", c4, evaluate(rows["c_4"]))
     halves = copy.copy(setting)
     halves.roots = setting.roots | {cos4: (1 + derived) / 2, sin4: (1 - derived) / 2}
     w, i, j, k = cga.quaternion_coefficients(Q_e)
     for name, value in (("qe_w", w), ("qe_i", i)):
-        section.rows.append(compare(halves, "14", name, value, evaluate(rows[name], c_4=evaluate(rows["c_4"]))))
+        section.row(halves, "14", name, value, evaluate(rows[name], c_4=evaluate(rows["c_4"])))
     for unit, value in (("j", j), ("k", k)):
-        section.facts.append(compare(halves, "fact", rf"\langle Q_e\rangle_{unit} = 0", value, sp.Integer(0)))
+        section.fact(halves, rf"\langle Q_e\rangle_{unit} = 0", value)
     away, on = [-p for p in P_E], minus(P_W, P_E)
-    section.facts += [
-        compare(setting, "fact", r"c_4\,d_1 d_2 = (-p_e) \cdot (p_w - p_e)", c4 * d1 * d2, dot(away, on)),
-        compare(
-            setting, "fact", r"c_4 = (d_1^2 + d_2^2 - |p_w|^2) / (2 d_1 d_2)",
-            c4, (d1**2 + d2**2 - dot(P_W, P_W)) / (2 * d1 * d2),
-        ),
-    ]  # fmt: skip
+    section.fact(setting, r"c_4\,d_1 d_2 = (-p_e) \cdot (p_w - p_e)", c4 * d1 * d2, dot(away, on))
+    law = (d1**2 + d2**2 - dot(P_W, P_W)) / (2 * d1 * d2)
+    section.fact(setting, r"c_4 = (d_1^2 + d_2^2 - |p_w|^2) / (2 d_1 d_2)", c4, law)
     text_line = copy.copy(setting)
     (L_sw,) = symbols("L_sw")
     text_line.relations = setting.relations | {r"|L_{sw}|^2 = |p_w|^2": L_sw**2 - dot(P_W, P_W)}
@@ -255,11 +243,10 @@ def elbow_quaternion(printed) -> Section:
     text_line.point = setting.point | {"L_sw": sp.sqrt(98)}
     other = cga.cos_angle(L_se, cga.dual(cga.line_direct(cga.e_0, cga.point(*P_W))))
     statement = r"c_4 = \cos(L_{se}, L_{sw}) \text{, section 3.3's line through shoulder and wrist}"
-    section.facts.append(compare(text_line, "fact false", statement, c4, other))
-    plus = sin4
+    section.fact(text_line, statement, c4, other, "fact false")
     statement = r"\langle Q_e\rangle_i = +\sin\frac{\theta_4}{2} \text{, section 3.3 before (14)}"
     halves.point = setting.point
-    section.facts.append(compare(halves, "fact false", statement, i, plus))
+    section.fact(halves, statement, i, sin4, "fact false")
     return section
 
 
@@ -274,7 +261,7 @@ def rotate_to_elbow(printed) -> Section:
     section = Section("(15) The middle line and $Q_{12}$")
     rows = printed["15"]
     square = radicand(sp.sympify(q12[0]), setting)
-    section.rows.append(compare(setting, "15", "tmp2", square, evaluate(rows["tmp2"])))
+    section.row(setting, "15", "tmp2", square, evaluate(rows["tmp2"]))
     known = Setting(
         relations=on_sphere | {r"|L_m|^2 = \mathrm{tmp}_2": L_m_length**2 - setting.remainder(square)[0]},
         leading="L_m p_ez",
@@ -286,21 +273,21 @@ def rotate_to_elbow(printed) -> Section:
     row.derived = sp.sqrt(setting.normal(square)) if row.holds else row.derived
     section.rows.append(row)
     for unit, derived in zip("ijk", q12, strict=True):
-        section.rows.append(compare(known, "15", f"q12_{unit}", derived, evaluate(rows[f"q12_{unit}"])))
+        section.row(known, "15", f"q12_{unit}", derived, evaluate(rows[f"q12_{unit}"]))
     named = [known.named(value) for value in q12]
     for unit, value, top in zip("ijk", middle, named, strict=True):
         statement = rf"\langle L_m\rangle_{unit} = {latex(known.normal(value))} = q_{{12{unit}}} |L_m|"
-        section.facts.append(compare(known, "fact", statement, value, top * L_m_length))
-    section.facts.append(compare(known, "fact", r"\langle Q_{12}\rangle = 0", w, sp.Integer(0)))
+        section.fact(known, statement, value, top * L_m_length)
+    section.fact(known, r"\langle Q_{12}\rangle = 0", w)
     for n in "123":
         blade = f"e{n}^einf"
         label = rf"\langle L_m\rangle_{{e_{n} \wedge e_\infty}} = 0"
-        section.facts.append(compare(setting, "fact", label, cga.coefficient(L_m, blade), sp.Integer(0)))
-    section.facts.append(compare(known, "fact", r"|Q_{12}|^2 = 1", dot(named, named), sp.Integer(1)))
+        section.fact(setting, label, cga.coefficient(L_m, blade))
+    section.fact(known, r"|Q_{12}|^2 = 1", dot(named, named), sp.Integer(1))
     turned = cga.rotate(cga.quaternion(0, *named), cga.e3)
     for axis, value, target in zip("xyz", normal_vector(turned), P_E, strict=True):
         statement = rf"\langle Q_{{12}}\,e_3\,\tilde Q_{{12}}\rangle_{axis} = p_{{e{axis}}} / d_1"
-        section.facts.append(compare(known, "fact", statement, value, target / d1))
+        section.fact(known, statement, value, target / d1)
     return section
 
 
@@ -321,8 +308,8 @@ def rotate_to_wrist(printed) -> Section:
     # sign = side / |side|: the side is what the absolute value is of
     inside = [a.args[0] for a in sp.sympify(sign).atoms(sp.Abs)]
     side = sp.expand(sign * sp.Abs(inside[0])) if len(inside) == 1 else sp.sympify(sign)
-    section.rows.append(compare(setting, "17", "c_3", c3, evaluate(rows["c_3"])))
-    section.rows.append(compare(setting, "17", "side", side, evaluate(rows["side"])))
+    section.row(setting, "17", "c_3", c3, evaluate(rows["c_3"]))
+    section.row(setting, "17", "side", side, evaluate(rows["side"]))
     full = copy.copy(setting)
     derived_c3 = setting.named(c3)
     full.roots = setting.roots | {
@@ -334,15 +321,15 @@ def rotate_to_wrist(printed) -> Section:
     values["sign"] = evaluate(rows["sign"], **values)
     w, i, j, k = cga.quaternion_coefficients(Q_3)
     for name, derived in (("sign", sign), ("q3_s", w), ("q3_k", k)):
-        section.rows.append(compare(full, "17", name, derived, evaluate(rows[name], **values)))
+        section.row(full, "17", name, derived, evaluate(rows[name], **values))
     for unit, value in (("i", i), ("j", j)):
-        section.facts.append(compare(full, "fact", rf"\langle Q_3\rangle_{unit} = 0", value, sp.Integer(0)))
+        section.fact(full, rf"\langle Q_3\rangle_{unit} = 0", value)
     ruled = Setting({r"|\mathrm{side}|^2 = \mathrm{side}^2": abs_side**2 - side**2}, "abs_side")
     at_sign, scalar, k_part = full.named(sign), full.named(w), full.named(k)
     statement = r"\mathrm{sign} \cdot \left(\mathrm{sign}\,\cos\frac{\theta_3}{2}\right) = q_{3,scalar}"
-    section.facts.append(compare(ruled, "fact", statement, at_sign * at_sign * cos3, scalar))
+    section.fact(ruled, statement, at_sign * at_sign * cos3, scalar)
     statement = r"\mathrm{sign} \cdot \sin\frac{\theta_3}{2} = q_{3k}"
-    section.facts.append(compare(ruled, "fact", statement, at_sign * sin3, k_part))
+    section.fact(ruled, statement, at_sign * sin3, k_part)
     return section
 
 
@@ -353,5 +340,5 @@ def product(printed) -> Section:
     Q_s = cga.quaternion(0, *q12) * cga.quaternion(q3_s, 0, 0, q3_k)  # as in geometry.solve
     section = Section("(18) The shoulder quaternion")
     for (name, text), derived in zip(printed["18"].items(), cga.quaternion_coefficients(Q_s), strict=True):
-        section.rows.append(compare(setting, "18", name, derived, evaluate(text)))
+        section.row(setting, "18", name, derived, evaluate(text))
     return section
