@@ -57,6 +57,22 @@ def simulator(monkeypatch, tmp_path):
 
 
 @pytest.fixture
+def spoiled_model(monkeypatch):
+    """Makes model and RTL, which agree, wrong alike: change(answer, words, width)."""
+    right = fixed.run
+
+    def spoil(change):
+        def wrong(words, width, datapath):
+            answer = right(words, width, datapath)
+            change(answer, words, width)
+            return answer
+
+        monkeypatch.setattr(fixed, "run", wrong)
+
+    return spoil
+
+
+@pytest.fixture
 def cli(simulator, command):
     return partial(command, soak.main, "--jobs", "1")
 
@@ -201,16 +217,13 @@ def test_a_result_that_differs_though_nobody_said_so(cli, simulator):
     assert [row.found for row in rows] == ["seed 1 target 405", "seed 1 target 409"]
 
 
-def test_a_wrong_flag(cli, simulator, monkeypatch):
+def test_a_wrong_flag(cli, spoiled_model):
     """Also where the model has it wrong too."""
-    right = fixed.run
 
-    def wrong(words, width, datapath):
-        answer = right(words, width, datapath)
+    def change(answer, words, width):
         answer.flags[3] ^= 4
-        return answer
 
-    monkeypatch.setattr(fixed, "run", wrong)
+    spoiled_model(change)
     status, _, err = cli("--targets", "400")
     assert status == 1 and "soak: target 3 in chunk 0 of seed 1: flags " in err[0] and "(1 targets)" in err[0]
 
@@ -225,17 +238,13 @@ def turn(answer, rows, angle):
 
 
 @pytest.mark.parametrize(("width", "angle"), [(32, 1e-6), (18, 1e-2), (20, 1e-2)])
-def test_a_hand_that_is_too_far_off(cli, simulator, monkeypatch, width, angle):
+def test_a_hand_that_is_too_far_off(cli, spoiled_model, width, angle):
     """Model and RTL agree: the error itself is judged."""
-    right = fixed.run
 
-    def wrong(words, width, datapath):
-        answer = right(words, width, datapath)
-        reach = np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)
-        turn(answer, reach[:3], angle)
-        return answer
+    def change(answer, words, width):
+        turn(answer, np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)[:3], angle)
 
-    monkeypatch.setattr(fixed, "run", wrong)
+    spoiled_model(change)
     status, _, err = cli("--targets", "400", "--width", str(width))
     assert status == 1, err
     assert "in chunk 0 of seed 1: hand error / reach " in err[0] and "is above its tolerance" in err[0]
@@ -253,18 +262,14 @@ def test_the_paper_is_held_to_no_tolerance_and_its_excess_is_said(cli, simulator
     assert float(measured(out, "hand error / prediction, largest")[0]) > 1
 
 
-def test_quaternions_that_are_not_of_unit_length(cli, simulator, monkeypatch):
+def test_quaternions_that_are_not_of_unit_length(cli, spoiled_model):
     """Qe, whose length a clamped target's hand would not show."""
-    right = fixed.run
 
-    def wrong(words, width, datapath):
-        answer = right(words, width, datapath)
+    def change(answer, words, width):
         clamped = np.flatnonzero(expected_flags(words, width) & UNREACHABLE)
-        answer.results[clamped[2], 5] += 60
-        answer.results[clamped[2], 4] += 60
-        return answer
+        answer.results[clamped[2], [4, 5]] += 60
 
-    monkeypatch.setattr(fixed, "run", wrong)
+    spoiled_model(change)
     status, _, err = cli("--targets", "400")
     assert status == 1
     assert "abs(norm^2 - 1)" in err[0] and err[0].endswith("(1 targets)")
