@@ -220,7 +220,8 @@ class Netlist:
         bits = set(self.modules[module]["ports"][port]["bits"])
         cells = self.modules[module]["cells"].values()
         readers = [cell for cell in cells if any(bits & set(wire) for wire in cell["connections"].values())]
-        delays = [cell for cell in readers if self.source_name(cell["type"]) in DELAYS]
+        # One that delays a bit of it among others is part of what the operator computes.
+        delays = [c for c in readers if self.source_name(c["type"]) in DELAYS and set(c["connections"]["d"]) == bits]
         if delays and len(readers) > 1:
             raise NetlistError(f"{self.source_name(module)}: {port} is used beside its delay")
         return sum(self.parameters(cell["type"])["N"] for cell in delays)

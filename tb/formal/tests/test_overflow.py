@@ -111,11 +111,11 @@ def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
     assert (found.driver("q").module == module) == outside
 
 
-def operand_of_an_operator(beside):
+def operand_of_an_operator(beside, delayed=(2, 3)):
     """Node a goes through 3 clocks outside and 2 inside of the operator to which it is operand b."""
     ports = {"b": {"direction": "input", "bits": [2, 3]}, "q": {"direction": "output", "bits": [9]}}
     inside = {
-        "u_b": {"type": "delay2", "connections": {"d": [2, 3], "q": [4, 5]}},
+        "u_b": {"type": "delay2", "connections": {"d": list(delayed), "q": [4, 5]}},
         "sum": {"type": "$add", "connections": {"A": [4, 2 if beside else 5], "Y": [9]}},
     }
     operator = {"attributes": {"hdlname": "ik_mul"}, "parameter_default_values": {"DB": "10", "W": "10"},
@@ -149,6 +149,12 @@ def test_delays_inside_of_an_operator_count():
 def test_an_operand_used_beside_its_delay_is_refused():
     with pytest.raises(netlist.NetlistError, match="b is used beside its delay"):
         operand_of_an_operator(beside=True).operand("u_s.u_q", "b")
+
+
+@pytest.mark.parametrize("delayed", [(3, 7), (3,), (2, 3, 7)])
+def test_what_an_operator_delays_of_its_own_is_no_delay_of_the_operand(delayed):
+    """The sign beside the root, say, to which it belongs."""
+    assert operand_of_an_operator(beside=True, delayed=delayed).operand("u_s.u_q", "b").clocks == 3
 
 
 def test_constant_is_signed():
