@@ -52,14 +52,14 @@ def forward(qs, qe, d1, d2):
         elbow = Qs (d1 e3) Qs~
         wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~          Qe = qe_w + qe_i i
 
-    qs is (N, 4); qe is (N, 2): qe_w, qe_i; d1 (upper arm) and d2 (forearm) are numbers or (N,). Returns two
-    arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm; Qe = -i
-    is the straight arm.
+    qs is (N, 4); qe is (N, 2), qe_w and qe_i, or (N, 4); d1 (upper arm) and d2 (forearm) are numbers or (N,).
+    Returns two arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm;
+    Qe = -i is the straight arm.
     """
     qs = np.atleast_2d(np.asarray(qs, dtype=np.float64))
     qe = np.atleast_2d(np.asarray(qe, dtype=np.float64))
     e3 = np.array((0.0, 0.0, 1.0))
     upper_arm = np.broadcast_to(d1, len(qs))[:, None] * e3
     forearm = np.broadcast_to(d2, len(qs))[:, None] * -e3
-    bent = rotate(np.concatenate((qe, np.zeros_like(qe)), axis=-1), forearm)
+    bent = rotate(np.pad(qe, ((0, 0), (0, 4 - qe.shape[1]))), forearm)
     return rotate(qs, upper_arm), rotate(qs, upper_arm + bent)
