@@ -2,8 +2,8 @@
 """A BVH clip: its arms as targets of the core, and the clip again with its arms turned by the core's quaternions.
 
 Everything is in the clip's own frame and unit.  An arm is three joints: where the upper arm begins, the elbow, the
-wrist.  The core sees each target from the shoulder, in a frame that may move (:func:`frames`): with the world's axes, or
-with those of the torso, whose outward-and-up axis no hand comes near.
+wrist.  The core sees each target from the shoulder, in a frame that may move: with the world's axes, or with those of
+the torso, whose outward-and-up axis no hand comes near.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def read(path: Path) -> Clip:
 
 
 def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -> list[Arm]:
-    """The arms of a clip: "left", "right" or "both", found by their names or, one of them, by those of its three joints.
+    """The arms of a clip, "left", "right" or "both": known by name, or one of them named by its three joints.
 
     Raises :class:`ClipError`, which lists the joints, where names do not tell.
     """
@@ -170,7 +170,7 @@ def _known(clip: Clip, side: str, must: bool = True) -> tuple[int, int, int] | N
         if upper is not None and (hand := next(below, None)) is not None:
             return upper, fore, hand
     if must:
-        raise ClipError(f"{clip.path}: no {side} arm is known by name among the joints {', '.join(names)}; name its three")
+        raise ClipError(f"{clip.path}: no {side} arm is known by name; name its three of the joints {', '.join(names)}")
     return None
 
 
@@ -241,8 +241,9 @@ def motion(clip: Clip, arm: Arm, axis: Axis = "torso") -> Motion:
 def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]]) -> pybvh.Bvh:
     """The clip with arms turned by Qs and Qe, (F, 4) each, in the clip's frame; the rest of the body stays as it was.
 
-    A joint has its own idea of how a bone is turned about itself at rest.  The core's hinge, about which the elbow bends,
-    is fixed in both bones, and is laid where the clip's own is on average.  Hands keep their direction in the world.
+    A joint has its own idea of how a bone is turned about itself at rest.  The core's hinge, about which the elbow
+    bends, is fixed in both bones, and is laid where the clip's own is on average.  Hands keep their direction in the
+    world.
     """
     local = clip.local.copy()
     for move, qs, qe in moves:
