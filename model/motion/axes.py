@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from model.reference.kinematics import multiply, rotate
+from model.reference.kinematics import multiply
 
 Axis = str | Sequence[float] | np.ndarray
 """A name of :data:`NAMED`, or a vector of three in any length."""
@@ -71,8 +71,3 @@ def to_z(axis: Axis) -> np.ndarray:
     turn = np.array((1 + z, y, -x, 0.0))
     turn /= np.linalg.norm(turn)
     return multiply(turn, _HALF_TURN) if below else turn
-
-
-def matrix(q) -> np.ndarray:
-    """The rotation matrix (3, 3) of one unit quaternion (4,)."""
-    return rotate(q, np.eye(3)).T

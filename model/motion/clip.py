@@ -22,7 +22,7 @@ from pybvh.rotations import rotmat_to_quat
 from model.motion import axes
 from model.motion.axes import Axis
 from model.motion.pose import swivel
-from model.reference.kinematics import conjugate, multiply, rotate
+from model.reference.kinematics import conjugate, matrix, multiply, rotate
 from model.targets.words import TargetError
 
 SIDES = ("left", "right")
@@ -250,7 +250,7 @@ def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]]) -
         arm = move.arm
         normal = np.cross(move.elbow, move.wrist - move.elbow)
         world = {
-            joint: _matrices(q) @ _to_rest(clip, joint, below, normal, bone)
+            joint: matrix(q) @ _to_rest(clip, joint, below, normal, bone)
             for joint, below, q, bone in (
                 (arm.upper, arm.fore, qs, (0.0, 0.0, 1.0)), (arm.fore, arm.hand, multiply(qs, qe), (0.0, 0.0, -1.0)),
             )
@@ -282,7 +282,3 @@ def _to_rest(clip: Clip, joint: int, below: int, normal: np.ndarray, bone: tuple
 
 
 HINGE = (1.0, 0.0, 0.0)
-
-
-def _matrices(q: np.ndarray) -> np.ndarray:
-    return np.stack([rotate(q, e) for e in np.eye(3)], axis=2)

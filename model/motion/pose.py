@@ -23,7 +23,7 @@ from model.motion import axes
 from model.motion.axes import Axis
 from model.reference import kinematics
 from model.reference.equations import solve_clamped
-from model.reference.kinematics import conjugate, multiply
+from model.reference.kinematics import continuous, matrix
 from model.reference.lean_equations import solve_lean
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
 
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 Order = Literal["wxyz", "xyzw"]
 """Where a quaternion has its scalar part: first, or last as scipy and most engines have it."""
+
+__all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
 
 DOUBLE = {"lean": solve_lean, "paper": solve_clamped}
 
@@ -97,16 +99,14 @@ def solve(
     points = np.atleast_2d(np.asarray(points, dtype=np.float64))
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"points have the shape {points.shape}, not (N, 3)")
-    to_core = axes.to_z(axis)
-    there = points @ axes.matrix(to_core).T
     others = (np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2))
-    targets = Targets("targets", *there.T, *others)
+    targets = Targets("targets", *points.T, *others, frame=axes.to_z(axis))
     for name in ("position", "phi", "d1", "d2"):
         if not np.isfinite(getattr(targets, name)).all():
             raise ValueError(f"{'points' if name == 'position' else name}: not all numbers are finite")
 
     if width is None:
-        answer = DOUBLE[datapath](targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
+        answer = DOUBLE[datapath](*targets.core_position.T, targets.phi, targets.d1, targets.d2)
         words = np.column_stack([answer[field] for field in RESULT_FIELDS])
         flags, asked = answer["flags"], targets
     else:
@@ -114,7 +114,7 @@ def solve(
         run = fixed.run(target_words, width, datapath)
         words, flags = result_values(run.results, width), run.flags
         asked = from_words(target_words, exponent, width, targets.name)
-    qs = multiply(conjugate(to_core), words[:, :4])
+    qs = targets.from_core(words[:, :4])
     qe = np.column_stack((words[:, 4:], np.zeros((len(words), 2))))
     elbow, wrist = kinematics.forward(qs, words[:, 4:], targets.d1, targets.d2)
     return Pose(_to(order, qs), _to(order, qe), np.asarray(flags), elbow, wrist, asked.phi, order)
@@ -137,7 +137,7 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
     far off as rounding can move the elbow's direction from the line beside it.
     """
     shoulder = np.asarray(shoulder, dtype=np.float64)
-    turn = axes.matrix(axes.to_z(axis)).T
+    turn = matrix(axes.to_z(axis)).T
     e, p = (np.atleast_2d(np.asarray(point, dtype=np.float64) - shoulder) @ turn for point in (elbow, wrist))
     rho = np.hypot(p[:, 0], p[:, 1])
     on_axis = rho == 0  # azimuth 0, as in the core
@@ -156,22 +156,6 @@ def hanging(axis: Axis = "z") -> float:
     """
     reach = (0.0, 1.0, 0.0) if abs(axes.direction(axis)[0]) == 1 else (1.0, 0.0, 0.0)
     return float(swivel((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), reach, axis)[0])
-
-
-def continuous(q: ArrayLike, arm: ArrayLike | None = None) -> np.ndarray:
-    """Quaternions (N, 4) in either order with signs chosen so that none is further than 90 degrees from the one before.
-
-    Q and -Q are the same rotation, and the core keeps k >= 0: from one target to the next all four components may
-    change sign, which whoever interpolates them must not see.  ``arm`` (N,) names the arm of each; each arm is taken by
-    itself.
-    """
-    q = np.array(q, dtype=np.float64)
-    of = np.zeros(len(q), dtype=int) if arm is None else np.asarray(arm)
-    for one in np.unique(of):
-        rows = np.flatnonzero(of == one)
-        against = (q[rows[1:]] * q[rows[:-1]]).sum(axis=1) < 0
-        q[rows[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
-    return q
 
 
 def _to(order: Order, q: np.ndarray) -> np.ndarray:

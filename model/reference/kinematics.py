@@ -36,6 +36,11 @@ def rotate(q, v):
     return multiply(multiply(q, pure), conjugate(q))[..., 1:]
 
 
+def matrix(q):
+    """The rotation matrices (N, 3, 3) of unit quaternions (N, 4), or the one (3, 3) of one (4,)."""
+    return np.stack([rotate(q, e) for e in np.eye(3)], axis=-1)
+
+
 def angle_between(a, b):
     """Angle (rad, 0 .. pi) of the rotation from a to b, quaternions (N, 4). Returns (N,).
 
@@ -63,3 +68,19 @@ def forward(qs, qe, d1, d2):
     forearm = np.broadcast_to(d2, len(qs))[:, None] * -e3
     bent = rotate(np.pad(qe, ((0, 0), (0, 4 - qe.shape[1]))), forearm)
     return rotate(qs, upper_arm), rotate(qs, upper_arm + bent)
+
+
+def continuous(q, arm=None):
+    """Quaternions (N, 4) in either order with signs chosen so that none is further than 90 degrees from the one before.
+
+    Q and -Q are the same rotation, and the core keeps k >= 0: from one target to the next all four components may
+    change sign, which whoever interpolates them must not see.  ``arm`` (N,) names the arm of each; each arm is taken by
+    itself.
+    """
+    q = np.array(q, dtype=np.float64)
+    of = np.zeros(len(q), dtype=int) if arm is None else np.asarray(arm)
+    for one in np.unique(of):
+        rows = np.flatnonzero(of == one)
+        against = (q[rows[1:]] * q[rows[:-1]]).sum(axis=1) < 0
+        q[rows[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
+    return q

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH clips of a figure of our own, in many ways of writing them: names, which way is up, rest pose, order of angles."""
+"""BVH clips of a figure of our own, written in many ways: names, which way is up, rest pose, order of angles."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ NAMES = {
     "own": ("a{s}", "b{s}", "c{s}", "d{s}"),
 }
 
-OFFSETS = {"t": ((1, 0, 0), (1, 0, 0)), "hanging": ((0.1, 0, -1), (0.05, 0.1, -1)), "forward": ((0.3, 1, 0), (0, 1, 0.2))}
+OFFSETS = {
+    "t": ((1, 0, 0), (1, 0, 0)),
+    "hanging": ((0.1, 0, -1), (0.05, 0.1, -1)),
+    "forward": ((0.3, 1, 0), (0, 1, 0.2)),
+}
 """Rest poses: directions of upper arm and forearm of the right arm; x to the right, y forward, z up."""
 
 UPPER, FORE = 3.1, 2.6

@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from model.motion.axes import NAMED, AxisError, direction, matrix, parse, to_z
-from model.reference.kinematics import rotate
+from model.motion.axes import NAMED, AxisError, direction, parse, to_z
+from model.reference.kinematics import matrix, rotate
 
 SLANTED = [(0.3, 1, 0), (0, -1, 1), (1e-9, 0, -1), (0, 1e-200, 1), (1e200, 1e200, 0), (5e-324, 0, 0), (-3, -2, -1)]
 

@@ -9,7 +9,7 @@ from model.dataflow import fixed
 from model.motion import axes
 from model.motion.pose import continuous, forward, hanging, solve, swivel
 from model.reference.equations import solve_clamped
-from model.reference.kinematics import angle_between, conjugate, multiply, rotate
+from model.reference.kinematics import angle_between, conjugate, matrix, multiply, rotate
 from model.reference.lean_equations import solve_lean
 from model.targets.flags import BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR
 from model.targets.words import TargetError, Targets, result_values, to_words
@@ -78,7 +78,7 @@ def test_a_named_axis_loses_no_bit(reachable, axis):
     """The words are those of permuted coordinates, and Qs holds sums of four of them over 2, exact in a double."""
     points, phi = reachable
     r = axes.to_z(axis)
-    there = (axes.matrix(r) @ points.T).T
+    there = (matrix(r) @ points.T).T
     assert (np.sort(np.abs(there)) == np.sort(np.abs(points))).all()
     ours, core = solve(points, phi, axis=axis, width=32), solve(there, phi, width=32)
     assert (multiply(r, ours.qs) == core.qs).all() and (ours.qe == core.qe).all()
