@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import functools
 import math
 import os
 import sys
@@ -65,6 +66,13 @@ class Parser(argparse.ArgumentParser):
         self.choice("--datapath", "datapath", DATAPATHS, datapath, f"which dataflow of the core to run {default}")
         about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
         self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
+
+    def sample(self, targets: int, about: str) -> Parser:
+        """The options of a command that measures on random targets."""
+        default = "(default: %(default)s)"
+        self.add_argument("--targets", type=whole(1), default=targets, metavar="N", help=f"{about} {default}")
+        self.add_argument("--seed", type=whole(0), default=1, metavar="N", help=f"of everything random {default}")
+        return self
 
 
 def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
@@ -131,6 +139,19 @@ def exit_status(name: str, work: Callable[[], int]) -> int:
     except KeyboardInterrupt:
         print(f"{name}: interrupted", file=sys.stderr)
         return 130
+
+
+def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
+    """Makes a function of the words of a command line the `main` of the command `name`, with its `exit_status`."""
+
+    def main_of(work: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
+        @functools.wraps(work)
+        def main(arguments: Sequence[str] | None = None) -> int:
+            return exit_status(name, lambda: work(arguments))
+
+        return main
+
+    return main_of
 
 
 def check_out(out: Path, paths: Sequence[Path]) -> None:

@@ -30,7 +30,7 @@ from pathlib import Path
 from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
 from model.targets.files import write_atomically
-from scripts.console import InputError, Meter, Parser, exit_status, progress, whole, writing
+from scripts.console import InputError, Meter, Parser, command, progress, whole, writing
 from scripts.pages.render import render
 from tb.sim.env import CORES, GENERATED, ROOT
 from tb.sim.native import build
@@ -265,7 +265,8 @@ def _parser() -> Parser:
     return parser
 
 
-def _exhaustive(arguments: Sequence[str] | None) -> int:
+@command("exhaustive")
+def main(arguments: Sequence[str] | None) -> int:
     options = _parser().parse_args(arguments)
     cases = SMALL if options.small else FULL
     chosen = [case for case in cases if not options.only or any(name in case.name for name in options.only)]
@@ -293,11 +294,6 @@ def _exhaustive(arguments: Sequence[str] | None) -> int:
         write_atomically(PAGE, page(results, options.jobs, seconds, before))
     print(f"wrote {PAGE.relative_to(ROOT)}")
     return 0
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; the exit status."""
-    return exit_status("exhaustive", lambda: _exhaustive(arguments))
 
 
 if __name__ == "__main__":

@@ -6,17 +6,18 @@ and the exit status is then 1. Verilator's waivers, if there are any, stand in r
 and gives its reason.
 """
 
-import argparse
 import itertools
 import os
 import re
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from scripts import contracts
+from scripts.console import InputError, Parser, command
 from tb.sim.env import ROOT, environment
 from tb.sim.sources import LIST, includes, sources
 
@@ -96,16 +97,17 @@ def lint_module(source: Path, root: Path, env: dict) -> tuple[str, str]:
         findings.append(f"{source}: a module's name starts with {PREFIX}")
     sets = parameter_sets(name, text)
     for parameters in sets if not findings else []:
-        for command in commands(source, root, parameters):
-            findings += [said for said in [run(command, env)] if said]
+        for words in commands(source, root, parameters):
+            findings += [said for said in [run(words, env)] if said]
     at = ", ".join(" ".join(f"{k}={v}" for k, v in p.items()) or "defaults" for p in sets)
     line = f"{'FAIL' if findings else 'ok  '} {name:<28} {at:<16} {time.monotonic() - start:5.1f} s"
     # a file that several runs complain about in the same words is quoted once
     return line, "\n".join(dict.fromkeys(findings))
 
 
-def main(arguments=None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m scripts.lint", description=__doc__.split("\n")[0])
+@command("lint")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser("lint", __doc__.split("\n")[0], "no finding", "a finding")
     parser.add_argument("modules", nargs="*", metavar="MODULE", help="only these modules, and no Python")
     parser.add_argument("--root", type=Path, default=ROOT, metavar="DIR", help="the folder that holds rtl/")
     parser.add_argument("--no-python", action="store_true", help="only the Verilog")
@@ -116,8 +118,7 @@ def main(arguments=None) -> int:
     unknown = set(options.modules) - {s.stem for s in found}
     if unknown or not found:
         what = f"no module {', '.join(sorted(unknown))}" if unknown else "no Verilog"
-        print(f"lint: {what} in {options.root / LIST}", file=sys.stderr)
-        return 2
+        raise InputError(f"{what} in {options.root / LIST}")
     if options.modules:
         found = [s for s in found if s.stem in options.modules]
 

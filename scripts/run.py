@@ -28,7 +28,7 @@ from model.targets import trajectories
 from model.targets.files import read_csv
 from model.targets.scoring import Score, score, write_results_csv, write_score_json
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, Targets, to_words
-from scripts.console import InputError, Parser, arm_length, check_out, exit_status, finite, progress, show, writing
+from scripts.console import InputError, Parser, arm_length, check_out, command, finite, progress, show, writing
 from scripts.waves import write_save_file
 from tb.sim.env import CORES
 from tb.sim.simulate import LONG, Job, Run, simulate
@@ -53,20 +53,13 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
     out: the default of --out; written: what is written there, for its help.
     """
     parser = Parser(command, description, passes="all trajectories pass", fails="one fails")
-    parser.add_argument(
-        "--trajectory",
-        default=trajectories.DEFAULT,
-        metavar="NAME|all|FILE.csv",
-        help="a built-in trajectory (see --list), all of them, or a CSV file with a header: x,y,z and "
-        "optionally phi (rad), d1, d2, in any unit of length (default: %(default)s)",
+    about = (
+        "a built-in trajectory (see --list), all of them, or a CSV file with a header: x,y,z and optionally phi (rad), "
+        "d1, d2, in any unit of length (default: %(default)s)"
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        default=Path(out),
-        metavar="DIR",
-        help=f"folder for {written}, made if need be (default: %(default)s)",
-    )
+    parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE.csv", help=about)
+    about = f"folder for {written}, made if need be (default: %(default)s)"
+    parser.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help=about)
     parser.core()
     parser.choice(
         "--cores", "cores", CORES, CORES[0],
@@ -84,12 +77,8 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
 
 
 def _parser() -> Parser:
-    parser = parser_of(
-        "run",
-        "Run trajectories through the core in a simulator and score them.",
-        out="build/run",
-        written="results.csv and score.json",
-    )
+    about = "Run trajectories through the core in a simulator and score them."
+    parser = parser_of("run", about, out="build/run", written="results.csv and score.json")
     parser.add_argument("--waves", action="store_true", help="also write OUT/waves.vcd and a GTKWave save file")
     parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
     return parser
@@ -184,10 +173,7 @@ def _run(arguments: argparse.Namespace) -> int:
         write_score_json(score_path, scores)
 
     show(_table_of_many(scores) if many else _table_of_one(scores[0], runs[0].flags))
-    written = [
-        f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0],
-        score_path,
-    ]
+    written = [f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0], score_path]
     if waves:
         save_file = waves.with_suffix(".gtkw")
         write_save_file(waves, scores[0].datapath, width, save_file)
@@ -280,32 +266,22 @@ def _table_of_many(scores: Sequence[Score]) -> Table:
     for heading in ("hand", "bar", "predict", "clamped", "angle", "bits", "flags", ""):
         table.add_column(heading, justify="right", no_wrap=True)
     for result in scores:
-        table.add_row(
-            escape(result.trajectory),
-            _number(result.hand_error_max),
-            _number(result.hand_error_bar),
-            _number(result.hand_error_predicted),
-            _number(result.clamped_error_max),
-            _number(result.angle_error_max),
-            str(result.bit_mismatches),
-            str(result.flagged),
-            _verdict(result),
-        )
+        hand = result.hand_error_max, result.hand_error_bar, result.hand_error_predicted
+        errors = map(_number, (*hand, result.clamped_error_max, result.angle_error_max))
+        counts = str(result.bit_mismatches), str(result.flagged)
+        table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
     return table
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+@command("run")
+def main(arguments: Sequence[str] | None) -> int:
     """Run the command line; the exit status."""
-
-    def work() -> int:
-        parsed = _parser().parse_args(arguments)
-        if parsed.list:
-            for name in trajectories.TRAJECTORIES:
-                print(f"{name:14} {trajectories.describe(name)}")
-            return 0
-        return _run(parsed)
-
-    return exit_status("run", work)
+    parsed = _parser().parse_args(arguments)
+    if parsed.list:
+        for name in trajectories.TRAJECTORIES:
+            print(f"{name:14} {trajectories.describe(name)}")
+        return 0
+    return _run(parsed)
 
 
 if __name__ == "__main__":

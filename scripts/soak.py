@@ -46,7 +46,7 @@ from model.targets.flags import expected_flags, names
 from model.targets.observed import edges
 from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from model.targets.words import FIELDS
-from scripts.console import InputError, Parser, check_out, exit_status, progress, show, whole, writing
+from scripts.console import InputError, Parser, check_out, command, progress, show, whole, writing
 from tb.core import hardest
 from tb.sim import every_node
 from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
@@ -448,18 +448,15 @@ def _table(found: Found) -> Table:
     return table
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+@command("soak")
+def main(arguments: Sequence[str] | None) -> int:
     """Run the command line; the exit status."""
-
-    def work() -> int:
-        parsed = _parse(arguments)
-        try:
-            with stoppable():
-                return _again(parsed) if parsed.again else _soak(parsed)
-        except Stopped as stopped:
-            return 128 + stopped.args[0]
-
-    return exit_status("soak", work)
+    parsed = _parse(arguments)
+    try:
+        with stoppable():
+            return _again(parsed) if parsed.again else _soak(parsed)
+    except Stopped as stopped:
+        return 128 + stopped.args[0]
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dataflow import fixed
-from model.dataflow.nodes import CORDIC, Domain, Node
+from model.dataflow.nodes import Domain, Node
 from model.dataflow.paper import sections
 from model.dataflow.reals import Real
 
@@ -167,10 +167,9 @@ class Affine(Domain):
         slope = np.where(empty, 0.0, 2.0 ** (counts.value.centre - (word.format.width - 1 - word.format.frac)))
         return word.value.linear(slope, np.where(empty, 0.5 if fill else 0.0, slope * word.value.centre))
 
-    def sincos(self, sin, cos, phi):
+    def cordic(self, names, phi):
         half = phi.value.centre * (np.pi / 2)
-        pair = ((sin, Form.exact(np.sin(half))), (cos, Form.exact(np.cos(half))))
-        return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC) for n, v in pair)
+        return Form.exact(np.sin(half)), Form.exact(np.cos(half))
 
     def error_ulps(self, name: str) -> np.ndarray:
         """How far the word of a node may be from exact arithmetic on the words of the guard, in its ulps, (N,)."""

@@ -3,7 +3,7 @@
 
 A node's :class:`Bound` holds what exact arithmetic can give, from geometry, and how far rounding can have taken the
 word from it: each operation's own rounding and what its operands bring, multiplied by the largest other operand.  The
-word is within the sum of both, and that must fit.  Geometry's ranges (:class:`model.dataflow.nodes.Within`) and how
+word is within the sum of both, and that must fit.  Geometry's ranges (:class:`model.dataflow.facts.Within`) and how
 errors grow stand at the nodes, in :mod:`model.dataflow.lean`.
 
 Targets that are clamped are left out: of them some words are cut off (K and what is computed from it) and not used.
@@ -14,9 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from model.bounds.ranges import RangeError
+from model.dataflow.facts import Within
 from model.dataflow.lean import lean
-from model.dataflow.nodes import Domain, Format, Growth, Node
-from model.targets.words import FIELDS
+from model.dataflow.nodes import Domain, Format, Node
+from model.targets.words import ARMS
 
 
 @dataclass(frozen=True)
@@ -47,23 +48,20 @@ class LeanRanges(Domain):
         super().__init__(width)
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
-        target = {}
-        for name in FIELDS:
-            fmt = self.word(0) if name == "phi" else self.word(1)
-            bound = Bound(fmt.ulp if name in ("d1", "d2") else fmt.low * fmt.ulp, fmt.high * fmt.ulp)
-            target[name] = self.make(name, "input", (), fmt, None, bound)
-        lean(self, target)
+
+        def word(name, fmt):
+            return Bound(fmt.ulp if name in ARMS else fmt.low * fmt.ulp, fmt.high * fmt.ulp)
+
+        lean(self, self.inputs(word))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=(0.0, 0.0)):
-        grows = self.grows.get(name, Growth())
-        if op in ("rsqrt", "trig", "mul3") or grows.gains:  # the rounding that the dataflow itself states
+        if op in ("rsqrt", "trig", "mul3"):  # the rounding that the operation itself states
             value = replace(value, error=value.error + max(map(abs, error)) * fmt.ulp)
         node = super().make(name, op, operands, fmt, latency, value, after, error)
         held = self.formats.get(name, fmt)
-        limits = self.within.get(name)
-        below = limits is not None and limits.below
+        below = isinstance(node.facts.within, Within) and node.facts.within.below
         word = replace(value, error=0.0, high=value.high - fmt.ulp) if below else value
-        if fmt.frac and not _fits(word, held, grows.limited):
+        if fmt.frac and not _fits(word, held, node.facts.limited is not None):
             low, high = held.low * held.ulp, held.high * held.ulp
             self.failed[name] = (
                 f"{name} {node.equation}: proved range [{value.low:g}, {value.high:g}] +- {value.error:.3g} does not "
@@ -73,20 +71,16 @@ class LeanRanges(Domain):
         return node
 
     def _bound(self, name: str, error: float) -> Bound:
-        if name not in self.within:
+        within = self.facts[name].within
+        if not isinstance(within, Within):
             raise RangeError(f"{name}: the dataflow does not say what exact arithmetic gives")
-        return Bound(self.within[name].low, self.within[name].high, error)
+        return Bound(within.low, within.high, error)
 
     def apply(self, name, operands, fmt, bits, real):
         if real is None:
             decided = fmt.width == 1 or fmt.frac == 0
             return Bound(0.0, float(fmt.high)) if decided else self._bound(name, 0.0)  # exact integers are not rounded
-        grows = self.grows[name]
-        carried = [n.value.error if n.format.frac else 0.0 for n in operands]
-        if not grows.gains:
-            return self._bound(name, max(carried) + fmt.ulp)
-        grown = sum(gain * error for gain, error in zip(grows.gains, carried, strict=True))
-        return self._bound(name, grown + (fmt.ulp if grows.limited else 0.0))
+        return self._bound(name, self.facts[name].grows([n.value.error for n in operands], fmt.ulp))
 
     def product3(self, name, a, b, fmt, scale):
         p, q = a.value, b.value

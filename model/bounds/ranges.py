@@ -3,10 +3,10 @@
 
 A node's :class:`Bound` is the interval that exact arithmetic gives (``low``, ``high``), and how far rounding can have
 taken the word from it (``error``): precision, propagated forward.  Plain intervals know nothing of geometry, so at
-single nodes a :class:`~model.bounds.rules.Rule` narrows what exact arithmetic can give; each rule says why in a
-sentence.  What saturates on purpose stands in :data:`~model.bounds.rules.BY_DESIGN`.
+single nodes a :class:`~model.dataflow.facts.Rule` narrows what exact arithmetic can give; each rule says why in a
+sentence.  The rules, how errors grow, and what saturates on purpose stand at the nodes, in :mod:`model.dataflow.paper`.
 
-The input words fall into :func:`model.bounds.rules.cases`, and a node's range is the union over them.
+The input words fall into :func:`model.dataflow.cases.cases`, and a node's range is the union over them.
 """
 
 from __future__ import annotations
@@ -14,17 +14,22 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, reduce
 
 import numpy as np
 
-from model.bounds.rules import BY_DESIGN, RULES, SAME_SIGN, SQRT2, SQRT3, Case, cases
+from model.dataflow.cases import Case, cases
+from model.dataflow.facts import ANYTHING, Given, Rule
 from model.dataflow.nodes import CORDIC, Domain, Format, Node
 from model.dataflow.paper import paper
-from model.targets.words import FIELDS
+from model.targets.words import ARMS
 
 SLACK = 2.0**-48
 """Relative allowance for the double precision in which the bounds themselves are computed."""
+
+
+EITHER = Given("", lambda case: ANYTHING)
+"""A mask of which nothing is known."""
 
 
 class RangeError(Exception):
@@ -63,19 +68,15 @@ class Ranges(Domain):
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
         self.proved: dict[str, Bound] = {}
-        self.plane_error = 0.0
-        self.rules = {name: rule for rule in RULES for name in rule.nodes}
 
     def run(self) -> Ranges:
         """The whole datapath."""
-        low, high = -(1 << (self.width - 1)), (1 << (self.width - 1)) - 1
-        target = {}
-        for name in FIELDS:
-            fmt = self.word(1) if name != "phi" else self.word(0)
-            least = 1 if name in ("d1", "d2") and not self.case.clamped else low
-            value = self._fit(name, Bound(least * fmt.ulp, high * fmt.ulp), fmt)
-            target[name] = self.make(name, "input", (), fmt, None, value)
-        paper(self, target)
+
+        def word(name, fmt):
+            least = 1 if name in ARMS and not self.case.clamped else fmt.low
+            return self._fit(name, Bound(least * fmt.ulp, fmt.high * fmt.ulp), fmt)
+
+        paper(self, self.inputs(word))
         return self
 
     def _fit(self, name: str, bound: Bound, fmt: Format) -> Bound:
@@ -86,7 +87,8 @@ class Ranges(Domain):
         slack = SLACK * max(abs(low), abs(high))
         # A word lies on the format's grid: what is beyond the last one by less than an ulp is that last one.
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
-            if not (name in BY_DESIGN and (name != "t_e" or self.case.clamped)):
+            limited = self.facts[name].limited
+            if limited is None or limited.clamped and not self.case.clamped:
                 self.failed[name] = (
                     f"{name} {self._equation}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
                     f"[{floor:.9g}, {ceiling:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
@@ -101,19 +103,39 @@ class Ranges(Domain):
             return Bound(max(bound.low, floor), min(bound.high, ceiling), bound.error, bound.rule, floor, ceiling)
         return replace(bound, floor=max(bound.floor, floor), ceiling=min(bound.ceiling, ceiling))
 
-    def _rule(self, name: str, low: float, high: float, error: float, fmt: Format, word=(-math.inf, math.inf)) -> Bound:
-        rule = self.rules.get(name)
-        text = ""
-        if rule is not None:
-            least, most = rule.limit(self.case)
-            if least > low or most < high:
-                text = rule.name
-            low, high = max(low, least), min(high, most)
-            if low > high and self.failed:
-                low, high = least, most  # an operand saturated
-            if low > high:
-                raise RangeError(f"{name}: rule '{rule.name}' contradicts the interval")
-        return self._fit(name, Bound(low, high, error, text, *word), fmt)
+    def learn(self, fact):
+        self.case = fact(self.case)
+
+    def restart(self, *names):
+        nodes = [self.nodes[name] for name in names]
+        self.case = self.case.tilted(reduce(math.hypot, (node.value.error for node in nodes)))
+        for node in nodes:
+            low, high = node.value.word
+            node.value = replace(node.value, low=low, high=high, error=0.0)
+
+    def _rule(self, name: str, low: float, high: float, error: float, fmt: Format, word=ANYTHING) -> Bound:
+        """What an operation gives, narrowed by the node's rule if it has one."""
+        rule = self.facts[name].within
+        if not isinstance(rule, Rule):
+            return self._fit(name, Bound(low, high, error, "", *word), fmt)
+        least, most = rule.limit(self.case)
+        text = rule.name if least > low or most < high else ""
+        low, high = max(low, least), min(high, most)
+        if low > high and self.failed:
+            low, high = least, most  # an operand saturated
+        if low > high:
+            raise RangeError(f"{name}: rule '{rule.name}' contradicts the interval")
+        floor, ceiling = rule.word(self.case)
+        error = min(error, rule.error(self.case))
+        return self._fit(name, Bound(low, high, error, text, max(word[0], floor), min(word[1], ceiling)), fmt)
+
+    def _given(self, name: str, fmt: Format) -> Bound:
+        given = self.facts[name].within
+        if not isinstance(given, Given):
+            given = EITHER
+        least, most = given.limit(self.case)
+        low, high = max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)
+        return self._fit(name, Bound(low, high, 0.0, given.why), fmt)
 
     # ---- the operations ------------------------------------------------------------------------------------------
 
@@ -131,8 +153,7 @@ class Ranges(Domain):
         error = (p.size * q.error + q.size * p.error + p.error * q.error) * 2.0**scale
         rounding = 0.5 * fmt.ulp if a.format.frac + b.format.frac - scale > fmt.frac else 0.0
         words = [u * v * 2.0**scale for u in p.word for v in q.word]
-        positive = square or name in SAME_SIGN  # and rounding half up keeps it so
-        least = 0.0 if positive else min(words) - rounding
+        least = 0.0 if square else min(words) - rounding  # rounding half up keeps it so
         return self._rule(name, low, max(ends), error + rounding, fmt, (least, max(words) + rounding))
 
     def total(self, name, signs, nodes, fmt):
@@ -143,75 +164,23 @@ class Ranges(Domain):
         words = [(least, most) if s > 0 else (-most, -least) for s, least, most in ends]
         least = sum(w[0] for w in words)
         word = least - (rounding if least < 0 else min(rounding, least)), sum(w[1] for w in words) + rounding
-        if name == "uu" and not self.case.clamped:
-            p_e = math.sqrt(self.case.p_e**2 + self._length_error(fmt))
-            word = max(word[0], -fmt.ulp), min(word[1], SQRT2 * p_e + 2 * fmt.ulp)
-        error = self._squared(name, fmt) or sum(n.value.error for n in nodes) + rounding
-        return self._rule(name, low, high, error, fmt, word)
+        return self._rule(name, low, high, sum(n.value.error for n in nodes) + rounding, fmt, word)
 
     def quotient(self, name, n, d, fmt):
         p, q = n.value, d.value
-        if name in BY_DESIGN:
+        if self.facts[name].limited:
             return self._fit(name, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp, 0.0, "saturates by design"), fmt)
         least = q.word[0]
         if q.low <= 0 or least <= 0:
             raise RangeError(f"{name}: its divisor {d.name} may be 0: [{q.low:.9g}, {q.high:.9g}] +- {q.error:.3g}")
         ends = [u / v for u in (p.low, p.high) for v in (q.low, q.high)]
-        first = self.rules.get(name)
+        rule = self.facts[name].within
         size = max(map(abs, ends))
-        if first is not None:
-            size = min(size, max(map(abs, first.limit(self.case))))
+        if isinstance(rule, Rule):
+            size = min(size, max(map(abs, rule.limit(self.case))))
         words = [u / v for u in p.word for v in q.word]
         word = min(words) - fmt.ulp, max(words)
-        if name.startswith("e_"):
-            most = math.sqrt(self.case.p_e**2 + self._length_error(fmt)) + fmt.ulp
-            word = max(word[0], -most), min(word[1], most)
-        bound = self._rule(name, min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, fmt, word)
-        return self._restart(name, bound) if name.startswith("pi_swivel") else bound
-
-    # (12) and all that follows hold for any plane, so the words of pi_swivel may stand for exact ones: their rounding
-    # goes no further.  Exact arithmetic with them gives k_e / 2 = p_e p_w and |p_e| = d1 as before; p_w is out of their
-    # plane by the tilt, which enters squared.
-
-    def _restart(self, name: str, bound: Bound) -> Bound:
-        self.plane_error = math.hypot(self.plane_error, bound.error)
-        if name == "pi_swivel_z":
-            least, most = self.case.b
-            b = least - self.plane_error, most + self.plane_error
-            self.case = replace(self.case, b=b, tilt=self.plane_error / b[0])
-        low, high = bound.word
-        return replace(bound, low=low, high=high, error=0.0)
-
-    # The root of (13) may lose half of its digits, and p_e with it, but across |p_e|^2 = |a|^2 + t^2 |m|^2 (a along
-    # p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 at right angles to it) the square undoes the root.
-
-    def _straight_error(self, fmt: Format) -> float:
-        """Length of what is between p_e and a + t m, with t as the word stands."""
-        v = {name: node.value for name, node in self.nodes.items()}
-        wide = self.wide(5).ulp
-        worst = 0.0
-        for axis, m in zip("xyz", "123", strict=True):
-            if f"e_{axis}_pp" not in v or f"pp_{m}_m" not in v:
-                axis, m = "x", max("123", key=lambda k: v[f"pp_{k}_m"].error)
-            num = v[f"e_{axis}_pp"].error + v["tmp_sqr"].word[1] * v[f"pp_{m}_m"].error + wide
-            inf = v["inf_pp"]
-            worst = max(worst, (num + self.case.p_e * 1.1 * inf.error) / inf.word[0] + fmt.ulp)
-        return SQRT3 * worst
-
-    def _length_error(self, fmt: Format) -> float:
-        """How far |p_e|^2, or |p_e - p_w|^2, is from exact arithmetic."""
-        v = {name: self.nodes[name].value for name in ("tmp1", "tmp_sqr", "inf_pp")}
-        straight = self._straight_error(fmt)
-        square = v["tmp1"].error + 2 * v["tmp_sqr"].word[1] * self.nodes["tmp_sqr"].format.ulp
-        return square / v["inf_pp"].low + 2 * straight * self.case.p_e * 1.1 + straight**2
-
-    def _squared(self, name: str, fmt: Format) -> float:
-        """The error of t_e = |p_e|^2 - p_e p_w, by the same."""
-        if name != "t_e" or self.case.clamped:
-            return 0.0
-        inner = self.word(1)
-        rounding = 1.5 * self.wide(1).ulp + SQRT3 * inner.ulp * self.case.p_e + 0.5 * fmt.ulp
-        return self._length_error(inner) + self._straight_error(inner) + rounding
+        return self._rule(name, min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, fmt, word)
 
     def square_root(self, name, n, fmt):
         v = n.value
@@ -224,20 +193,15 @@ class Ranges(Domain):
 
     def mantissa(self, name, word, words, counts, fill):
         # Exact: shifting changes the unit, not the vector.  Bounds downstream are about the words as they stand.
-        fmt = self.word(0)
-        most = {"p": self.case.p[1], "b": self.case.b[1]}.get(name[0], 1.0)
-        bound = Bound(max(fmt.low * fmt.ulp, -most), min(fmt.high * fmt.ulp, most), 0.0, "unit mantissa")
-        return self._fit(name, bound, fmt)
+        return self._given(name, self.word(0))
 
-    def sincos(self, sin, cos, phi):
+    def cordic(self, names, phi):
         fmt = self.word(1)
-        bounds = {n: self._rule(n, -1.0, 1.0, CORDIC[1] * fmt.ulp, fmt) for n in (sin, cos)}
-        return tuple(self.make(n, "sincos", (phi,), fmt, "sincos", bound, error=CORDIC) for n, bound in bounds.items())
+        return tuple(self._rule(name, -1.0, 1.0, CORDIC[1] * fmt.ulp, fmt) for name in names)
 
     def apply(self, name, operands, fmt, bits, real):
-        special = self._special(name, fmt)
-        if special is not None:
-            return self._fit(name, special, fmt)
+        if isinstance(self.facts[name].within, Given) or fmt.width == 1:
+            return self._given(name, fmt)
         # Choices, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
         # operand) stand still: their extremes lie at corners of the operands' ranges, 0 and -1 included.
         corners = [self._corners(n) for n in operands]
@@ -250,61 +214,13 @@ class Ranges(Domain):
         values = [sorted({n.value.low, n.value.high, min(max(0.0, n.value.low), n.value.high)}) for n in operands]
         exact = real(*(np.array(c, dtype=np.float64) for c in zip(*itertools.product(*values), strict=True)))
         low, high = float(np.min(exact)), float(np.max(exact))
-        error = self._carried(name, operands) + self._rounding(name, fmt)
-        if name in self.rules:
-            return self._rule(name, low, high, error, fmt, word)
-        if name in ("f_x", "f_y", "f_z") and not self.case.clamped:
-            # |p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded arms do not reach
-            most = math.sqrt((self.case.p_e + 2 * self.case.ulp) ** 2 + self._length_error(fmt)) + fmt.ulp
-            return self._fit(name, Bound(max(low, -most), min(high, most), error, "forearm", -most, most), fmt)
-        return self._fit(name, Bound(low, high, error, "", *word), fmt)
+        error = self.facts[name].grows([n.value.error for n in operands], fmt.ulp)
+        return self._rule(name, low, high, error, fmt, word)
 
     def _corners(self, node: Node) -> list[int]:
         ulp = node.format.ulp
         low, high = (round(v / ulp) for v in _on_grid(node.value.word, node.format))
         return sorted({low, high, *(v for v in (-1, 0, 1) if low <= v <= high)})
-
-    def _carried(self, name: str, operands) -> float:
-        """Errors of the operands: these operations scale them by 1 at most, but for the ones listed."""
-        if name.startswith(("side_",)):
-            return max(operands[0].value.error, operands[1].value.error / 8)
-        if name.startswith(("h4_", "h3_")):
-            return operands[0].value.error / 2
-        if name.startswith(("f_", "h", "d_sum", "d_dif")):
-            return sum(n.value.error for n in operands)
-        return max(n.value.error for n in operands)
-
-    def _rounding(self, name: str, fmt: Format) -> float:
-        exact = name.startswith(("d_sum", "d_dif", "h", "m_", "c4", "side_", "q3_k", "qe_i"))
-        return 0.0 if exact else fmt.ulp
-
-    def _special(self, name: str, fmt: Format) -> Bound | None:
-        """The guard's shifts wrap where a target is clamped, so corners say nothing; and counts."""
-        c = self.case
-        u, full = fmt.ulp, (fmt.low * fmt.ulp, fmt.high * fmt.ulp)
-        if fmt.width == 1 and not fmt.signed:
-            fixed = {"clamp": int(c.clamped), "bad_length": 0, "too_far": 0, "too_near": 0, "at_shoulder": 0}
-            if name == "clamp" or (not c.clamped and name in (*fixed, "fold", "away")):
-                return Bound(fixed.get(name, 0), fixed.get(name, 0))
-            return Bound(0, 1)
-        if name.startswith("lz_"):
-            return Bound(0, self.width if name == "lz_r" else self.width - 1, 0.0, "leading sign bits")
-        if name == "scale_j":
-            return Bound(*c.j, 0.0, "target's unit")
-        if name == "d_dif_sh":
-            # wrapped, and not used, where clamped
-            return Bound(*full) if c.clamped else Bound(-c.p[1], c.p[1], 0.0, "not too near")
-        if name in ("d_1_sh", "d_2_sh"):
-            # wrapped, and not used, where clamped
-            return Bound(*full) if c.clamped else Bound(2 * u, min(2 * c.d_high, 2) / 2, 0.0, "arms' unit")
-        if name in ("d_1", "d_2"):
-            most = 0.25 if c.clamped else c.d_high - (u if c.long else 0)
-            return Bound(0.25 if c.clamped else u, most, 0.0, "arms' unit")
-        if name.startswith("p_a_"):
-            if name.endswith("_sh"):
-                return Bound(*full) if c.clamped else Bound(-1.0 + u, 1 - u, 0.0, "in reach: |p| <= d1 + d2")
-            return Bound(0, 0) if c.clamped else Bound(-1.0, 1 - u, 0.0, "in reach: |p| <= d1 + d2")
-        return None
 
 
 def _on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:

@@ -16,7 +16,7 @@ import numpy as np
 from model.dataflow import cores as lean_cores
 from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import CORDIC, Domain, Format, Node, effective_width, wrap
+from model.dataflow.nodes import Domain, Format, Node, effective_width, wrap
 from model.targets.flags import FLAGS
 from model.targets.words import FIELDS, RESULT_FIELDS
 
@@ -91,11 +91,6 @@ class Bits(Domain):
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
-    def input(self, name: str, words) -> Node:
-        """An input word, in the clock in which the target is accepted."""
-        fmt = self.word(1) if name != "phi" else self.word(0)
-        return self.make(name, "input", (), fmt, None, np.asarray(words, dtype=np.int64))
-
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, np.int64(round(value * 2.0**fmt.frac)))
 
@@ -148,12 +143,8 @@ class Bits(Domain):
         empty = np.logical_and.reduce([w.value == 0 for w in words])
         return np.where(empty, fill, word.value << counts.value)
 
-    def sincos(self, sin, cos, phi):
-        values = cordic(phi.value, self.width)
-        return tuple(
-            self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC)
-            for n, v in zip((sin, cos), values, strict=True)
-        )
+    def cordic(self, names, phi):
+        return cordic(phi.value, self.width)
 
 
 @dataclass(frozen=True)
@@ -169,7 +160,8 @@ class Answer:
 def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
     """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
     bits = Bits(width, datapath)
-    DATAPATHS[datapath].flow(bits, {k: bits.input(k, words[:, i]) for i, k in enumerate(FIELDS)})
+    columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
+    DATAPATHS[datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
     value = {k: n.value for k, n in bits.nodes.items()}
     # The lean datapath has nothing that saturates.
     flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)

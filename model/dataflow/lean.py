@@ -24,14 +24,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from model.dataflow.facts import SUM, Growth, Limited, Within
 from model.dataflow.nodes import (
     FLOOR,
     HALF_UP,
     Domain,
     Format,
-    Growth,
     Node,
-    Within,
     effective_width,
     inner_frac,
     root_frac,
@@ -62,13 +61,23 @@ HALF_LENGTH = Within(0.5, 1.0, "(1 + |c|)/2")
 HALF_ANGLE = Within(-1.0, 1.0, "half angles: squared length (1 + |c|)/2")
 PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
 ELBOW_W, ELBOW_I = Within(0.0, 1.0, "a component of Qe"), Within(-1.0, 0.0, "a component of Qe")
-RISEN = Within(0.0, 1.0, "e_rho >= e_s, because rho <= |p|")
+RISES = "e_rho >= e_s, because rho <= |p|"
+RISEN = Within(0.0, 1.0, RISES)
 ARMS_UNIT = Within(0.0, 2.0, "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2")
 LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
 LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4")
 K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
-SUM = Growth((1.0, 1.0))
+# And how errors come out, and what sections compute themselves, in Verilog.
+
+ROUNDED = "((1 <<< (DROP - 1)) {}) >>> DROP"
+TWO = Limited("2, which powers of two can give, becomes the largest word")
+
+
+def not_negative(why: str) -> Within:
+    """Of a shift count, 6 bits."""
+    return Within(0.0, 63.0, why)
+
 
 WIDTHS = range(3, 33)
 """Word lengths that the lean datapath can be built with: below 16 only so that all inputs can be tried."""
@@ -125,8 +134,10 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0))
 
     L = d.line
-    d_sum = L(1).op("d_sum", (d1, d2), f.length, "mux", plus, within=Within(0.0, 4.0, SQUARES, below=True))
-    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus, within=Within(-2.0, 2.0, SQUARES))
+    d_sum = L(1).op(
+        "d_sum", (d1, d2), f.length, "mux", plus, within=Within(0.0, 4.0, SQUARES, below=True), exact="d1 + d2"
+    )
+    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus, within=Within(-2.0, 2.0, SQUARES), exact="d1 - d2")
     L(3).op("x_sq", (x,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
     L(3).op("y_sq", (y,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
     L(4).op("z_sq", (z,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
@@ -165,7 +176,7 @@ def direction(d: Domain, f: Lean) -> None:
     L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
-    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus)
+    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus, within=not_negative(RISES), exact="e_rho_at_e_s - e_s")
     L(18).op(
         "inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR, within=RISEN,
     )  # fmt: skip
@@ -175,13 +186,20 @@ def direction(d: Domain, f: Lean) -> None:
     # azimuth 0 is taken: (1, 1)/2.
     half_length(L(29), f, "az_sq", ("u_y",))
     az = ("az_sq", "u_y", "u_x", "on_axis")
-    half_part(L(32), f, "az_c", az, lambda u_y, on_axis: (u_y < 0) | truth(on_axis))
-    half_part(L(33), f, "az_s", az, lambda u_y, on_axis: u_y >= 0)
+    half_part(
+        L(32), f, "az_c", az, lambda u_y, on_axis: (u_y < 0) | truth(on_axis),
+        exact="(sign_u_y_at_az_sq || on_axis_at_az_sq) ? az_sq : (u_x_at_az_sq >>> 1)",
+    )  # fmt: skip
+    half_part(
+        L(33), f, "az_s", az, lambda u_y, on_axis: u_y >= 0,
+        exact="sign_u_y_at_az_sq ? (u_x_at_az_sq >>> 1) : az_sq",
+    )  # fmt: skip
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, +z is taken: (1, 0).
     half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
     tilt = ("tilt_sq", "sin_el", "cos_el")
-    half_part(L(34), f, "tilt_c", tilt, lambda c: c >= 0)
-    half_part(L(35), f, "tilt_s", tilt, lambda c: c < 0)
+    large, small = "tilt_sq_at_cos_el", "(cos_el >>> 1)"
+    half_part(L(34), f, "tilt_c", tilt, lambda c: c >= 0, exact=f"sign_at_cos_el ? {small} : {large}")
+    half_part(L(35), f, "tilt_s", tilt, lambda c: c < 0, exact=f"sign_at_cos_el ? {large} : {small}")
 
 
 def triangle(d: Domain, f: Lean) -> None:
@@ -200,8 +218,12 @@ def triangle(d: Domain, f: Lean) -> None:
     def arms_shift(e, e_1, e_2):
         return (e - e_1 - e_2 + 2 + f.odd) & 63
 
-    for line, side, part in ((22, "far", "w"), (23, "near", "i")):
-        L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms_shift)
+    for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
+        L(line).op(
+            f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms_shift,
+            within=not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"),
+            exact=f"e_{side} - e_1_at_e_far - e_2_at_e_far + 2 + ODD",
+        )  # fmt: skip
         shifted = ("inv_12", f"n_{side}")
         L(line).op(
             f"inv_12_{side}_raw", shifted, f.raised, "shift", down_from_4, scaled_by(3, -1), FLOOR,
@@ -213,24 +235,28 @@ def triangle(d: Domain, f: Lean) -> None:
     # The clamped elbow is folded (1, 0) or straight (0, -1).
     one = 1 << (d.width - 2)
 
-    def elbow(line, name, of, folded, straight, sign, within):
+    def elbow(line, name, of, folded, straight, sign, within, exact):
         def bits(v, clamp, fold):
             return np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop))
 
         def real(v, clamp, fold):
             return np.where(clamp, np.where(fold, folded, straight) / one, sign * v)
 
-        L(line).op(name, (of, "clamp", "fold"), f.result, "mux", bits, real, HALF_UP, within)
+        L(line).op(name, (of, "clamp", "fold"), f.result, "mux", bits, real, HALF_UP, within=within, exact=exact)
 
-    elbow(22, "qe_w", "elbow_w", one, 0, 1, ELBOW_W)  # (14)
-    elbow(23, "qe_i", "elbow_i", 0, -one, -1, ELBOW_I)  # (14)
+    clamped = f"!clamp_at_elbow_w ? {ROUNDED} : fold_at_elbow_w"
+    elbow(22, "qe_w", "elbow_w", one, 0, 1, ELBOW_W, clamped.format("+ elbow_w") + " ? (1 <<< (W - 2)) : 0")  # (14)
+    elbow(23, "qe_i", "elbow_i", 0, -one, -1, ELBOW_I, clamped.format("- elbow_i") + " ? 0 : -(1 <<< (W - 2))")  # (14)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
     L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
     inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
-    L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63)
+    L(26).op(
+        "n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63,
+        exact="2 * e_1_at_e_s + e_s",
+    )  # fmt: skip
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
 
     def to_law(k, e):
@@ -243,7 +269,10 @@ def triangle(d: Domain, f: Lean) -> None:
     def law_shift(e_far, e_near, e_1, e_s):
         return (e_far + e_near - 2 * e_1 - e_s + f.odd + 2) & 63
 
-    L(28).op("n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", law_shift)
+    L(28).op(
+        "n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", law_shift,
+        within=not_negative("sin a <= 1"), exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
+    )  # fmt: skip
     L(28).op(
         "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down_from_4, scaled_by(2, -1), FLOOR,
         within=LAW_UNIT, grows=Growth((4.0, 0.0)),
@@ -257,8 +286,15 @@ def triangle(d: Domain, f: Lean) -> None:
         return np.where(clamp, ~truth(away), c >= 0)
 
     arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
-    half_part(L(36), f, "arm_c", arm, toward, lambda clamp, away: clamp)
-    half_part(L(37), f, "arm_s", arm, lambda *c: ~toward(*c), lambda clamp, away: clamp)
+    large, small = "arm_sq_at_sin_a", "(sin_a >>> 1)"
+    half_part(
+        L(36), f, "arm_c", arm, toward, lambda clamp, away: clamp,
+        exact=f"clamp_at_sin_a ? (away_at_sin_a ? 0 : {large}) : sign_at_sin_a ? {small} : {large}",
+    )  # fmt: skip
+    half_part(
+        L(37), f, "arm_s", arm, lambda *c: ~toward(*c), lambda clamp, away: clamp,
+        exact=f"clamp_at_sin_a ? (away_at_sin_a ? {large} : 0) : sign_at_sin_a ? {large} : {small}",
+    )  # fmt: skip
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
@@ -271,19 +307,23 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner, within=PART)
     L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner, within=PART)
     # half the sum and half the difference of azimuth and swivel
-    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
-    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
-    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
-    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
+    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="cc - ss")
+    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="sc + cs")
+    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="cc + ss")
+    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="sc - cs")
     L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, within=PART)
     L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, within=PART)
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, within=PART)
     L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, within=PART)
-    turned = ((52, "w", "i", plus), (53, "i", "w", minus), (54, "j", "k", minus), (55, "k", "j", plus))
-    for line, unit, other, how in turned:
+    turned = ((52, "w", "i", "+"), (53, "i", "w", "-"), (54, "j", "k", "-"), (55, "k", "j", "+"))
+    for line, unit, other, sign in turned:
+        how = plus if sign == "+" else minus
         L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner, within=PART)
         L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner, within=PART)
-        L(line).op(f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how, within=PART, grows=SUM)
+        L(line).op(
+            f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how,
+            within=PART, grows=SUM, exact=f"{unit}_c {sign} {other}_s",
+        )  # fmt: skip
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
@@ -296,7 +336,10 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
     L(57).op(
         "m_q", ("length_sq", low), f.mantissa, "mux", mantissa, lambda t, low: np.where(low, 4 * t, t),
-        within=Within(0.25, 1.0, "mantissa"), grows=Growth((4.0, 0.0), limited=True),
+        within=Within(0.25, 1.0, "mantissa"), grows=Growth((4.0, 0.0)),
+        limited=Limited("1 and more becomes the largest mantissa"),
+        exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
+        " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
     )  # fmt: skip
     inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, within=INVERSE)
 
@@ -312,13 +355,14 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
         L(line).op(
             f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, signed_real,
-            within=PART, grows=Growth((2.0, 0.0, 0.0)),
+            within=PART, grows=Growth((2.0, 0.0, 0.0), exact=True),
+            exact=f"minus ? -(low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1) : low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1",
         )  # fmt: skip
         L(line).mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1, within=PART)
         # (18)
         L(line).op(
             f"qs_{unit}", (f"{unit}_q",), f.result, "mux", lambda q: half_up(q, f.drop), lambda q: q, HALF_UP,
-            within=PART,
+            within=PART, exact=ROUNDED.format(f"+ {unit}_q"),
         )  # fmt: skip
 
 
@@ -373,16 +417,16 @@ def truth(mask):
 
 def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     """e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
-    d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa, MANTISSA)
-    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, INVERSE)
+    d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa, within=MANTISSA)
+    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, within=INVERSE)
 
 
 def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
     """Wiring: 2, which powers of two can give, becomes the largest inner word: ``name`` from ``name``_raw."""
-    top = f.inner.high
+    top, most = f.inner.high, "((1 <<< (N - 1)) - 1)"
     return d.op(
         name, (f"{name}_raw",), f.inner, None, lambda v: np.minimum(v, top), lambda v: v,
-        within=within, grows=Growth(limited=True),
+        within=within, limited=TWO, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
     )  # fmt: skip
 
 
@@ -400,12 +444,17 @@ def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> Non
     def real(c, unit=False):
         return np.where(unit, 1.0, (1 + abs(c)) / 2)
 
-    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_LENGTH)
+    cosine, *mask = operands
+    exact = f"((1 <<< FRAC) + ({cosine} < 0 ? -1 - {cosine} : {cosine})) >>> 1"
+    if mask:
+        exact = f"{mask[0]}_at_{cosine} ? (1 <<< FRAC) : ({exact})"
+    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_LENGTH, exact=exact)
 
 
 def half_part(
-    d: Domain, f: Lean, name: str, operands: tuple[str, ...], large: Callable, none: Callable | None = None
-) -> None:
+    d: Domain, f: Lean, name: str, operands: tuple[str, ...], large: Callable, none: Callable | None = None,
+    *, exact: str,
+) -> None:  # fmt: skip
     """A part of h: the squared length where ``large`` says so of the cosine and the masks, else half the sine, or 0
     where ``none`` says so of the masks.  ``operands``: squared length, cosine, sine, masks."""
 
@@ -417,4 +466,4 @@ def half_part(
         small = np.where(none(*masks), 0.0, s / 2) if none else s / 2
         return np.where(large(c, *masks), g, small)
 
-    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_ANGLE)
+    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_ANGLE, exact=exact)

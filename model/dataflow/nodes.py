@@ -21,14 +21,18 @@ raise the flag ``saturated``.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from model.dataflow.cases import Case
 from model.dataflow.cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
+from model.dataflow.facts import Facts, Within, leading
 from model.dataflow.trig import FRACS, TRIG_CLOCKS
+from model.targets.words import FIELDS, LENGTHS
 
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""
@@ -149,35 +153,14 @@ class Format:
         return 2.0**-self.frac
 
 
-@dataclass(frozen=True)
-class Within:
-    """What geometry says of a node in exact arithmetic: it lies in [low, high], and ``why``.
-
-    ``below``: high is not reached, and the word is exact or cut off, never rounded up to it.
-    """
-
-    low: float
-    high: float
-    why: str
-    below: bool = False
-
-
-@dataclass(frozen=True)
-class Growth:
-    """How errors come out of an operation: the sum of the operands' times ``gains``, and the operation's own rounding;
-    without ``gains`` that of one of them, and an ulp.  ``limited``: the largest word stands for what is larger."""
-
-    gains: tuple[float, ...] = ()
-    limited: bool = False
-
-
 @dataclass
 class Node:
     """One named value of the dataflow.
 
     ``time`` counts clocks from the clock in which the target stands at the input; ``value`` is whatever the domain
     computes with (an array over targets).  ``after`` is a node that the operation waits for without using it, to
-    leave together with its neighbours.  ``error`` is the range, in ulps, of the rounding that the operation adds.
+    leave together with its neighbours.  ``error`` is the range, in ulps, of the rounding that the operation adds, and
+    ``facts`` what else the dataflow says of the node.
     """
 
     name: str
@@ -191,6 +174,7 @@ class Node:
     value: Any = field(repr=False, default=None)
     after: Node | None = None
     error: tuple[float, float] = (0.0, 0.0)
+    facts: Facts = Facts()
 
     def __neg__(self) -> Negated:
         return Negated(self)
@@ -217,8 +201,7 @@ class Domain(ABC):
         self.width = width
         self.latency = Latency(width)
         self.nodes: dict[str, Node] = {}
-        self.within: dict[str, Within] = {}  # what the dataflow says of a node's range, by name
-        self.grows: dict[str, Growth] = {}  # and of its error
+        self.facts: defaultdict[str, Facts] = defaultdict(Facts)  # by node, before it is made
         self._section = "guard"
         self._equation = ""
 
@@ -263,40 +246,52 @@ class Domain(ABC):
             raise ValueError(f"node {name} is made twice")
         start = max((n.time for n in (*operands, after) if n), default=0)
         time = start + (self.latency[latency] if latency else 0)
-        node = Node(name, self._section, self._equation, op, operands, fmt, latency, time, value, after, error)
+        node = Node(
+            name, self._section, self._equation, op, operands, fmt, latency, time, value, after, error, self.facts[name]
+        )  # fmt: skip
         self.nodes[name] = node
         return node
 
+    def inputs(self, value: Callable[[str, Format], Value]) -> dict[str, Node]:
+        """The input words, in the clock in which the target is accepted."""
+        formats = {name: self.word(int(name in LENGTHS)) for name in FIELDS}
+        return {name: self.make(name, "input", (), fmt, None, value(name, fmt)) for name, fmt in formats.items()}
+
+    # ---- what is known from here on ------------------------------------------------------------------------------
+
+    def learn(self, fact: Callable[[Case], Case]) -> None:  # noqa: B027 - of ranges only
+        """What the nodes so far tell of the lengths in a case; only ranges are computed case by case."""
+
+    def restart(self, *names: str) -> None:  # noqa: B027 - of ranges only
+        """The words of these nodes, a plane, stand for exact ones: any plane will do for what follows."""
+
     # ---- operations ----------------------------------------------------------------------------------------------
+
+    # ``facts`` are those of :class:`Facts`.
 
     def op(
         self, name: str, operands, fmt: Format, latency: str | None, bits: Callable, real: Callable | None = None,
-        error=EXACT, within: Within | None = None, grows: Growth | None = None,
+        error=EXACT, **facts,
     ) -> Node:  # fmt: skip
         """A choice, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
 
-        ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.  ``grows``
-        says how the operands' errors come out; without it the answer has that of one of them, and an ulp.
+        ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.
         """
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
-        self._state(name, within)
-        self.grows[name] = grows or Growth()
+        self.facts[name] = Facts(**facts)
         value = self.apply(name, operands, fmt, bits, real)
         return self.make(name, "choose", operands, fmt, latency, value, error=error)
 
-    def _state(self, name: str, within: Within | None) -> None:
-        if within:
-            self.within[name] = within
-
-    def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0) -> Node:
+    def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
         """a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
         spare = a.format.frac + b.format.frac - scale - fmt.frac
         if spare < 0:
             raise FormatError(f"{name}: {fmt.frac} fraction bits, the product has only {fmt.frac + spare}")
+        self.facts[name] = Facts(**facts)
         value = self.product(name, a, b, fmt, scale)
         return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if spare else EXACT)
 
-    def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None) -> Node:
+    def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None, **facts) -> Node:
         """Sum of two or three terms of one format, rounded half up and saturated; raises :class:`FormatError`."""
         signs = tuple(-1 if isinstance(t, Negated) else 1 for t in terms)
         nodes = tuple(t.node if isinstance(t, Negated) else t for t in terms)
@@ -305,22 +300,23 @@ class Domain(ABC):
         if fmt.frac > nodes[0].format.frac:
             raise FormatError(f"{name}: {fmt.frac} fraction bits, its terms have only {nodes[0].format.frac}")
         error = HALF_UP if nodes[0].format.frac > fmt.frac else EXACT
+        self.facts[name] = Facts(**facts)
         value = self.total(name, signs, nodes, fmt)
         return self.make(name, "sum", nodes, fmt, f"sum{len(nodes)}", value, after, error)
 
-    def div(self, name: str, n: Node, d: Node, fmt: Format) -> Node:
+    def div(self, name: str, n: Node, d: Node, fmt: Format, **facts) -> Node:
         """floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
+        self.facts[name] = Facts(**facts)
         return self.make(name, "div", (n, d), fmt, "div", self.quotient(name, n, d, fmt), error=FLOOR)
 
-    def root(self, name: str, n: Node, fmt: Format) -> Node:
+    def root(self, name: str, n: Node, fmt: Format, **facts) -> Node:
         """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
+        self.facts[name] = Facts(**facts)
         return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt), error=FLOOR)
 
-    def mul3(
-        self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, within: Within | None = None
-    ) -> Node:
+    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
         """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`)."""
-        self._state(name, within)
+        self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
         return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=mul3_error(shift, *widths))
@@ -332,18 +328,17 @@ class Domain(ABC):
         return a.format.frac + b.format.frac - scale - fmt.frac, (first, second)
 
     def even(
-        self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format,
-        within: Within | None = None,
+        self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format, **facts
     ) -> None:  # fmt: skip
         """Shifts the low ``width`` bits left by pairs until the first is not empty: the shift and a mantissa."""
-        self._state(name, within)
+        self.facts[name] = Facts(**facts)
         shift, mantissa = self.even_mantissa(count, name, value, width, fmt)
         self.make(count, "even", (value,), count_fmt, "even", shift)
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
-    def rsqrt(self, name: str, m: Node, fmt: Format, within: Within | None = None) -> Node:
+    def rsqrt(self, name: str, m: Node, fmt: Format, **facts) -> Node:
         """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0."""
-        self._state(name, within)
+        self.facts[name] = Facts(**facts)
         value = self.reciprocal_root(name, m, fmt)
         return self.make(name, "rsqrt", (m,), fmt, "rsqrt", value, error=_faithful(fmt, m.format.frac - 3))
 
@@ -352,16 +347,22 @@ class Domain(ABC):
     ) -> None:
         """Sine and cosine of phi/2, the lean equations of these numbers."""
         for name, limits in zip(names, within, strict=True):
-            self._state(name, limits)
+            self.facts[name] = Facts(within=limits)
         for name, line, value in zip(names, lines, self.half_sincos(names, phi, fmt), strict=True):
             self.line(line).make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
+
+    def sincos(self, names: tuple[str, str], phi: Node, **facts) -> tuple[Node, ...]:
+        """Sine and cosine of phi/2, words with one integer bit."""
+        self.facts |= dict.fromkeys(names, Facts(**facts))
+        values = zip(names, self.cordic(names, phi), strict=True)
+        return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC) for n, v in values)
 
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
         """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""
         nodes = tuple(self.nodes[n] for n in watched) + ((self.nodes[unless],) if unless else ())
         return self.make(name, "saturated", nodes, self.bit, "mux", self.overflowed(watched, unless))
 
-    def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str) -> Node:
+    def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str, **facts) -> Node:
         """Shifts words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
 
         Makes the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
@@ -370,8 +371,10 @@ class Domain(ABC):
         counts = self.op(
             count, words, self.unsigned(6, 0, "0"), "norm",
             lambda *v: np.where(_all_zero(v), 0, np.minimum.reduce([room(u, width) for u in v])),
+            within=leading(width - 1),
         )  # fmt: skip
         for k, (name, word) in enumerate(zip(names, words, strict=True)):
+            self.facts[name] = Facts(**facts)
             fill = 1 << (width - 2) if k == 0 else 0
             self.make(name, "normalize", words, self.word(0), "norm", self.mantissa(name, word, words, counts, fill))
         return counts
@@ -404,8 +407,8 @@ class Domain(ABC):
     def mantissa(self, name: str, word: Node, words: tuple[Node, ...], counts: Node, fill: int) -> Value:
         raise NotImplementedError
 
-    def sincos(self, sin: str, cos: str, phi: Node) -> tuple[Node, ...]:
-        """Makes sine and cosine of phi/2, words with one integer bit."""
+    def cordic(self, names: tuple[str, str], phi: Node) -> tuple[Value, ...]:
+        """Sine and cosine of phi/2."""
         raise NotImplementedError
 
     def constant(self, value: float, fmt: Format) -> Node:

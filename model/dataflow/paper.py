@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The dataflow of ``rtl/paper``, written once: the paper's equations (10)-(19) as the RTL computes them.
 
+Sections 3.3 to 3.5 are in :mod:`model.dataflow.paper_turns`.
+
 Scale.  Four things are free in the equations and are used to keep words full, without touching a digit of the
 result: the unit of length of the arms, the unit of length of the target in (11)-(13), the length of the swivel
 plane's normal, and the length of L_m.  Each is chosen as a power of two by a count of leading sign bits
@@ -10,9 +12,15 @@ near the z axis lose no precision.
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
-from model.dataflow.nodes import FLOOR, HALF_UP, JAM, Domain, Format, Node, room, wrap
+from model.dataflow.cases import SQRT3, Case
+from model.dataflow.facts import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
+from model.dataflow.nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
+from model.dataflow.paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
 
 SECTIONS = {
     "guard": "domain and scale",
@@ -52,9 +60,26 @@ def half_of(words, clamp, clamped=0):
     return np.where(clamp, clamped, (words >> 1) | (words & 1))
 
 
-def signed(magnitude, sign):
-    """The magnitude with the sign of the other; 0 counts as positive."""
-    return np.where(sign < 0, -magnitude, magnitude)
+HALF_OF = "clamp ? {1} : (({0} >>> 1) | $signed({{1'b0, {0}[0]}}))"
+"""The same in Verilog."""
+
+
+# What geometry says of the nodes stands before each section: ranges of exact arithmetic, case by case, and why.
+
+CLAMPED = Given("", lambda c: (int(c.clamped), int(c.clamped)))
+REACHABLE = Given("", lambda c: (0, int(c.clamped)))
+TARGET_UNIT = Given("unit mantissa", upto(lambda c: c.p[1]))
+DIRECTION_UNIT = Given("unit mantissa", upto(lambda c: c.b[1]))
+IN_REACH_SH = Given("in reach: |p| <= d1 + d2", used(lambda c: (c.ulp / 2 - 1, 1)))
+IN_REACH = Given("in reach: |p| <= d1 + d2", lambda c: (0, 0) if c.clamped else (-1, 1))
+NOT_NEAR_SH = Given("not too near", used(upto(lambda c: c.p[1])))
+NOT_NEAR = Rule(
+    "not too near",
+    "|d1 - d2| <= |p|, in the target's unit <= |p_w| <= sqrt 3",
+    lambda c: (0.0, 0.0) if c.clamped else (-c.p[1], c.p[1]),
+)
+ARM_SH = Given("arms' unit", used(lambda c: (c.ulp, c.d_high)))
+ARM = Given("arms' unit", lambda c: (0.25, 0.25) if c.clamped else (c.ulp, c.d_high - c.ulp * c.long))
 
 
 def guard(d: Domain, target: dict[str, Node]) -> None:
@@ -68,47 +93,94 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     length = Format(w + 1, w - 2, "W - 2")
     exact = Format(2 * w + 2, 2 * w - 4, "2*W - 4")
 
-    d.op("bad_length", (d1, d2), d.bit, "mux", lambda a, b: (a <= 0) | (b <= 0))
+    d.op("bad_length", (d1, d2), d.bit, "mux", lambda a, b: (a <= 0) | (b <= 0), within=REACHABLE)
     d.op("on_axis", (x, y), d.bit, "mux", lambda a, b: (a == 0) & (b == 0))
-    d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0))
+    d.op(
+        "at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0),
+        within=REACHABLE,
+    )  # fmt: skip
 
-    r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b)
-    d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b)
+    r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b, exact="d1 + d2")
+    d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b, exact="d1 - d2")
     for name, word in (("x_sq", x), ("y_sq", y), ("z_sq", z), ("r_sq", r_raw), ("d_sq", d_raw)):
         d.op(name, (word,), exact, "mul", lambda a: a.astype(object) ** 2)
-    d.op("xy_sq", ("x_sq", "y_sq"), exact, "mux", lambda a, b: a + b)
-    d.op("s_raw", ("xy_sq", "z_sq"), exact, "mux", lambda a, b: a + b)
-    d.op("too_far", ("s_raw", "r_sq", "bad_length"), d.bit, "mux", lambda s, r, bad: (s > r).astype(bool) & ~bad)
-    d.op("too_near", ("s_raw", "d_sq", "bad_length"), d.bit, "mux", lambda s, q, bad: (s < q).astype(bool) & ~bad)
+    d.op("xy_sq", ("x_sq", "y_sq"), exact, "mux", lambda a, b: a + b, exact="x_sq + y_sq")
+    d.op("s_raw", ("xy_sq", "z_sq"), exact, "mux", lambda a, b: a + b, exact="xy_sq + z_sq_at_xy_sq")
+    far, near = ("s_raw", "r_sq", "bad_length"), ("s_raw", "d_sq", "bad_length")
+    d.op("too_far", far, d.bit, "mux", lambda s, r, bad: (s > r).astype(bool) & ~bad, within=REACHABLE)
+    d.op("too_near", near, d.bit, "mux", lambda s, q, bad: (s < q).astype(bool) & ~bad, within=REACHABLE)
 
     # A clamped target has no elbow in the sense of (13): the arm is straight or folded along the line to the target.
     # It takes its way through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three things are
     # set from outside: p_e, c4 and the vector whose side decides the sign in (17).
-    d.op("clamp", ("too_far", "too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda f, n, s, b: f | n | s | b)
-    d.op("fold", ("too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda n, s, b: (n | s) & ~b)
-    d.op("away", ("too_near", d_raw), d.bit, "mux", lambda n, q: n & (q < 0))
+    d.op(
+        "clamp", ("too_far", "too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda f, n, s, b: f | n | s | b,
+        within=CLAMPED,
+    )  # fmt: skip
+    bad = ("too_near", "at_shoulder", "bad_length")
+    d.op("fold", bad, d.bit, "mux", lambda n, s, b: (n | s) & ~b, within=REACHABLE)
+    d.op("away", ("too_near", d_raw), d.bit, "mux", lambda n, q: n & (q < 0), within=REACHABLE)
 
     # The target in a unit of length of its own; at the shoulder "straight up" is taken.
-    lz_p = d.normalize(("p_w_z", "p_w_x", "p_w_y"), (z, x, y), "lz_p")
+    lz_p = d.normalize(("p_w_z", "p_w_x", "p_w_y"), (z, x, y), "lz_p", within=TARGET_UNIT)
     # The horizontal direction of the target in a unit of its own; on the z axis azimuth 0 is taken.
-    d.normalize(("b_x", "b_y"), (x, y), "lz_b")
+    d.normalize(("b_x", "b_y"), (x, y), "lz_b", within=DIRECTION_UNIT)
     # The arms in a unit of length that brings d1 + d2 to [1/2, 1), and the target in the same unit.
-    lz_r = d.op("lz_r", (r_raw,), d.unsigned(6, 0, "0"), "lzc", lambda r: np.where(r == 0, 0, room(r, w + 1)))
+    lz_r = d.op(
+        "lz_r", (r_raw,), d.unsigned(6, 0, "0"), "lzc", lambda r: np.where(r == 0, 0, room(r, w + 1)),
+        within=leading(w),
+    )  # fmt: skip
     mantissa = Format(w + 1, w, "W")
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
-        d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1))
-        d.op(name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM)
+        d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=ARM_SH)
+        d.op(
+            name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM,
+            within=ARM, exact=HALF_OF.format(f"{name}_sh_at_clamp", "(1 <<< (W - 3))"),
+        )  # fmt: skip
     for axis, raw in (("x", x), ("y", y), ("z", z)):
-        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1))
-        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM)
+        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=IN_REACH_SH)
+        d.op(
+            f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM,
+            within=IN_REACH, exact=HALF_OF.format(f"p_a_{axis}_sh_at_clamp", "0"),
+        )  # fmt: skip
     # d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder could
     # come to lie out of their reach.
     finer = Format(w + 1, w - 1, "W - 1")
-    d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1))
-    d.op("d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR)
+    d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1), within=NOT_NEAR_SH)
+    d.op(
+        "d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR,
+        within=NOT_NEAR, exact="clamp ? 0 : (d_dif_sh_at_clamp >>> 1)",
+    )  # fmt: skip
     # How much finer the target's own unit is than the arms': p_w = 2^j p_a.
-    d.op("scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1))
+    d.op(
+        "scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1),
+        within=Given("target's unit", lambda c: c.j), exact="clamp ? 2 : (lz_p_at_clamp - lz_r_at_clamp + 1)",
+    )  # fmt: skip
+
+
+UNIT_SQ = Rule(
+    "unit mantissa",
+    "a vector shifted until its largest component fills the word has that component in [1/2, 1], so its squared "
+    "length is in [1/4, 3] (with two components: at most 2)",
+    lambda c: (c.p[0] ** 2, c.p[1] ** 2),
+)
+UNIT = Rule(
+    "unit mantissa, length", "the root of the squared length: |p_w| and |L_m| are in [1/2, sqrt 3]", lambda c: c.p
+)
+COSINE_SQ = Rule("cosine", "a squared cosine, doubled", lambda c: (0.0, 2.0))
+SAME_DIRECTION = Rule(
+    "same direction",
+    "p_w and b are the same target in two units, so each p_x b_x >= 0 and the sum is |p_xy| |b| <= 2",
+    lambda c: (0.0, min(2.0, c.p[1] * c.b[1])),
+    not_negative,
+)
+PLANE_NUM = Rule("|pi_swivel| = |b|", "before the division by |L_sw| <= sqrt 3", upto(lambda c: c.p[1] * c.b[1]))
+PLANE = Rule(
+    "|pi_swivel| = |b|",
+    "the two terms of (11) are orthogonal and of length |b| |sin phi| and |b| |cos phi|, and |b| <= sqrt 2",
+    upto(lambda c: c.b[1]),
+)
 
 
 def swivel(d: Domain, phi: Node) -> None:
@@ -122,20 +194,22 @@ def swivel(d: Domain, phi: Node) -> None:
     d.at("swivel", "(10)")
     for axis, p in (("x", p_x), ("y", p_y), ("z", p_z)):
         d.mul(f"s_{axis}", p, p, d.wide(1))
-    d.sum("s", n["s_x"], n["s_y"], n["s_z"], fmt=d.word(2))
-    l_sw = d.root("l_sw", n["s"], d.word(1))
+    d.sum("s", n["s_x"], n["s_y"], n["s_z"], fmt=d.word(2), within=UNIT_SQ)
+    l_sw = d.root("l_sw", n["s"], d.word(1), within=UNIT)
 
     d.at(equation="(11)")
-    sin_h, cos_h = d.sincos("sin_h", "cos_h", phi)
-    sin_phi = d.mul("sin_phi", sin_h, cos_h, d.word(1), scale=1)  # 2 cos(phi/2) sin(phi/2)
-    d.mul("cos2_sq", cos_h, cos_h, d.wide(2), scale=1)  # 2 cos^2(phi/2): the square is missing in print
-    cos_phi = d.sum("cos_phi", n["cos2_sq"], -d.constant(1.0, d.wide(2)), fmt=d.word(1))
+    sin_h, cos_h = d.sincos(("sin_h", "cos_h"), phi, within=COSINE)
+    sin_phi = d.mul("sin_phi", sin_h, cos_h, d.word(1), scale=1, within=COSINE)  # 2 cos(phi/2) sin(phi/2)
+    # 2 cos^2(phi/2): the square is missing in print
+    d.mul("cos2_sq", cos_h, cos_h, d.wide(2), scale=1, within=COSINE_SQ)
+    cos_phi = d.sum("cos_phi", n["cos2_sq"], -d.constant(1.0, d.wide(2)), fmt=d.word(1), within=COSINE)
 
     d.mul("a_x", p_z, b_x, d.word(1))
     d.mul("a_y", p_z, b_y, d.word(1))
-    d.mul("rho_x", p_x, b_x, d.wide(2))
-    d.mul("rho_y", p_y, b_y, d.wide(2))
-    d.sum("rho", n["rho_x"], n["rho_y"], fmt=d.word(2))  # p_x^2 + p_y^2, with one factor each in b's scale
+    d.mul("rho_x", p_x, b_x, d.wide(2), within=SAME_DIRECTION)
+    d.mul("rho_y", p_y, b_y, d.wide(2), within=SAME_DIRECTION)
+    # p_x^2 + p_y^2, with one factor each in b's scale
+    d.sum("rho", n["rho_x"], n["rho_y"], fmt=d.word(2), within=SAME_DIRECTION)
     d.mul("sa_x", sin_phi, n["a_x"], d.wide(2))
     d.mul("sa_y", sin_phi, n["a_y"], d.wide(2))
     d.mul("sa_z", sin_phi, n["rho"], d.wide(2))
@@ -143,12 +217,76 @@ def swivel(d: Domain, phi: Node) -> None:
     d.mul("cb_y", cos_phi, b_y, d.word(1))
     d.mul("lcb_x", l_sw, n["cb_x"], d.wide(2))
     d.mul("lcb_y", l_sw, n["cb_y"], d.wide(2))
-    d.sum("pi_num_x", n["sa_x"], n["lcb_y"], fmt=d.wide(2))
-    d.sum("pi_num_y", n["sa_y"], -n["lcb_x"], fmt=d.wide(2))
-    d.sum("pi_num_z", d.constant(0.0, d.wide(2)), -n["sa_z"], fmt=d.wide(2), after=n["lcb_y"])
+    d.sum("pi_num_x", n["sa_x"], n["lcb_y"], fmt=d.wide(2), within=PLANE_NUM)
+    d.sum("pi_num_y", n["sa_y"], -n["lcb_x"], fmt=d.wide(2), within=PLANE_NUM)
+    d.sum("pi_num_z", d.constant(0.0, d.wide(2)), -n["sa_z"], fmt=d.wide(2), after=n["lcb_y"], within=PLANE_NUM)
     for axis in "xyz":
-        d.div(f"pi_swivel_{axis}", n[f"pi_num_{axis}"], l_sw, d.word(1))
+        d.div(f"pi_swivel_{axis}", n[f"pi_num_{axis}"], l_sw, d.word(1), within=PLANE)
+    # (12) and all that follows hold for any plane.  Exact arithmetic with the words gives k_e / 2 = p_e p_w and
+    # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
+    d.restart("pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
     d.saturated("sat_swivel", "pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
+
+
+ARMS = Rule(
+    "arms' unit",
+    "d1 + d2 is shifted to [1/2, 1); halving never makes 1 of it, since the largest length, all ones, is rounded down",
+    lambda c: (0.5, 0.5) if c.clamped else (0.5 - c.ulp, 1 - c.ulp),
+)
+TARGET = Rule(
+    "target's unit",
+    "2^j |p_a|^2 = |p_w| |p_a|, with |p_a| <= d1 + d2 <= 1",
+    lambda c: (0.0, min(c.p[1] ** 2 * 2.0 ** -c.j[0], c.p[1])),
+)
+LAW = Rule(
+    "triangle", "|p_w^2 + d1^2 - d2^2| = 2 d1 |p_w| |cos a| <= 2 d1 |p_w| by the law of cosines", upto(lambda c: c.k_e)
+)
+LAW_PLANE = Rule("triangle", "times |pi_swivel| <= sqrt 2", upto(lambda c: c.k_e * c.b[1]))
+LAW_PLANE_SQ = Rule("triangle", "(k_e |pi_swivel|)^2", lambda c: (0.0, (c.b[1] * c.k_e) ** 2))
+CROSS = Rule(
+    "Cauchy-Schwarz", "2 p_w x pi_swivel is no longer than 2 |p_w| |pi_swivel| <= 2 sqrt 6", upto(lambda c: c.pp[1])
+)
+ORTHOGONAL = Rule(
+    "orthogonal",
+    "p_w lies in the swivel plane, so |PP^-| = 2 |p_w| |pi_swivel| exactly; its square is in [1/4, 24]",
+    lambda c: (c.pp[0] ** 2, c.pp[1] ** 2),
+)
+ORTHOGONAL_ARM = Rule("orthogonal", "d1^2 |PP^-|^2", lambda c: (0.0, (c.d_high * c.pp[1]) ** 2))
+HEIGHT_SQ = Rule(
+    "d1 sin a <= min(d1, d2)",
+    "tmp1 = (d1 sin a)^2 |PP^-|^2, and the triangle's height over p_w is no longer than the shorter arm <= 1/2",
+    lambda c: c.tmp1,
+)
+HEIGHT = Rule("d1 sin a <= min(d1, d2)", "its root", lambda c: (0.0, math.sqrt(c.tmp1[1])))
+ELBOW_NUM = Rule(
+    "|p_e| <= d1",
+    "the numerators of (13) are the components of p_e times |PP^-|^2",
+    upto(lambda c: c.p_e * c.pp[1] ** 2),
+)
+ELBOW = Rule(
+    "|p_e| <= d1",
+    "the elbow is d1 away from the shoulder (with rounded arms at most |k_e| / 2|p_w|)",
+    upto(lambda c: c.p_e),
+    upto(lambda c: c.p_e_words + 2 * c.ulp),
+)
+
+
+def off_length(c: Case, n: dict[str, Node]) -> Case:
+    """How far p_e is off.  The root of (13) may lose half of its digits, and p_e with it, but across
+    |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 at right angles to it) the square undoes
+    the root."""
+    t, inf, worst = n["tmp_sqr"], n["inf_pp"].value, 0.0
+    if min(inf.low, inf.word[0]) <= 0:
+        return c  # the division says so
+    for axis, m in zip("xyz", "123", strict=True):
+        if f"e_{axis}_pp" not in n:  # as the first, at the most
+            axis, m = "x", max("123", key=lambda k: n[f"pp_{k}_m"].value.error)
+        pp = n[f"e_{axis}_pp"]
+        num = pp.value.error + t.value.word[1] * n[f"pp_{m}_m"].value.error + pp.format.ulp
+        worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + 2 * c.ulp)
+    straight = SQRT3 * worst
+    square = n["tmp1"].value.error + 2 * t.value.word[1] * t.format.ulp
+    return replace(c, straight=straight, square=square / inf.low + 2 * straight * c.p_e * 1.1 + straight**2)
 
 
 def elbow(d: Domain) -> None:
@@ -160,34 +298,40 @@ def elbow(d: Domain) -> None:
     n = d.nodes
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
-    d.op("d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, lambda a, b: a + b)
-    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, lambda a, j: a * 2.0**-j, FLOOR)
+    d.op(
+        "d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, lambda a, b: a + b,
+        within=ARMS, grows=SUM, exact="d_1 + d_2",
+    )  # fmt: skip
+    d.op(
+        "s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, lambda a, j: a * 2.0**-j, FLOOR,
+        within=TARGET,
+    )  # fmt: skip
     d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
-    k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2))
+    k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2), within=LAW)
 
     p = {a: n[f"p_w_{a}"] for a in "xyz"}
     pi = {a: n[f"pi_swivel_{a}"] for a in "xyz"}
     for unit, a in zip("ijk", "xyz", strict=True):
-        d.mul(f"pp_{unit}", pi[a], k_e, d.word(3))
+        d.mul(f"pp_{unit}", pi[a], k_e, d.word(3), within=LAW_PLANE)
     d_1_sq = d.mul("d_1_sq", n["d_1"], n["d_1"], d.word(0))
     d.at(equation="(19)")
     for m, a, b in (("1", "z", "y"), ("2", "x", "z"), ("3", "y", "x")):
         d.mul(f"c_{m}_{a}{b}", p[a], pi[b], d.wide(2), scale=1)
         d.mul(f"c_{m}_{b}{a}", p[b], pi[a], d.wide(2), scale=1)
-        d.sum(f"pp_{m}_m", n[f"c_{m}_{a}{b}"], -n[f"c_{m}_{b}{a}"], fmt=d.word(3))  # PP_m5 - PP_m4
+        d.sum(f"pp_{m}_m", n[f"c_{m}_{a}{b}"], -n[f"c_{m}_{b}{a}"], fmt=d.word(3), within=CROSS)  # PP_m5 - PP_m4
         d.mul(f"pp_{m}_p", d_1_sq, n[f"pp_{m}_m"], d.word(3))  # PP_m5 + PP_m4
         d.mul(f"pp_{m}_pm", n[f"pp_{m}_p"], n[f"pp_{m}_m"], d.wide(5))
 
     d.at(equation="(13)")
     for m in "123":
         d.mul(f"pp_{m}_sq", n[f"pp_{m}_m"], n[f"pp_{m}_m"], d.wide(5))
-    inf_pp = d.sum("inf_pp", n["pp_1_sq"], n["pp_2_sq"], n["pp_3_sq"], fmt=d.word(5))
+    inf_pp = d.sum("inf_pp", n["pp_1_sq"], n["pp_2_sq"], n["pp_3_sq"], fmt=d.word(5), within=ORTHOGONAL)
     for unit in "ijk":
         d.mul(f"pp_{unit}_sq", n[f"pp_{unit}"], n[f"pp_{unit}"], d.wide(5))
-    d.sum("pp_sq", n["pp_i_sq"], n["pp_j_sq"], n["pp_k_sq"], fmt=d.wide(5))
-    d.sum("pp_pm", n["pp_1_pm"], n["pp_2_pm"], n["pp_3_pm"], fmt=d.wide(5))
-    tmp1 = d.sum("tmp1", n["pp_pm"], -n["pp_sq"], fmt=d.word(3))
-    tmp_sqr = d.root("tmp_sqr", tmp1, d.word(2))
+    d.sum("pp_sq", n["pp_i_sq"], n["pp_j_sq"], n["pp_k_sq"], fmt=d.wide(5), within=LAW_PLANE_SQ)
+    d.sum("pp_pm", n["pp_1_pm"], n["pp_2_pm"], n["pp_3_pm"], fmt=d.wide(5), within=ORTHOGONAL_ARM)
+    tmp1 = d.sum("tmp1", n["pp_pm"], -n["pp_sq"], fmt=d.word(3), within=HEIGHT_SQ)
+    tmp_sqr = d.root("tmp_sqr", tmp1, d.word(2), within=HEIGHT)
     # Straight or folded to the last place: the target lies on the line of the arm and cannot tell a side in (17).
     d.op("flat", ("clamp", "tmp1"), d.bit, "mux", lambda c, t: c | (t <= 0))
     d.op("back", ("clamp", "away", "k_e"), d.bit, "mux", lambda c, a, k: np.where(c, a, k < 0))
@@ -199,157 +343,27 @@ def elbow(d: Domain) -> None:
     ):
         d.mul(f"e_{axis}_{u}", n[f"pp_{u}"], n[f"pp_{mu}_m"], d.wide(5))
         d.mul(f"e_{axis}_{v}", n[f"pp_{v}"], n[f"pp_{mv}_m"], d.wide(5))
-        d.sum(f"e_{axis}_pp", n[f"e_{axis}_{u}"], -n[f"e_{axis}_{v}"], fmt=d.wide(5))
+        d.sum(f"e_{axis}_pp", n[f"e_{axis}_{u}"], -n[f"e_{axis}_{v}"], fmt=d.wide(5), within=ELBOW_NUM)
         d.mul(f"e_{axis}_sqr", tmp_sqr, n[f"pp_{m}_m"], d.wide(5))
-        d.sum(f"e_{axis}_num", n[f"e_{axis}_pp"], n[f"e_{axis}_sqr"], fmt=d.wide(5))
-        d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1))
+        d.sum(f"e_{axis}_num", n[f"e_{axis}_pp"], n[f"e_{axis}_sqr"], fmt=d.wide(5), within=ELBOW_NUM)
+        d.learn(lambda c: off_length(c, n))
+        d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1), within=ELBOW)
         # A clamped arm's elbow lies on the line to the target, at half its distance here.
         d.op(
             f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
             lambda q, t, c, a: np.where(c, np.where(a, -(t >> 2), t >> 2), q),
             lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), JAM,
+            exact=f"!clamp_at_e_x_quo ? e_{axis}_quo"
+            f" : away_at_e_x_quo ? -(p_w_{axis}_at_e_x_quo >>> 2) : (p_w_{axis}_at_e_x_quo >>> 2)",
         )  # fmt: skip
     # (15) needs the length of the upper arm in the scale of p_e.
     d.op(
         "d_e", ("d_1", "l_sw", "clamp"), d.word(1), "mux",
         lambda a, b, c: np.where(c, b >> 1, a >> 1), lambda a, b, c: np.where(c, b / 2, a), FLOOR,
+        exact="clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1)",
     )  # fmt: skip
     quotients = [f"e_{a}_{kind}" for kind in ("num", "quo") for a in "xyz"]
     d.saturated("sat_elbow", "k_e", "inf_pp", "pp_sq", "pp_pm", "tmp1", *quotients)
-
-
-def elbow_quaternion(d: Domain) -> None:
-    """Section 3.3: the elbow quaternion (14)."""
-    n = d.nodes
-    w = d.width
-    d.at("elbow_q", "(14)")
-    for a in "xyz":
-        # p_e^2 - p_e p_w = p_e (p_e - p_w)
-        d.op(
-            f"f_{a}", (f"p_e_{a}", f"p_a_{a}"), d.word(1), "sum2",
-            lambda e, p: np.clip(((e << 1) - p + 1) >> 1, -(1 << (w - 1)), (1 << (w - 1)) - 1), lambda e, p: e - p,
-            HALF_UP,
-        )  # fmt: skip
-        d.mul(f"t_{a}", n[f"p_e_{a}"], n[f"f_{a}"], d.wide(1))
-    t_e = d.sum("t_e", n["t_x"], n["t_y"], n["t_z"], fmt=d.word(-1))
-    d_12 = d.mul("d_12", n["d_1"], n["d_2"], d.word(-1))
-    d.div("c4_quo", t_e, d_12, d.word(1))
-    one = 1 << (w - 2)
-    d.op(
-        "c4", ("c4_quo", "clamp", "fold"), d.word(1), "mux",
-        lambda q, c, f: np.where(c, np.where(f, one, -one), q), lambda q, c, f: np.where(c, np.where(f, 1.0, -1.0), q),
-    )  # fmt: skip
-    _half(d, "h4_p", "c4", +1)
-    _half(d, "h4_m", "c4", -1)
-    d.root("qe_w", n["h4_p"], d.word(1))
-    d.root("qe_abs", n["h4_m"], d.word(1))
-    d.op("qe_i", ("qe_abs",), d.word(1), "mux", lambda a: -a, lambda a: -a)
-    d.saturated("sat_elbow_q", "t_e", unless="clamp")
-
-
-def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
-    """(1 + sign cosine) / 2 of (6) and (7), held in [0, 1]: an unsigned word, so that 1 fits."""
-    w = d.width
-    d.op(
-        name, (cosine,), d.unsigned(w, w - 1, "W - 1"), "mux",
-        lambda c: np.clip((1 << (w - 2)) + sign * c, 0, 1 << (w - 1)), lambda c: np.clip((1 + sign * c) / 2, 0, 1),
-    )  # fmt: skip
-
-
-def rotate_to_elbow(d: Domain) -> None:
-    """Section 3.4: Q12 (15), the middle line L_m divided by its length.
-
-    L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely.  The factor d1 goes.  With the
-    elbow above the shoulder, d1 - p_ez cancels; there p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez) allows to divide by
-    d1 - p_ez: L_m ~ (p_ex, p_ey, d1 + p_ez).  With the elbow below, one factor (p_ex, p_ey) is scaled up to (u_x, u_y).
-    On the z axis itself the first form is (0, 0, 2 d1) and the second (d1, 0, 0): never 0/0.
-    """
-    n = d.nodes
-    d.at("to_elbow", "(15)")
-    p_x, p_y = n["p_e_x"], n["p_e_y"]
-    d.normalize(("u_x", "u_y"), (p_x, p_y), "lz_u")
-    top = d.word(1).high  # of an arm that is all upper arm, h can be rounded to 2
-    limited, free = lambda a, z: np.minimum(a + abs(z), top), lambda a, z: a + abs(z)
-    h = d.op("h", ("d_e", "p_e_z"), d.word(1), "sum2", limited, free)
-    d.mul("uh_x", n["u_x"], h, d.word(1))
-    d.mul("uh_y", n["u_y"], h, d.word(1))
-    d.mul("uu_x", n["u_x"], p_x, d.wide(1))
-    d.mul("uu_y", n["u_y"], p_y, d.wide(1))
-    d.sum("uu", n["uu_x"], n["uu_y"], fmt=d.word(1))
-    for axis, low, high in (("x", "uh_x", p_x), ("y", "uh_y", p_y), ("z", "uu", h)):
-        d.op(
-            f"m_{axis}", ("p_e_z", low, high), d.word(1), "mux",
-            lambda z, a, b: np.where(z < 0, a, b), lambda z, a, b: np.where(z < 0, a, b),
-        )  # fmt: skip
-    d.normalize(("l_m_z", "l_m_x", "l_m_y"), (n["m_z"], n["m_x"], n["m_y"]), "lz_m")
-    for a in "xyz":
-        d.mul(f"tmp2_{a}", n[f"l_m_{a}"], n[f"l_m_{a}"], d.wide(1))
-    d.sum("tmp2", n["tmp2_x"], n["tmp2_y"], n["tmp2_z"], fmt=d.word(2))
-    l_m = d.root("l_m", n["tmp2"], d.word(1))
-    for unit, a in zip("ijk", "xyz", strict=True):
-        d.div(f"q12_{unit}", n[f"l_m_{a}"], l_m, d.word(1))
-    d.saturated("sat_to_elbow", "q12_i", "q12_j", "q12_k")
-
-
-def rotate_to_wrist(d: Domain) -> None:
-    """Section 3.5: theta_3 from the rotated y-z plane and the swivel plane (17), and Qs = Q12 Q3 (18)."""
-    n = d.nodes
-    pi_x, pi_y, pi_z = (n[f"pi_swivel_{a}"] for a in "xyz")
-    q_i, q_j, q_k = (n[f"q12_{u}"] for u in "ijk")
-    d.at("to_wrist", "(17)")
-    # 1/|pi_swivel| is ready long before it is needed
-    for a in "xyz":
-        d.mul(f"pi_sq_{a}", n[f"pi_swivel_{a}"], n[f"pi_swivel_{a}"], d.wide(2))
-    d.sum("pi_sq", n["pi_sq_x"], n["pi_sq_y"], n["pi_sq_z"], fmt=d.word(2))
-    d.root("pi_abs", n["pi_sq"], d.word(1))
-    pi_inv = d.div("pi_inv", d.constant(1.0, d.word(1)), n["pi_abs"], d.word(2))
-
-    for u, q in (("i", q_i), ("j", q_j), ("k", q_k)):
-        d.mul(f"q12_{u}_sq", q, q, d.wide(1))
-    d.sum("r_x", n["q12_k_sq"], n["q12_j_sq"], -n["q12_i_sq"], fmt=d.word(1))
-    d.mul("g_y", q_j, pi_y, d.wide(1))
-    d.mul("g_z", q_k, pi_z, d.wide(1))
-    d.sum("g", n["g_y"], n["g_z"], fmt=d.word(1))
-    d.mul("c3_r", pi_x, n["r_x"], d.wide(1))
-    d.mul("c3_g", q_i, n["g"], d.wide(1), scale=1)
-    d.sum("c3_num", n["c3_r"], -n["c3_g"], fmt=d.word(1))
-    d.mul("c3", n["c3_num"], pi_inv, d.word(1))
-
-    # sign: on which side of the rotated plane the target lies.  A flat arm's target lies in the plane; there the
-    # elbow's side of the line decides: -PP^- for a target in the direction of the elbow, +PP^- behind the shoulder.
-    for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
-        d.op(
-            f"side_{a}", (f"p_w_{a}", f"pp_{m}_m", "flat", "back"), d.word(0), "mux",
-            lambda p, c, f, b: np.where(f, np.where(b, c, -c), p),
-            lambda p, c, f, b: np.where(f, np.where(b, c, -c) / 8, p),
-        )  # fmt: skip
-    d.mul("sg_r", n["side_x"], n["r_x"], d.wide(1))
-    d.mul("sg_y", q_j, n["side_y"], d.wide(1))
-    d.mul("sg_z", q_k, n["side_z"], d.wide(1))
-    d.sum("sg", n["sg_y"], n["sg_z"], fmt=d.word(1))
-    d.mul("sg_g", q_i, n["sg"], d.wide(1), scale=1)
-    d.sum("sign", n["sg_g"], -n["sg_r"], fmt=d.wide(1))
-
-    _half(d, "h3_p", "c3", +1)
-    _half(d, "h3_m", "c3", -1)
-    q3_scalar = d.root("q3_scalar", n["h3_p"], d.word(1))
-    d.root("q3_abs", n["h3_m"], d.word(1))
-    # 0 counts as positive: both signs are right there.
-    q3_k = d.op("q3_k", ("q3_abs", "sign"), d.word(1), "mux", signed, signed)
-
-    d.at(equation="(18)")
-    d.mul("w_kk", q_k, q3_k, d.wide(1))
-    d.mul("i_is", q_i, q3_scalar, d.wide(1))
-    d.mul("i_jk", q_j, q3_k, d.wide(1))
-    d.mul("j_js", q_j, q3_scalar, d.wide(1))
-    d.mul("j_ik", q_i, q3_k, d.wide(1))
-    d.mul("k_ks", q_k, q3_scalar, d.wide(1))
-    zero = d.constant(0.0, d.wide(1))
-    d.sum("qs_w", zero, -n["w_kk"], fmt=d.word(1))
-    d.sum("qs_i", n["i_is"], n["i_jk"], fmt=d.word(1))
-    d.sum("qs_j", n["j_js"], -n["j_ik"], fmt=d.word(1))
-    d.sum("qs_k", zero, n["k_ks"], fmt=d.word(1))
-    d.saturated("sat_to_wrist", "c3_num")
 
 
 def results(d: Domain) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import CORDIC, Domain, Node
+from model.dataflow.nodes import Domain, Node
 from model.reference.kinematics import forward
 from model.targets.words import RESULT_FIELDS
 
@@ -61,13 +61,10 @@ class Real(Domain):
         scaled = word.value * 2.0 ** (counts.value - (word.format.width - 1 - word.format.frac))
         return self._moved(name, np.where(empty, 0.5 if fill else 0.0, scaled), self.word(0))
 
-    def sincos(self, sin, cos, phi):
+    def cordic(self, names, phi):
         # phi's word has its sign in the top bit: half a turn is 1
         half = phi.value * (np.pi / 2)
-        return tuple(
-            self.make(n, "sincos", (phi,), self.word(1), "sincos", self._moved(n, v, self.word(1)), error=CORDIC)
-            for n, v in ((sin, np.sin(half)), (cos, np.cos(half)))
-        )
+        return tuple(self._moved(n, v, self.word(1)) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
 
     # of the lean datapath; nodes of several results are moved where they are made
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from model.bounds import ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.nodes import Node
@@ -126,8 +125,8 @@ def observe(into: Observed, words: np.ndarray, width: int) -> None:
     for name, node in bits.nodes.items():
         out = (node.value < node.format.low) | (node.value > node.format.high)
         out = np.broadcast_to(np.asarray(out | bits.overflow.get(name, False)).astype(bool), good.shape)
-        if name in ranges.BY_DESIGN:
-            out = out & ~clamped & (name != "c4_quo")
+        if node.facts.limited:
+            out = out & ~clamped & node.facts.limited.clamped
         out = out & good
         if out.any():
             into.beyond[name] = into.beyond.get(name, 0) + int(out.sum())

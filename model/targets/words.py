@@ -25,6 +25,9 @@ FIELDS = ("x", "y", "z", "phi", "d1", "d2")
 RESULT_FIELDS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 """Fields of a result word, lowest bits first; all signed with width-2 fraction bits."""
 
+ARMS = ("d1", "d2")
+"""Positive, or the target is clamped."""
+
 DEFAULT_D1 = 0.33
 """Upper arm of the default arm (m); with `DEFAULT_D2` it reaches the 0.6 m of the paper group's arm."""
 
@@ -157,7 +160,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
             f"is too far out: for the longest arm, {reach[longest]:.6g}, the format ends at {limit:.6g}",
         )  # fmt: skip
 
-    for column in ("d1", "d2"):
+    for column in ARMS:
         words = _quantise(_ldexp(getattr(targets, column), exponent), width)
         if not words.all():
             raise targets.error(

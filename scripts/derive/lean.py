@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derives the lean dataflow from the paper's equations (10)-(18), with symbols, and writes docs/generated/lean.md.
 
-    python -m scripts.derive.lean [--check]     writes the page; with --check compares it, status 1 if it is stale
-
 The paper's side of every comparison is the table of model/reference/printed.py with the one edit that
-scripts/derive/paper.py proves
-to be needed. The lean side is the table of model/reference/lean_table.py; a test holds
+scripts/derive/paper.py proves to be needed. The lean side is the table of model/reference/lean_table.py; a test holds
 model/reference/lean_equations.py against it.
-Either way the status is 1 when a statement does not hold, and the step is named.
+The status is 1 when a statement does not hold, and the step is named.
 """
 
 from __future__ import annotations
@@ -15,10 +12,12 @@ from __future__ import annotations
 import sys
 
 from model.reference.lean_table import NUMBER
-from scripts.derive import lean_counts, lean_geometry, lean_quaternion, markdown
+from scripts.derive import lean_counts, lean_geometry, lean_quaternion
 from scripts.derive.lean_forms import TEX, Tables, line_tex
 from scripts.derive.lean_proofs import Step
-from tb.sim.env import GENERATED, ROOT
+from scripts.derive.markdown import aligned, cell, write
+from scripts.pages.render import render
+from tb.sim.env import GENERATED
 
 PAGE = GENERATED / "lean.md"
 
@@ -51,16 +50,21 @@ def page(steps: list[Step], tables: Tables | None = None) -> str:
         ("h(c, s) = (h_c(c, s), h_s(c, s))", rf"\left({line_tex(c)},\ {line_tex(s)}\right) \text{{ for }} {branch}")
         for branch, (c, s) in zip((r"c \ge 0", "c < 0"), tables.half.values(), strict=True)
     ]
-    return markdown.render(
-        "lean.md.j2", groups=tables.lean, number=NUMBER, tex=TEX, line_tex=line_tex, halves=halves, steps=steps
-    )
+    named = {function.__name__: step for function, step in zip(STEPS, steps, strict=True)}
+    return render(
+        "lean", groups=tables.lean, number=NUMBER, tex=TEX, line_tex=line_tex, halves=halves, steps=named,
+        cell=cell, aligned=aligned,
+    )  # fmt: skip
+
+
+def make() -> tuple[str, list[str], str]:
+    """What `markdown.write` writes."""
+    steps = derive()
+    return page(steps), unexpected(steps), f"{len(steps)} steps, {sum(len(step.checks) for step in steps)} statements"
 
 
 def main(arguments: list[str] | None = None) -> int:
-    steps = derive()
-    said = f"{len(steps)} steps, {sum(len(step.checks) for step in steps)} statements"
-    about = __doc__.splitlines()[0]
-    return markdown.command(arguments, "scripts.derive.lean", about, PAGE, ROOT, page(steps), unexpected(steps), said)
+    return write("derive.lean", __doc__.splitlines()[0], PAGE, make, arguments)
 
 
 if __name__ == "__main__":

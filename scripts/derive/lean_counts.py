@@ -3,95 +3,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import sympy as sp
-
-from scripts.derive.lean_forms import (
-    TEX,
-    Tables,
-    line_tex,
-    lines,
-    rsqrt,
-    symbols,
-    tree,
-)  # fmt: skip
-from scripts.derive.lean_proofs import (
-    Relations,
-    Step,
-    rotation_matrix,
-    run_lines,
-)  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Ops:
-    """Numbers of operations. Signs, absolute values and factors of 2 and 1/2 are wiring."""
-
-    mul: int = 0
-    add: int = 0
-    root: int = 0
-
-    def __add__(self, other: Ops) -> Ops:
-        return Ops(self.mul + other.mul, self.add + other.add, self.root + other.root)
-
-
-def operations(expression: sp.Expr) -> Ops:
-    """The operations of one expression tree."""
-    if expression.is_Symbol or expression.is_Number:
-        return Ops()
-    inside = sum((operations(a) for a in expression.args), Ops())
-    if expression.is_Add:
-        return inside + Ops(add=len(expression.args) - 1)
-    if expression.is_Mul:
-        return inside + Ops(mul=max(sum(not a.is_number for a in expression.args) - 1, 0))
-    if expression.is_Pow and expression.args[1] == 2:
-        return inside + Ops(mul=1)
-    if expression.is_Pow and expression.is_number:  # 1/2
-        return Ops()
-    if isinstance(expression, rsqrt):
-        return inside + Ops(root=1)
-    if isinstance(expression, sp.Abs):
-        return inside
-    raise ValueError(f"no rule for {expression}")
-
-
-def _factors_flat(expression: sp.Expr) -> sp.Expr:
-    """The tree with products of products as one product, as operations() wants them."""
-    if not expression.args:
-        return expression
-    arguments = [_factors_flat(a) for a in expression.args]
-    if expression.is_Mul:
-        arguments = [f for a in arguments for f in (a.args if a.is_Mul else (a,))]
-    return expression.func(*arguments, evaluate=False)
+from scripts.derive.lean_forms import TEX, Tables, line_tex, lines, symbols, tree
+from scripts.derive.lean_proofs import Relations, Step, rotation_matrix, run_lines
+from scripts.pages.opcounts import Ops, shared, total
 
 
 def count(table: dict[str, str]) -> Ops:
     """The lines as they are written."""
-    return sum((operations(_factors_flat(tree(text))) for text in table.values()), Ops())
-
-
-def count_shared(table: dict[str, str]) -> Ops:
-    """The lines after sympy.cse over all of them at once."""
-    common, rest = sp.cse([tree(text).doit() for text in table.values()], order="canonical")
-    return sum((operations(e) for e in [e for _, e in common] + rest), Ops())
+    return total(tree(text) for text in table.values())
 
 
 def counts(tables: Tables) -> Step:
     r = symbols("r_w r_i r_j r_k")
     turned = rotation_matrix(r)
-    step = Step(
-        "12. Operations",
-        [
-            "The shoulder quaternion can also be read off the matrix $R$ of step 5: $n$, $m$, $e$ as in steps 2 and "
-            r"3, $f = e \times (-n)$, and then the row of the largest of four sums, by one root. Both forms share the "
-            r"lines down to the triangle; sine and cosine are those of $\phi$ in the matrix form, of $\phi/2$ in the "
-            "lean one. The statements say that the matrix form is right, with $R$ from a unit quaternion $r$.",
-            "Counted from the expression trees of the lines. Signs, absolute values, doubling and halving are wiring. "
-            "A square is a multiplication; $\\sqrt v$ is $v$ times the reciprocal root of $v$ and counts as both. "
-            "Choices are not counted: three times one of two pairs here, one of four rows there.",
-        ],
-    )
+    step = Step("12. Operations")
     values = {f"{v}_{axis}": (-1 if v == "n" else 1) * turned[m, column]
               for v, column in (("n", 0), ("f", 1), ("e", 2)) for m, axis in enumerate("xyz")}  # fmt: skip
     sums = run_lines(tables.matrix, ["Four sums and what goes with them"], values)
@@ -109,13 +34,14 @@ def counts(tables: Tables) -> Step:
                [result[f"q_{n}"] for n in range(4)], list(r))  # fmt: skip
 
     def rows(table: dict, groups: list[str], title: str) -> Ops:
-        total = Ops()
+        whole = Ops()
         for group in groups:
             one = count(table[group])
-            total += one
+            assert one == Ops(one.add, one.mul, one.root, 0, one.scale), f"{group}: what the table does not show"
+            whole += one
             step.extra.append(f"| {group} | {one.mul} | {one.add} | {one.root} |")
-        step.extra.append(f"| **{title}** | {total.mul} | {total.add} | {total.root} |")
-        return total
+        step.extra.append(f"| **{title}** | {whole.mul} | {whole.add} | {whole.root} |")
+        return whole
 
     step.extra += ["| lines | x | +, - | reciprocal roots |", "| --- | --: | --: | --: |"]
     own = ["Lengths of the half angle quaternions, squared", "Product", "Root, second level"]
@@ -124,22 +50,19 @@ def counts(tables: Tables) -> Step:
     both = rows(tables.lean, head, "both forms, to the triangle")
     lean = rows(tables.lean, own, "shoulder, lean form")
     matrix = rows(tables.matrix, list(tables.matrix), "shoulder, matrix form")
-    shared = []
+    lessened = []
     for name, table, groups, head, plain in (
         ("lean form", tables.lean, own, both, lean), ("matrix form", tables.matrix, list(tables.matrix), both, matrix)
     ):  # fmt: skip
-        less = count_shared({n: text for group in groups for n, text in table[group].items()})
-        shared.append(less)
+        less = shared({n: tree(text) for group in groups for n, text in table[group].items()})
+        lessened.append(less)
         for label, ops in ((f"{name}, whole", head + plain), (f"{name}, whole, common subexpressions", head + less)):
             step.extra.append(f"| {label} | {ops.mul} | {ops.add} | {ops.root} |")
+    lean, matrix = lessened
     step.true(
-        rf"\text{{the lean form has }} {shared[1].mul - shared[0].mul} \text{{ multiplications and }} "
-        rf"{shared[1].add - shared[0].add} \text{{ additions less}}",
-        shared[0].mul < shared[1].mul and shared[0].add < shared[1].add and shared[0].root == shared[1].root,
+        rf"\text{{the lean form has }} {matrix.mul - lean.mul} \text{{ multiplications and }} "
+        rf"{matrix.add - lean.add} \text{{ additions less}}",
+        lean.mul < matrix.mul and lean.add < matrix.add and lean.root == matrix.root,
         "counts with common subexpressions (`sympy.cse`), as many roots",
     )  # fmt: skip
-    step.notes.append(
-        "[operations.md](operations.md) counts the paper's own form, for its table 4, and the RTL of `ik_paper`. "
-        "Flags, clamped poses and scaling come on top in each form."
-    )
     return step

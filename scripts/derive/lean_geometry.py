@@ -6,14 +6,7 @@ from __future__ import annotations
 import sympy as sp
 
 from scripts.derive import printed as paper
-from scripts.derive.lean_forms import (
-    TEX,
-    Tables,
-    latex,
-    line_tex,
-    lines,
-    symbols,
-)  # fmt: skip
+from scripts.derive.lean_forms import TEX, Tables, latex, line_tex, lines, symbols
 from scripts.derive.lean_proofs import (
     C2,
     CA,
@@ -49,15 +42,7 @@ from scripts.derive.printed import cross, dot, evaluate
 def directions(tables: Tables) -> Step:
     values, relations = first_half(tables)
     x, y, z = symbols("x y z")
-    step = Step(
-        "1. The target's directions, (10)",
-        [
-            r"The lean lines down to $Q_e$, $\cos_a$ and $\sin_a$ are worked out with the roots of their arguments as "
-            "symbols that are not negative; the relations say what their squares are. Off the z axis, inside the "
-            "limits of reach, no root is 0. The three circles below are relations of the later steps, and so are the "
-            "last five statements, which put the target in polar form."
-        ],
-    )
+    step = Step("1. The target's directions, (10)")
     step.shown = [(TEX[name], latex(sp.factor(values[name]))) for name in tables.lean["Directions"]]
     printed_length = evaluate(tables.printed["10"]["L_sw"], p_wx=x, p_wy=y, p_wz=z)
     step.equal("|L_{sw}|^2 = s", printed_length**2, values["s"], relations)
@@ -76,14 +61,7 @@ def swivel(tables: Tables) -> Step:
     plane = _plane(tables)
     relations = CIRCLES | HALF_CIRCLE
     full = {CP: C2**2 - S2**2, SP: 2 * C2 * S2}
-    step = Step(
-        "2. The swivel plane, (11)",
-        [
-            "(11) with the square that the print lacks ([derivation.md](derivation.md)), the target in polar form, "
-            r"$\cos\frac\phi2 = \cos_h$ and $\sin\frac\phi2 = \sin_h$. The plane comes out $\rho$ long, so "
-            r"$n = \pi_{swivel}/\rho$ needs no root of its own; sine and cosine are those of the whole $\phi$."
-        ],
-    )
+    step = Step("2. The swivel plane, (11)")
     n = frame(tables)["n"]
     step.shown = [
         (rf"\pi_{{swivel{axis}}}/\rho", latex(normal(derived / (D * CE), relations)))
@@ -109,16 +87,7 @@ def elbow(tables: Tables) -> Step:
     (K,) = symbols("k_law")
     law = {"d_2^2 = |p|^2 + d_1^2 - K": (D2, D**2 + D1**2 - K)}
     relations = {r"K = |p|^2 + d_1^2 - d_2^2 = 2 d_1 |p|\,\cos_a": (D2, D**2 + D1**2 - 2 * D1 * D * CA)} | CIRCLES
-    step = Step(
-        "3. The elbow, (12) and (13)",
-        [
-            r"(12) with $\pi_{swivel} = \rho\,n$, and (13) with that pair. The sum in $PP_i, PP_j, PP_k$ is $K$; "
-            r"$\mathrm{tmp}_1$ factors into $A$ and $B$. $K$ is the cosine of the angle at the shoulder (law of "
-            r"cosines), $\sqrt{A}\sqrt{B}$ its sine. So the elbow point is $d_1$ times a unit vector $e = "
-            r"\cos_a\,p/|p| + \sin_a\,m$ with $m = n \times p/|p|$; $\rho$, $|p|$ and $\mathrm{inf}_{PP}$ cancel. "
-            r"$\sin_a$ is a product of roots over lengths, so it is not negative."
-        ],
-    )
+    step = Step("3. The elbow, (12) and (13)")
     given = target() | dict(zip(("pi_x", "pi_y", "pi_z"), [D * CE * v for v in n], strict=True)) | {"d1": D1, "d2": D2}
     pair = {name: evaluate(text, **given) for name, text in tables.printed["12"].items()}
     rows = tables.printed["13"]
@@ -149,22 +118,13 @@ def elbow(tables: Tables) -> Step:
     step.equal(r"n \cdot e = 0", dot(n, e), 0, CIRCLES)
     back = [CA * a - SA * b for a, b in zip(e, cross(n, e), strict=True)]
     step.equal(r"p/|p| = \cos_a e - \sin_a\,n \times e", P_UNIT, back, CIRCLES)
-    step.notes.append(
-        r"With a pair scaled by 2, as (19) has it, the factor $\tfrac14$ of $\mathrm{tmp}_1$ is 1; $p_e$ is the same."
-    )
     return step
 
 
 def elbow_quaternion(tables: Tables) -> Step:
     values, roots = first_half(tables)
     e = frame(tables)["e"]
-    step = Step(
-        "4. The elbow quaternion, (14)",
-        [
-            r"(14) with $p_e = d_1 e$. What is left of $c_4$ is the law of cosines, and $1 \pm c_4$ are $A$ and $B$ "
-            r"over $2 d_1 d_2$: $Q_e$ needs no elbow point, and $1 \pm c_4$ is never formed."
-        ],
-    )
+    step = Step("4. The elbow quaternion, (14)")
     given = target() | {f"p_e{a}": D1 * v for a, v in zip("xyz", e, strict=True)} | {"d1": D1, "d2": D2}
     c4 = evaluate(tables.printed["14"]["c_4"], **given)
     step.equal(r"c_4 = (d_1 - |p|\,\cos_a)/d_2", c4, (D1 - D * CA) / D2, CIRCLES)
@@ -197,18 +157,7 @@ def shoulder(tables: Tables) -> Step:
     }
     turned = rotation_matrix(r)
     n, f, e = [-turned[m, 0] for m in range(3)], [turned[m, 1] for m in range(3)], [turned[m, 2] for m in range(3)]
-    step = Step(
-        "5. The shoulder quaternion, (15)-(18)",
-        [
-            r"$-n$, $e \times (-n)$ and $e$ are orthogonal unit vectors (steps 2 and 3), so there is one rotation $R$ "
-            "that brings $e_1, e_2, e_3$ there: the matrix with these columns. It is the rotation of a unit "
-            "quaternion $r = r_w + r_i i + r_j j + r_k k$, which is unique up to its sign. So this step puts $n = -r "
-            r"e_1 \tilde r$ and $e = r e_3 \tilde r$ into (15)-(18), with the four components as symbols: that covers "
-            r"every pose. Out comes $r$ itself, with the sign $\sigma$ of $r_k$. $\gamma = \sqrt{r_w^2 + r_k^2}$ is 0 "
-            "for an elbow on the negative z axis, where the print is 0/0, as it is for an elbow on the positive one, "
-            r"$e_z = 1$. $\mathrm{side}$ is what (17) calls sign at first."
-        ],
-    )
+    step = Step("5. The shoulder quaternion, (15)-(18)")
     rows = tables.printed["15"]
     p_e = {f"p_e{a}": D1 * v for a, v in zip("xyz", e, strict=True)} | {"d1": D1}
     length = 2 * D1**3 * (1 - e[2]) * g
@@ -253,26 +202,13 @@ def shoulder(tables: Tables) -> Step:
         printed = evaluate(tables.printed["18"][f"qs_{part}"], **values)
         step.equal(rf"{TEX[f'qs_{part}']} = \sigma\,r_{part}", printed, sigma * component, unit)
     step.equal(r"r e_2 \tilde r = e \times (-n)", f, cross(e, [-v for v in n]), unit)
-    step.notes += [
-        r"So (18) is $Q_s = \sigma r$: the quaternion of $R$ whose k part, $|r_k|$, is not negative. Where the print "
-        r"is 0/0 (elbow on the z axis, $\mathrm{side} = 0$ of a straight or a folded arm) $R$ is still defined, and "
-        r"the lean form takes it. For $r_w = 0$ or $r_k = 0$ both signs of (17) give $\pm r$."
-    ]
     return step
 
 
 def factors(tables: Tables) -> Step:
     vectors = frame(tables)
     n, m, e, f = (vectors[v] for v in "nmef")
-    step = Step(
-        "6. Four turns",
-        [
-            r"$R$ is a product of four turns about coordinate axes. With $(\cos\alpha, \sin\alpha) = (u_x, u_y)$, the "
-            r"azimuth, and $(\cos\theta, \sin\theta) = (\sin_{el}, \cos_{el})$, the angle from the zenith, "
-            r"$R = R_z(\alpha + 90^\circ)\, R_x(\theta)\, R_z(\phi)\, R_x(-a)$: the first two bring the z axis to "
-            r"the target, $\phi$ swivels about it, and $-a$ turns the upper arm off it, in the swivel plane."
-        ],
-    )
+    step = Step("6. Four turns")
     product = turn("z", -U_Y, U_X) * turn("x", SE, CE)
     stages = [
         (r"R_z(\alpha + 90^\circ)\, R_x(\theta)", product, {2: (r"p/|p|", P_UNIT)}),

@@ -9,14 +9,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from model.reference import cga
-from scripts.derive.lean_forms import (
-    ROOT_OF,
-    SYMBOL,
-    TEX,
-    Tables,
-    latex,
-    symbols,
-)  # fmt: skip
+from scripts.derive.lean_forms import ROOT_OF, SYMBOL, TEX, Tables, latex, symbols
 from scripts.derive.markdown import cell
 from scripts.derive.paper_proofs import normal_vector
 from scripts.derive.printed import evaluate
@@ -67,10 +60,8 @@ class Step:
     """A section of the page."""
 
     title: str
-    text: list[str]
     shown: list[tuple[str, str]] = field(default_factory=list)  # LaTeX of both sides, as derived
     checks: list[Check] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
     extra: list[str] = field(default_factory=list)  # lines of the page
 
     def equal(self, statement: str, left, right, relations=None, more: str = "", root=None) -> None:

@@ -8,18 +8,7 @@ import itertools
 import sympy as sp
 
 from model.reference import cga
-from scripts.derive.lean_forms import (
-    HALVES,
-    NAMES,
-    SYMBOL,
-    TEX,
-    Tables,
-    latex,
-    line_tex,
-    lines,
-    symbols,
-    tree,
-)  # fmt: skip
+from scripts.derive.lean_forms import HALVES, NAMES, SYMBOL, TEX, Tables, latex, line_tex, lines, symbols, tree
 from scripts.derive.lean_proofs import (
     ANGLES,
     C2,
@@ -40,16 +29,7 @@ from scripts.derive.printed import dot, evaluate
 def half(tables: Tables) -> Step:
     c, s = symbols("c s")
     circle: Relations = {"c^2 + s^2 = 1": (s, 1 - c**2)}
-    step = Step(
-        "7. Half an angle without a root",
-        [
-            "$(1 + c, s)/2$ is a vector along half the angle with cosine $c$ and sine $s$: half the sum of $(c, s)$ "
-            "and $(1, 0)$. So is $(s, 1 - c)/2$, up to its sign. The first is short where $c$ is near $-1$, the "
-            "second where $c$ is near 1; with the choice by the sign of $c$, $|c|$ is always added to 1, never "
-            "subtracted. The squared length is known without a square, and is one of the two components. At $c = 0$, "
-            "where the choice changes, both are the same vector up to its sign."
-        ],
-    )
+    step = Step("7. Half an angle without a root")
     for branch, (text_c, text_s) in tables.half.items():
         h_c, h_s = evaluate(text_c, c=c, s=s), evaluate(text_s, c=c, s=s)
         size = (1 + c) / 2 if branch == "c >= 0" else (1 - c) / 2
@@ -63,10 +43,6 @@ def half(tables: Tables) -> Step:
     first, second = ([evaluate(v, c=sp.Integer(0), s=s) for v in pair] for pair in tables.half.values())
     at_0: Relations = {"s^2 = 1": (s, sp.Integer(1))}
     step.equal(r"\lim_{c \to -0} h = s\,h(0, s) \text{ with } s = \pm 1", second, [s * v for v in first], at_0)
-    step.notes.append(
-        "$h$ is proportional to the quaternion of half the angle, or to its opposite in the second branch when "
-        "$s < 0$; the rotation is the same, and one comparison, $k < 0$, sets the sign of the whole product at the end."
-    )
     return step
 
 
@@ -77,18 +53,7 @@ def product_lines(tables: Tables, values: dict[str, sp.Expr]) -> list[sp.Expr]:
 
 def product(tables: Tables) -> Step:
     az_c, az_s, tilt_c, tilt_s, arm_c, arm_s = h = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
-    step = Step(
-        "8. The product of the four quaternions",
-        [
-            r"One quaternion for each turn: $\mathrm{az} = h(-u_y, u_x)$ about z, $\mathrm{tilt} = h(\sin_{el}, "
-            r"\cos_{el})$ about x, $h_\phi = \cos_h + \sin_h k$, and $\mathrm{arm} = h(\cos_a, \sin_a)$ about x, "
-            "turned back. The right sides "
-            "are the algebra's product, the left sides the lean lines, which take 16 multiplications. $M(v)$ is the "
-            r"matrix of $x \mapsto v x \tilde v$. By the last statements $M(w_1, i_1, j_1, k_1) = |\mathrm{az}|^2 "
-            r"|\mathrm{tilt}|^2 |\mathrm{arm}|^2 R$ "
-            "in all eight combinations of the branches."
-        ],
-    )
+    step = Step("8. The product of the four quaternions")
     given = {str(symbol): symbol for symbol in (*h, C2, S2)}
     lean = product_lines(tables, given)
     algebra = (
@@ -125,13 +90,7 @@ def product(tables: Tables) -> Step:
 def length(tables: Tables) -> Step:
     h = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
     lengths = symbols("az_sq tilt_sq arm_sq")
-    step = Step(
-        "9. The one root at the end",
-        [
-            r"The length of a product is the product of the lengths, so that of $q = (w_1, i_1, j_1, k_1)$ is known "
-            r"from $u_y$, $\sin_{el}$ and $\cos_a$, with two multiplications and beside the product, and $Q_s = q/|q|$."
-        ],
-    )
+    step = Step("9. The one root at the end")
     quaternion = product_lines(tables, {str(symbol): symbol for symbol in (*h, C2, S2)})
     relations: Relations = {
         rf"{TEX[f'{name}_c']}^2 + {TEX[f'{name}_s']}^2 = {TEX[f'{name}_sq']}":
@@ -163,17 +122,7 @@ def length(tables: Tables) -> Step:
 
 
 def shifts(tables: Tables) -> Step:
-    step = Step(
-        "10. Roots of scaled arguments",
-        [
-            "A root core works on a mantissa in $[\\tfrac14, 1)$: the argument times $4^k$. An even shift, since the "
-            "root of $4^k$ is a shift again; an odd one would leave $\\sqrt 2$. The first statement is for any integer "
-            "$k$. The table has each result as its line worked out with mantissas, times the power of two shown, where "
-            r"$k_v$ belongs to the root of $v$: every scale is taken back by one shift of a product. $|q|^2$ is at "
-            r"least $\tfrac18$, so its $k$ is 0 or 1; $|q|^2 = 1$, the upper end, is the pose with all three cosines "
-            r"$\pm 1$."
-        ],
-    )
+    step = Step("10. Roots of scaled arguments")
     k, v = sp.Symbol("k", integer=True), sp.Symbol("v", positive=True)
     ratio = sp.powdenest(sp.powsimp(2**k / sp.sqrt(4**k * v) * sp.sqrt(v)), force=True)
     step.true(r"1/\sqrt{v} = 2^k / \sqrt{4^k v}", sp.simplify(ratio) == 1, "expansion of powers, for an integer $k$")
@@ -205,18 +154,7 @@ def shifts(tables: Tables) -> Step:
 
 
 def near_singular(tables: Tables) -> Step:
-    step = Step(
-        "11. Near the z axis, the stretched and the folded arm",
-        [
-            "A difference of rounded numbers that are nearly equal loses digits. Where the lean form subtracts, "
-            "either the numbers are exact or only the absolute error of the difference counts. The sums of the inputs "
-            "are integers when the inputs are; directions and triangle are products only, so each keeps the relative "
-            "precision of its factors; $1 + |c|$ is at least 1; and $q$ is linear in each of its four "
-            r"factors, of which none is shorter than $1/\sqrt2$ (step 9). So an error of length $\epsilon$ in one "
-            r"factor moves $Q_s$, to first order, by at most $\sqrt2\,\epsilon$, and one in $q$ by at most "
-            r"$\sqrt8\,\epsilon$, at every pose: a target near an axis or a limit is no worse than another."
-        ],
-    )
+    step = Step("11. Near the z axis, the stretched and the folded arm")
     inputs = {name: SYMBOL[name] for name in ("x", "y", "z", "d1", "d2")}
     sums = run_lines(tables.lean, ["Sums of the inputs"], inputs)
     group = list(tables.lean["Sums of the inputs"])
@@ -260,13 +198,6 @@ def near_singular(tables: Tables) -> Step:
         ("elbow near the positive z axis", r"$\delta$ from it", "(d_1 - p_{ez})/d_1", 1 - sp.cos(delta), "not formed"),
         ("no turn about the upper arm", r"$\theta_3 = \delta$", "1 - c_3", 1 - sp.cos(delta), "not formed"),
     ]
-    step.text.append(
-        "In the paper's form, these are arguments of roots, or divisors, and vanish at a singular pose (table, leading "
-        r"term in $\delta$), while the terms they are summed from do not. (Those of $\pi_{swivel}$ do; there it is the "
-        r"absolute error of fixed point that counts.) Terms rounded to $\epsilon$ leave $\epsilon$ over the size shown "
-        r"as relative error; where half an angle is a root of it, that is wrong by about $\epsilon$ over the root of "
-        r"the size, and by $\sqrt\epsilon$ at the pose."
-    )
     step.extra += ["| pose | | in the paper's form | size | in the lean form |", "| --- | --- | --- | --- | --- |"]
     for pose, where, name, value, lean in poses:
         value = sp.expand(sp.together(value))

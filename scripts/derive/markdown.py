@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What both derivations share of their pages: LaTeX blocks and cells, templates, and the command that writes a page."""
+"""What both derivations share of their pages: LaTeX blocks and cells, and the command that writes a page."""
 
 from __future__ import annotations
 
-import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from scripts.console import Parser, exit_status
+
+TERMS = 5
+"""Of a sum, in a line."""
 
 
-def aligned(equations: list[tuple[str, str]]) -> list[str]:
+def aligned(equations: list[tuple[str, str]]) -> str:
     """A block of equations, aligned at the equals signs; long sums go over several lines."""
     lines = []
     for left, right in equations:
@@ -21,10 +24,7 @@ def aligned(equations: list[tuple[str, str]]) -> list[str]:
             lines.append(rf"&\quad {''.join(rest[:TERMS])}")
             rest = rest[TERMS:]
     lines = [line.replace("  ", " ").rstrip() for line in lines]
-    return ["$$", r"\begin{aligned}", *(f"{line} \\\\" for line in lines[:-1]), lines[-1], r"\end{aligned}", "$$"]
-
-
-TERMS = 5
+    return "\n".join(["$$", r"\begin{aligned}", " \\\\\n".join(lines), r"\end{aligned}", "$$"])
 
 
 def _terms(right: str) -> list[str]:
@@ -44,34 +44,20 @@ def cell(formula: str) -> str:
     return formula.replace("|", r"\vert ")
 
 
-def render(template: str, **values) -> str:
-    """A page from its template beside this file."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-        keep_trailing_newline=True, autoescape=False,
-    )  # fmt: skip
-    environment.globals |= {"cell": cell, "aligned": lambda equations: "\n".join(aligned(equations))}
-    return environment.get_template(template).render(**values)
+def write(command: str, about: str, page: Path, make: Callable[[], tuple[str, list[str], str]], arguments=None) -> int:
+    """The command that writes a page; its status is 1, and nothing is written, if a statement does not hold.
 
+    make: the page's text, the statements that do not hold, and a word on those that do.
+    """
 
-def command(
-    arguments: list[str] | None, prog: str, about: str, page: Path, root: Path, text: str, wrong: list[str], said: str
-) -> int:
-    """Writes the page, or with --check compares it; status 1 if it is stale or a statement does not hold."""
-    parser = argparse.ArgumentParser(prog=f"python -m {prog}", description=about)
-    parser.add_argument("--check", action="store_true", help="compare the page, write nothing")
-    check = parser.parse_args(arguments).check
-    for line in wrong:
-        print(line, file=sys.stderr)
-    name = page.relative_to(root)
-    if check:
-        stale = not page.exists() or page.read_text(encoding="utf-8") != text
-        if stale:
-            print(f"{name} is out of date: run `make derive`", file=sys.stderr)
-        return int(stale or bool(wrong))
-    if wrong:
-        print(f"{name} not written", file=sys.stderr)
-        return 1
-    page.write_text(text, encoding="utf-8")
-    print(f"wrote {name}: {said}")
-    return 0
+    def work() -> int:
+        Parser(command, about, "the page is written", "a statement does not hold").parse_args(arguments)
+        text, wrong, said = make()
+        if wrong:
+            print(*wrong, f"{page.name} not written", sep="\n", file=sys.stderr)
+            return 1
+        page.write_text(text, encoding="utf-8")
+        print(f"wrote {page.name}: {said}")
+        return 0
+
+    return exit_status(command, work)

@@ -1,37 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derives equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/generated/derivation.md.
 
-    python -m scripts.derive.paper [--check]     writes the page; with --check compares it, status 1 if it is stale
-
 The left side of every comparison is what the functions of model/reference/geometry.py return for symbols; the right
-side is PRINTED, the paper's equations as they stand on paper, typed once. Either way the status is 1 when a verdict is
-not the one expected: everything equal but the rows of KNOWN_WRONG.
+side is PRINTED, the paper's equations as they stand on paper, typed once. The status is 1 when a verdict is not the one
+expected: everything equal but the rows of KNOWN_WRONG.
 """
 
 from __future__ import annotations
 
 import sys
 
-from scripts.derive import markdown, paper_steps
-from scripts.derive.markdown import cell
+from scripts.derive import paper_steps
+from scripts.derive.markdown import aligned, cell, write
 from scripts.derive.paper_proofs import Row, Section
 from scripts.derive.printed import FACTOR, KNOWN_WRONG, PRINTED, TEX, latex, tex
-from tb.sim.env import GENERATED, ROOT
+from scripts.pages.render import render
+from tb.sim.env import GENERATED
 
 PAGE = GENERATED / "derivation.md"
 
+STEPS = (
+    paper_steps.swivel_plane, paper_steps.point_pair, paper_steps.sums, paper_steps.elbow_point,
+    paper_steps.elbow_quaternion, paper_steps.rotate_to_elbow, paper_steps.rotate_to_wrist, paper_steps.product,
+)  # fmt: skip
+
+
 def derive(printed: dict = PRINTED) -> list[Section]:
     """All sections. `printed` may be an altered copy of PRINTED."""
-    return [
-        paper_steps.swivel_plane(printed),
-        paper_steps.point_pair(printed),
-        paper_steps.sums(printed),
-        paper_steps.elbow_point(printed),
-        paper_steps.elbow_quaternion(printed),
-        paper_steps.rotate_to_elbow(printed),
-        paper_steps.rotate_to_wrist(printed),
-        paper_steps.product(printed),
-    ]
+    return [step(printed) for step in STEPS]
 
 
 def unexpected(sections: list[Section]) -> list[str]:
@@ -68,17 +64,19 @@ def page(sections: list[Section]) -> str:
         }
         for (equation, _), rows in groups.items()
     ]
-    return markdown.render(
-        "derivation.md.j2",
+    return render(
+        "derivation",
         summary=summary,
         refuted=[fact for section in sections for fact in section.facts if fact.equation == "fact false"],
-        sections=sections,
+        sections={step.__name__: section for step, section in zip(STEPS, sections, strict=True)},
         derived=lambda section: [(TEX[row.name], latex(row.derived)) for row in section.rows],
         printed=lambda section: [(TEX[row.name], tex(PRINTED[row.equation][row.name])) for row in section.rows],
         differences=lambda rows: [(rf"\Delta {TEX[row.name]}", latex(row.difference)) for row in rows],
         tex=TEX,
         latex=latex,
         verdict=_verdict,
+        cell=cell,
+        aligned=aligned,
     )
 
 
@@ -88,12 +86,15 @@ def _verdict(row: Row) -> str:
     return {"equal": "equal", "differs": "**print wrong**"}[row.verdict]
 
 
-def main(arguments: list[str] | None = None) -> int:
+def make() -> tuple[str, list[str], str]:
+    """What `markdown.write` writes."""
     sections = derive()
     said = f"{sum(len(s.rows) for s in sections)} printed rows, {sum(len(s.facts) for s in sections)} statements"
-    wrong = [f"unexpected: {line}" for line in unexpected(sections)]
-    about = __doc__.splitlines()[0]
-    return markdown.command(arguments, "scripts.derive.paper", about, PAGE, ROOT, page(sections), wrong, said)
+    return page(sections), [f"unexpected: {line}" for line in unexpected(sections)], said
+
+
+def main(arguments: list[str] | None = None) -> int:
+    return write("derive.paper", __doc__.splitlines()[0], PAGE, make, arguments)
 
 
 if __name__ == "__main__":

@@ -151,8 +151,13 @@ def normal_vector(plane):
 @dataclass
 class Section:
     title: str
-    construction: str  # what the text of the paper builds, and where
-    settings: list[Setting]
     rows: list[Row] = field(default_factory=list)  # against the print
     facts: list[Row] = field(default_factory=list)  # statements that later sections use, or that explain
-    notes: list[str] = field(default_factory=list)
+
+    def row(self, *compared) -> None:
+        """A row of the print, as `compare` takes it."""
+        self.rows.append(compare(*compared))
+
+    def fact(self, setting: Setting, statement: str, left, right=0, kind: str = "fact") -> None:
+        """A statement; kind: "fact false" for one that is known not to hold."""
+        self.facts.append(compare(setting, kind, statement, left, sp.sympify(right)))

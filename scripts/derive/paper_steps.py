@@ -45,13 +45,7 @@ def swivel_plane(printed) -> Section:
     _, length, plane = geometry.swivel_plane(cga.point(*P_W), phi)
     normal = [value.subs(half) for value in normal_vector(plane)]
     rows = printed["11"]
-    section = Section(
-        "(10), (11) The swivel plane",
-        "The line $L_{sw} = (e_0 \\wedge P_w \\wedge e_\\infty)^*$ has the length (10). The plane through the z axis "
-        "and $P_w$, $(e_0 \\wedge e_3 \\wedge P_w \\wedge e_\\infty)^*$, is turned about it by $\\phi$ with the "
-        "quaternion (4): `swivel_plane`. Below, $c = \\cos\\frac{\\phi}{2}$ and $s = \\sin\\frac{\\phi}{2}$.",
-        [setting],
-    )
+    section = Section("(10), (11) The swivel plane")
     squared = Setting(point=setting.point)
     radicand_10 = radicand(length, squared)
     row = compare(squared, "10", "L_sw", radicand_10, radicand(evaluate(printed["10"]["L_sw"]), squared))
@@ -61,29 +55,22 @@ def swivel_plane(printed) -> Section:
     section.rows.append(row)
     plane_printed = [evaluate(text).subs(half) for text in rows.values()]
     for name, derived, text in zip(rows, normal, plane_printed, strict=True):
-        section.rows.append(compare(setting, "11", name, derived, text))
+        section.row(setting, "11", name, derived, text)
     for (equation, name), edit in KNOWN_WRONG.items():
         if equation == "11":
             mended = evaluate(rows[name].replace(*edit)).subs(half)
             derived = normal[list(rows).index(name)]
             statement = f"{TEX[name]} = {tex(rows[name].replace(*edit))}"
-            section.facts.append(compare(setting, "11 mended", statement, derived, mended))
+            section.fact(setting, statement, derived, mended, "11 mended")
 
     def fact(statement, left, right=0):
-        section.facts.append(compare(setting, "fact", statement, left, right))
+        section.fact(setting, statement, left, right)
 
     for blade, label in (("einf", r"e_\infty"), ("e0", "e_0")):
         fact(f"\\langle\\pi_{{swivel}}\\rangle_{{{label}}} = 0", sp.sympify(cga.coefficient(plane, blade)).subs(half))
     fact(r"\pi_{swivel} \cdot p_w = 0", dot(normal, P_W))
     fact(r"|\pi_{swivel}|^2 = p_{wx}^2 + p_{wy}^2", dot(normal, normal), P_W[0] ** 2 + P_W[1] ** 2)
     fact(r"\pi_{swivel} \cdot p_w = 0 \text{ for the plane as printed, too}", dot(plane_printed, P_W))
-    section.notes += [
-        "The print wants the square of the last cosine in the x and y rows. The z row is right. Because the printed "
-        "plane still contains $L_{sw}$, an arm computed from it still reaches the target, with a wrong swivel angle; "
-        "the two agree where $c = 0$ or $c = 1$.",
-        "No free scale: the coefficients come out with the printed length, that of the vector "
-        "$(p_{wx}, p_{wy})$. The plane vanishes for a target on the z axis.",
-    ]
     return section
 
 
@@ -111,82 +98,42 @@ POSE = {"p_wx": 1, "p_wy": 2, "p_wz": 2, "pi_x": 2, "pi_y": -1, "pi_z": 0, "d1":
 def point_pair(printed) -> Section:
     setting = Setting(point=POSE)
     PP, pair = _pair()
-    section = Section(
-        "(12) The point pair",
-        "The spheres $S_1 = P_w - \\frac12 d_2^2 e_\\infty$ and $S_2 = e_0 - \\frac12 d_1^2 e_\\infty$ meet in the "
-        "circle $Z_e = S_1 \\wedge S_2$, and that meets the swivel plane in $PP = Z_e \\wedge \\pi_{swivel}$: "
-        "`elbow_point_pair`. The plane is three symbols, $\\pi_{swivel} = (\\pi_{swivelx}, \\pi_{swively}, "
-        "\\pi_{swivelz})$ without $e_\\infty$, as proved above. $PP_i, PP_j, PP_k$ are read on the quaternion units "
-        "(1)-(3), the others on $e_m \\wedge e_n$ with $e_4 = e_+$, $e_5 = e_-$.",
-        [setting],
-    )
+    section = Section("(12) The point pair")
     for name, text in printed["12"].items():
-        section.rows.append(compare(setting, "12", name, pair[name], evaluate(text)))
-    dual = cga.dual(PP)
-    others = [blade for blade in ("e45",) if sp.expand(getattr(dual, blade)) != 0]
-    grades = f"$PP$ of the text has grade {', '.join(map(str, PP.grades))}, and the nine of (12) have grade 2: they "
-    section.notes.append(
-        grades
-        + "are the coefficients of the dual $PP^*$, with $X^* = X I^{-1}$. "
-        + (f"Besides them there is {others}." if others else "The tenth bivector, $e_4 \\wedge e_5$, is 0.")
-    )
-    section.notes.append(
-        "No free scale: the factor $\\frac12$ of the print comes out. $d_1$ is the radius of the sphere about the "
-        "shoulder, so it is the upper arm, and $d_2$, about the wrist, the forearm. Table 3 of the paper has them "
-        "the other way round; see (13)."
-    )
+        section.row(setting, "12", name, pair[name], evaluate(text))
+    assert (PP.grades, sp.expand(cga.dual(PP).e45)) == ((3,), 0), "what the page says of the pair"
     return section
 
 
 def sums(printed) -> Section:
     setting = Setting(point=POSE)
     _, pair = _pair()
-    section = Section(
-        "(19) Sums and differences of the point pair",
-        "Section 4.2 replaces the last six coefficients of (12) by $PP_m^+ = PP_{m5} + PP_{m4}$ and "
-        "$PP_m^- = PP_{m5} - PP_{m4}$. They are formed from the derived coefficients. The print leaves out the "
-        "indices; they are read as those of $PP_{m5}$ in (12).",
-        [setting],
-    )
+    section = Section("(19) Sums and differences of the point pair")
     for name, text in printed["19"].items():
         m, op = name[3], 1 if name.endswith("p") else -1
         derived = pair[f"PP_{m}5"] + op * pair[f"PP_{m}4"]
-        section.rows.append(compare(setting, "19", name, derived, evaluate(text), FACTOR["19"]))
+        section.row(setting, "19", name, derived, evaluate(text), FACTOR["19"])
     free = _pair_setting()
     nine = dict(zip(PP_NAMES, symbols(" ".join(PP_NAMES)), strict=True))
     point = elbow_of(nine, free)
     (P_e, square) = point
     products = sum((nine[f"PP_{m}5"] + nine[f"PP_{m}4"]) * (nine[f"PP_{m}5"] - nine[f"PP_{m}4"]) for m in "123")
     sums = products - sum(nine[f"PP_{u}"] ** 2 for u in "ijk")
-    section.facts.append(
-        compare(free, "fact", r"\mathrm{tmp}_1 = -PP_i^2 - PP_j^2 - PP_k^2 + \sum_m PP_m^+ PP_m^-", square, sums)
-    )
+    section.fact(free, r"\mathrm{tmp}_1 = -PP_i^2 - PP_j^2 - PP_k^2 + \sum_m PP_m^+ PP_m^-", square, sums)
     # p_e of a pair scaled by lambda > 0; its root scales by lambda, which the first statement says.
     lam, tmp_sqr = symbols("lam tmp_sqr")
     scaled = {nine[name]: lam * nine[name] for name in PP_NAMES}
-    section.facts.append(
-        compare(
-            free, "fact", r"\mathrm{tmp}_1(\lambda PP) = \lambda^2\,\mathrm{tmp}_1(PP)",
-            square.subs(scaled, simultaneous=True), lam**2 * square,
-        )
-    )  # fmt: skip
+    statement = r"\mathrm{tmp}_1(\lambda PP) = \lambda^2\,\mathrm{tmp}_1(PP)"
+    section.fact(free, statement, square.subs(scaled, simultaneous=True), lam**2 * square)
     for axis, value in zip("xyz", P_e, strict=True):
         statement = rf"p_{{e{axis}}}(\lambda PP) = p_{{e{axis}}}(PP),\ \lambda > 0"
         bigger = value.subs(scaled | {tmp_sqr: lam * tmp_sqr}, simultaneous=True)
-        section.facts.append(compare(free, "fact", statement, bigger, value))
+        section.fact(free, statement, bigger, value)
     # Only the last six doubled, as a reader of (12) with (19) gets them.
     mixed = {nine[name]: 2 * nine[name] for name in PP_NAMES[3:]}
     partly = square.subs(mixed, simultaneous=True)
-    section.facts.append(
-        compare(free, "fact false", r"\mathrm{tmp}_1 \text{ of a pair with only the last six doubled is } "
-                r"4\,\mathrm{tmp}_1", partly, 4 * square)
-    )  # fmt: skip
-    section.notes.append(
-        "The print has a pair scaled by 2. That is allowed, a point pair is homogeneous: $p_e$ does not change, as "
-        "the statements show (for $\\lambda < 0$ the root turns its sign, and the other elbow comes out). But "
-        "$PP_i, PP_j, PP_k$ must then be doubled too, which section 4.2 does not say: with those of (12) as printed "
-        "the elbow is wrong."
-    )
+    statement = r"\mathrm{tmp}_1 \text{ of a pair with only the last six doubled is } 4\,\mathrm{tmp}_1"
+    section.fact(free, statement, partly, 4 * square, "fact false")
     return section
 
 
@@ -216,19 +163,14 @@ def elbow_point(printed) -> Section:
     nine = dict(zip(PP_NAMES, symbols(" ".join(PP_NAMES)), strict=True))
     P_e, square = elbow_of(nine, free)
     d1, d2, tmp_sqr = symbols("d1 d2 tmp_sqr")
-    section = Section(
-        "(13) The elbow point",
-        "Of the two points of the pair, $(PP^* \\mp |PP^*|) / (e_\\infty \\cdot PP^*)$, the first, divided by its "
-        "$e_0$ coefficient: `elbow_point`. The pair is nine symbols, with no relation between them.",
-        [free],
-    )
+    section = Section("(13) The elbow point")
     rows = printed["13"]
     inf_PP = sp.fraction(P_e[0])[1]
-    section.rows.append(compare(free, "13", "inf_PP", inf_PP, evaluate(rows["inf_PP"])))
-    section.rows.append(compare(free, "13", "tmp1", square, evaluate(rows["tmp1"])))
+    section.row(free, "13", "inf_PP", inf_PP, evaluate(rows["inf_PP"]))
+    section.row(free, "13", "tmp1", square, evaluate(rows["tmp1"]))
     for name, derived in zip(("p_ex", "p_ey", "p_ez"), P_e, strict=True):
         text = evaluate(rows[name], inf_PP=evaluate(rows["inf_PP"]))
-        section.rows.append(compare(free, "13", name, derived, text))
+        section.row(free, "13", name, derived, text)
 
     # The same point with the pair of (12) put in.
     _, pair = _pair()
@@ -239,39 +181,29 @@ def elbow_point(printed) -> Section:
         leading="tmp_sqr pi_x p_wx",
         point=POSE | {"tmp_sqr": sp.sqrt(radicand_pose.subs({SYMBOL[k]: v for k, v in POSE.items()}))},
     )
-    section.settings.append(reached)
     # Multiplied by inf_PP, the common denominator; cancelling such quotients would take minutes.
     elbow = [sp.expand((value * inf_PP).subs(put)) for value in P_e]
     weight = sp.expand(inf_PP.subs(put))
 
-    def fact(statement, left, right):
-        section.facts.append(compare(reached, "fact", statement, sp.expand(left), sp.expand(right)))
+    def fact(statement, left, right=0):
+        section.fact(reached, statement, sp.expand(left), sp.expand(right))
         section.facts[-1].method += r", both sides times a power of $\mathrm{inf}_{PP}$"
 
     p_w_sqr, normal_sqr = dot(P_W, P_W), dot(PI, PI)
     fact(r"|p_e|^2 = d_1^2", dot(elbow, elbow), d1**2 * weight**2)
     forearm = minus(elbow, [weight * p for p in P_W])
     fact(r"|p_e - p_w|^2 = d_2^2", dot(forearm, forearm), d2**2 * weight**2)
-    fact(r"\pi_{swivel} \cdot p_e = 0", dot(PI, elbow), sp.Integer(0))
+    fact(r"\pi_{swivel} \cdot p_e = 0", dot(PI, elbow))
     fact(r"(\pi_{swivel} \times p_w) \cdot p_e = \mathrm{tmp}_{sqr}", dot(cross(PI, P_W), elbow), tmp_sqr * weight)
     product = ((d1 + d2) ** 2 - p_w_sqr) * (p_w_sqr - (d1 - d2) ** 2)
     statement = (
         r"\mathrm{tmp}_1 = \tfrac14 |\pi_{swivel}|^2 \left((d_1 + d_2)^2 - |p_w|^2\right)"
         r"\left(|p_w|^2 - (d_1 - d_2)^2\right)"
     )
-    section.facts.append(compare(reached, "fact", statement, radicand_pose, sp.expand(normal_sqr * product) / 4))
+    section.fact(reached, statement, radicand_pose, sp.expand(normal_sqr * product) / 4)
     # The left side is d1^2 by the first statement.
     statement = r"|p_e|^2 = d_2^2 \text{, table 3's } d_2 \text{ as the upper arm}"
-    section.facts.append(compare(Setting(point=POSE), "fact false", statement, d1**2, d2**2))
-    section.notes += [
-        "Scale: $\\mathrm{inf}_{PP}$ is the denominator of the derived coordinates in lowest terms. It is the "
-        "square of the vector $e_\\infty \\cdot PP^*$ by which the pair is divided, and the factor that makes the "
-        "$e_0$ coefficient of $P_e$ 1.",
-        "The statements hold for the elbow with the derived (12) put in; (14) and (15) use the first two. So the "
-        "upper arm is $d_1$ and the forearm $d_2$, against table 3. The sign of the root decides for the elbow on "
-        "the side of $L_{sw}$ that $\\pi_{swivel} \\times p_w$ points to. The root is real exactly for targets in "
-        "reach.",
-    ]
+    section.fact(Setting(point=POSE), statement, d1**2, d2**2, "fact false")
     return section
 
 
@@ -288,31 +220,21 @@ def elbow_quaternion(printed) -> Section:
         point={"p_ex": 1, "p_ey": 2, "p_ez": 2, "d1": 3, "p_wx": 3, "p_wy": 5, "p_wz": 8, "d2": 7},
     )
     L_se, _, c4, Q_e = geometry.elbow_quaternion(cga.point(*P_E), cga.point(*P_W))
-    section = Section(
-        "(14) The elbow cosine and $Q_e$",
-        "The lines $L_{se} = (e_0 \\wedge P_e \\wedge e_\\infty)^*$ and $L_{ew} = (P_e \\wedge P_w \\wedge "
-        "e_\\infty)^*$, the cosine (5) between them, and the quaternion of half that angle, (8) and (9): "
-        "`elbow_quaternion`. $P_e$ and $P_w$ are points with symbols for coordinates.",
-        [setting],
-    )
+    section = Section("(14) The elbow cosine and $Q_e$")
     derived = setting.named(c4)
     rows = printed["14"]
-    section.rows.append(compare(setting, "14", "c_4", c4, evaluate(rows["c_4"])))
+    section.row(setting, "14", "c_4", c4, evaluate(rows["c_4"]))
     halves = copy.copy(setting)
     halves.roots = setting.roots | {cos4: (1 + derived) / 2, sin4: (1 - derived) / 2}
     w, i, j, k = cga.quaternion_coefficients(Q_e)
     for name, value in (("qe_w", w), ("qe_i", i)):
-        section.rows.append(compare(halves, "14", name, value, evaluate(rows[name], c_4=evaluate(rows["c_4"]))))
+        section.row(halves, "14", name, value, evaluate(rows[name], c_4=evaluate(rows["c_4"])))
     for unit, value in (("j", j), ("k", k)):
-        section.facts.append(compare(halves, "fact", rf"\langle Q_e\rangle_{unit} = 0", value, sp.Integer(0)))
+        section.fact(halves, rf"\langle Q_e\rangle_{unit} = 0", value)
     away, on = [-p for p in P_E], minus(P_W, P_E)
-    section.facts += [
-        compare(setting, "fact", r"c_4\,d_1 d_2 = (-p_e) \cdot (p_w - p_e)", c4 * d1 * d2, dot(away, on)),
-        compare(
-            setting, "fact", r"c_4 = (d_1^2 + d_2^2 - |p_w|^2) / (2 d_1 d_2)",
-            c4, (d1**2 + d2**2 - dot(P_W, P_W)) / (2 * d1 * d2),
-        ),
-    ]  # fmt: skip
+    section.fact(setting, r"c_4\,d_1 d_2 = (-p_e) \cdot (p_w - p_e)", c4 * d1 * d2, dot(away, on))
+    law = (d1**2 + d2**2 - dot(P_W, P_W)) / (2 * d1 * d2)
+    section.fact(setting, r"c_4 = (d_1^2 + d_2^2 - |p_w|^2) / (2 d_1 d_2)", c4, law)
     text_line = copy.copy(setting)
     (L_sw,) = symbols("L_sw")
     text_line.relations = setting.relations | {r"|L_{sw}|^2 = |p_w|^2": L_sw**2 - dot(P_W, P_W)}
@@ -321,18 +243,10 @@ def elbow_quaternion(printed) -> Section:
     text_line.point = setting.point | {"L_sw": sp.sqrt(98)}
     other = cga.cos_angle(L_se, cga.dual(cga.line_direct(cga.e_0, cga.point(*P_W))))
     statement = r"c_4 = \cos(L_{se}, L_{sw}) \text{, section 3.3's line through shoulder and wrist}"
-    section.facts.append(compare(text_line, "fact false", statement, c4, other))
-    plus = sin4
+    section.fact(text_line, statement, c4, other, "fact false")
     statement = r"\langle Q_e\rangle_i = +\sin\frac{\theta_4}{2} \text{, section 3.3 before (14)}"
     halves.point = setting.point
-    section.facts.append(compare(halves, "fact false", statement, i, plus))
-    section.notes += [
-        "$c_4$ is the cosine of the interior angle at the elbow, between the directions to the shoulder and to the "
-        "wrist. Standard lines square to -1, which turns the cosine between the lines' directions into that.",
-        "The text calls $L_{ew}$ the line through shoulder and wrist, which gives another angle; its formula "
-        "$(P_e \\wedge P_w \\wedge e_\\infty)^*$ and (14) have elbow and wrist. It also has $Q_e = "
-        "\\cos\\frac{\\theta_4}{2} + \\sin\\frac{\\theta_4}{2} i$ first and a minus in (14), as has the geometry.",
-    ]
+    section.fact(halves, statement, i, sin4, "fact false")
     return section
 
 
@@ -344,49 +258,36 @@ def rotate_to_elbow(printed) -> Section:
     _, _, _, L_m, Q_12 = geometry.elbow_rotation(cga.point(*P_E), d1)
     _, *middle = cga.quaternion_coefficients(L_m)
     w, *q12 = cga.quaternion_coefficients(Q_12)
-    section = Section(
-        "(15) The middle line and $Q_{12}$",
-        "The middle plane $\\pi_m = P_{ze} - P_e$ and the plane $\\pi_e^* = e_0 \\wedge P_{ze} \\wedge P_e \\wedge "
-        "e_\\infty$ meet in $L_m = \\pi_e \\wedge \\pi_m$, and $Q_{12} = L_m / |L_m|$: `elbow_rotation`. $P_e$ is a "
-        "point with symbols for coordinates, $P_{ze}$ lies $d_1$ up the z axis.",
-        [setting],
-    )
+    section = Section("(15) The middle line and $Q_{12}$")
     rows = printed["15"]
     square = radicand(sp.sympify(q12[0]), setting)
-    section.rows.append(compare(setting, "15", "tmp2", square, evaluate(rows["tmp2"])))
+    section.row(setting, "15", "tmp2", square, evaluate(rows["tmp2"]))
     known = Setting(
         relations=on_sphere | {r"|L_m|^2 = \mathrm{tmp}_2": L_m_length**2 - setting.remainder(square)[0]},
         leading="L_m p_ez",
         roots={L_m_length: square},
         point=point | {"L_m": sp.sqrt(square.subs({SYMBOL[k]: v for k, v in point.items()}))},
     )
-    section.settings.append(known)
     length = evaluate(rows["L_m"], tmp2=evaluate(rows["tmp2"]))
     row = compare(known, "15", "L_m", sp.sqrt(square), length)
     row.derived = sp.sqrt(setting.normal(square)) if row.holds else row.derived
     section.rows.append(row)
     for unit, derived in zip("ijk", q12, strict=True):
-        section.rows.append(compare(known, "15", f"q12_{unit}", derived, evaluate(rows[f"q12_{unit}"])))
+        section.row(known, "15", f"q12_{unit}", derived, evaluate(rows[f"q12_{unit}"]))
     named = [known.named(value) for value in q12]
     for unit, value, top in zip("ijk", middle, named, strict=True):
         statement = rf"\langle L_m\rangle_{unit} = {latex(known.normal(value))} = q_{{12{unit}}} |L_m|"
-        section.facts.append(compare(known, "fact", statement, value, top * L_m_length))
-    section.facts.append(compare(known, "fact", r"\langle Q_{12}\rangle = 0", w, sp.Integer(0)))
+        section.fact(known, statement, value, top * L_m_length)
+    section.fact(known, r"\langle Q_{12}\rangle = 0", w)
     for n in "123":
         blade = f"e{n}^einf"
         label = rf"\langle L_m\rangle_{{e_{n} \wedge e_\infty}} = 0"
-        section.facts.append(compare(setting, "fact", label, cga.coefficient(L_m, blade), sp.Integer(0)))
-    section.facts.append(compare(known, "fact", r"|Q_{12}|^2 = 1", dot(named, named), sp.Integer(1)))
+        section.fact(setting, label, cga.coefficient(L_m, blade))
+    section.fact(known, r"|Q_{12}|^2 = 1", dot(named, named), sp.Integer(1))
     turned = cga.rotate(cga.quaternion(0, *named), cga.e3)
     for axis, value, target in zip("xyz", normal_vector(turned), P_E, strict=True):
         statement = rf"\langle Q_{{12}}\,e_3\,\tilde Q_{{12}}\rangle_{axis} = p_{{e{axis}}} / d_1"
-        section.facts.append(compare(known, "fact", statement, value, target / d1))
-    section.notes += [
-        "Scale: none is free in $L_m$ as built, and $Q_{12}$ is divided by it. The $e_\\infty$ parts of $\\pi_m$ "
-        "and $L_m$ vanish because $|p_e| = d_1$, proved under (13): then the middle plane goes through the origin. "
-        "$L_m$ vanishes for an elbow on the z axis.",
-        "The last statements say that the half turn about $L_m$ brings the z axis to the elbow.",
-    ]
+        section.fact(known, statement, value, target / d1)
     return section
 
 
@@ -402,20 +303,13 @@ def rotate_to_wrist(printed) -> Section:
     point |= {"p_wx": 3, "p_wy": -2, "p_wz": 1}
     setting = Setting(base, "q12_k abs_pi", {sp.Integer(1): sp.Integer(1), abs_pi: abs_pi**2}, point, plain=True)
     _, c3, sign, Q_3 = geometry.wrist_rotation(cga.quaternion(0, *q12), cga.plane(*PI, 0), cga.point(*P_W))
-    section = Section(
-        "(17) The rotation about the upper arm",
-        "The plane $\\pi_{yz} = e_1$, turned by $Q_{12}$, gives $\\pi_{yz2}$. The angle between it and the swivel "
-        "plane, both in direct representation, is (5); the quaternion of half of it is (8) and (9), and the side of "
-        "$\\pi_{yz2}$ on which $P_w$ lies, $\\pi_{yz2} \\cdot P_w$, gives the sign: `wrist_rotation`. $Q_{12}$, the "
-        "plane and $P_w$ are symbols.",
-        [setting],
-    )
+    section = Section("(17) The rotation about the upper arm")
     rows = printed["17"]
     # sign = side / |side|: the side is what the absolute value is of
     inside = [a.args[0] for a in sp.sympify(sign).atoms(sp.Abs)]
     side = sp.expand(sign * sp.Abs(inside[0])) if len(inside) == 1 else sp.sympify(sign)
-    section.rows.append(compare(setting, "17", "c_3", c3, evaluate(rows["c_3"])))
-    section.rows.append(compare(setting, "17", "side", side, evaluate(rows["side"])))
+    section.row(setting, "17", "c_3", c3, evaluate(rows["c_3"]))
+    section.row(setting, "17", "side", side, evaluate(rows["side"]))
     full = copy.copy(setting)
     derived_c3 = setting.named(c3)
     full.roots = setting.roots | {
@@ -427,22 +321,15 @@ def rotate_to_wrist(printed) -> Section:
     values["sign"] = evaluate(rows["sign"], **values)
     w, i, j, k = cga.quaternion_coefficients(Q_3)
     for name, derived in (("sign", sign), ("q3_s", w), ("q3_k", k)):
-        section.rows.append(compare(full, "17", name, derived, evaluate(rows[name], **values)))
+        section.row(full, "17", name, derived, evaluate(rows[name], **values))
     for unit, value in (("i", i), ("j", j)):
-        section.facts.append(compare(full, "fact", rf"\langle Q_3\rangle_{unit} = 0", value, sp.Integer(0)))
+        section.fact(full, rf"\langle Q_3\rangle_{unit} = 0", value)
     ruled = Setting({r"|\mathrm{side}|^2 = \mathrm{side}^2": abs_side**2 - side**2}, "abs_side")
     at_sign, scalar, k_part = full.named(sign), full.named(w), full.named(k)
     statement = r"\mathrm{sign} \cdot \left(\mathrm{sign}\,\cos\frac{\theta_3}{2}\right) = q_{3,scalar}"
-    section.facts.append(compare(ruled, "fact", statement, at_sign * at_sign * cos3, scalar))
+    section.fact(ruled, statement, at_sign * at_sign * cos3, scalar)
     statement = r"\mathrm{sign} \cdot \sin\frac{\theta_3}{2} = q_{3k}"
-    section.facts.append(compare(ruled, "fact", statement, at_sign * sin3, k_part))
-    section.notes += [
-        "$\\cos\\frac{\\theta_3}{2}$ and $\\sin\\frac{\\theta_3}{2}$ stand for the two roots with the derived "
-        "$c_3$ in them, and $\\mathrm{side}$ for what the print calls sign before it is divided by its absolute "
-        "value. A positive factor of the plane $\\pi_{swivel}$ cancels in $c_3$; a negative one would turn it.",
-        "(16) has the sign $\\pm$ at the scalar part, (17) has it at the k part. By the last two statements the two "
-        "quaternions are $\\pm$ each other, the same rotation. Where $\\mathrm{side} = 0$ the print is 0/0.",
-    ]
+    section.fact(ruled, statement, at_sign * sin3, k_part)
     return section
 
 
@@ -451,11 +338,7 @@ def product(printed) -> Section:
     point = {"q12_i": 1, "q12_j": 2, "q12_k": 3, "q3_s": 5, "q3_k": 7}
     setting = Setting(point=point)
     Q_s = cga.quaternion(0, *q12) * cga.quaternion(q3_s, 0, 0, q3_k)  # as in geometry.solve
-    section = Section(
-        "(18) The shoulder quaternion",
-        "The product $Q_s = Q_{12} Q_3$, as in `solve`, of quaternions with symbols.",
-        [setting],
-    )
+    section = Section("(18) The shoulder quaternion")
     for (name, text), derived in zip(printed["18"].items(), cga.quaternion_coefficients(Q_s), strict=True):
-        section.rows.append(compare(setting, "18", name, derived, evaluate(text)))
+        section.row(setting, "18", name, derived, evaluate(text))
     return section

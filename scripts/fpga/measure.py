@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 5 of the paper again: logic, multipliers and clock of both datapaths, by open tools (make fpga).
 
-    python -m scripts.fpga [--quick] [--datapath lean|paper] [--width BITS] [--family xc2vp|xc7|ecp5] [--place]
-                           [--module NAME] [--seed N] [--again] [--page]
+    python -m scripts.fpga [--quick] [--datapath lean|paper] [--width BITS] [--page]
 
 Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), for xc7 and for ECP5, and places and routes on
 an ECP5-85k with nextpnr.  Every run is kept in build/fpga under a hash of its sources, options and tools: a repeated
@@ -23,7 +22,7 @@ from pathlib import Path
 
 from model.targets.stimuli import region
 from scripts.compare import Errors, latency
-from scripts.console import InputError, Parser, exit_status, one_of, whole, word_length
+from scripts.console import Parser, command, one_of, word_length
 from scripts.fpga.page import AIM_MHZ, BROKEN_DOWN, DEVICE, PARAMETERS, SECTIONS, TOPS, comparison, page
 from scripts.fpga.report import HOLDS, KINDS
 from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
@@ -39,6 +38,8 @@ QUICK_WIDTH = 18
 FAMILIES = ("xc2vp", "xc7", "ecp5")
 FULL = 0.97
 """Part of the device up to which a design is placed whole."""
+SEEDS = range(1, 5)
+"""Of placements, tried until the aim is reached."""
 
 
 def rtl_digest(datapath: str) -> str:
@@ -135,13 +136,13 @@ def describe(datapath: str, width: int) -> dict:
     }
 
 
-def measure(figures: Figures, options) -> list[str]:
-    """All runs that the options ask for; what was left out, a line each.  Figures are written after every run."""
+def measure(figures: Figures, datapaths: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """All runs of datapaths and widths; what was left out, a line each.  Figures are written after every run."""
     left_out = []
 
     def attempt(run):
         try:
-            return run.done(options.again, options.limit * 60)
+            return run.done()
         except TimeOutError as error:
             say(str(error))
             return None
@@ -158,7 +159,7 @@ def measure(figures: Figures, options) -> list[str]:
     def best_placement(datapath, width, module):
         """The quickest of the seeds tried, with the clocks of all of them."""
         first, tried = placement(datapath, width, module), []
-        for seed in range(options.seed, options.seed + options.seeds):
+        for seed in SEEDS:
             done = attempt(replace(first, seed=seed))
             if done:
                 tried.append({**done, "seed": seed})
@@ -172,14 +173,14 @@ def measure(figures: Figures, options) -> list[str]:
             left_out.append(f"{first.title}: no placement in time")
         return bool(tried)
 
-    chosen = [(d, w) for d in options.datapath or TOPS for w in sorted(options.width or WIDTHS[d])]
+    chosen = [(d, w) for d in datapaths or TOPS for w in sorted(widths or WIDTHS[d])]
     for datapath, width in chosen:
         figures.design(datapath, width).update(describe(datapath, width))
-        for family in () if options.place else options.family or FAMILIES:
+        for family in FAMILIES:
             result(synthesis(datapath, width, family))
             if family == "xc2vp" and width in BROKEN_DOWN:
                 result(synthesis(datapath, width, family, "tree"))
-    for datapath, width in chosen if options.place or not options.family or "ecp5" in options.family else []:
+    for datapath, width in chosen:
         synthesized = result(synthesis(datapath, width, "ecp5"))
         holds = synthesized and fits(synthesized["cells"]) and best_placement(datapath, width, TOPS[datapath])
         figures.design(datapath, width)["placed"] = "whole" if holds else "by module"
@@ -192,73 +193,34 @@ def measure(figures: Figures, options) -> list[str]:
 # -- command line ----------------------------------------------------------------------------------------------------
 
 
-def quick(options) -> int:
+def quick(width: int) -> int:
     """One small width of the lean datapath: logic of the whole, clock of its smallest module."""
     start = time.monotonic()
-    width = (options.width or [QUICK_WIDTH])[0]
-    done = synthesis("lean", width, "xc2vp").done(options.again)
-    cells = done["cells"]
+    cells = synthesis("lean", width, "xc2vp").done()["cells"]
     print(f"lean, W = {width}, xc2vp: " + ", ".join(f"{cells[k]} {k}" for k in KINDS))
-    placed_ = Run("place", "ecp5", "ik_lean_guard", {"W": width}, options.seed).done(options.again)
+    placed_ = Run("place", "ecp5", "ik_lean_guard", {"W": width}).done()
     path = placed_["path"]
     print(f"ik_lean_guard alone on {DEVICE}: {placed_['mhz']} MHz, {path['from']} to {path['to']}, {path['ns']} ns")
     print(f"{time.monotonic() - start:.0f} s; fpga.json and fpga.md are not changed")
     return 0
 
 
-def _parser() -> Parser:
+@command("fpga")
+def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("fpga", __doc__.splitlines()[0], fails="a run was not done in time")
     parser.add_argument("--quick", action="store_true", help="one small width, in a few minutes; writes no page")
     each = {"action": "append", "default": []}
     parser.add_argument("--datapath", type=one_of("datapath", tuple(TOPS)), help="only this one", **each)
     parser.add_argument("--width", type=word_length, metavar="BITS", help="only this word length, 16 to 32", **each)
-    parser.add_argument("--family", type=one_of("family", FAMILIES), help="only this family", **each)
-    parser.add_argument("--place", action="store_true", help="only place and route on ECP5")
-    parser.add_argument("--module", metavar="NAME", help="place and route this module alone, and print the path")
-    parser.add_argument(
-        "--root", type=Path, default=ROOT, metavar="DIR", help="with --module: a folder with another rtl/, to try"
-    )
-    parser.add_argument("--set", metavar="P=N", help="with --module: a parameter of it", **each)
-    parser.add_argument("--plain", action="store_true", help="with --module: leave registers outside of multipliers")
-    parser.add_argument(
-        "--seed", type=whole(0), default=1, metavar="N", help="of the placement, or the first (default: 1)"
-    )
-    parser.add_argument(
-        "--seeds", type=whole(1), default=4, metavar="N", help="try so many until the aim is reached (default: 4)"
-    )
-    parser.add_argument("--limit", type=float, default=20, metavar="MIN", help="for one tool run (default: 20)")
-    parser.add_argument("--again", action="store_true", help="do it again, even if nothing has changed")
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
-    return parser
-
-
-def _parameters(words: list[str]) -> dict[str, int]:
-    """Raises InputError."""
-    found = [re.fullmatch(r"(\w+)=(-?\d+)", word) for word in words]
-    if None in found:
-        raise InputError(f"argument --set: {words[found.index(None)]!r} is not P=N")
-    return {match[1]: int(match[2]) for match in found if match}
-
-
-def _measure(arguments: Sequence[str] | None) -> int:
-    options = _parser().parse_args(arguments)
+    options = parser.parse_args(arguments)
     if options.page:
         PAGE.write_text(page(json.loads(FIGURES.read_text())))
         return 0
     for tool in PACKAGES:
         program(tool)
-    if options.module:
-        values = _parameters(options.set) | ({"W": options.width[0]} if options.width else {})
-        run = Run("place", "ecp5", options.module, values, options.seed, not options.plain, options.root)
-        print(json.dumps(run.done(options.again, options.limit * 60), indent=1))
-        return 0
     if options.quick:
-        return quick(options)
-    left_out = measure(Figures(), options)
+        return quick((options.width or [QUICK_WIDTH])[0])
+    left_out = measure(Figures(), options.datapath, options.width)
     print("\n".join([comparison(json.loads(FIGURES.read_text())), *left_out]))
     return 1 if left_out else 0
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; the exit status."""
-    return exit_status("fpga", lambda: _measure(arguments))

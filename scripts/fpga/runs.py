@@ -34,6 +34,10 @@ SHORTEST_SRL = 12
 PLACE = ("--85k", "--speed", "8", "--package", "CABGA381", "--out-of-context", "--timing-allow-fail", "--freq", "200")
 
 
+LIMIT = 20 * 60.0
+"""Seconds for one tool run."""
+
+
 class TimeOutError(ToolError):
     """A tool was not done in time."""
 
@@ -84,7 +88,7 @@ def last_line(log: Path) -> str:
     return told[-1][:90] if told else ""
 
 
-def call(command: list[str], folder: Path, log: str, label: str, limit: float | None) -> float:
+def call(command: list[str], folder: Path, log: str, label: str, limit: float = LIMIT) -> float:
     """Run a tool with low priority in its folder; a line every 30 s.  Seconds that it took."""
     start = time.monotonic()
     with (folder / f"{log}.out").open("w") as out:
@@ -94,7 +98,7 @@ def call(command: list[str], folder: Path, log: str, label: str, limit: float | 
             while child.poll() is None:
                 time.sleep(0.2)
                 now = time.monotonic()
-                if limit and now - start > limit:
+                if now - start > limit:
                     raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out")
                 if now - told > 30:
                     say(f"  {label}: {now - start:.0f} s, {last_line(folder / log)}")
@@ -120,9 +124,6 @@ class Run:
     top: str
     values: dict = field(hash=False)
     seed: int = 1
-    packed: bool = True
-    root: Path = ROOT
-    """The checkout, or another folder that holds rtl/."""
 
     @property
     def title(self) -> str:
@@ -133,14 +134,11 @@ class Run:
     @property
     def name(self) -> str:
         """The title, and how it is placed."""
-        return self.title + (f"-seed{self.seed}{'' if self.packed else '-plain'}" if self.kind == "place" else "")
+        return self.title + (f"-seed{self.seed}" if self.kind == "place" else "")
 
     def files(self) -> list[Path]:
-        """The module's own first.  Raises ToolError for a module that is not there."""
-        found = closure(self.top, self.root)
-        if not found:
-            raise ToolError(f"no module {self.top} in rtl")
-        return found
+        """The module's own first."""
+        return closure(self.top)
 
     def script(self) -> str:
         """For Yosys."""
@@ -173,14 +171,14 @@ class Run:
     def key(self) -> str:
         parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys")]
         if self.kind == "place":
-            parts += [*PLACE, str(self.seed), str(self.packed), PACKER, version("nextpnr-ecp5")]
+            parts += [*PLACE, str(self.seed), PACKER, version("nextpnr-ecp5")]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
-    def done(self, again: bool = False, limit: float | None = None) -> dict:
+    def done(self) -> dict:
         """Its figures, from the last time if nothing has changed since."""
         folder = BUILD / f"{self.name}-{self.key()}"
         kept = folder / "figures.json"
-        if kept.exists() and not again:
+        if kept.exists():
             return json.loads(kept.read_text())
         say(f"{self.name} ...")
         folder.mkdir(parents=True, exist_ok=True)
@@ -190,9 +188,9 @@ class Run:
             (folder / name).write_text(text)
         netlist = folder / "netlist.json"
         figures = {"rtl": digest(self.files())}
-        if again or not (folder / "stat.json").exists() or (self.kind == "place" and not netlist.exists()):
+        if not (folder / "stat.json").exists() or (self.kind == "place" and not netlist.exists()):
             (folder / "stat.json").unlink(missing_ok=True)
-            seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, "yosys.log", self.name, limit)
+            seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, "yosys.log", self.name)
             figures["synthesis_s"] = round(seconds)
         stat = json.loads((folder / "stat.json").read_text())
         figures["cells"] = counted(stat, self.family)
@@ -200,22 +198,19 @@ class Run:
             figures["modules"] = by_module(stat, self.family)
             figures["sections"] = by_section(stat, self.family)
         if self.kind == "place":
-            figures |= self._placed(folder, netlist, limit)
+            figures |= self._placed(folder, netlist)
         for bulky in (netlist, folder / "packed.json"):
             bulky.unlink(missing_ok=True)
         kept.write_text(json.dumps(figures, indent=1) + "\n")
         return figures
 
-    def _placed(self, folder: Path, netlist: Path, limit: float | None) -> dict:
-        figures = {}
-        design = netlist
-        if self.packed:
-            content = json.loads(netlist.read_text())
-            figures["packed"] = pack_registers(content["modules"]["fpga_top"])
-            design = folder / "packed.json"
-            design.write_text(json.dumps(content))
+    def _placed(self, folder: Path, netlist: Path) -> dict:
+        content = json.loads(netlist.read_text())
+        figures = {"packed": pack_registers(content["modules"]["fpga_top"])}
+        design = folder / "packed.json"
+        design.write_text(json.dumps(content))
         command = [program("nextpnr-ecp5"), *PLACE, "--seed", str(self.seed), "--json", design.name]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
-        figures["place_s"] = round(call(command, folder, "nextpnr.log", self.name, limit))
+        figures["place_s"] = round(call(command, folder, "nextpnr.log", self.name))
         report = json.loads((folder / "report.json").read_text())
         return figures | placed(report)

@@ -10,7 +10,6 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.nodes import Latency
-from model.targets.words import FIELDS
 
 WIDTH = 32
 
@@ -46,7 +45,7 @@ class _Counting(fixed.Bits):
 def counted_run(flow: Callable, width: int = WIDTH) -> tuple[fixed.Bits, Counter]:
     """The dataflow after a run, and for every choice how many + and - it does."""
     d = _Counting(width)
-    flow(d, {k: d.input(k, np.array([1 << (width - 3)])) for k in FIELDS})
+    flow(d, d.inputs(lambda name, fmt: np.array([1 << (width - 3)])))
     return d, d.additions
 
 

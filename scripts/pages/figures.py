@@ -17,7 +17,7 @@ from pathlib import Path
 from model.bounds import ranges
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, Parser, check_out, exit_status, writing
+from scripts.console import InputError, Parser, check_out, command, writing
 from scripts.pages.flow import WIDTH, check, cone, delays, design, longest_path, part
 from scripts.pages.graphs import dot, svg
 from scripts.pages.render import render
@@ -123,7 +123,8 @@ def page(nodes: Design) -> str:
     return render("figures", datapaths=datapaths)
 
 
-def _write(arguments: Sequence[str] | None) -> int:
+@command("figures")
+def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("pages.figures", __doc__.splitlines()[0], fails="a node does not fit its format")
     parser.choice("--datapath", "datapath", tuple(DATAPATHS), "paper", "of --node (default: %(default)s)")
     parser.add_argument("--node", help="only the graph and the schedule of what leads to this node")
@@ -149,11 +150,6 @@ def _write(arguments: Sequence[str] | None) -> int:
             path.write_text(text, encoding="utf-8")
     print(f"wrote {len(texts)} files, {sum(len(t.encode()) for t in texts.values()) / 1000:.0f} kB")
     return 1 if ranges.failures(WIDTH) else 0
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; the exit status."""
-    return exit_status("figures", lambda: _write(arguments))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Latency
 from model.targets import trajectories
 from scripts import run
-from scripts.console import Parser, exit_status
+from scripts.console import Parser, command
 from scripts.pages import arm
 from scripts.pages.flow import design, longest_path, start
 from scripts.pages.pipeline import FIFO_CLOCKS, pipeline_svg
@@ -59,7 +59,8 @@ def pages() -> dict[Path, str]:
     return {GENERATED / "latency.md": latency_page(), GENERATED / "arm.svg": arm.picture(), **pictures}
 
 
-def _write(arguments: Sequence[str] | None) -> int:
+@command("docs")
+def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("pages.gen_docs", __doc__.splitlines()[0], fails="a trajectory fails")
     parser.choice("--sim", "simulator", SIMULATORS, SIMULATORS[0], "the simulator (default: %(default)s)")
     sim = parser.parse_args(arguments).sim
@@ -75,11 +76,6 @@ def _write(arguments: Sequence[str] | None) -> int:
         path.write_text(text)
     print(f"wrote {', '.join(str(path.relative_to(ROOT)) for path in files)}")
     return 0
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; the exit status."""
-    return exit_status("docs", lambda: _write(arguments))
 
 
 if __name__ == "__main__":

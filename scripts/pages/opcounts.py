@@ -69,6 +69,8 @@ def count(expression: sympy.Expr) -> Ops:
         return Ops(trig=1)  # half an angle is wiring
     if isinstance(expression, sympy.Abs):
         return inside  # a change of sign
+    if expression.func.__name__ == "rsqrt":
+        return inside + Ops(root=1)
     raise ValueError(f"no rule for the operation {expression.func.__name__}")
 
 
@@ -113,9 +115,8 @@ def total(expressions: Iterable[sympy.Expr]) -> Ops:
 def shared(lines: dict[str, sympy.Expr]) -> Ops:
     """The operations after ``sympy.cse`` over all lines at once."""
     names = sympy.numbered_symbols("shared_")
-    common, rest = sympy.cse(
-        [e.doit() for e in lines.values()], symbols=names, optimizations="basic", order="canonical"
-    )
+    trees = [e.doit() for e in lines.values()]
+    common, rest = sympy.cse(trees, symbols=names, optimizations="basic", order="canonical")
     return total([e for _, e in common] + rest)
 
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generated pages: where they are, and their templates."""
+"""The generated pages: their templates, their tables and their pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import functools
+import io
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +37,29 @@ def error(value: float | None) -> str:
 
 
 TEMPLATES.filters |= {"row": row, "error": error}
+TEMPLATES.globals |= {"table": table}
 
 
 def render(name: str, **values: Any) -> str:
-    """The page of ``templates/<name>.md.j2``; a value that it asks for and does not get is an error."""
-    return TEMPLATES.get_template(f"{name}.md.j2").render(values)
+    """The page of ``templates/<name>.md.j2``, or the picture of a name in .svg; a missing value is an error."""
+    return TEMPLATES.get_template(f"{name}.j2" if name.endswith(".svg") else f"{name}.md.j2").render(values)
+
+
+def svg(paint: Callable) -> Callable[..., bytes]:
+    """Of ``paint(pyplot, ...)``, which returns a figure: the same that returns an SVG, of the same bytes every time."""
+
+    @functools.wraps(paint)
+    def painted(*arguments: Any) -> bytes:
+        import matplotlib
+
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+
+        style = {"svg.hashsalt": "cga-ik", "svg.fonttype": "path", "font.family": "DejaVu Sans", "font.size": 10}
+        with matplotlib.rc_context(style):
+            figure, out = paint(plt, *arguments), io.BytesIO()
+            figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+            plt.close(figure)
+        return out.getvalue()
+
+    return painted

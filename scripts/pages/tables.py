@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of the generated pages, read back: for tests, and for what checks that a page is fresh."""
+"""The generated pages, read back: for tests, and for what checks that a page is fresh."""
+
+import re
 
 
 def table(text, heading):
@@ -10,5 +12,22 @@ def table(text, heading):
     for line in lines[start + 2 :]:
         if not line.startswith("|"):
             break
-        rows.append([cell.strip().strip("`") for cell in line.strip("|").split("|")])
+        rows.append([cell.strip().strip("`") for cell in re.split(r"(?<!\\)\|", line)[1:-1]])
     return rows
+
+
+NUMBER = re.compile(r"-?\b\d+\.?\d*(?:e[-+]?\d+)?\b")
+SAME_FIGURE = 0.06
+"""A figure of two digits may be rounded the other way where a processor's sines differ in the last place."""
+
+
+def differing(text: str, fresh: str) -> list[str]:
+    """The lines of a page that differ from those made anew, figures compared to two digits."""
+    old, new = text.splitlines(), fresh.splitlines()
+    wrong = [] if len(old) == len(new) else [f"the page has {len(old)} lines, made anew {len(new)}"]
+    for a, b in zip(old, new, strict=False):
+        pairs = zip(NUMBER.findall(a), NUMBER.findall(b), strict=False)
+        close = all(abs(float(u) - float(v)) <= SAME_FIGURE * max(abs(float(u)), abs(float(v))) for u, v in pairs)
+        if NUMBER.sub("0", a) != NUMBER.sub("0", b) or not close:
+            wrong.append(f"the page has: {a}\n   made anew: {b}")
+    return wrong

@@ -30,7 +30,7 @@ from model.targets.files import write_atomically
 from model.targets.scoring import Score
 from model.targets.words import from_words, result_values
 from scripts import run
-from scripts.console import check_out, exit_status, writing
+from scripts.console import check_out, command, writing
 from tb.sim.env import ROOT
 from tb.sim.simulate import Run
 
@@ -129,8 +129,11 @@ def page(shown: Sequence[dict[str, Any]], *, out: Path, datapath: str, width: in
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
 
 
-def _report(parsed: Any) -> int:
-    """Run, score and write the page; the exit status 0 or 1. Raises what `exit_status` reports."""
+@command("report")
+def main(arguments: Sequence[str] | None) -> int:
+    """Run, score and write the page; the exit status."""
+    about = "Run trajectories through the core in a simulator and write a page that shows them."
+    parsed = run.parser_of("report", about, out="build/report", written="report.html").parse_args(arguments)
     path = parsed.out / "report.html"
     prepared = run.prepare(parsed)
     check_out(parsed.out, [path])
@@ -141,18 +144,3 @@ def _report(parsed: Any) -> int:
         write_atomically(path, text)
     print(f"wrote {path}")
     return run.verdict("report", [result for _, result in done])
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; the exit status."""
-
-    def work() -> int:
-        parser = run.parser_of(
-            "report",
-            "Run trajectories through the core in a simulator and write a page that shows them.",
-            out="build/report",
-            written="report.html",
-        )
-        return _report(parser.parse_args(arguments))
-
-    return exit_status("report", work)

@@ -11,8 +11,7 @@ the exit status is 2. When all is in place it prints nothing and takes a few mil
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said
 
-This file has to parse on the oldest Python somebody may start it with, so that it can say what is wrong:
-no f-strings, no annotations.
+This file has to parse on the oldest Python somebody may start it with, 3.7 say, so that it can say what is wrong.
 """
 
 import os
@@ -21,11 +20,18 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OLDEST, NEWEST = (3, 10), (3, 14)  # what the lock files were resolved for
-PROGRAMS = {"icarus": ["iverilog", "vvp"], "verilator": ["perl", "make", "g++"], "chromium": ["chromium"]}
-PROGRAMS["graphviz"] = ["dot"]
-PROGRAMS["fpga"] = []  # all from requirements-fpga.lock
+SYSTEM_PYTHON = "/usr/bin/python3"
+PROGRAMS = {
+    "icarus": ["iverilog", "vvp"],
+    "verilator": ["perl", "make", "g++"],
+    "chromium": ["chromium"],
+    "graphviz": ["dot"],
+    "fpga": [],  # all from requirements-fpga.lock
+}
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz"}  # others are named as their program
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
+VERSION = "%d.%d" % sys.version_info[:2]
+QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
 def say(text):
@@ -38,7 +44,7 @@ def die(text):
     sys.exit(2)
 
 
-def which(program):
+def which(program):  # shutil, which has it too, takes longer to import than all of this
     for folder in os.environ.get("PATH", os.defpath).split(os.pathsep):
         path = os.path.join(folder or ".", program)
         if os.path.isfile(path) and os.access(path, os.X_OK):
@@ -49,8 +55,8 @@ def which(program):
 # -- which Python ----------------------------------------------------------------------------------
 
 
-def version_ok(version):
-    return OLDEST <= tuple(version[:2]) <= NEWEST
+def version_ok():
+    return OLDEST <= sys.version_info[:2] <= NEWEST
 
 
 def is_distributions():
@@ -75,43 +81,28 @@ def shared_library():
 
 def suits():
     """Can a virtual environment that runs cocotb be made from this Python, perhaps with apt-get's help?"""
-    return version_ok(sys.version_info) and (shared_library() is not None or is_distributions())
-
-
-def other_python():
-    """Another Python of this machine that suits, or None. Each is asked by running this file in it."""
-    names = ["python3.%d" % minor for minor in (13, 12, 11, 10, 14)] + ["/usr/bin/python3", "python3"]
-    for name in names:
-        path = name if os.path.isabs(name) else which(name)
-        if path is None or not os.path.exists(path):
-            continue
-        with open(os.devnull, "r+b") as null:
-            asked = [path, "-ES", os.path.abspath(__file__), "--suits"]
-            if subprocess.call(asked, stdin=null, stdout=null, stderr=null) == 0:
-                return path
-    return None
+    return version_ok() and (shared_library() is not None or is_distributions())
 
 
 def choose_python(arguments):
-    """Return if this Python will do; otherwise start over in one that will, or say that there is none."""
+    """Return if this Python will do; otherwise start over in the system's, or say that there is none."""
     if suits():
         return
-    path = other_python()
-    if path is not None:
-        os.execv(path, [path, "-ES", os.path.abspath(__file__)] + arguments)
-    mine = "%d.%d" % tuple(sys.version_info[:2])
-    this = "%s (Python %s)" % (sys.executable, mine)
-    if tuple(sys.version_info[:2]) < OLDEST:
-        die("Python 3.10 or later is needed, %s is too old: install a newer python3" % this)
-    if tuple(sys.version_info[:2]) > NEWEST:
-        die("Python 3.10 to 3.14 is needed, %s is too new: install one of those" % this)
-    die("%s lacks the shared libpython that cocotb needs: install the system's python3" % this)
+    asked = [SYSTEM_PYTHON, "-ES", os.path.abspath(__file__)]
+    if os.path.exists(SYSTEM_PYTHON) and subprocess.call(asked + ["--suits"], **QUIET) == 0:
+        os.execv(SYSTEM_PYTHON, asked + arguments)
+    this = f"{sys.executable} (Python {VERSION})"
+    if sys.version_info[:2] < OLDEST:
+        die(f"Python 3.10 or later is needed, {this} is too old: install a newer python3")
+    if sys.version_info[:2] > NEWEST:
+        die(f"Python 3.10 to 3.14 is needed, {this} is too new: install one of those")
+    die(f"{this} lacks the shared libpython that cocotb needs: install the system's python3")
 
 
 # -- the system's packages -------------------------------------------------------------------------
 
 
-def run_logged(command, **kwargs):
+def run_logged(command):
     """Run quietly, with everything it says at the end of build/setup.log; returns status and what it said."""
     log_name = os.path.join(ROOT, "build", "setup.log")
     os.makedirs(os.path.dirname(log_name), exist_ok=True)
@@ -119,7 +110,7 @@ def run_logged(command, **kwargs):
         log.write(("$ " + " ".join(command) + "\n").encode())
         log.flush()
         start = log.tell()
-        status = subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, **kwargs)
+        status = subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         log.seek(start)
         return status, log.read().decode("utf-8", "replace")
 
@@ -130,18 +121,9 @@ def apt_prefix():
         return None
     if os.geteuid() == 0:
         return []
-    if which("sudo"):
-        quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        if subprocess.call(["sudo", "-n", "true"], **quiet) == 0:
-            return ["sudo", "-n"]
+    if which("sudo") and subprocess.call(["sudo", "-n", "true"], **QUIET) == 0:
+        return ["sudo", "-n"]
     return None
-
-
-def have_package_lists():
-    try:
-        return any("_Packages" in name for name in os.listdir("/var/lib/apt/lists"))
-    except OSError:
-        return False
 
 
 def install_packages(packages):
@@ -152,24 +134,21 @@ def install_packages(packages):
         if which("apt-get") is None:
             die("please install, then run make again (by their Debian names): " + " ".join(packages))
         die("please install as root, then run make again: " + by_hand)
-    say("installing %s (apt-get) ..." % ", ".join(packages))
+    say(f"installing {', '.join(packages)} (apt-get) ...")
     get = prefix + ["env", "DEBIAN_FRONTEND=noninteractive", "NEEDRESTART_MODE=a", "LC_ALL=C", "apt-get"]
     get += ["-q", "-y", "-o", "DPkg::Lock::Timeout=300", "-o", "Dpkg::Use-Pty=0"]
     install = get + ["install", "--no-install-recommends"] + packages
-    status = run_logged(install)[0] if have_package_lists() else 1
-    if status:
+    if run_logged(install)[0]:  # no package lists, or old ones
         run_logged(get + ["update"])
-        status = run_logged(install)[0]
-    if status:
-        die("apt-get failed, see build/setup.log; please install as root: " + by_hand)
+        if run_logged(install)[0]:
+            die("apt-get failed, see build/setup.log; please install as root: " + by_hand)
 
 
 def missing_packages(needs):
     """Debian packages without which a simulator or the browser cannot run."""
     packages = [PACKAGE.get(program, program) for need in needs for program in PROGRAMS[need] if which(program) is None]
     if "verilator" in needs and which("perl"):  # Debian's perl-base alone lacks some modules
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        if subprocess.call(["perl"] + PERL_MODULES + ["-e", "1"], **quiet):
+        if subprocess.call(["perl"] + PERL_MODULES + ["-e", "1"], **QUIET):
             packages.append("perl")
     return packages
 
@@ -177,14 +156,13 @@ def missing_packages(needs):
 def missing_for_venv():
     """Debian packages without which this Python makes no virtual environment, or none that runs cocotb."""
     packages = []
-    dotted = "%d.%d" % tuple(sys.version_info[:2])
     try:
         import ensurepip  # noqa: F401
         import venv  # noqa: F401
     except ImportError:
-        packages.append("python%s-venv" % dotted)
+        packages.append(f"python{VERSION}-venv")
     if shared_library() is None:
-        packages.append("libpython%s" % dotted)
+        packages.append(f"libpython{VERSION}")
     return packages
 
 
@@ -224,7 +202,7 @@ class Setup:
             key = self.key()
             good = key is not None and all(stamp[name] == value for name, value in key.items())
             return stamp if good and os.path.exists(stamp["libpython"]) else None
-        except (IOError, OSError, ValueError, LookupError, TypeError):
+        except (OSError, ValueError, LookupError, TypeError):
             return None
 
     def write_stamp(self, libpython, ready):
@@ -252,42 +230,35 @@ class Setup:
             and all(which(program) for need in needs for program in PROGRAMS[need])
         )
 
-    def pip_environment(self):
-        env = dict(os.environ, PIP_USER="0", PIP_DISABLE_PIP_VERSION_CHECK="1", PIP_NO_INPUT="1")
-        for name in ("PYTHONHOME", "PYTHONPATH", "PIP_TARGET", "PIP_PREFIX", "PIP_CONSTRAINT"):
-            env.pop(name, None)
-        return env
-
     def pip_install(self, lock_file):
         """What the lock file names into .venv; returns status and what pip said."""
-        pip = [self.python, "-m", "pip", "install", "--progress-bar", "off", "--no-warn-script-location"]
-        return run_logged(pip + ["--require-hashes", "-r", lock_file], env=self.pip_environment())
+        pip = [self.python, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
+        pip += ["--progress-bar", "off", "--no-warn-script-location"]
+        return run_logged(pip + ["--require-hashes", "-r", lock_file])
 
     def give_up(self, what, said):
         lines = [line.strip() for line in said.splitlines() if line.strip()]
         wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
         if any(sign in said for sign in ("Failed to establish", "Connection broken", "timed out")):
             wrong = ["the package index cannot be reached"]
-        die("could not %s: %s (more in build/setup.log)" % (what, wrong[-1]))
+        die(f"could not {what}: {wrong[-1]} (more in build/setup.log)")
 
     def make_venv(self):
         """A fresh .venv, whatever was there; returns the path of its libpython."""
         if os.path.islink(self.venv):  # --clear would empty what it leads to, outside of this checkout
-            die(".venv is a link to %s, which set-up will not overwrite: remove the link" % os.readlink(self.venv))
-        dotted = "%d.%d" % tuple(sys.version_info[:2])
-        say("making .venv with Python %s from requirements.lock (a minute or so) ..." % dotted)
-        env = self.pip_environment()
+            die(f".venv is a link to {os.readlink(self.venv)}, which set-up will not overwrite: remove the link")
+        say(f"making .venv with Python {VERSION} from requirements.lock (a minute or so) ...")
         if os.path.exists(self.stamp):
             os.remove(self.stamp)
-        status, said = run_logged([sys.executable, "-m", "venv", "--clear", self.venv], env=env)
+        status, said = run_logged([sys.executable, "-I", "-m", "venv", "--clear", self.venv])
         if status == 0:
             status, said = self.pip_install(self.lock_file)
         if status:
             self.give_up("make .venv", said)
-        ask = [self.python, "-c", "import find_libpython as f; print(f.find_libpython() or '')"]
-        libpython = subprocess.check_output(ask, env=env).decode().strip()
+        ask = [self.python, "-I", "-c", "import find_libpython as f; print(f.find_libpython() or '')"]
+        libpython = subprocess.check_output(ask).decode().strip()
         if not libpython:
-            die("cocotb finds no shared libpython for %s: use another python3" % sys.executable)
+            die(f"cocotb finds no shared libpython for {sys.executable}: use another python3")
         return libpython
 
     def add_fpga_tools(self):
@@ -304,13 +275,14 @@ class Setup:
         if packages:
             install_packages(packages)
         libpython = self.make_venv() if stamp is None else stamp["libpython"]
-        ready = self.ready_in(stamp) | (set(needs) - set(["fpga"]))
+        ready = self.ready_in(stamp)
+        tools = "fpga" in needs and "fpga" not in ready
+        ready |= set(needs) - {"fpga"} if tools else set(needs)
         self.write_stamp(libpython, ready)
-        if "fpga" in set(needs) - ready:  # stamped before and after: .venv is good without them
+        if tools:  # stamped before and after: .venv is good without them
             self.add_fpga_tools()
-            self.write_stamp(libpython, ready | set(["fpga"]))
-            say("ready")
-        elif stamp is None:
+            self.write_stamp(libpython, ready | {"fpga"})
+        if tools or stamp is None:
             say("ready")
 
 
@@ -324,8 +296,6 @@ def hold_lock(folder):
     except BlockingIOError:
         say("waiting for another set-up of this checkout ...")
         fcntl.flock(handle, fcntl.LOCK_EX)
-    except OSError:  # a file system without locks
-        pass
     return handle
 
 
@@ -334,18 +304,18 @@ def main(arguments):
         return 0 if suits() else 1
     for need in arguments:
         if need not in PROGRAMS:
-            die("unknown requirement '%s': use %s" % (need, ", ".join(PROGRAMS)))
+            die(f"unknown requirement '{need}': use {', '.join(PROGRAMS)}")
     setup = Setup()
     if setup.is_ready(arguments):
         return 0
-    if setup.read_stamp() is None or not version_ok(sys.version_info):
+    if setup.read_stamp() is None or not version_ok():
         choose_python(arguments)
     try:
         hold_lock(ROOT)
         if not setup.is_ready(arguments):  # whoever we waited for may have done it
             setup.set_up(arguments)
     except OSError as error:
-        die("set-up failed: %s" % error)
+        die(f"set-up failed: {error}")
     return 0
 
 

@@ -2,13 +2,13 @@
 """The whole lean pipeline over every input there is, with words of 3 bits: all 2^18 targets, every node."""
 
 import itertools
-import shutil
 
 import numpy as np
 import pytest
 
 from model.dataflow import fixed
-from tb.sim.env import ROOT, simulator
+from tb.sim.env import simulator
+from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 WIDTH = 3
@@ -46,15 +46,9 @@ if simulator() == "verilator":
     @pytest.mark.sim
     @pytest.mark.slow
     def test_a_wrong_pipeline_is_found(words, tmp_path):
-        shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-        module = tmp_path / "rtl" / "lean" / "ik_lean_guard.v"
         wrong = "fold     <= (too_near || at_shoulder_at_too_far)"
-        right = f"{wrong} && !bad_length_at_too_far"
-        text = module.read_text()
-        assert right in text
-        module.write_text(text.replace(right, wrong))
-        (ran,) = simulate(
-            [Job("every", words)], simulator="verilator", datapath="lean", width=WIDTH, root=tmp_path, name="wrong"
-        )
+        bug = Bug("wrong", "rtl/lean/ik_lean_guard.v", f"{wrong} && !bad_length_at_too_far", wrong)
+        core = {"datapath": "lean", "width": WIDTH, "root": copy_rtl(tmp_path, bug), "name": bug.what}
+        (ran,) = simulate([Job("every", words)], simulator="verilator", **core)
         assert 0 < ran.bit_mismatches
         assert ran.first_mismatch.startswith("first difference: guard.fold")

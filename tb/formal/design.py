@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 from tb.formal.claims import Lemma, Row
-from tb.formal.exact_values import SECTIONS, properties
+from tb.formal.exact_values import properties
 from tb.formal.netlist import OWN, Driver, Netlist, Operand, load
 from tb.formal.range_table import Range, model_nodes, scales, table
 from tb.formal.tools import yosys
@@ -159,7 +159,7 @@ class Elaborated:
             if driver.module in ("ik_mul3", "ik_shift"):
                 parts = [n for n in node.operands if n.format.frac]
                 positive = all(self.ranges[n.name].low >= 0 for n in parts)
-            elif not driver.module and SECTIONS[driver.section].get(name) and SECTIONS[driver.section][name].limited:
+            elif not driver.module and node.facts.limited:
                 positive = all(self.ranges[n.name].low >= 0 for n in node.operands)
             if positive:
                 self.ranges[name] = Range(0, own.high, own.rule)

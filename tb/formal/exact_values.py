@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the nodes that a section computes itself, without an operator module, are in exact arithmetic.
 
-For each section of rtl/paper and rtl/lean: node -> :class:`Value`, a Verilog expression of the section's own signals.
-``tb/formal/overflow.py`` evaluates it in a word so long that nothing can be lost, and proves that the node holds all
-of it. Every signal in an expression is signed, unsigned ones behind ``$signed({1'b0, ...})``, so that Verilog extends
-signs. Nodes of one bit are left out: they have nothing to overflow.
+The dataflow says it at the node (:class:`model.dataflow.facts.Facts`). ``tb/formal/overflow.py`` evaluates it in a word
+so long that nothing can be lost, and proves that the node holds all of it. Every word in an expression is signed,
+unsigned nodes behind ``$signed({1'b0, ...})``, so that Verilog extends signs. Nodes of one bit are left out: they have
+nothing to overflow.
 """
 
 from __future__ import annotations
@@ -12,157 +12,48 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+import numpy as np
+
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import WIDTHS, Latency, Node
+from model.targets.words import FIELDS
+
 
 @dataclass(frozen=True)
 class Value:
-    """The `expression` that a node holds `clocks` later; `limited`: why it holds a bound instead of what is larger."""
+    """The `expression` that a node, `held`, holds `clocks` later."""
 
     expression: str
-    clocks: int = 1
-    limited: str = ""
+    held: str
+    clocks: int
 
 
-def _whole(word: str) -> str:
-    return f"$signed({{1'b0, {word}}})"
+def _signed(expression: str, nodes: dict[str, Node]) -> str:
+    """The expression with every unsigned node, however late, behind a zero."""
+
+    def word(found: re.Match) -> str:
+        node = nodes.get(found[0].partition("_at_")[0])
+        unsigned = node and not node.format.signed and node.format.width > 1
+        return f"$signed({{1'b0, {found[0]}}})" if unsigned else found[0]
+
+    return re.sub(r"\b[a-z]\w*", word, expression)
 
 
-def _jam(word: str, clamped: str) -> Value:
-    """Half of a word, the bit that is dropped or-ed in."""
-    return Value(f"clamp ? {clamped} : (({word} >>> 1) | {_whole(f'{word}[0]')})")
+def _sections() -> dict[str, dict[str, Value]]:
+    found: dict[str, dict[str, Value]] = {}
+    latency, target = Latency(WIDTHS[-1]), np.zeros((1, len(FIELDS)), dtype=np.int64)
+    for name, datapath in DATAPATHS.items():
+        nodes = fixed.run(target, latency.width, name).bits.nodes
+        for node in nodes.values():
+            if node.facts.exact:
+                clocks = latency[node.latency] if node.latency else 0
+                value = Value(_signed(node.facts.exact, nodes), _signed(node.name, nodes), clocks)
+                found.setdefault(datapath.module(node.section), {})[node.name] = value
+    return found
 
 
-def _magnitude(word: str) -> str:
-    """|word|, or one less."""
-    return f"({word} < 0 ? -1 - {word} : {word})"
-
-
-GUARD = {
-    "r_raw": Value("d1 + d2"),
-    "d_raw": Value("d1 - d2"),
-    "xy_sq": Value("x_sq + y_sq"),
-    "s_raw": Value("xy_sq + z_sq_at_xy_sq"),
-    "d_1": _jam("d_1_sh_at_clamp", "(1 <<< (W - 3))"),
-    "d_2": _jam("d_2_sh_at_clamp", "(1 <<< (W - 3))"),
-    **{f"p_a_{axis}": _jam(f"p_a_{axis}_sh_at_clamp", "0") for axis in "xyz"},
-    "d_dif_j": Value("clamp ? 0 : (d_dif_sh_at_clamp >>> 1)"),
-    "scale_j": Value(f"clamp ? 2 : ({_whole('lz_p_at_clamp')} - {_whole('lz_r_at_clamp')} + 1)"),
-}
-
-ELBOW = {
-    "d_sum": Value("d_1 + d_2"),
-    **{
-        f"p_e_{a}": Value(
-            f"!clamp_at_e_x_quo ? e_{a}_quo"
-            f" : away_at_e_x_quo ? -(p_w_{a}_at_e_x_quo >>> 2) : (p_w_{a}_at_e_x_quo >>> 2)"
-        )
-        for a in "xyz"
-    },
-    "d_e": Value("clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1)"),
-}
-
-ELBOW_Q = {
-    "c4": Value("!clamp_at_c4_quo ? c4_quo : fold_at_c4_quo ? (1 <<< (W - 2)) : -(1 <<< (W - 2))"),
-    "qe_i": Value("-qe_abs"),
-}
-
-# h is the sum of two registers: what comes in two clocks before.
-H_SUM = "(wide + d_e_at_p_e_z + (p_e_z < 0 ? -p_e_z : p_e_z))"
-TO_ELBOW = {
-    "h": Value(
-        f"{H_SUM} < (1 <<< (W - 1)) ? {H_SUM} : (1 <<< (W - 1)) - 1",
-        2,
-        "d1 + |p_ez| may be rounded to 2: the largest word stands for it",
-    ),
-    "m_x": Value("below_at_uh_x ? uh_x : p_e_x_at_uh_x"),
-    "m_y": Value("below_at_uh_x ? uh_y : p_e_y_at_uh_x"),
-    "m_z": Value("below_at_uu ? uu : h_at_uu"),
-}
-
-TO_WRIST = {
-    **{
-        f"side_{a}": Value(f"!flat ? p_w_{a}_at_flat : back_at_flat ? pp_{m}_m_at_flat : -pp_{m}_m_at_flat")
-        for a, m in zip("xyz", "123", strict=True)
-    },
-    "q3_k": Value("negative_at_q3_abs ? -q3_abs : q3_abs"),
-}
-
-LEAN_GUARD = {"d_sum": Value("d1 + d2"), "d_dif": Value("d1 - d2")}
-
-LEAN_DIRECTION = {
-    "n_el": Value(f"{_whole('e_rho_at_e_s')} - {_whole('e_s')}"),
-    "az_sq": Value(f"((1 <<< FRAC) + {_magnitude('u_y')}) >>> 1"),
-    "az_c": Value("(sign_u_y_at_az_sq || on_axis_at_az_sq) ? az_sq : (u_x_at_az_sq >>> 1)"),
-    "az_s": Value("sign_u_y_at_az_sq ? (u_x_at_az_sq >>> 1) : az_sq"),
-    "tilt_sq": Value(f"at_shoulder_at_sin_el ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('sin_el')}) >>> 1)"),
-    "tilt_c": Value("sign_at_cos_el ? (cos_el >>> 1) : tilt_sq_at_cos_el"),
-    "tilt_s": Value("sign_at_cos_el ? tilt_sq_at_cos_el : (cos_el >>> 1)"),
-}
-
-
-def _limited(word: str) -> Value:
-    """Wiring, no register."""
-    top = "((1 <<< (N - 1)) - 1)"
-    why = "2, which powers of two can give, becomes the largest word"
-    return Value(f"wide + {word} > {top} ? {top} : {word}", 0, why)
-
-
-E_FAR, E_NEAR, E_1, E_2, E_S = map(_whole, ("e_far", "e_near", "e_1_at_e_far", "e_2_at_e_far", "e_s_at_e_far"))
-ROUNDED = "((1 <<< (DROP - 1)) {} {}) >>> DROP"
-LEAN_TRIANGLE = {
-    "n_far": Value(f"{E_FAR} - {E_1} - {E_2} + 2 + ODD"),
-    "n_near": Value(f"{E_NEAR} - {E_1} - {E_2} + 2 + ODD"),
-    "inv_12_far": _limited("inv_12_far_raw"),
-    "inv_12_near": _limited("inv_12_near_raw"),
-    "qe_w": Value(f"!clamp_at_elbow_w ? {ROUNDED.format('+', 'elbow_w')} : fold_at_elbow_w ? (1 <<< (W - 2)) : 0"),
-    "qe_i": Value(f"!clamp_at_elbow_w ? {ROUNDED.format('-', 'elbow_i')} : fold_at_elbow_w ? 0 : -(1 <<< (W - 2))"),
-    "inv_law": _limited("inv_law_raw"),
-    "n_law": Value(f"2 * {_whole('e_1_at_e_s')} + {_whole('e_s')}"),
-    "n_ab": Value(f"{E_FAR} + {E_NEAR} + 2 + ODD - 2 * {E_1} - {E_S}", 2),
-    "inv_law_ab": _limited("inv_law_ab_raw"),
-    "arm_sq": Value(f"clamp_at_cos_a ? (1 <<< FRAC) : (((1 <<< FRAC) + {_magnitude('cos_a')}) >>> 1)"),
-    "arm_c": Value(
-        "clamp_at_sin_a ? (away_at_sin_a ? 0 : arm_sq_at_sin_a) : sign_at_sin_a ? (sin_a >>> 1) : arm_sq_at_sin_a"
-    ),
-    "arm_s": Value(
-        "clamp_at_sin_a ? (away_at_sin_a ? arm_sq_at_sin_a : 0) : sign_at_sin_a ? arm_sq_at_sin_a : (sin_a >>> 1)"
-    ),
-}
-
-LEAN_TURN = {
-    "c_plus": Value("cc - ss"),
-    "c_minus": Value("cc + ss"),
-    "s_plus": Value("sc + cs"),
-    "s_minus": Value("sc - cs"),
-    "w_1": Value("w_c + i_s"),
-    "i_1": Value("i_c - w_s"),
-    "j_1": Value("j_c - k_s"),
-    "k_1": Value("k_c + j_s"),
-    "m_q": Value(
-        "wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
-        " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
-        1,
-        "1 and more becomes the largest mantissa",
-    ),
-    **{
-        f"{unit}_n": Value(
-            f"minus ? -(low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1) : low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1"
-        )
-        for unit in "wijk"
-    },
-    **{f"qs_{unit}": Value(ROUNDED.format("+", f"{unit}_q")) for unit in "wijk"},
-}
-
-SECTIONS = {
-    "ik_guard": GUARD,
-    "ik_elbow": ELBOW,
-    "ik_elbow_q": ELBOW_Q,
-    "ik_to_elbow": TO_ELBOW,
-    "ik_to_wrist": TO_WRIST,
-    "ik_lean_guard": LEAN_GUARD,
-    "ik_lean_direction": LEAN_DIRECTION,
-    "ik_lean_triangle": LEAN_TRIANGLE,
-    "ik_lean_turn": LEAN_TURN,
-}
+SECTIONS = _sections()
 """Section's module -> node -> its value."""
 
 
@@ -177,6 +68,12 @@ def depth(section: str, node: str) -> int:
     return SECTIONS[section][node].clocks + bool(inner(section, node))
 
 
+def last(section: str, node: str) -> str:
+    """The signal that has a node's exact value in the clock of the node."""
+    clocks = SECTIONS[section][node].clocks
+    return f"exact_{node}_{clocks}" if clocks else f"exact_{node}"
+
+
 def properties(section: str) -> str:
     """Verilog to append to a section: for each node its exact value and the assertion that the node holds it."""
     lines = ["localparam integer EXACT_W = 2 * W + 8;", "reg [1:0] exact_age = 2'd0;  // clocks, up to 3"]
@@ -189,11 +86,6 @@ def properties(section: str) -> str:
             before = f"{name}_{clock}" if clock else name
             lines.append(f"reg signed [EXACT_W-1:0] {name}_{clock + 1};")
             lines.append(f"always @(posedge clk) {name}_{clock + 1} <= {before};")
-        held = f"{name}_{value.clocks}" if value.clocks else name
-        whole = f"$signed({{1'b0, {node}}})" if node in UNSIGNED else node
-        lines.append(f"always @* if (exact_age >= {depth(section, node)}) holds_{node} : assert ({held} == {whole});")
+        check = f"holds_{node} : assert ({last(section, node)} == {value.held});"
+        lines.append(f"always @* if (exact_age >= {depth(section, node)}) {check}")
     return "\n".join(lines) + "\n"
-
-
-UNSIGNED = ("scale_j", "n_el", "n_far", "n_near", "n_law", "n_ab", "m_q")
-"""Nodes that are unsigned words."""

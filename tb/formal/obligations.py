@@ -17,12 +17,11 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from model.bounds import ranges
 from model.dataflow.nodes import Node
 from tb.formal import exact_values
 from tb.formal.claims import Claim, Lemma, Question, Row, conjunction, corners, floor_of, inside, integers, spell, word
 from tb.formal.design import CLOCKS, Elaborated, ObligationError, signals
-from tb.formal.exact_values import SECTIONS, UNSIGNED
+from tb.formal.exact_values import SECTIONS
 from tb.formal.netlist import Driver, NetlistError
 from tb.formal.range_table import Range
 from tb.formal.unrolled import Unrolled, ask
@@ -155,7 +154,7 @@ class Design(Elaborated):
                 self._quotient(row, name, driver)
             elif driver.module:
                 self._operator(row, name, driver)
-                if driver.values.get("SAT") == 0 and name in ranges.BY_DESIGN:
+                if driver.values.get("SAT") == 0 and node.facts.limited:
                     row.problem = "no saturation, which its range counts on"
             else:
                 self._local(row, name, driver)
@@ -314,7 +313,7 @@ class Design(Elaborated):
         facts = [inside("n", n.low, n.high)]
         if driver.module == "ik_div":
             d = found[1][2]
-            if d.low <= 0 or name in ranges.BY_DESIGN:
+            if d.low <= 0 or self.nodes[name].facts.limited:
                 row.fits, row.range = f"limited: {SATURATES}", own.rule
                 return
             facts += [inside("d", d.low, d.high), f"(<= (* q d) {shifted})", f"(< {shifted} (+ (* q d) d))"]
@@ -328,9 +327,10 @@ class Design(Elaborated):
 
     def _local(self, row: Row, name: str, driver: Driver) -> None:
         """A node that the section computes itself: bit vectors on the section without its instances."""
-        values = SECTIONS[driver.section]
-        if name not in values:
-            raise ObligationError(f"{name}: tb/formal/exact_values.py does not say what it is")
+        node = self.nodes[name]
+        if not node.facts.exact:
+            raise ObligationError(f"{name}: the dataflow does not say what it is in exact arithmetic")
+        expression = SECTIONS[driver.section][name].expression
         key, own = (driver.section, ()), self.ranges[name]
         formula = self.unrolled[key]
         depth = exact_values.depth(driver.section, name)
@@ -349,17 +349,25 @@ class Design(Elaborated):
             r = self.ranges[other]
             if r.rule:
                 facts += [formula.between(f"exact_{other}", c, r.low, r.high, True) for c in range(depth + 1)]
-        self._made_of(row, self._named(driver.path, values[name].expression))
+        self._made_of(row, self._named(driver.path, expression))
         goal = [formula.holds(f"holds_{name}", depth), *self._not_negative(formula, name, name, depth)]
-        in_range = formula.between(name, depth, own.low, own.high, name not in UNSIGNED)
+        in_range = formula.between(name, depth, own.low, own.high, node.format.signed)
         ruled = self._ruled(formula, f"exact_{name}", self.table[name], depth)
 
         text = self._text(formula, depth)
-        one_bit = (s for s in signals(values[name].expression) if formula.widths.get(s) == 1)
+        one_bit = (s for s in signals(expression) if formula.widths.get(s) == 1)
         cases = tuple(formula.at(signal, 0) for signal in one_bit)
-        self._settle(row, own, Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases))
-        if values[name].limited and not row.problem:
-            row.fits += f"; limited: {values[name].limited}"
+        question = Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases)
+        self._settle(row, own, question)
+        if not row.problem and row.fits == own.rule:
+            # Of a wrong expression, the rule could leave nothing but values for which it happens to hold.
+            last, width = exact_values.last(driver.section, name), node.format.width
+            low = f"(= ((_ extract {width - 1} 0) {formula.at(last, depth)}) {formula.at(name, depth)})"
+            row.seconds += (answer := question.ask(facts, [low])).seconds
+            if answer.said != "unsat":
+                row.problem = f"without its rule it is not the low bits of its exact value: {answer.said}"
+        if node.facts.limited and not row.problem:
+            row.fits += f"; limited: {node.facts.limited.why}"
 
     def _signals(self, path: str) -> list[tuple[str, Range, bool]]:
         """A section's signals that come from outside of its own logic and are a node, with the node's range.
@@ -402,7 +410,8 @@ class Design(Elaborated):
     def spare(self, name: str) -> bool:
         """Whether a node has a leading bit that no word of its range needs, or saturates on purpose."""
         r, fmt = self.ranges[name], self.nodes[name].format
-        return (r.low >= fmt.low // 2 and r.high <= fmt.high // 2) or name in ranges.BY_DESIGN
+        spare = r.low >= fmt.low // 2 and r.high <= fmt.high // 2
+        return spare or self.nodes[name].facts.limited is not None
 
     # ---- all of them -------------------------------------------------------------------------------------------------
 

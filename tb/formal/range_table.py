@@ -11,15 +11,6 @@ from model.dataflow.nodes import Node
 
 DATAPATHS = ("paper", "lean")
 
-COUNTS = {
-    "n_el": "e_rho >= e_s, because rho <= |p|",
-    "n_a": "sqrt A <= 2 sqrt(d1 d2)",
-    "n_b": "sqrt B <= 2 sqrt(d1 d2)",
-    "n_ab": "sin a <= 1",
-}
-"""Shift counts of the lean datapath that geometry keeps from being negative; model/bounds/lean_ranges.py has only
-words."""
-
 CASES = "intervals, part by part of the input domain"
 """Why a node of the paper's datapath without a rule can have a narrower range than its operands' ranges give."""
 
@@ -52,11 +43,10 @@ def table(datapath: str, width: int) -> dict[str, Range]:
         return found
     proved = lean_ranges.LeanRanges(width)
     for name, node in proved.nodes.items():
-        fmt, bound = node.format, node.value
+        fmt, bound, limits = node.format, node.value, node.facts.within
         if not fmt.frac:
-            found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), COUNTS.get(name, ""))
+            found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), limits.why if limits else "")
             continue
-        limits = proved.within.get(name)
         below = limits is not None and limits.below
         low = math.ceil((bound.low - bound.error) / fmt.ulp)
         high = math.ceil(bound.high / fmt.ulp) - 1 if below else math.floor((bound.high + bound.error) / fmt.ulp)

@@ -1,29 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the tests of ``tb/units/ik_delay.py`` on ``ik_delay`` and ``ik_ring``."""
+"""``ik_delay`` and ``ik_ring``: every word comes out N clocks later, of ``ik_delay`` N = 0 included."""
 
-import pytest
-
-from tb.units.unit import run_unit, with_sets
+from tb.units.unit import Tests, checks, each, runs, sets_of, stops, unsigned
 
 
-@with_sets({"W": 8, "N": 0}, {"W": 70, "N": 5}, more=[{"W": 8, "N": 1}, {"W": 32, "N": 40}])
-def test_ik_delay(sets):
-    run_unit("ik_delay", sets)
+def bench(W: int, N: int) -> Tests:
+    words = unsigned(W)
+
+    def single_bits():
+        """Each bit alone: none is lost or swapped."""
+        return [1 << k for k in range(W)]
+
+    return checks(
+        {"d": words},
+        {"q": words},
+        each(lambda d: d),
+        single_bits,
+        latency=N,
+        latencies=[(0, words[-1]), (words[-1], 0)],
+    )
 
 
-@with_sets({"W": 40, "N": 18}, more=[{"W": 8, "N": 3}, {"W": 96, "N": 65}])
-def test_ik_ring(sets):
-    run_unit("ik_ring", sets, tests="ik_delay")
+delay = sets_of("W N")
+test_ik_delay = runs("ik_delay", bench, delay(8, 0), delay(70, 5), more=[delay(8, 1), delay(32, 40)])
+test_ik_ring = runs("ik_ring", bench, delay(40, 18), more=[delay(8, 3), delay(96, 65)])
 
-
-def test_ik_delay_of_negative_length_does_not_elaborate(caplog):
-    """The message names what is wrong."""
-    with pytest.raises(SystemExit):
-        run_unit("ik_delay", [{"W": 8, "N": -1}])
-    assert "ik_delay_needs_N_of_at_least_0" in caplog.text
-
-
-def test_ik_ring_that_is_too_short_does_not_elaborate(caplog):
-    with pytest.raises(SystemExit):
-        run_unit("ik_ring", [{"W": 8, "N": 2}], tests="ik_delay")
-    assert "ik_ring_needs_N_of_at_least_3" in caplog.text
+test_ik_delay_of_negative_length_does_not_elaborate = stops(
+    "ik_delay", delay(8, -1), says="ik_delay_needs_N_of_at_least_0"
+)
+test_ik_ring_that_is_too_short_does_not_elaborate = stops("ik_ring", delay(8, 2), says="ik_ring_needs_N_of_at_least_3")

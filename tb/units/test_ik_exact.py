@@ -1,30 +1,76 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the tests of ``tb/units/ik_exact.py``."""
+"""``ik_exact`` against Python's integers: exact products, or squares that do not look at the second operand."""
 
-from tb.units.unit import run_unit, with_sets
+import itertools
+
+from model.dataflow.nodes import Latency
+from tb.units.unit import Tests, checks, corners, each, runs, sets_of, signed, some, unsigned
 
 
-def exact(w, square):
-    return {"W": w, "SQUARE": square}
+def bench(W: int, SQUARE: int) -> Tests:
+    words = signed(W)
+    L = W // 2  # of the low half
+    low, least, largest = 1 << L, words[0], words[-1]
+
+    squares = {
+        "zero": (0, 0),
+        "one": (1, 1),
+        "minus_one": (-1, 1),  # every bit of the tiles' sum takes part, and leaves a carry
+        "low_half": (low - 1, (1 << 2 * L) - (2 << L) + 1),  # a low half has no sign
+        "low_half_below_zero": (-low + 1, (1 << 2 * L) - (2 << L) + 1),
+        "high_half": (low, 1 << 2 * L),
+        "high_half_below_zero": (-low, 1 << 2 * L),
+        "largest": (largest, (1 << 2 * W - 2) - (1 << W) + 1),
+        "least": (least, 1 << 2 * W - 2),
+        "least_but_one": (least + 1, (1 << 2 * W - 2) - (1 << W) + 1),
+    }
+    products = {
+        "zero_by_least": ((0, least), 0),
+        "one_by_minus_one": ((1, -1), -1),
+        "minus_one_by_one": ((-1, 1), -1),
+        "minus_one_by_least": ((-1, least), 1 << W - 1),
+        "least_by_minus_one": ((least, -1), 1 << W - 1),
+        "least_by_largest": ((least, largest), (1 << W - 1) - (1 << 2 * W - 2)),
+        "largest_by_least": ((largest, least), (1 << W - 1) - (1 << 2 * W - 2)),
+        "high_by_low": ((-low, low - 1), low - (1 << 2 * L)),
+        "low_by_high": ((low - 1, -low), low - (1 << 2 * L)),
+    }
+    # what SQUARE must not look at: any other word
+    squared = {f"{name}_squared": ((a, least + 5 if SQUARE else a), p) for name, (a, p) in squares.items()}
+
+    def extreme_halves():
+        """Words of extreme halves, each with each: the extremes of the tiles."""
+        halves = [high * low + rest for high in corners(signed(W - L)) for rest in corners(unsigned(L))]
+        return itertools.product(halves, halves)
+
+    def equal_or_opposite():
+        """Both operands the same word, or one the other's negative."""
+        drawn = [a for (a,) in some(500, words)]
+        return [(a, a) for a in drawn] + [(a, -a) for a in drawn if -a in words]
+
+    others = [(1, 0), (low, 0), (least, 0)] if SQUARE else [
+        (low + 1, 2), (-1, 2), (least, 2), (1, low), (1, -1), (1, least),
+    ]  # fmt: skip
+    return checks(
+        {"a": words, "b": words},
+        {"p": signed(2 * W)},
+        each(lambda a, b: a * (a if SQUARE else b)),
+        extreme_halves,
+        equal_or_opposite,
+        latency=Latency(32)["square"],
+        latencies=[((0, 0) if SQUARE else (1, 2), other) for other in others],  # of either operand and either half
+        corners=squared if SQUARE else squared | products,
+        good=(low + 1, largest - 1),
+    )
 
 
-@with_sets(
+exact = sets_of("W SQUARE")
+test_ik_exact = runs(
+    "ik_exact",
+    bench,
     exact(5, 0),
     exact(33, 0),
     exact(33, 1),
-    more=[
-        exact(5, 1),
-        exact(6, 0),
-        exact(6, 1),
-        exact(17, 0),
-        exact(17, 1),
-        exact(19, 0),
-        exact(19, 1),
-        exact(28, 0),
-        exact(28, 1),
-        exact(35, 0),  # tiles of 18x18 bits
-        exact(35, 1),
-    ],
+    # the last: tiles of 18x18 bits
+    more=[exact(5, 1), *(exact(w, square) for w in (6, 17, 19, 28, 35) for square in (0, 1))],
 )
-def test_ik_exact(sets):
-    run_unit("ik_exact", sets)

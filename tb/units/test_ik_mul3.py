@@ -1,45 +1,94 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the tests of ``tb/units/ik_mul3.py``."""
+"""``ik_mul3`` against exact products of parts, cut off and rounded half up, and against its model."""
 
-import pytest
+import numpy as np
 
-from tb.units.unit import run_unit, title, with_sets
-
-
-def mul3(aw, bw, sh, ow):
-    return {"AW": aw, "BW": bw, "SH": sh, "OW": ow}
+from model.dataflow.cores import MUL3_CLOCKS, cuts, mul3
+from tb.units.unit import Tests, checks, crossed, runs, sets_of, signed, stops
 
 
-@with_sets(
-    mul3(5, 6, 5, 8),
-    mul3(35, 35, 33, 36),
+def bench(AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:
+    A, B, Q = signed(AW), signed(BW), signed(OW)
+    a_low, b_low = (1 << cut for cut in cuts(AW, BW))
+
+    def exact(a, b):
+        a_lo, b_lo = a % a_low, b % b_low
+        tiles = [(a - a_lo) * (b - b_lo), (a - a_lo) * b_lo, a_lo * (b - b_lo)]
+        if 4 * a_low * b_low > 1 << SH:  # two bits of each
+            tiles.append(4 * a_lo // a_low * (4 * b_lo // b_low) * a_low * b_low // 16)
+        return (sum(4 * tile // (1 << SH) for tile in tiles) + 2) // 4
+
+    def low(q):
+        """What OW bits hold of it."""
+        return (q + Q[-1] + 1) % len(Q) + Q[0]
+
+    def reference(a, b):
+        words = list(map(exact, a, b))
+        assert mul3(np.array(a), np.array(b), SH, AW, BW).tolist() == words, "the model is not the product of tiles"
+        return (map(low, words),)
+
+    def extreme_high_parts():
+        return [(a // a_low * a_low, b // b_low * b_low) for a, b in crossed(A, B)]
+
+    a_half, b_half = 1 << SH // 2, 1 << SH - 1 - SH // 2  # their product is half a place
+    cases = {
+        "zero": (0, B[0]),
+        "half_a_place": (a_half, b_half),
+        "minus_half_a_place": (-a_half, b_half),
+        "below_half": (a_half - 1, b_half),
+        "high_by_low": (a_low, b_low // 2),
+        "minus_high_by_low": (-a_low, b_low // 2),
+        "low_by_high": (a_low // 2, b_low),
+        "low_by_minus_high": (a_low // 2, -b_low),
+        "high_by_high": (a_low, b_low),
+        "high_by_minus_high": (a_low, -b_low),
+        "low_by_low": (a_low - 1, b_low - 1),  # left out, or guessed
+        "minus_one_by_low": (-1, b_low - 1),  # the low part of -1 is all ones
+        "minus_one_squared": (-1, -1),
+    }
+    return checks(
+        {"a": A, "b": B},
+        {"q": Q},
+        reference,
+        extreme_high_parts,
+        latency=MUL3_CLOCKS,
+        latencies=[((1, 0), (A[-1] // 2, B[-1] // 2))],
+        delays=delays,
+        corners={name: (vector, low(exact(*vector))) for name, vector in cases.items()},
+        good=(A[-1] // 2, b_low + 1),
+    )
+
+
+sets = sets_of("AW BW SH OW")
+test_ik_mul3 = runs(
+    "ik_mul3",
+    bench,
+    sets(5, 6, 5, 8),
+    sets(35, 35, 33, 36),
     more=[
-        mul3(33, 33, 31, 35),
-        mul3(33, 35, 31, 35),
-        mul3(35, 35, 32, 35),
-        mul3(25, 25, 23, 25),
-        mul3(19, 23, 15, 23),
-        mul3(6, 5, 4, 4),  # the low bits of the result
-        mul3(4, 6, 3, 12),  # more bits than the result has
-        mul3(5, 6, 7, 4),  # one bit of each mixed tile
-        mul3(33, 33, 30, 33),
-        mul3(33, 35, 33, 33),
-        mul3(32, 33, 29, 35),
-        mul3(35, 35, 34, 35),
-        mul3(23, 23, 21, 23),
-        mul3(21, 21, 18, 24),
-        mul3(5, 6, 5, 8) | {"DA": 1, "DB": 4},
+        sets(33, 33, 31, 35),
+        sets(33, 35, 31, 35),
+        sets(35, 35, 32, 35),
+        sets(25, 25, 23, 25),
+        sets(19, 23, 15, 23),
+        sets(6, 5, 4, 4),  # the low bits of the result
+        sets(4, 6, 3, 12),  # more bits than the result has
+        sets(5, 6, 7, 4),  # one bit of each mixed tile
+        sets(33, 33, 30, 33),
+        sets(33, 35, 33, 33),
+        sets(32, 33, 29, 35),
+        sets(35, 35, 34, 35),
+        sets(23, 23, 21, 23),
+        sets(21, 21, 18, 24),
+        sets(5, 6, 5, 8, DA=1, DB=4),
     ],
 )
-def test_ik_mul3(sets):
-    run_unit("ik_mul3", sets)
-
-
-ILLEGAL = mul3(36, 33, 31, 33), mul3(33, 36, 30, 33), mul3(1, 9, 4, 9), mul3(9, 9, 2, 9), mul3(5, 5, 8, 3)
-
-
-@pytest.mark.parametrize("parameters", ILLEGAL, ids=title)
-def test_tiles_that_do_not_fit_stop_the_build(parameters, caplog):
-    with pytest.raises(SystemExit):
-        run_unit("ik_mul3", [parameters], sim="icarus")
-    assert "ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut" in caplog.text
+test_tiles_that_do_not_fit_stop_the_build = stops(
+    "ik_mul3",
+    sets(36, 33, 31, 33),
+    sets(33, 36, 30, 33),
+    sets(1, 9, 4, 9),
+    sets(9, 9, 2, 9),
+    sets(5, 5, 8, 3),
+    says="ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut",
+)

@@ -1,9 +1,59 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the tests of ``tb/units/ik_rsqrt.py``."""
+"""``ik_rsqrt`` against its model, bit by bit, and against the exact root in integers: faithful."""
 
-from tb.units.unit import run_unit, with_sets
+import random
+
+import numpy as np
+
+from model.dataflow.cores import rsqrt, rsqrt_clocks
+from tb.units.unit import Tests, checks, runs, unsigned
 
 
-@with_sets({"F": 31}, more=[{"F": 19}, {"F": 20}, {"F": 21}, {"F": 22}, {"F": 24}, {"F": 27}])
-def test_ik_rsqrt(sets):
-    run_unit("ik_rsqrt", sets)
+def bench(F: int) -> Tests:
+    MW = F + 3
+    words, one = unsigned(MW), 1 << MW
+    mantissas = words[one // 4 :]
+
+    def reference(m):
+        """The model's words; those of mantissas are less than a place from 2^(F-1) / sqrt(V), V from m to m + 1."""
+        y = rsqrt(np.array(m), F).tolist()
+        square = 1 << 2 * F + MW - 2
+        for v, root in zip(m, y, strict=True):
+            near = (root - 1) ** 2 * (v + 1) <= square < (root + 1) ** 2 * v
+            assert near or v not in mantissas, f"the model is not faithful: {v} -> {root}"
+        return (y,)
+
+    def segments():
+        """Both ends of each segment, its middle, where u changes its sign, and their neighbours; in any order."""
+        segment = one >> 8
+        places = (0, 1, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
+        words = [start + place for start in range(0, one, segment) for place in places]
+        return random.sample(words, len(words))
+
+    def random_mantissas():
+        return [random.choice(mantissas) for _ in range(4000)]
+
+    def any_words():
+        """Words below 1/4 among mantissas."""
+        return [random.choice(words) >> random.choice((0, 0, 1, 2, 3, MW // 2)) for _ in range(1000)]
+
+    return checks(
+        {"m_next": words},
+        {"y": unsigned(F + 1)},
+        reference,
+        segments,
+        random_mantissas,
+        any_words,
+        latency=1 + rsqrt_clocks(F),  # of the mantissa's register, and after it
+        latencies=[(one // 4, one - 1), (one // 2, 0)],
+        corners={
+            "quarter": (one // 4, 1 << F),
+            "largest": (one - 1, 1 << F - 1),
+            "zero": (0, 0),
+            "below_a_quarter": (one // 4 - 1, 0),
+        },
+        good=one // 3,
+    )
+
+
+test_ik_rsqrt = runs("ik_rsqrt", bench, {"F": 31}, more=[{"F": f} for f in (19, 20, 21, 22, 24, 27)])

@@ -1,9 +1,123 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the tests of ``tb/units/ik_sincos.py``."""
+"""``ik_sincos`` and ``ik_trig`` against ``math.sin`` and ``math.cos`` within a derived or proved bound, and against
+the model in every bit.
+"""
 
-from tb.units.unit import run_unit, with_sets
+import math
+import random
+
+import numpy as np
+
+from model.bounds.cordic import sincos_bound
+from model.dataflow import fixed
+from model.dataflow.nodes import Latency
+from model.dataflow.trig import POINTS, TRIG_CLOCKS, error_bound, half_sincos
+from tb.units.unit import Tests, checks, corners, runs, signed
+
+QUARTER = math.sqrt(0.5)
 
 
-@with_sets({"W": 32}, more=[{"W": 16}, {"W": 27}])
-def test_ik_sincos(sets):
-    run_unit("ik_sincos", sets)
+def bench(
+    W: int, frac: int, model, bound: float, latency: int, angles: dict[int, tuple[float, float]], more: float, *streams
+) -> Tests:
+    """``bound`` is in last places, of which 1 has 2^``frac``; ``angles`` are phi with sin and cos of phi/2, which the
+    model has within the bound and ``more``.
+    """
+    words = signed(W)
+
+    def true(vectors, got):
+        """As near to the true values as the bound says."""
+        errors = {
+            phi: max(abs(sin - math.ldexp(math.sin(half), frac)), abs(cos - math.ldexp(math.cos(half), frac)))
+            for (phi,), (sin, cos) in zip(vectors, got, strict=True)
+            for half in [math.pi * phi / 2**W]
+        }
+        at = max(errors, key=errors.get)
+        assert errors[at] <= bound, f"W={W}, phi={at}: error {errors[at]:.3f} last places, bound {bound:.3f}"
+
+    def named_angles():
+        """Each among others."""
+        for phi, values in angles.items():
+            got = [int(word) for (word,) in model([phi])]
+            errors = [abs(word - math.ldexp(value, frac)) for word, value in zip(got, values, strict=True)]
+            assert max(errors) <= bound + more, f"model: {got} for phi={phi}"
+            yield from (5, phi, words[0] // 3, phi, 5)
+
+    def near_corners():
+        """In any order."""
+        angles = [phi + e for phi in corners(words) for e in range(-20, 21) if phi + e in words]
+        return random.sample(angles, len(angles))
+
+    return checks(
+        {"phi": words},
+        {"sin_h": signed(frac + 2), "cos_h": signed(frac + 2)},
+        model,
+        named_angles,
+        near_corners,
+        *streams,
+        latency=latency,
+        latencies=[(0, words[0]), (words[-1], -(1 << W - 2))],
+        also=true,
+    )
+
+
+def sincos_bench(W: int) -> Tests:
+    def model(phi):
+        return fixed.cordic(np.array(phi, dtype=np.int64), W)
+
+    angles = {
+        0: (0.0, 1.0),
+        1: (0.0, 1.0),
+        -1: (0.0, 1.0),
+        -(1 << W - 1): (-1.0, 0.0),
+        (1 << W - 1) - 1: (1.0, 0.0),
+        1 << W - 2: (QUARTER, QUARTER),
+        -(1 << W - 2): (-QUARTER, QUARTER),
+        -round(2**W / 3): (-math.sqrt(0.75), 0.5),
+    }
+    # phi is off by less than one place itself, an arc of pi/4 last places
+    return bench(W, W - 2, model, sincos_bound(W), Latency(W)["sincos"], angles, math.pi / 4)
+
+
+def trig_bench(W: int, F: int) -> Tests:
+    step = 1 << W - 10  # from one table point to the next
+    least, largest = -(1 << W - 1), (1 << W - 1) - 1
+    small = math.pi / 2**W
+
+    def model(phi):
+        return half_sincos(np.array(phi, dtype=np.int64), W, F)
+
+    # sin, cos of phi/2 where they are known exactly or to a root
+    angles = {
+        0: (0.0, 1.0),
+        1: (small, 1.0),
+        -1: (-small, 1.0),
+        least: (-1.0, 0.0),
+        largest: (1.0, small),
+        least + 1: (-1.0, small),
+        1 << W - 2: (QUARTER, QUARTER),
+        -(1 << W - 2): (-QUARTER, QUARTER),
+    }
+
+    def table_points():
+        """On each, and at the two ends of what belongs to it, for both signs."""
+        ends = (-step // 2, -step // 2 + 1, -1, 0, 1, step // 2 - 1)
+        angles = [k * step + e for k in range(-POINTS, POINTS + 1) for e in ends if k * step + e in signed(W)]
+        return random.sample(angles, len(angles))
+
+    def between_table_points():
+        """The last before a table point takes over, the first of the next one, the last point but one."""
+        return [v for phi in (step // 2 - 1, step // 2, largest - step // 2) for v in (5, phi, least // 3, phi, 5)]
+
+    # 1 stands for cos(pi/2^W), which is 1 - (pi/2^W)^2/2.
+    more = math.ldexp(math.pi**2, F - 2 * W - 1)
+    return bench(W, F, model, error_bound(W, F), TRIG_CLOCKS, angles, more, table_points, between_table_points)
+
+
+def trig(w: int) -> dict[str, int]:
+    """F goes with W as in the datapath.  Up to F = 21 the core has fewer tiles."""
+    return {"W": w, "F": min(w + 3, 31)}
+
+
+test_ik_sincos = runs("ik_sincos", sincos_bench, {"W": 32}, more=[{"W": 16}, {"W": 27}])
+test_ik_trig = runs("ik_trig", trig_bench, trig(18), trig(32), more=list(map(trig, (16, 19, 24, 27))))

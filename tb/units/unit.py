@@ -1,37 +1,49 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the unit testbenches of ``rtl/lib`` and ``rtl/cores`` share.
 
-``tb/test_<module>.py`` starts the simulations (:func:`run_unit`), ``tb/<module>.py`` holds their cocotb tests on top of
-:class:`Unit`.  References are written without the RTL's or the model's arithmetic: Python integers and fractions, and
-APyTypes for rounding and saturation (:func:`rounded`).
+``tb/units/test_<module>.py`` has a bench, a function of the module's parameters that gives the cocotb tests of such an
+instance, and starts them on its parameter sets (:func:`runs`).  Most benches are one call of :func:`checks`.
+References are written without the RTL's or the model's arithmetic: Python integers and fractions, and APyTypes for
+rounding and saturation (:func:`rounded`).
 """
 
 from __future__ import annotations
 
 import itertools
 import json
+import math
 import os
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
-import cocotb
 import pytest
 from apytypes import APyFixedArray, OverflowMode, QuantizationMode
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
+from tb.sim.every_node import nodes_of
+
 Vector = tuple[int, ...]
+Parameters = dict[str, int]
+Tests = dict[str, Callable[..., Awaitable[None]]]
+"""cocotb tests, functions of ``dut``, by name."""
 
 SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
 """Of every simulation that :func:`run_unit` starts, unless the environment says otherwise."""
+
+EVERY = 1 << 16
+"""A module with no more input vectors than this gets all of them."""
 
 
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
 
 
-def run_unit(module: str, sets: Sequence[dict[str, int]], tests: str | None = None, sim: str | None = None) -> Path:
-    """Runs ``tb/units/<module>.py`` (or ``<tests>.py``) on an instance of ``module`` for each of the parameter sets.
+def run_unit(
+    module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, sim: str | None = None
+) -> Path:
+    """Runs the tests of ``bench`` on an instance of ``module`` for each of the parameter sets.
 
     All of them stand in one top (tb/sim/shells.py).  ``sim`` is icarus or verilator (default: ``SIM``).  Raises
     ``SystemExit`` when a test or the build fails; the log names the set.
@@ -45,7 +57,7 @@ def run_unit(module: str, sets: Sequence[dict[str, int]], tests: str | None = No
         "tb.units.sets",
         top=top,
         env={
-            "IK_BENCH": f"tb.units.{tests or module}",
+            "IK_BENCH": f"{bench.__module__}:{bench.__name__}" if bench else "",
             "IK_SETS": json.dumps({title(parameters): parameters for parameters in sets}),
         },
         name=module,
@@ -54,84 +66,175 @@ def run_unit(module: str, sets: Sequence[dict[str, int]], tests: str | None = No
     )
 
 
-def with_sets(*few: dict[str, int], more: Sequence[dict[str, int]] = ()) -> Callable:
-    """Gives a test lists of parameter sets, ``sets``: a few in the quick gate, and more in ``make test-all``."""
+def runs(module: str, bench: Callable[..., Tests], *few: Parameters, more: Sequence[Parameters] = ()) -> Callable:
+    """A test of ``bench`` on parameter sets of a module: a few in the quick gate, and more in ``make test-all``."""
     groups = [pytest.param(few, id="few")]
     if more:
         groups.append(pytest.param(more, id="more", marks=pytest.mark.slow))
-    return lambda test: pytest.mark.sim(pytest.mark.parametrize("sets", groups)(test))
+
+    @pytest.mark.sim
+    @pytest.mark.parametrize("sets", groups)
+    def test(sets):
+        run_unit(module, sets, bench)
+
+    return test
 
 
-def title(parameters: dict[str, int]) -> str:
+def stops(module: str, *sets: Parameters, says: str) -> Callable:
+    """A test that each of these parameter sets stops the build, with a message that names what is wrong."""
+
+    @pytest.mark.parametrize("parameters", sets, ids=title)
+    def test(parameters, caplog):
+        with pytest.raises(SystemExit):
+            run_unit(module, [parameters], sim="icarus")
+        assert says in caplog.text
+
+    return test
+
+
+def title(parameters: Parameters) -> str:
     """A parameter set as a name, in Verilog and of tests."""
     return "_".join(f"{k}{v}" for k, v in parameters.items()).replace("-", "m")
+
+
+def sets_of(names: str) -> Callable[..., Parameters]:
+    """A function that makes a parameter set of these parameters' values, and of others by name."""
+    return lambda *values, **others: dict(zip(names.split(), values, strict=True)) | others
+
+
+def instances(op: str, count: int, of: Callable[..., Parameters]) -> list[Parameters]:
+    """The parameter sets, ``count`` a width, that the paper datapath of 32 and 18 bits has of an operator, each once.
+
+    ``of`` makes one of the width and the formats of operands and result.
+    """
+    found = []
+    for width in (32, 18):
+        nodes = [node for node in nodes_of("paper", width) if node.op == op]
+        sets = [of(width, *(n.format for n in (*node.operands, node))) for node in nodes]
+        found += [one for k, one in enumerate(sets) if one not in sets[:k]]
+    assert len(found) == 2 * count, found
+    return found
 
 
 # ---- inside a simulation (cocotb) ------------------------------------------------------------------------------------
 
 
-def parameters() -> dict[str, int]:
-    """The parameters of the instance that a bench is loaded for (tb/units/sets.py)."""
-    return json.loads(os.environ["IK_PARAMETERS"])
+def checks(
+    inputs: dict[str, range],
+    outputs: dict[str, range],
+    expected: Callable[..., Sequence[Sequence[int]]],
+    *streams: Callable[[], Iterable[Vector | int]],
+    latency: int,
+    latencies: Sequence[tuple[Vector | int, Vector | int]],
+    delays: Parameters | None = None,
+    still: Sequence[str] = (),
+    corners: dict[str, tuple[Vector | int, Vector | int]] | None = None,
+    good: Vector | int = 0,
+    fits: Callable[..., bool] = lambda *vector: True,
+    also: Callable[[list[Vector], list[Vector]], None] = lambda vectors, got: None,
+) -> Tests:
+    """The tests of a module without handshake.
+
+    ``inputs`` and ``outputs`` are ports with their words; ``expected``, ``latency`` and ``delays`` are those of
+    :class:`Unit`.  A vector of one word may be written as the word.
+
+    - *latency*: measured between the two vectors of each of ``latencies``, for all outputs but ``still`` ones.
+    - *corner_<name>*: each of ``corners``, vector and outputs, between ``good`` vectors; left out where these words
+      are too short for it.
+    - *extremes*: least and largest words, 0 and their neighbours, each with each.
+    - *every_vector* where there are at most :data:`EVERY`, else *random_vectors*.
+    - each of ``streams``, by its name: the vectors that it gives, one a clock.
+
+    Of streams, vectors that do not satisfy ``fits`` are left out, and ``also`` checks vectors and outputs once more.
+    """
+    words = inputs.values()
+
+    def every_vector():
+        vectors = list(itertools.product(*words))
+        random.shuffle(vectors)
+        return vectors
+
+    def random_vectors():
+        return some(3000, *words)
+
+    def unit(dut) -> Unit:
+        return Unit(dut, inputs, outputs, expected, latency, delays or {})
+
+    async def measured(dut) -> None:
+        bench, told = unit(dut), set()
+        for quiet, other in latencies:
+            told |= await bench.check_latency(_row(quiet), _row(other))
+        assert told == set(outputs) - set(still), f"the latency was measured of {sorted(told)} only"
+
+    async def corner(vector, wanted, dut) -> None:
+        await unit(dut).check_corner(vector, wanted, _row(good))
+
+    async def stream(vectors, dut) -> None:
+        chosen = [vector for vector in map(_row, vectors()) if fits(*vector)]
+        also(chosen, await unit(dut).check(chosen))
+
+    tests: Tests = {"latency": measured}
+    for name, case in (corners or {}).items():
+        vector, wanted = map(_row, case)
+        if _all_in(vector, words) and _all_in(wanted, outputs.values()):
+            tests[f"corner_{name}"] = partial(corner, vector, wanted)
+
+    def extremes():
+        return crossed(*words)
+
+    general = every_vector if math.prod(map(size, words)) <= EVERY else random_vectors
+    return tests | {vectors.__name__: partial(stream, vectors) for vectors in (extremes, general, *streams)}
 
 
-def named(cases: Iterable[str]) -> list[cocotb.Param]:
-    """Values for ``cocotb.parametrize`` that name their tests, however long they are."""
-    return [cocotb.Param(case, case) for case in cases]
+def _row(value: Vector | int) -> Vector:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _all_in(values: Vector, words: Iterable[range]) -> bool:
+    return all(value in of for value, of in zip(values, words, strict=True))
 
 
 class Unit:
     """A module without handshake: a vector goes in at every clock, its outputs come ``latency`` clocks later.
 
-    ``inputs``, ``outputs`` and ``signed`` name ports, separated by blanks.  ``expected`` maps a list of input vectors
-    to the list of output vectors.  Inputs change after the rising edge, outputs are read at the falling edge, when both
-    have settled in both simulators; outputs are compared as bits, so that an X is a difference.  One in a test: it owns
-    the clock.
+    ``inputs`` and ``outputs`` are ports with the words that they hold.  ``expected`` maps the words of each input, one
+    sequence a port, to those of each output.  Inputs change after the rising edge, outputs are read at the falling
+    edge, when both have settled in both simulators; outputs are compared as bits, so that an X is a difference.  One in
+    a test: it owns the clock.
 
-    A parameter DA is the delay of port ``a``, and so on: the port then gets its word of a vector so many clocks before
-    ports without delay get theirs, and ``latency`` counts from these.
+    A delay DA is that of port ``a``, and so on: the port then gets its word of a vector so many clocks before ports
+    without delay get theirs, and ``latency`` counts from these.
     """
 
     SHOWN = 4  # differences in a message
 
     def __init__(
-        self,
-        dut,
-        inputs: str,
-        outputs: str,
-        expected: Callable[[Sequence[Vector]], Sequence[Vector]],
-        *,
-        latency: int,
-        signed: str = "",
+        self, dut, inputs: dict[str, range], outputs: dict[str, range], expected, latency: int, delays: Parameters
     ) -> None:
         self.dut = dut
-        self.inputs = {name: getattr(dut, name) for name in inputs.split()}
-        self.outputs = {name: getattr(dut, name) for name in outputs.split()}
-        self.width = {name: len(handle) for name, handle in (self.inputs | self.outputs).items()}
-        self.signed = set(signed.split())
-        self.expected = expected
-        delays = [parameters().get(f"D{name[0].upper()}", 0) for name in self.inputs]
-        self.late = [max(delays) - delay for delay in delays]  # clocks from a vector's first word to each input's
-        self.latency = latency + max(delays)
+        self.inputs, self.outputs, self.expected = inputs, outputs, expected
+        self.handles = {name: getattr(dut, name) for name in (*inputs, *outputs)}
+        for name, words in (inputs | outputs).items():
+            assert 1 << len(self.handles[name]) == size(words), f"{name} has {len(self.handles[name])} bits"
+        clocks = [delays.get(f"D{name[0].upper()}", 0) for name in inputs]
+        self.late = [max(clocks) - delay for delay in clocks]  # clocks from a vector's first word to each input's
+        self.latency = latency + max(clocks)
         self.last: Vector | None = None  # what was driven before
         self.clock = 0
         Clock(dut.clk, 10, unit="ns").start()
 
     # ---- what tests do -----------------------------------------------------------------------------------------------
 
-    async def check(self, vectors: Iterable[Vector]) -> list[Vector]:
+    async def check(self, vectors: list[Vector]) -> list[Vector]:
         """One vector a clock, without gaps; every output must be the expected one.  Returns what came out."""
-        vectors = list(vectors)
         assert vectors, "no vectors to check"
         first = self.clock + 1
-        seen = await self._drive(vectors, self.latency)
-        got = seen[self.latency :]
-        wanted = [self._bits(w) for w in self.expected(vectors)]
-        assert len(wanted) == len(vectors), f"{len(wanted)} expectations for {len(vectors)} vectors"
+        got = (await self._drive(vectors, self.latency))[self.latency :]
+        wanted = self._wanted(vectors)
         wrong = [k for k, (g, w) in enumerate(zip(got, wanted, strict=True)) if g != w]
         lines = [
-            f"  vector {k} at clock {first + k}: {self._show(self.inputs, self._bits(vectors[k], self.inputs))} -> "
-            f"expected {self._show(self.outputs, wanted[k])}, got {self._show(self.outputs, got[k])} "
+            f"  vector {k} at clock {first + k}: {_show(self.inputs, _bits(self.inputs, vectors[k]))} -> "
+            f"expected {_show(self.outputs, wanted[k])}, got {_show(self.outputs, got[k])} "
             f"at clock {first + k + self.latency}"
             for k in wrong[: self.SHOWN]
         ]
@@ -141,40 +244,38 @@ class Unit:
                 *lines,
             ]
         )
-        return [tuple(self._value(name, bits) for name, bits in zip(self.outputs, row, strict=True)) for row in got]
+        return [tuple(map(_value, self.outputs.values(), row)) for row in got]
 
     async def check_corner(self, vector: Vector, outputs: Vector, good: Vector) -> None:
         """``vector`` gives ``outputs``; ``good`` vectors right before and right after it give what they should."""
-        (reference,) = self.expected([vector])
-        assert tuple(reference) == tuple(outputs), f"the reference gives {reference} for {vector}, not {outputs}"
+        assert self._wanted([vector]) == [_bits(self.outputs, outputs)], f"the reference of {vector} is not {outputs}"
         await self.check([good, vector, good, vector, vector, good, good])
 
-    async def check_latency(self, quiet: Vector, other: Vector) -> None:
+    async def check_latency(self, quiet: Vector, other: Vector) -> set[str]:
         """Measures the clocks from a single ``other`` among ``quiet`` vectors to each output; it must be the latency.
 
-        Every output must differ between the two vectors.
+        Outputs that are the same for both must not change.  Returns the others, of which there must be one.
         """
-        a, b = (self._bits(w) for w in self.expected([quiet, other]))
-        alike = [name for name, p, q in zip(self.outputs, a, b, strict=True) if p == q]
-        assert not alike, f"{quiet} and {other} do not tell latencies apart: same {alike}"
-        before, after = 2 * self.latency + 8, 2 * self.latency + 8
-        await self._drive([quiet] * before, 0)
-        seen = await self._drive([other] + [quiet] * after, 0)
-        for k, name in enumerate(self.outputs):
-            at = [clock for clock, row in enumerate(seen) if row[k] != a[k]]
-            became = [seen[clock][k] for clock in at]
-            assert (at, became) == ([self.latency], [b[k]]), (
-                f"{self.dut._name}.{name}: one vector {other} among {quiet} changed it {at[:4]} clocks later to "
-                f"{became[:4]}; expected {b[k]} after {self.latency} clocks, and only there"
+        a, b = self._wanted([quiet, other])
+        assert a != b, f"{quiet} and {other} do not tell latencies apart"
+        room = 2 * self.latency + 8
+        await self._drive([quiet] * room, 0)
+        seen = await self._drive([other] + [quiet] * room, 0)
+        for name, was, becomes, *row in zip(self.outputs, a, b, *seen, strict=True):
+            changes = {clock: bits for clock, bits in enumerate(row) if bits != was}
+            assert changes == ({self.latency: becomes} if becomes != was else {}), (
+                f"{self.dut._name}.{name}: one vector {other} among {quiet} changed it to {changes} (clocks later: "
+                f"bits); expected {becomes} after {self.latency} clocks, and only there"
             )
+        return {name for name, was, becomes in zip(self.outputs, a, b, strict=True) if was != becomes}
 
     # ---- inside ------------------------------------------------------------------------------------------------------
 
     async def _drive(self, vectors: Sequence[Vector], wait: int) -> list[list[str]]:
         """Drives the vectors and holds the last for ``wait`` more clocks; the outputs of each clock as bits."""
         rising, falling = RisingEdge(self.dut.clk), FallingEdge(self.dut.clk)
-        inputs = [(handle, (1 << self.width[name]) - 1) for name, handle in self.inputs.items()]
-        outputs = list(self.outputs.values())
+        inputs = [(self.handles[name], size(words) - 1) for name, words in self.inputs.items()]
+        outputs = [self.handles[name] for name in self.outputs]
         seen = []
         before = max(self.late)
         words = [self.last or vectors[0]] * before + [*vectors] + [vectors[-1]] * wait
@@ -188,27 +289,34 @@ class Unit:
             seen.append([str(handle.value) for handle in outputs])
         return seen
 
-    def _bits(self, values: Vector, ports: Iterable[str] | None = None) -> list[str]:
-        """Values (of the outputs, unless ``ports`` are given) as bits."""
-        bits = []
-        for name, value in zip(self.outputs if ports is None else ports, values, strict=True):
-            width, signed = self.width[name], name in self.signed
-            low, high = (-(1 << width - 1), (1 << width - 1) - 1) if signed else (0, (1 << width) - 1)
-            assert low <= value <= high, f"{value} does not fit {name}, {width} bits"
-            bits.append(format(int(value) & ((1 << width) - 1), f"0{width}b"))
-        return bits
+    def _wanted(self, vectors: Sequence[Vector]) -> list[list[str]]:
+        """The expected outputs of vectors as bits."""
+        rows = [_bits(self.outputs, row) for row in zip(*self.expected(*zip(*vectors, strict=True)), strict=True)]
+        assert len(rows) == len(vectors), f"{len(rows)} expectations for {len(vectors)} vectors"
+        return rows
 
-    def _value(self, name: str, bits: str) -> int:
-        value = int(bits, 2)
-        return value - (1 << len(bits)) if name in self.signed and bits[0] == "1" else value
 
-    def _show(self, ports: Iterable[str], row: Sequence[str]) -> str:
-        """Ports with their values, decimal and hexadecimal; bits where they are not known."""
-        shown = []
-        for name, bits in zip(ports, row, strict=True):
-            known = set(bits) <= {"0", "1"}
-            shown.append(f"{name}={self._value(name, bits)} (0x{int(bits, 2):x})" if known else f"{name}={bits}")
-        return " ".join(shown)
+def _bits(ports: dict[str, range], values: Iterable[int]) -> list[str]:
+    """Values of ports as bits."""
+    bits = []
+    for (name, words), value in zip(ports.items(), map(int, values), strict=True):
+        width = size(words).bit_length() - 1
+        assert value in words, f"{value} does not fit {name}, {width} bits"
+        bits.append(format(value & (size(words) - 1), f"0{width}b"))
+    return bits
+
+
+def _value(words: range, bits: str) -> int:
+    value = int(bits, 2)
+    return value if value in words else value - size(words)
+
+
+def _show(ports: dict[str, range], row: Sequence[str]) -> str:
+    """Ports with their values, decimal and hexadecimal; bits where they are not known."""
+    return " ".join(
+        f"{name}={_value(words, bits)} (0x{int(bits, 2):x})" if set(bits) <= {"0", "1"} else f"{name}={bits}"
+        for (name, words), bits in zip(ports.items(), row, strict=True)
+    )
 
 
 # ---- vectors ---------------------------------------------------------------------------------------------------------
@@ -222,6 +330,14 @@ def signed(width: int) -> range:
 def unsigned(width: int) -> range:
     """All unsigned words."""
     return range(1 << width)
+
+
+BIT = range(2)
+
+
+def size(words: range) -> int:
+    """How many words these are: ``len`` knows no number of more than 63 bits."""
+    return words.stop - words.start
 
 
 def corners(words: range) -> list[int]:
@@ -268,9 +384,9 @@ def unpack(bits: int, width: int, count: int) -> list[int]:
 # ---- references ------------------------------------------------------------------------------------------------------
 
 
-def each(function: Callable[..., Vector]) -> Callable[[Sequence[Vector]], list[Vector]]:
-    """A reference for one vector as a reference for many."""
-    return lambda vectors: [function(*v) for v in vectors]
+def each(function: Callable[..., Vector | int]) -> Callable[..., Iterator[Sequence[int]]]:
+    """A reference for the words of one vector as a reference for many."""
+    return lambda *columns: zip(*map(_row, map(function, *columns)), strict=True)
 
 
 def fixed_point(values: Sequence[int], width: int, frac: int = 0) -> APyFixedArray:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from model.bounds import ranges
-from model.dataflow import fixed
+from model.dataflow import fixed, paper, paper_turns
+from model.dataflow.facts import Rule
 from model.targets import observed
 from model.targets.stimuli import corners, extremes, random_reachable, unreachable
 
@@ -43,14 +44,26 @@ def test_check_names_a_node_that_does_not_fit(monkeypatch):
         ranges.check(32)
 
 
-@pytest.mark.parametrize("rule", [r for r in ranges.RULES if r.nodes[0] in ("tmp1", "inf_pp", "c3_g", "e_x_quo")])
-def test_without_a_rule_something_does_not_fit(rule, monkeypatch):
-    monkeypatch.setattr(ranges, "RULES", tuple(r for r in ranges.RULES if r is not rule))
+@pytest.mark.parametrize(
+    ("section", "rule"), [(paper, "HEIGHT_SQ"), (paper, "ORTHOGONAL"), (paper, "ELBOW"), (paper_turns, "PRODUCT")]
+)
+def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
+    monkeypatch.setattr(section, rule, None)
     try:
         found = ranges.analyse(32)[1]
     except ranges.RangeError as error:  # a divisor that may be 0
         found = {str(error): ""}
     assert found
+
+
+def test_a_rule_narrows_a_range_or_says_what_the_operands_give():
+    ruled = {n: p for n, p in ranges.proved(32).items() if isinstance(p.node.facts.within, Rule)}
+    idle = {name for name, proof in ruled.items() if proof.node.facts.within.name not in proof.rules}
+    assert idle == {
+        "l_sw", "sin_h", "cos_h", "cos2_sq", "cos_phi", "pi_num_z", "pp_i", "pp_j", "pp_k", "tmp_sqr", "l_m", "pi_abs",
+        "pi_inv",
+    }  # fmt: skip
+    assert len(ruled) > 4 * len(idle)
 
 
 @pytest.mark.parametrize("width", WIDTHS)

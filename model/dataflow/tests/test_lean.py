@@ -5,7 +5,6 @@ A result word is rounded, half an ulp (2^(2 - W)) each; that alone can move the 
 upper arm of a twentieth of the forearm. So the bars are also given in ulps.
 """
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -32,6 +31,7 @@ from model.targets.stimuli import (
     region,
     unreachable,
 )
+from model.targets.tests.test_flags import in_python_integers
 from model.targets.words import FIELDS, RESULT_FIELDS, from_words, result_values
 
 TESTED = (16, 18, 24, 27, 32)
@@ -72,40 +72,16 @@ def norm_bars(width: int) -> tuple[float, float]:
 
 
 def exact_flags(words: np.ndarray) -> list[int]:
-    """The flags in Python integers, apart from :mod:`model.targets.flags`."""
-    value = {flag.name: flag.bit for flag in FLAGS}
-    result = []
-    for x, y, z, _, d1, d2 in words.tolist():
-        s, good = x * x + y * y + z * z, min(d1, d2) > 0
-        conditions = {
-            "too_far": good and s > (d1 + d2) ** 2,
-            "too_near": good and s < (d1 - d2) ** 2,
-            "on_axis": x == y == 0,
-            "at_shoulder": x == y == z == 0,
-            "bad_length": not good,
-        }
-        result.append(sum(value[name] for name, holds in conditions.items() if holds))
-    return result
+    return [in_python_integers(*row) for row in words.tolist()]
 
 
 def as_quaternions(qe: np.ndarray) -> np.ndarray:
     return np.column_stack([qe, np.zeros_like(qe)])
 
 
-@dataclass
 class Run:
     """Words and what the model makes of them: errors in parts of |d1| + |d2| (that of the hand against the pose where
     the target is out of reach), rad, and ulps."""
-
-    words: np.ndarray
-    answer: fixed.Answer
-    hand: np.ndarray
-    elbow: np.ndarray
-    shoulder_angle: np.ndarray
-    elbow_angle: np.ndarray
-    norms: tuple[np.ndarray, np.ndarray]
-    targets: object
-    values: np.ndarray
 
     def __init__(self, words: np.ndarray, width: int, solve=solve_lean) -> None:
         self.words = words
@@ -131,6 +107,18 @@ class Run:
         n = int(np.argmax(error))
         assert error[n] <= bar, f"{what} {error[n]:.3g} > {bar:.3g} at x, y, z, phi, d1, d2 = {self.words[n].tolist()}"
 
+    def check(self, width: int) -> None:
+        """What holds for any words: unit quaternions, exact flags, words that fit their formats."""
+        self.check_norms(width)
+        expected = np.array(exact_flags(self.words))
+        wrong = np.flatnonzero(self.answer.flags != expected)
+        assert not len(wrong), (
+            f"flags of {self.words[wrong[0]].tolist()}: {self.answer.flags[wrong[0]]}, not {expected[wrong[0]]}"
+        )
+        for name, node in self.answer.bits.nodes.items():
+            value = np.asarray(node.value)
+            assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
+
     def check_norms(self, width: int) -> None:
         """Both quaternions have unit length and the signs of DESIGN."""
         for name, off, bar in zip(("Qs", "Qe"), self.norms, norm_bars(width), strict=True):
@@ -138,18 +126,6 @@ class Run:
         results = self.answer.results
         assert (results[:, 3] >= 0).all(), "the k part of Qs is negative"
         assert (results[:, 4] >= 0).all() and (results[:, 5] <= 0).all(), "signs of Qe"
-
-    def check_flags(self) -> None:
-        expected = np.array(exact_flags(self.words))
-        wrong = np.flatnonzero(self.answer.flags != expected)
-        assert not len(wrong), (
-            f"flags of {self.words[wrong[0]].tolist()}: {self.answer.flags[wrong[0]]}, not {expected[wrong[0]]}"
-        )
-
-    def check_formats(self) -> None:
-        for name, node in self.answer.bits.nodes.items():
-            value = np.asarray(node.value)
-            assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
 
 
 @cache
@@ -197,9 +173,7 @@ def test_angles_are_exact_everywhere(name, width):
 @everywhere
 def test_answers_are_well_formed(name, width):
     run = region_run(name, width)
-    run.check_norms(width)
-    run.check_flags()
-    run.check_formats()
+    run.check(width)
 
 
 @pytest.mark.parametrize("at", (-10, -9, -8, -7, -5, -3, -1))
@@ -261,9 +235,7 @@ def test_every_word_has_a_unit_answer_and_exact_flags(width):
         [mixed(4000, width, 6), extremes(4000, width, 6), tiny(width), np.array(list(corners(width).values()))]
     )
     run = Run(words, width)
-    run.check_norms(width)
-    run.check_flags()
-    run.check_formats()
+    run.check(width)
     seen = np.bitwise_or.reduce(run.answer.flags)
     assert seen == sum(flag.bit for flag in FLAGS if flag.name != "saturated"), "every kind of target"
 
@@ -356,9 +328,7 @@ def any_input(draw):
 def test_any_input_gives_a_unit_quaternion(case):
     width, words = case
     run = Run(np.array([words]), width)
-    run.check_norms(width)
-    run.check_flags()
-    run.check_formats()
+    run.check(width)
     event(f"flags {int(run.answer.flags[0]):05b}")
 
 
@@ -370,9 +340,7 @@ def test_all_words_at_the_ends_of_the_format(width):
     """Lowest, highest, 0, 1 and -1 in every place: 5^6 inputs."""
     words = np.array(np.meshgrid(*[CORNER_WORDS[width]] * len(FIELDS))).reshape(len(FIELDS), -1).T
     run = Run(words, width)
-    run.check_norms(width)
-    run.check_flags()
-    run.check_formats()
+    run.check(width)
 
 
 @st.composite
@@ -393,32 +361,22 @@ def reachable(draw, width):
     return (*(min(top, max(-top - 1, p)) for p in position), phi, d1, d2)
 
 
-def hunt(words, width: int) -> None:
-    run = Run(np.array([words]), width)
-    if run.answer.flags[0] & UNREACHABLE:
-        return
-    target(float(run.hand[0]) * 2.0**width, label="hand error in parts of 2^-W")
-    run.below(run.hand, tolerances.lean(width), "hand error / reach")
-    run.below(run.shoulder_angle, ANGLE_ULPS[width] * ulp(width), "shoulder angle error (rad)")
-    run.below(run.elbow_angle, ANGLE_ULPS[width] * ulp(width), "elbow angle error (rad)")
+def search(width: int):
+    @settings(max_examples=250, deadline=None)
+    @given(reachable(width))
+    @example(WORST[width])
+    def hunt(words):
+        run = Run(np.array([words]), width)
+        if run.answer.flags[0] & UNREACHABLE:
+            return
+        target(float(run.hand[0]) * 2.0**width, label="hand error in parts of 2^-W")
+        run.below(run.hand, tolerances.lean(width), "hand error / reach")
+        run.below(run.shoulder_angle, ANGLE_ULPS[width] * ulp(width), "shoulder angle error (rad)")
+        run.below(run.elbow_angle, ANGLE_ULPS[width] * ulp(width), "elbow angle error (rad)")
+
+    return hunt
 
 
-@settings(max_examples=250, deadline=None)
-@given(reachable(32))
-@example(WORST[32])
-def test_no_search_finds_a_bad_hand_for_32_bits(words):
-    hunt(words, 32)
-
-
-@settings(max_examples=250, deadline=None)
-@given(reachable(24))
-@example(WORST[24])
-def test_no_search_finds_a_bad_hand_for_24_bits(words):
-    hunt(words, 24)
-
-
-@settings(max_examples=250, deadline=None)
-@given(reachable(18))
-@example(WORST[18])
-def test_no_search_finds_a_bad_hand_for_18_bits(words):
-    hunt(words, 18)
+test_no_search_finds_a_bad_hand_for_32_bits = search(32)
+test_no_search_finds_a_bad_hand_for_24_bits = search(24)
+test_no_search_finds_a_bad_hand_for_18_bits = search(18)

@@ -125,7 +125,10 @@ def plane_through(centre, normal):
     return cga.plane(*normal, (centre * normal).sum(axis=0))
 
 
-def assert_incident(points, standard, direct, what):
+def assert_entity(standard, direct, grades, points, what):
+    """Both representations have the grades of table 1, are each other's dual, and hold these points and no other."""
+    assert (grade(standard), grade(direct)) == grades, "grades of table 1"
+    assert_same_entity(standard, cga.dual(direct), what)
     for p in points:
         assert_zero(p | standard, f"{what}: inner product of a point on it with the standard representation")
         assert_zero(p ^ direct, f"{what}: outer product of a point on it with the direct representation")
@@ -149,18 +152,14 @@ def test_sphere():
     points = points_on_sphere(centre, radius, 5)
     standard = cga.sphere(cga.point(*centre), radius)
     direct = cga.sphere_direct(*points[:4])
-    assert (grade(standard), grade(direct)) == (1, 4), "grades of table 1"
-    assert_same_entity(standard, cga.dual(direct), "sphere")
-    assert_incident(points[4:], standard, direct, "sphere")
+    assert_entity(standard, direct, (1, 4), points[4:], "sphere")
 
 
 def test_plane():
     centre, u, v, normal = circle_frame()
     points = [cga.point(*(centre + a * u + b * v)) for a, b in ((0, 0), (1, 0.3), (-0.5, 1), (2, 2))]
     standard, direct = plane_through(centre, normal), cga.plane_direct(*points[:3])
-    assert (grade(standard), grade(direct)) == (1, 4), "grades of table 1"
-    assert_same_entity(standard, cga.dual(direct), "plane")
-    assert_incident(points[3:], standard, direct, "plane")
+    assert_entity(standard, direct, (1, 4), points[3:], "plane")
 
 
 def test_circle():
@@ -169,9 +168,7 @@ def test_circle():
     points = [cga.point(*(centre + radius * (np.cos(t) * u + np.sin(t) * v))) for t in (0, 1, 3, 5)]
     spheres = [cga.sphere(cga.point(*(centre + h * normal)), np.hypot(radius, h)) for h in (0.7, -0.4)]
     standard, direct = cga.circle(*spheres), cga.circle_direct(*points[:3])
-    assert (grade(standard), grade(direct)) == (2, 3), "grades of table 1"
-    assert_same_entity(standard, cga.dual(direct), "circle")
-    assert_incident(points[3:], standard, direct, "circle")
+    assert_entity(standard, direct, (2, 3), points[3:], "circle")
 
 
 def test_line():
@@ -179,9 +176,7 @@ def test_line():
     points = [cga.point(*(centre + t * u)) for t in (-1, 0.5, 3)]
     standard = cga.line(plane_through(centre, v), plane_through(centre, normal))
     direct = cga.line_direct(*points[:2])
-    assert (grade(standard), grade(direct)) == (2, 3), "grades of table 1"
-    assert_same_entity(standard, cga.dual(direct), "line")
-    assert_incident(points[2:], standard, direct, "line")
+    assert_entity(standard, direct, (2, 3), points[2:], "line")
 
 
 def test_point_pair():
@@ -191,9 +186,7 @@ def test_point_pair():
     ball = cga.sphere(cga.point(*centre), radius)
     others = [cga.sphere(cga.point(*(centre + h)), np.sqrt(radius**2 + (h**2).sum(axis=0))) for h in (v, normal)]
     standard, direct = cga.point_pair(ball, *others), cga.point_pair_direct(*points)
-    assert (grade(standard), grade(direct)) == (3, 2), "grades of table 1"
-    assert_same_entity(standard, cga.dual(direct), "point pair")
-    assert_incident(points, standard, direct, "point pair")
+    assert_entity(standard, direct, (3, 2), points, "point pair")
 
 
 def test_dual_twice_is_minus_one():

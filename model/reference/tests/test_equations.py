@@ -75,12 +75,25 @@ def columns(*values):
     return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
 
 
-def assert_defined(result):
-    for name, values in result.items():
-        assert np.isfinite(values).all(), f"{name} is not finite"
+def assert_unit(result):
     np.testing.assert_allclose((shoulder(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qs| = 1")
     np.testing.assert_allclose((elbow(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qe| = 1")
     assert (result["qs_k"] >= 0).all(), "the k part of Qs is never negative"
+
+
+def assert_defined(result):
+    for name, values in result.items():
+        assert np.isfinite(values).all(), f"{name} is not finite"
+    assert_unit(result)
+
+
+def assert_pose(targets):
+    """Defined, with the hand at the target and the shoulder of the matrix form, which has no singular pose."""
+    result = solve(*targets)
+    assert_defined(result)
+    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+    return result
 
 
 # -- regular poses
@@ -192,14 +205,11 @@ def test_numbers_and_arrays_broadcast():
 @pytest.mark.parametrize("z", [0.5, -0.5])
 def test_target_on_the_z_axis_takes_azimuth_0(z):
     targets = columns(0, 0, z, PHIS, 0.3, 0.4)
-    result = solve(*targets)
-    assert_defined(result)
-    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    result = assert_pose(targets)
     # The limit of a target that comes to the axis along +x, as its azimuth is 0.
     limit = solve(*columns(1e-12, 0, z, PHIS, 0.3, 0.4))
     gap = kinematics.angle_between(shoulder(result), shoulder(limit))
     assert gap.max() < HALF_OF_THE_DIGITS, "shoulder against a target 1e-12 off the axis in the direction of x"
-    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
 
 
 def test_swivel_normal_on_the_z_axis():
@@ -217,12 +227,9 @@ def test_elbow_on_the_z_axis(up, bend):
     direction = np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend) * up
     phi = 0 if up > 0 else np.pi
     targets = columns(0.25 * direction[0], 0.25 * direction[1], 0.5 * up + 0.25 * direction[2], phi, 0.5, 0.25)
-    result = solve(*targets)
-    assert np.hypot(result["p_e_x"], result["p_e_y"]).max() < 1e-14, "the pose that was meant"
-    assert_defined(result)
     # An elbow that is on the axis but for roundoff has a Q_12 of no meaning; Q_3 must make up for it.
-    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
-    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+    result = assert_pose(targets)
+    assert np.hypot(result["p_e_x"], result["p_e_y"]).max() < 1e-14, "the pose that was meant"
 
 
 def test_elbow_exactly_on_the_z_axis():
@@ -233,11 +240,7 @@ def test_elbow_exactly_on_the_z_axis():
 
 def test_inner_product_of_0_gives_sign_plus():
     targets = columns(0, [0.5, -0.5, 0.5, -0.5], [0.2, 0.2, -0.3, -0.3], 0, 0.4, 0.3)
-    result = solve(*targets)
-    assert (result["sign"] == 1).all(), "x = 0, phi = 0: P_w lies in pi_yz2"
-    assert_defined(result)
-    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
-    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+    assert (assert_pose(targets)["sign"] == 1).all(), "x = 0, phi = 0: P_w lies in pi_yz2"
 
 
 @pytest.mark.parametrize("p", [(0.75, 0, 0), (0, -0.75, 0), (0.25, 0.5, 0.5), (-0.5, 0.25, -0.5), (0, 0, 0.75)])
@@ -246,10 +249,7 @@ def test_straight_and_folded_arm_keep_their_swivel(p, lengths):
     """Reached exactly. P_w is then in pi_yz2 for every theta_3, and the printed sign is only roundoff."""
     targets = columns(*p, PHIS, *lengths)
     assert (pose_flags(*targets[:3], *lengths) & ~ON_AXIS == 0).all(), "these targets are in reach"
-    result = solve(*targets)
-    assert_defined(result)
-    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
-    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+    assert_pose(targets)
 
 
 def test_wrist_at_the_shoulder():

@@ -16,6 +16,7 @@ import sympy
 from model.reference import kinematics, printed
 from model.reference.equations import shoulder_quaternion, solve, solve_clamped, swivel_normal
 from model.reference.lean_equations import half, solve_lean
+from model.reference.tests.test_equations import assert_unit, columns, elbow, hand_error, shoulder
 from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
 
 RESULTS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
@@ -29,39 +30,19 @@ ROUNDOFF = 5e-15
 EDGES = np.array([0.0, 1e-3, 1e-7, 1e-12, 1e-15])
 
 
-def columns(*values):
-    return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
-
-
 def join(*groups):
     return tuple(np.concatenate(columns) for columns in zip(*groups, strict=True))
-
-
-def shoulder(result):
-    return np.stack([result[f"qs_{part}"] for part in "wijk"], axis=-1)
-
-
-def elbow(result):
-    return np.stack([result["qe_w"], result["qe_i"]], axis=-1)
 
 
 def elbow_angle(result):
     return 2 * np.arctan2(result["qe_i"], result["qe_w"])
 
 
-def hand_error(result, targets):
-    *p, _, d1, d2 = targets
-    _, wrist = kinematics.forward(shoulder(result), elbow(result), d1, d2)
-    return np.linalg.norm(wrist - np.stack(p, axis=-1), axis=1) / (np.asarray(d1) + d2)
-
-
 def assert_defined(result):
     for name in (*RESULTS, *NODES[5:]):
         assert np.isfinite(result[name]).all(), f"{name} is not finite"
     assert not any(np.isnan(result[name]).any() for name in NODES), "nan"
-    np.testing.assert_allclose((shoulder(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qs| = 1")
-    np.testing.assert_allclose((elbow(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qe| = 1")
-    assert (result["qs_k"] >= 0).all(), "the k part of Qs is never negative"
+    assert_unit(result)
     assert (result["qe_w"] >= 0).all() and (result["qe_i"] <= 0).all(), "signs of (14)"
     assert (result["length_sq"] >= 1 / 8).all() and (result["length_sq"] <= 1 + 1e-15).all(), "in [1/8, 1]"
 

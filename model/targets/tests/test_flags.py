@@ -51,6 +51,7 @@ def test_expected_flags(target, flags):
 
 
 def in_python_integers(x, y, z, phi, d1, d2) -> int:
+    """The flags of one target, apart from :mod:`model.targets.flags`."""
     flags = ON_AXIS * (x == y == 0) | AT_SHOULDER * (x == y == z == 0)
     if d1 <= 0 or d2 <= 0:
         return flags | BAD_LENGTH

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """scripts/fpga without its tools: what it makes of their reports, of the RTL and of its own figures."""
 
-import argparse
 import json
 import re
 
@@ -240,21 +239,19 @@ def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
 
 def measured(monkeypatch, tmp_path, clocks):
     """What fpga.json has of placing the lean datapath at 18 bits, if each seed gives that clock or none in time."""
-    def done(run, again, limit):
+
+    def done(run):
         if run.kind != "place":
             return {"cells": dict.fromkeys(report.KINDS, 1)}
         if clocks.get(run.seed) is None:
-            raise runs.TimeOutError(f"{run.name}: not done after {limit / 60:.0f} min, left out")
+            raise runs.TimeOutError(f"{run.name}: not done after 20 min, left out")
         return {"mhz": clocks[run.seed]}
 
     monkeypatch.setattr(runs.Run, "done", done)
     monkeypatch.setattr(fpga, "describe", lambda *_: {})
     monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
     figures = fpga.Figures(tmp_path / "fpga.json")
-    options = argparse.Namespace(
-        width=[18], datapath=["lean"], family=[], place=True, seed=1, seeds=4, again=False, limit=1
-    )
-    left_out = fpga.measure(figures, options)
+    left_out = fpga.measure(figures, ["lean"], [18])
     return figures.data, left_out
 
 
@@ -275,14 +272,6 @@ def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tm
     assert data["designs"]["lean-18"]["placed"] == "by module"
     modules = [page.TOPS["lean"], *page.SECTIONS["lean"]]
     assert [line.split("-")[0] for line in left_out] == [name.removeprefix("ik_") for name in modules]
-
-
-def test_a_parameter_is_a_name_and_a_number(capsys, monkeypatch):
-    monkeypatch.setattr(fpga, "program", lambda name: name)
-    assert fpga.main(["--module", "ik_mul3", "--set", "W"]) == 2
-    assert capsys.readouterr().err == "fpga: argument --set: 'W' is not P=N\n"
-    assert fpga.main(["--module", "ik_none"]) == 2
-    assert capsys.readouterr().err == "fpga: no module ik_none in rtl\n"
 
 
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):

@@ -8,8 +8,7 @@ import html
 import json
 import os
 import re
-import subprocess
-import sys
+from functools import partial
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -22,7 +21,7 @@ from model.targets import trajectories
 from scripts import run
 from scripts.report import page as report
 from scripts.tests.test_run import FakeSimulator, ctrl_c
-from tb.sim.env import ROOT, environment
+from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
 PAGE = Path("build/report/report.html")
@@ -38,16 +37,8 @@ def simulator(monkeypatch):
 
 
 @pytest.fixture
-def cli(simulator, tmp_path, monkeypatch, capsys):
-    """Run the command line in an empty folder: (exit status, stdout lines, stderr lines)."""
-    monkeypatch.chdir(tmp_path)
-
-    def cli(*arguments, main=report.main):
-        status = main(list(arguments))
-        captured = capsys.readouterr()
-        return status, captured.out.splitlines(), captured.err.splitlines()
-
-    return cli
+def cli(simulator, command):
+    return partial(command, report.main)
 
 
 def text(path=PAGE):
@@ -60,14 +51,10 @@ def data(path=PAGE):
     return json.loads(found)["trajectories"]
 
 
-def files():
-    return sorted(str(path) for path in Path().rglob("*") if path.is_file())
-
-
 # -- what the page holds ---------------------------------------------------------------------------
 
 
-def test_one_trajectory(cli, simulator):
+def test_one_trajectory(cli, simulator, files):
     status, out, err = cli()
     assert (status, out, err) == (0, ["wrote build/report/report.html"], [])
     assert files() == ["build/report/report.html"]
@@ -81,7 +68,7 @@ def test_one_trajectory(cli, simulator):
     assert len(lists) == 16 and {len(shown[key]) for key in lists} == {100}
 
 
-def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator):
+def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator, files):
     assert cli("--trajectory", "all", "--sim", "verilator", "--width", "24")[0] == 0
     assert files() == ["build/report/report.html"]
     assert [shown["name"] for shown in data()] == list(trajectories.TRAJECTORIES)
@@ -91,10 +78,10 @@ def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator):
 
 
 @pytest.mark.parametrize(("datapath", "bar"), [("lean", tolerances.LEAN[32]), ("paper", tolerances.REGULAR)])
-def test_figures_agree_with_the_score(cli, datapath, bar):
+def test_figures_agree_with_the_score(cli, command, datapath, bar):
     """What the plots show has the maxima that `make run` writes, and the table is that of `make run`."""
     cli("--trajectory", "all", "--datapath", datapath)
-    cli("--trajectory", "all", "--datapath", datapath, main=run.main)
+    command(run.main, "--trajectory", "all", "--datapath", datapath)
     scores = json.loads(Path("build/run/score.json").read_text())
     for shown, score in zip(data(), scores, strict=True):
         clamped = np.array(shown["clamped"])
@@ -252,41 +239,8 @@ def test_a_trajectory_that_fails_is_shown_all_the_same(cli, simulator):
     assert [shown["name"] for shown in data() if not shown["passed"]] == ["figure_eight"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "parts"),
-    [
-        (["--trajectory", "reech"], ["--trajectory", "'reech'", "all, reach, circle"]),
-        (["--sim", "modelsim"], ["--sim", "unknown simulator 'modelsim'"]),
-        (["--width", "33"], ["unknown width '33'"]),
-        (["--trajectory", "reach", "--d1", "0.4"], ["--d1", "reach"]),
-        (["--trajectory", "none.csv"], ["none.csv: no such file"]),
-        (["--waves"], ["unrecognized arguments: --waves"]),
-        (["--out", "file"], ["--out", "'file'", "File exists"]),
-        (["--out", "taken"], ["--out", "'taken/report.html' is a folder"]),
-    ],
-)
-def test_bad_arguments(cli, simulator, arguments, parts):
-    Path("file").touch()
-    Path("taken/report.html").mkdir(parents=True)
-    status, out, err = cli(*arguments)
-    assert (status, out, len(err)) == (2, [], 1), err
-    for part in ("report: ", *parts):
-        assert part in err[0]
-    assert simulator.calls == [] and files() == ["file"]
-
-
-def test_help_names_every_option(cli, capsys):
-    with pytest.raises(SystemExit) as exit_:
-        cli("--help")
-    assert exit_.value.code == 0
-    said = capsys.readouterr().out
-    for option in "trajectory out sim datapath width d1 d2 phi".split():
-        assert f"\n  --{option}" in said, option
-    assert "report.html" in said and "build/report" in said
-
-
 @pytest.mark.parametrize("what", ["simulation", "ctrl-c", "disk"])
-def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, what):
+def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, what, files):
     PAGE.parent.mkdir(parents=True)
     PAGE.write_text("old")
 
@@ -308,24 +262,3 @@ def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, w
     status, out, err = cli()
     assert (status, out, err) == (expected[0], [], [expected[1]])
     assert files() == [str(PAGE)] and text() == "old"
-
-
-def test_as_a_command():
-    done = subprocess.run(
-        [sys.executable, "-m", "scripts.report", "--trajectory", "none.csv"], cwd=ROOT, capture_output=True,
-        text=True
-    )
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", "report: none.csv: no such file\n")
-
-
-def test_make_passes_the_options_of_run():
-    """`make report` is started as `make run` is, word for word, but for WAVES."""
-    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1 SIM=verilator".split()
-    said = {}
-    for target in ("run", "report"):
-        command = ["make", "-n", target, *words]
-        done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=True)
-        said[target] = done.stdout
-    assert (
-        said["run"].replace("scripts.run", "scripts.report").replace(" --waves", "").split() == said["report"].split()
-    )

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The native harness gives what cocotb gives, to the byte, and a broken core is found and told in the same words."""
 
-import shutil
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,9 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.targets.stimuli import mixed
 from tb.sim import every_node
-from tb.sim.env import ROOT, simulator
+from tb.sim.env import simulator
 from tb.sim.job import Job, SimulationError
+from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import simulate
 
 WIDTH = 18
@@ -55,15 +54,11 @@ if simulator() == "verilator":
         change(frames[0][1])
         return frames
 
-    def broken(folder, module, right, wrong, name, ways=(False, True)):
-        """What both ways say of a copy of the RTL with a change in it, at a word length that builds quickly."""
-        shutil.copytree(ROOT / "rtl", folder / "rtl")
-        path = folder / "rtl" / module
-        text = path.read_text()
-        assert right in text
-        path.write_text(text.replace(right, wrong))
+    def broken(folder, bug, ways=(False, True)):
+        """What both ways say of a copy of the RTL with a bug in it, at a word length that builds quickly."""
         jobs = [Job("some", np.random.default_rng(4).integers(-4, 4, (200, 6)))]
-        core = {"simulator": "verilator", "datapath": "lean", "width": 3, "root": folder, "name": f"native-{name}"}
+        core = {"simulator": "verilator", "datapath": "lean", "width": 3, "name": f"native-{bug.what}"}
+        core["root"] = copy_rtl(folder, bug)
         return [simulate(jobs, **core, native=native)[0] for native in ways]
 
     @pytest.mark.sim
@@ -80,7 +75,8 @@ if simulator() == "verilator":
     @pytest.mark.sim
     @pytest.mark.slow
     def test_a_difference_is_told_in_the_same_words(tmp_path):
-        cocotb, native = broken(tmp_path, "lean/ik_lean_turn.v", "c_plus <= cc - ss;", "c_plus <= cc + ss;", "sign")
+        bug = Bug("sign", "rtl/lean/ik_lean_turn.v", "c_plus <= cc - ss;", "c_plus <= cc + ss;")
+        cocotb, native = broken(tmp_path, bug)
         assert cocotb.bit_mismatches == native.bit_mismatches > 0
         assert "turn.c_plus" in cocotb.first_mismatch
         assert native.first_mismatch == cocotb.first_mismatch
@@ -124,7 +120,7 @@ if simulator() == "verilator":
     @pytest.mark.parametrize(
         ("module", "right", "wrong", "message"),
         [
-            ("ik_axis", "(s_axis_tuser),", "(s_axis_tuser ^ (s_axis_tuser == 9)),", "target 9: the result has tag 8"),
+            ("ik_axis", "core_tag, core", "core_tag ^ (core_tag == 9), core", "target 9: the result has tag 8"),
             ("ik_axis", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
             (
                 "lib/ik_fifo", "(wr_ptr == rd_ptr)", "(wr_ptr == rd_ptr) || (rd_ptr == 9 && wr_ptr == 10)",
@@ -135,4 +131,4 @@ if simulator() == "verilator":
     def test_a_broken_stream(tmp_path, module, right, wrong, message):
         name = message.partition(":")[0].replace(" ", "_")
         with pytest.raises(SimulationError, match=message):
-            broken(tmp_path, f"{module}.v", right, wrong, name, ways=[True])
+            broken(tmp_path, Bug(name, f"rtl/{module}.v", right, wrong), ways=[True])

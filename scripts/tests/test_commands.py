@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all commands do alike: a mistake is one line and status 2, help names every option, make passes what is set."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scripts import compare, exhaustive, formal, run, soak
+from scripts.fpga import measure
+from scripts.pages import wordlengths
+from scripts.report import page
+from tb.core import hardest
+from tb.sim.env import ROOT, environment
+
+MAINS = {
+    "run": run.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main, "compare": compare.main,
+    "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
+}  # fmt: skip
+
+WHOLE = "is not a whole number of at least"
+CORE = [
+    ("--sim modelsim", "--sim", "unknown simulator 'modelsim'", "icarus, verilator"),
+    ("--datapath lean2", "--datapath", "unknown datapath 'lean2'", "paper"),
+    ("--width 33", "--width", "unknown width '33'", "16 to 32"),
+    ("--width 15", "unknown width '15'"),
+    ("--width x", "unknown width 'x'"),
+    ("--speed 9", "unrecognized arguments: --speed 9"),
+    ("--out", "--out", "expected one argument"),
+    ("--out file", "--out", "'file'", "File exists"),
+    ("--out file/sub", "--out", "'file/sub'", "Not a directory"),
+]
+TRAJECTORIES = [
+    ("--trajectory reech", "--trajectory", "'reech'", "all, reach, circle", "CSV file"),
+    ("--cores fast", "--cores", "unknown cores 'fast'", "behavioural, digit"),
+    ("--trajectory t.csv --d1 0", "--d1", "'0' is not positive"),
+    ("--trajectory t.csv --d2 -1", "--d2", "'-1' is not positive"),
+    ("--trajectory t.csv --d1 nan", "--d1", "'nan' is not a finite number"),
+    ("--trajectory t.csv --phi abc", "--phi", "'abc' is not a number"),
+    ("--trajectory reach --d1 0.4", "--d1", "reach"),
+    ("--trajectory all --phi 1", "--phi", "all"),
+    ("--traj reach", "unrecognized arguments: --traj reach"),
+    ("--trajectory none.csv", "none.csv: no such file"),
+    ("--trajectory none.CSV", "none.CSV: no such file"),
+    ("--trajectory none/none", "none/none: no such file"),
+    ("--trajectory folder", "folder: is a directory"),
+]
+SAMPLE = [
+    ("--targets 0", "--targets", f"'0' {WHOLE} 1"),
+    ("--targets many", "--targets"),
+    ("--seed -1", "--seed"),
+    ("--seed x", "--seed", f"'x' {WHOLE} 0"),
+]
+MISTAKES = {
+    "run": CORE + TRAJECTORIES + [("--out o", "--out", "'o/results.csv' is a folder")],
+    "report": CORE + TRAJECTORIES + [
+        ("--waves", "unrecognized arguments: --waves"), ("--out o", "--out", "'o/report.html' is a folder"),
+    ],
+    "soak": CORE + SAMPLE + [
+        ("--targets -5", "--targets"),
+        ("--targets 1e6", "--targets", "'1e6'"),
+        (f"--targets {'9' * 400}", "--targets"),
+        ("--from -1", "--from"),
+        ("--from 1.5", "--from", f"'1.5' {WHOLE} 0"),
+        ("--again none.csv", "none.csv: cannot be read: No such file"),
+        *((f"--again file {option}", option.split()[0], "--again")
+          for option in ("--targets 5", "--seed 0", "--keep", "--from 0", "--width 18")),
+        ("--out o", "--out", "'o/hardest.csv' is a folder"),
+    ],
+    "exhaustive": [
+        ("--only x", "argument --only: no case 'x'; there are div_16_0, "),
+        ("--jobs 0", f"argument --jobs: '0' {WHOLE} 1"),
+        ("--jobs two", f"argument --jobs: 'two' {WHOLE} 1"),
+        ("--smal", "unrecognized arguments: --smal"),
+    ],
+    "compare": SAMPLE,
+    "wordlengths": SAMPLE,
+    "formal": [("--only nothing", "argument --only: no proof or node 'nothing'; --list says which there are")],
+    "fpga": [("--width 33", "unknown width '33'"), ("--datapath lean2", "unknown datapath 'lean2'")],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "arguments"), [(name, words) for name, of in MISTAKES.items() for words, *_ in of])
+def test_a_mistake_is_one_line_and_status_2(command, files, monkeypatch, tmp_path, name, arguments):
+    """And nothing is simulated or written."""
+    monkeypatch.setattr(run, "simulate", lambda *_, **__: pytest.fail("simulates"))
+    monkeypatch.setattr(soak.Core, "built", lambda *_: pytest.fail("simulates"))
+    monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
+    for folder in ("folder", "o/results.csv", "o/report.html", "o/hardest.csv"):
+        Path(folder).mkdir(parents=True)
+    Path("file").touch()
+    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
+    status, out, err = command(MAINS[name], *arguments.split())
+    assert (status, out, len(err)) == (2, [], 1), err
+    (parts,) = [parts for words, *parts in MISTAKES[name] if words == arguments]
+    assert err[0].startswith(f"{name}: ") and all(part in err[0] for part in parts), err
+    assert files() == ["file", "t.csv"] and not Path("build").exists()
+
+
+OPTIONS = {
+    "run": "trajectory out sim datapath width cores waves d1 d2 phi list",
+    "report": "trajectory out sim datapath width d1 d2 phi",
+    "soak": "targets seed from datapath width sim jobs out keep again",
+    "exhaustive": "only small jobs list",
+    "compare": "targets seed",
+    "wordlengths": "targets seed",
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_help_names_every_option(name, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        MAINS[name](["--help"])
+    said = capsys.readouterr().out
+    assert stopped.value.code == 0 and "Exit status: 0 " in said
+    assert all(f"\n  --{option}" in said for option in OPTIONS[name].split())
+    if name == "report":
+        assert "report.html" in said and "build/report" in said
+
+
+@pytest.mark.parametrize(
+    ("module", "arguments", "said"),
+    [
+        ("run", "--trajectory none.csv", "run: none.csv: no such file\n"),
+        ("report", "--trajectory none.csv", "report: none.csv: no such file\n"),
+        ("soak", "--width 3", "soak: argument --width: unknown width '3'; valid: 16 to 32 bits\n"),
+        ("exhaustive", "--only x", "exhaustive: argument --only: no case 'x'; there are "),
+    ],
+)
+def test_as_a_command(module, arguments, said):
+    """A mistake is refused before any simulator is looked for, with the exit status of the process."""
+    words = [sys.executable, "-m", f"scripts.{module}", *arguments.split()]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr[: len(said)]) == (2, "", said)
+
+
+# -- what make passes ------------------------------------------------------------------------------
+
+
+def made(*words):
+    """The commands that make would start: what set-up is told, and the last one's words."""
+    env = {name: value for name, value in environment().items() if name != "SIM"}
+    done = subprocess.run(["make", "-n", *words], cwd=ROOT, env=env, capture_output=True, text=True, check=True)
+    said = done.stdout.replace("\\\n", " ")
+    return re.findall(r"bootstrap.py (.*)", said), said.split(" -m scripts.")[1].split()
+
+
+def test_make_exhaustive_and_soak():
+    assert made("exhaustive") == (["verilator"], ["exhaustive"])
+    assert made("soak") == (["verilator"], ["soak", "--sim", "verilator"])
+    assert made("soak", "SIM=icarus")[1] == ["soak", "--sim", "icarus"]
+    assert made("soak", "KEEP=", "D1=3")[1] == ["soak", "--sim", "verilator"]
+    words = "TARGETS=9 SEED=2 DATAPATH=lean WIDTH=18 OUT=o AGAIN=f FROM=3 KEEP=1"
+    options = [f'--{o}="$CGA_{o.upper()}"' for o in "targets seed datapath width out again from".split()]
+    assert made("soak", *words.split())[1] == ["soak", "--sim", "verilator", *options, "--keep"]
+
+
+def test_make_report_is_started_as_make_run_but_for_waves():
+    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1 SIM=verilator".split()
+    (needs, (_, *options)), report = made("run", *words), made("report", *words)
+    assert options[-1] == "--waves" and report == (needs, ["report", *options[:-1]])
