@@ -23,9 +23,11 @@ from model.motion import axes
 from model.motion.axes import Axis
 from model.motion.pose import swivel
 from model.reference.kinematics import conjugate, matrix, multiply, rotate
-from model.targets.words import TargetError
+from model.targets.words import TargetError, Targets
 
 SIDES = ("left", "right")
+TORSO = "torso"
+"""The axis that points outward and up from the torso."""
 
 STEMS = {
     "upper arm": ("arm", "uparm", "upperarm", "shldr", "shoulder", "humerus"),
@@ -217,7 +219,7 @@ def outward_and_up(clip: Clip, arm: Arm) -> np.ndarray:
     return out / np.linalg.norm(out) + up
 
 
-def motion(clip: Clip, arm: Arm, axis: Axis = "torso") -> Motion:
+def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     """What an arm does, seen along a reference axis of the world's frame, or "torso": outward and up from the torso."""
     bones = clip.rest[arm.fore] - clip.rest[arm.upper], clip.rest[arm.hand] - clip.rest[arm.fore]
     d1, d2 = (float(np.linalg.norm(bone)) for bone in bones)
@@ -225,7 +227,7 @@ def motion(clip: Clip, arm: Arm, axis: Axis = "torso") -> Motion:
         raise ClipError(f"{clip.path}: the {arm.side} arm has a bone without length")
     shoulder, elbow, wrist = (clip.positions[:, joint] for joint in (arm.upper, arm.fore, arm.hand))
     count = len(shoulder)
-    if isinstance(axis, str) and axis == "torso":
+    if isinstance(axis, str) and axis == TORSO:
         turn = rotmat_to_quat(clip.world[:, arm.torso])
         frame = multiply(axes.to_z(outward_and_up(clip, arm)), conjugate(turn))
     else:
@@ -233,6 +235,31 @@ def motion(clip: Clip, arm: Arm, axis: Axis = "torso") -> Motion:
     elbow, wrist = elbow - shoulder, wrist - shoulder
     phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
     return Motion(arm, elbow, wrist, d1, d2, frame, phi)
+
+
+def targets(name: str, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
+    """The wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
+
+    Of an arm that is straight, rounding to words of ``width`` bits would leave open whether its elbow stands out by the
+    root of an ulp; so it is asked to reach two ulps further than it can, and is straight.
+    """
+    count, shapes = len(moves[0].wrist), len(moves)
+    ulp = 2.0 ** (2 - width)  # at most, of the reach
+    wrists = []
+    for move in moves:
+        distance, reach = np.linalg.norm(move.wrist, axis=1, keepdims=True), move.d1 + move.d2
+        longer = reach * (1 + 2 * ulp) / np.maximum(distance, reach / 2)
+        wrists.append(move.wrist * np.where(distance >= reach * (1 - 2 * ulp), longer, 1.0))
+    x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
+    arm = np.tile([move.arm.side for move in moves], count)
+    return Targets(
+        name, x, y, z,
+        np.stack([np.broadcast_to(angle, count) for angle in phi], axis=1).reshape(-1),
+        *(np.tile([getattr(move, length) for move in moves], count) for length in ("d1", "d2")),
+        frame=np.stack([move.frame for move in moves], axis=1).reshape(-1, 4),
+        arm=arm,
+        others={"frame": np.arange(count).repeat(shapes).astype(str).tolist(), "arm": arm.tolist()},
+    )  # fmt: skip
 
 
 # -- the clip again ----------------------------------------------------------------------------------------------------

@@ -99,14 +99,16 @@ def solve(
     points = np.atleast_2d(np.asarray(points, dtype=np.float64))
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"points have the shape {points.shape}, not (N, 3)")
-    others = (np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2))
-    targets = Targets("targets", *points.T, *others, frame=axes.to_z(axis))
+    x, y, z = points.T
+    angle, upper, fore = (np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2))
+    targets = Targets("targets", x, y, z, angle, upper, fore, frame=axes.to_z(axis))
     for name in ("position", "phi", "d1", "d2"):
         if not np.isfinite(getattr(targets, name)).all():
             raise ValueError(f"{'points' if name == 'position' else name}: not all numbers are finite")
 
     if width is None:
-        answer = DOUBLE[datapath](*targets.core_position.T, targets.phi, targets.d1, targets.d2)
+        x, y, z = targets.core_position.T
+        answer = DOUBLE[datapath](x, y, z, targets.phi, targets.d1, targets.d2)
         words = np.column_stack([answer[field] for field in RESULT_FIELDS])
         flags, asked = answer["flags"], targets
     else:

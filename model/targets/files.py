@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, FIELDS, TargetError, Targets, cell_error
+from model.targets.words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_error
 
 REQUIRED = ("x", "y", "z")
 SEPARATORS = (",", ";", "\t")
@@ -31,15 +31,15 @@ def read_csv(
     *,
     d1: float | None = None,
     d2: float | None = None,
-    phi: float = DEFAULT_PHI,
+    phi: float = math.pi,
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
     Columns x, y, z are required; phi (rad), d1 and d2 may be left out and then come from the arguments (None: the
-    default arm). Columns may stand in any order and their names be in either case; others are kept as they are, for
-    whoever writes the results. Cells are separated by commas, semicolons (then a comma may also be the decimal point)
-    or tabs, whichever the header has. A byte order mark, CRLF, blank lines and lines that begin with # are accepted.
-    Rows in messages are line numbers, as an editor shows them.
+    default arm; pi: the elbow below). Columns may stand in any order and their names be in either case; others are
+    kept as they are, for whoever writes the results. Cells are separated by commas, semicolons (then a comma may also
+    be the decimal point) or tabs, whichever the header has. A byte order mark, CRLF, blank lines and lines that begin
+    with # are accepted. Rows in messages are line numbers, as an editor shows them.
 
     Raises TargetError for everything that is wrong with the file or with a value in it.
     """
@@ -73,9 +73,9 @@ def read_csv(
                 others[column].append(cell)
             else:
                 values[column][n] = _parse(path, row, column, cell, separator)
-    missing = tuple(column for column in defaults if column not in columns)
+    default_arm = tuple(name for name, given in (("d1", d1), ("d2", d2)) if given is None and name not in columns)
     lines = np.array([row for row, _ in rows[1:]])
-    return Targets(name=Path(path).stem, path=path, rows=lines, defaulted=missing, others=others, **values)
+    return Targets(name=Path(path).stem, path=path, rows=lines, default_arm=default_arm, others=others, **values)
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:

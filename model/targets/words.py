@@ -28,14 +28,13 @@ RESULT_FIELDS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 ARMS = ("d1", "d2")
 """Positive, or the target is clamped."""
 
+LENGTHS = ("x", "y", "z", *ARMS)
+
 DEFAULT_D1 = 0.33
 """Upper arm of the default arm (m); with `DEFAULT_D2` it reaches the 0.6 m of the paper group's arm."""
 
 DEFAULT_D2 = 0.27
 """Forearm of the default arm (m)."""
-
-DEFAULT_PHI = 0.0
-"""Swivel angle of a target that gives none (rad)."""
 
 HEADROOM_BITS = 4
 """How many low bits the scaling may give up for targets further out than the arm reaches."""
@@ -53,7 +52,7 @@ class Targets:
 
     `path` and `rows` say where the targets came from (line numbers in the file), so that a mistake which is
     found only later, in the scaling, can still name its row; both are None for targets made in Python.
-    `defaulted` names the columns that the file does not have, `others` holds those that it has beside ours.
+    `default_arm` says which of the lengths nobody gave, `others` holds the columns that the file has beside ours.
 
     `frame`, (4,) or (N, 4), is the quaternion of R, which takes the user's frame to that of the core, where z is the
     reference axis; None is the core's own frame. `arm` (N,) names the arm of each target; None is one arm.
@@ -68,7 +67,7 @@ class Targets:
     d2: np.ndarray
     path: str | None = None
     rows: np.ndarray | None = None
-    defaulted: tuple[str, ...] = ()
+    default_arm: tuple[str, ...] = ()
     others: dict[str, list[str]] = field(default_factory=dict)
     frame: np.ndarray | None = None
     arm: np.ndarray | None = None
@@ -89,6 +88,11 @@ class Targets:
     def position(self) -> np.ndarray:
         """Wrist targets, shape (N, 3), user's unit and frame."""
         return np.column_stack((self.x, self.y, self.z))
+
+    @property
+    def arm_note(self) -> str:
+        """For a message that depends on the arm: which of its lengths are the default ones."""
+        return f" (by default {' and '.join(self.default_arm)})" if self.default_arm else ""
 
     @property
     def core_position(self) -> np.ndarray:
@@ -150,14 +154,15 @@ def scale_exponent(targets: Targets, width: int) -> int:
     while exponent > lowest and not (_ldexp(low, exponent) >= -2 and _ldexp(high, exponent) < 2):
         exponent -= 1
     scaled = _ldexp(position, exponent)
-    outside = ((scaled < -2) | (scaled >= 2)).any(axis=1)
+    outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
     if outside.any():
         size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
         limit = math.ldexp(2.0, -exponent)
         raise targets.error(
             int(n), FIELDS[axis],
-            f"is too far out: for the longest arm, {reach[longest]:.6g}, the format ends at {limit:.6g}",
+            f"is too far out: for the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
+            f"the format ends at {limit:.6g}",
         )  # fmt: skip
 
     for column in ARMS:
@@ -166,7 +171,8 @@ def scale_exponent(targets: Targets, width: int) -> int:
             raise targets.error(
                 int(np.argmin(words != 0)),
                 column,
-                f"is too short: beside the longest arm, {reach[longest]:.6g}, its word of {width} bits is 0",
+                f"is too short: beside the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
+                f"its word of {width} bits is 0",
             )
     return exponent
 
@@ -196,8 +202,7 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
     if exponent is None:
         exponent = scale_exponent(targets, width)
     words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
-    lengths = dict(zip("xyz", targets.core_position.T, strict=True)) | {"d1": targets.d1, "d2": targets.d2}
-    for name, values in lengths.items():
+    for name, values in zip(LENGTHS, (*targets.core_position.T, targets.d1, targets.d2), strict=True):
         words[:, FIELDS.index(name)] = _quantise(np.ldexp(values, exponent), width)
     turns = targets.phi / (2 * np.pi)
     angle = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
@@ -215,7 +220,7 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
     values = {
         name: np.ldexp(column.astype(np.float64), 2 - width - exponent)
         for name, column in zip(FIELDS, columns, strict=True)
-        if name != "phi"
+        if name in LENGTHS
     }
     values["phi"] = np.ldexp(columns[FIELDS.index("phi")].astype(np.float64), -width) * (2 * np.pi)
     return Targets(name=name, **values)

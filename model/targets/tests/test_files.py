@@ -61,7 +61,7 @@ def read(tmp_path):
 
 def test_required_columns_alone_take_the_default_arm(read):
     result = read("x,y,z\n0.1,0.2,0.3\n-4e-1,+.5,6.\n")
-    assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], 0.0, DEFAULT_D1, DEFAULT_D2))
+    assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], math.pi, DEFAULT_D1, DEFAULT_D2))
     assert result.name == "t"
     assert DEFAULT_D1 + DEFAULT_D2 == pytest.approx(0.6)
 
@@ -95,7 +95,7 @@ def test_defaults_come_from_the_arguments_and_a_column_overrides_them(read):
     ],
 )
 def test_accepted_forms(read, content):
-    assert_same(read(content), Targets("t", 1, 2, 3, 0.0, DEFAULT_D1, DEFAULT_D2))
+    assert_same(read(content), Targets("t", 1, 2, 3, math.pi, DEFAULT_D1, DEFAULT_D2))
 
 
 def test_other_columns_are_kept(read):
@@ -103,7 +103,7 @@ def test_other_columns_are_kept(read):
     result = read('t,Name,y,,PHI,x,z\n0.1,"a, b",2,,0.5,1,3\n0.2,c,2,-,0.5,1,3\n')
     assert_same(result, Targets("t", 1, [2, 2], 3, 0.5, DEFAULT_D1, DEFAULT_D2))
     assert result.others == {"t": ["0.1", "0.2"], "Name": ["a, b", "c"], "column 4": ["", "-"]}
-    assert result.defaulted == ("d1", "d2")
+    assert result.default_arm == ("d1", "d2")
 
 
 @pytest.mark.parametrize("count", [1, 10_000])

@@ -357,7 +357,7 @@ def test_results_file_can_be_read_again(tmp_path):
     again = read_csv(path)
     for name in FIELDS:
         np.testing.assert_array_equal(getattr(again, name), getattr(given, name))
-    assert again.defaulted == () and again.others["t"] == given.others["t"]
+    assert again.default_arm == () and again.others["t"] == given.others["t"]
     assert again.others["na,me"] == given.others["na,me"] and "?" not in again.others["flags"]
     write_results_csv(tmp_path / "twice.csv", again, case.results, case.flags, case.score())
     assert (tmp_path / "twice.csv").read_bytes() == path.read_bytes()
