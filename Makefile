@@ -141,7 +141,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
   --no-emit-find-links --custom-compile-command "make lock"
 
 lock: ## write requirements.lock and requirements-fpga.lock anew (needs uv)
-	$(compile) --output-file requirements.lock pyproject.toml
+	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 
 clean: ## remove build/ and caches

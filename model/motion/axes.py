@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from model.reference.kinematics import multiply
+from ..reference.kinematics import multiply
 
 Axis = str | Sequence[float] | np.ndarray
 """A name of :data:`NAMED`, or a vector of three in any length."""

@@ -19,11 +19,11 @@ import numpy as np
 import pybvh
 from pybvh.rotations import rotmat_to_quat
 
-from model.motion import axes
-from model.motion.axes import Axis
-from model.motion.pose import swivel
-from model.reference.kinematics import conjugate, matrix, multiply, rotate
-from model.targets.words import TargetError, Targets
+from ..reference.kinematics import conjugate, matrix, multiply, rotate
+from ..targets.words import TargetError, Targets
+from . import axes
+from .axes import Axis
+from .pose import swivel
 
 SIDES = ("left", "right")
 TORSO = "torso"
@@ -243,7 +243,7 @@ def targets(name: str, moves: Sequence[Motion], phi: Sequence[np.ndarray | float
     Of an arm that is straight, rounding to words of ``width`` bits would leave open whether its elbow stands out by the
     root of an ulp; so it is asked to reach two ulps further than it can, and is straight.
     """
-    count, shapes = len(moves[0].wrist), len(moves)
+    count = len(moves[0].wrist)
     ulp = 2.0 ** (2 - width)  # at most, of the reach
     wrists = []
     for move in moves:
@@ -253,13 +253,17 @@ def targets(name: str, moves: Sequence[Motion], phi: Sequence[np.ndarray | float
     x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
     arm = np.tile([move.arm.side for move in moves], count)
     return Targets(
-        name, x, y, z,
-        np.stack([np.broadcast_to(angle, count) for angle in phi], axis=1).reshape(-1),
-        *(np.tile([getattr(move, length) for move in moves], count) for length in ("d1", "d2")),
+        name=name,
+        x=x,
+        y=y,
+        z=z,
+        phi=np.stack([np.broadcast_to(angle, count) for angle in phi], axis=1).reshape(-1),
+        d1=np.tile([move.d1 for move in moves], count),
+        d2=np.tile([move.d2 for move in moves], count),
         frame=np.stack([move.frame for move in moves], axis=1).reshape(-1, 4),
         arm=arm,
-        others={"frame": np.arange(count).repeat(shapes).astype(str).tolist(), "arm": arm.tolist()},
-    )  # fmt: skip
+        others={"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()},
+    )
 
 
 # -- the clip again ----------------------------------------------------------------------------------------------------

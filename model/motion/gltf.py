@@ -7,7 +7,7 @@ import numpy as np
 import pybvh
 import pygltflib as gltf
 
-from model.reference.kinematics import continuous, multiply
+from ..reference.kinematics import continuous, multiply
 
 POINTS = np.array(
     [(0, 0, 0), (0.08, 0.15, 0), (0, 0.15, 0.08), (-0.08, 0.15, 0), (0, 0.15, -0.08), (0, 1, 0)], dtype=np.float32

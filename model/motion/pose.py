@@ -16,16 +16,16 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import WIDTHS
-from model.motion import axes
-from model.motion.axes import Axis
-from model.reference import kinematics
-from model.reference.equations import solve_clamped
-from model.reference.kinematics import continuous, matrix
-from model.reference.lean_equations import solve_lean
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
+from ..dataflow import fixed
+from ..dataflow.datapaths import DATAPATHS
+from ..dataflow.nodes import WIDTHS
+from ..reference import kinematics
+from ..reference.equations import solve_clamped
+from ..reference.kinematics import continuous, matrix
+from ..reference.lean_equations import solve_lean
+from ..targets.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
+from . import axes
+from .axes import Axis
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

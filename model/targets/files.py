@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_error
+from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_error
 
 REQUIRED = ("x", "y", "z")
 SEPARATORS = (",", ";", "\t")

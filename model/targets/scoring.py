@@ -28,12 +28,12 @@ from typing import Any
 
 import numpy as np
 
-from model.bounds import tolerances
-from model.reference.equations import solve_clamped
-from model.reference.kinematics import angle_between, continuous, forward
-from model.targets import flags as flag_bits
-from model.targets.files import write_atomically
-from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
+from ..bounds import tolerances
+from ..reference.equations import solve_clamped
+from ..reference.kinematics import angle_between, continuous, forward
+from . import flags as flag_bits
+from .files import write_atomically
+from .words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
 
 ELBOW_FIELDS = ("elbow_x", "elbow_y", "elbow_z")
 """Columns of results.csv: where the elbow is, in the user's unit and frame."""

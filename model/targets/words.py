@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from model.reference.kinematics import conjugate, matrix, multiply, rotate
+from ..reference.kinematics import conjugate, matrix, multiply, rotate
 
 FIELDS = ("x", "y", "z", "phi", "d1", "d2")
 """Columns of a target file and fields of a target word, lowest bits first."""
