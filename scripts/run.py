@@ -162,13 +162,12 @@ def _load(arguments: argparse.Namespace) -> list[Prepared]:
 
 def _of_clip(arguments: argparse.Namespace) -> Prepared:
     """The arms of a clip as one stream. Raises TargetError."""
-    path = Path(arguments.trajectory)
-    clip = clips.read(path)
+    clip = clips.read(Path(arguments.trajectory))
     arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
     own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
-    targets = clips.targets(path.stem, moves, phi, arguments.width)
+    targets = clips.targets(clip, moves, phi, arguments.width)
     return Prepared(targets, *to_words(targets, arguments.width), clip, moves)
 
 

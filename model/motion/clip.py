@@ -102,11 +102,14 @@ class Clip:
 
 
 def read(path: Path) -> Clip:
-    """Raises :class:`ClipError` for a file that is no BVH clip, with what is wrong in it; OSError."""
+    """Raises :class:`ClipError` for a file that is no BVH clip or cannot be read, with what is wrong."""
     try:
+        path.open("rb").close()  # what it raises says why
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # it guesses which way is up, and says where two guesses differ
             bvh = pybvh.read_bvh_file(path)
+    except OSError as error:
+        raise ClipError(f"{path}: cannot be read: {error.strerror}") from None
     except (ValueError, IndexError, KeyError) as error:
         text = " ".join(str(error).replace(f" in {path}", "").replace(f" in file {path}", "").split())
         raise ClipError(f"{path}: no BVH clip: {text}") from None
@@ -237,7 +240,7 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     return Motion(arm, elbow, wrist, d1, d2, frame, phi)
 
 
-def targets(name: str, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
+def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
     """The wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
 
     Of an arm that is straight, rounding to words of ``width`` bits would leave open whether its elbow stands out by the
@@ -253,7 +256,8 @@ def targets(name: str, moves: Sequence[Motion], phi: Sequence[np.ndarray | float
     x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
     arm = np.tile([move.arm.side for move in moves], count)
     return Targets(
-        name=name,
+        name=clip.path.stem,
+        path=str(clip.path),
         x=x,
         y=y,
         z=z,

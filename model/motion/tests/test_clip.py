@@ -151,8 +151,10 @@ def test_a_binary_file_and_none(tmp_path):
     (tmp_path / "clip.bvh").write_bytes(b"\xff\xfe\x00" * 50)
     with pytest.raises(ClipError, match="no BVH clip"):
         read(tmp_path / "clip.bvh")
-    with pytest.raises(OSError):
+    with pytest.raises(ClipError, match="none.bvh: cannot be read: No such file"):
         read(tmp_path / "none.bvh")
+    with pytest.raises(ClipError, match="cannot be read: Is a directory"):
+        read(tmp_path)
 
 
 @pytest.mark.parametrize("path", MOCAP, ids=lambda path: path.stem)
