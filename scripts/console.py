@@ -23,6 +23,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from model.dataflow.nodes import WIDTHS
+from model.motion import axes
+from model.motion.axes import Axis
+from model.motion.clip import TORSO
 from model.targets.words import TargetError
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import DATAPATHS, SimulationError
@@ -95,6 +98,19 @@ def whole(least: int) -> Callable[[str], int]:
         return int(text)
 
     return check
+
+
+def reference_axis(text: str) -> Axis:
+    """The type of an option that takes a reference axis."""
+    try:
+        return text if text == TORSO else axes.parse(text)
+    except axes.AxisError as exc:
+        raise argparse.ArgumentTypeError(str(exc)) from None
+
+
+def swivel_angle(text: str) -> float | str:
+    """The type of an option that takes a swivel angle (rad), or says that of a clip."""
+    return text if text in ("clip", "constant") else finite(text)
 
 
 def word_length(text: str) -> int:

@@ -13,8 +13,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,12 +24,28 @@ from rich.markup import escape
 from rich.table import Table
 
 from model.bounds.predict import hand_bar
+from model.motion import clip as clips
+from model.motion import gltf
+from model.motion.axes import to_z
+from model.motion.clip import SIDES, TORSO, Clip, Motion
+from model.motion.pose import hanging
 from model.targets import flags as flag_bits
 from model.targets import trajectories
-from model.targets.files import read_csv
-from model.targets.scoring import Score, score, write_results_csv, write_score_json
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, Targets, to_words
-from scripts.console import InputError, Parser, arm_length, check_out, command, finite, progress, show, writing
+from model.targets.files import read_csv, write_atomically
+from model.targets.scoring import Score, score, write_results_csv, write_results_npz, write_score_json
+from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, to_words
+from scripts.console import (
+    InputError,
+    Parser,
+    arm_length,
+    check_out,
+    command,
+    progress,
+    reference_axis,
+    show,
+    swivel_angle,
+    writing,
+)
 from scripts.waves import write_save_file
 from tb.sim.env import CORES
 from tb.sim.simulate import LONG, Job, Run, simulate
@@ -42,6 +59,8 @@ class Prepared:
     targets: Targets
     words: np.ndarray
     exponent: int
+    clip: Clip | None = None
+    moves: tuple[Motion, ...] = ()
 
 
 # -- the command line ------------------------------------------------------------------------------
@@ -54,10 +73,10 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
     """
     parser = Parser(command, description, passes="all trajectories pass", fails="one fails")
     about = (
-        "a built-in trajectory (see --list), all of them, or a CSV file with a header: x,y,z and optionally phi (rad), "
-        "d1, d2, in any unit of length (default: %(default)s)"
+        "a built-in trajectory (see --list), all of them, a CSV file with a header: x,y,z and optionally phi (rad), "
+        "d1, d2, in any unit of length, or a BVH clip of motion capture (default: %(default)s)"
     )
-    parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE.csv", help=about)
+    parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help=about)
     parser.core()
@@ -66,13 +85,25 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
         "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
         "the results are the same (default: %(default)s)",
     )  # fmt: skip
+    about = (
+        "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
+        "targets; it should point where no wrist goes; torso, of a clip: outward and up (default: z; of a clip: torso)"
+    )
+    parser.add_argument("--axis", type=reference_axis, metavar="AXIS", help=about)
+    parser.choice("--arm", "arm", ("both", *SIDES), None, "of a clip: which arms (default: both)")
+    about = "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known"
+    parser.add_argument("--joints", type=lambda text: text.split(","), metavar="UPPER,FORE,HAND", help=about)
     only_csv = "only with a CSV file, for rows of a file without that column"
     for option, kind, unit, what, default in (
         ("--d1", arm_length, "LENGTH", "upper arm", DEFAULT_D1),
         ("--d2", arm_length, "LENGTH", "forearm", DEFAULT_D2),
-        ("--phi", finite, "RAD", "swivel angle", DEFAULT_PHI),
     ):
         parser.add_argument(option, type=kind, metavar=unit, help=f"{what}, {only_csv} (default: {default})")
+    about = (
+        "swivel angle: of rows of a CSV file without that column (default: the elbow hangs down); of a clip: its own, "
+        "the mean of its own, or one number (default: clip)"
+    )
+    parser.add_argument("--phi", type=swivel_angle, metavar="RAD|clip|constant", help=about)
     return parser
 
 
@@ -87,26 +118,83 @@ def _parser() -> Parser:
 # -- input and output, checked before anything is simulated ----------------------------------------
 
 
-def _load(arguments: argparse.Namespace) -> list[Targets]:
-    """The targets that --trajectory asks for. Raises InputError or TargetError."""
-    name = arguments.trajectory
+BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
+
+GOES_WITH = {"d1": (CSV,), "d2": (CSV,), "phi": (CSV, CLIP), "arm": (CLIP,), "joints": (CLIP,)}
+"""Options that not every kind of trajectory takes."""
+
+OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
+
+
+def _kind(name: str) -> str:
+    """What --trajectory names. Raises InputError."""
     if name == ALL or name in trajectories.TRAJECTORIES:
-        for option in ("d1", "d2", "phi"):
-            if getattr(arguments, option) is not None:
-                raise InputError(
-                    f"argument --{option}: is for CSV files; built-in trajectories ({name}) have their own"
-                )
-        return [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == ALL else [name])]
-    if not (name.lower().endswith(".csv") or os.sep in name or os.path.exists(name)):
-        valid = ", ".join((ALL, *trajectories.TRAJECTORIES))
-        raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, or a CSV file")
-    phi = DEFAULT_PHI if arguments.phi is None else arguments.phi
-    return [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+        return BUILT_IN
+    if name.lower().endswith(".bvh"):
+        return CLIP
+    if name.lower().endswith(".csv") or os.sep in name or os.path.exists(name):
+        return CSV
+    valid = ", ".join((ALL, *trajectories.TRAJECTORIES))
+    raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
+
+
+def _load(arguments: argparse.Namespace) -> list[Prepared]:
+    """The targets that --trajectory asks for, and their words of --width bits. Raises InputError or TargetError."""
+    name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
+    kind = _kind(name)
+    for option, kinds in GOES_WITH.items():
+        if getattr(arguments, option) is not None and kind not in kinds:
+            goes = " or a ".join(kinds)
+            raise InputError(f"argument --{option}: goes with a {goes}, not with a {kind} ({name})")
+    if kind == CLIP:
+        return [_of_clip(arguments)]
+    for option, word in OF_CLIPS:
+        if getattr(arguments, option) == word:
+            raise InputError(f"argument --{option}: {word} goes with a {CLIP}, not with a {kind} ({name})")
+    if kind == CSV:
+        phi = hanging(axis) if arguments.phi is None else arguments.phi
+        found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+    else:
+        found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == ALL else [name])]
+    frame = None if axis == "z" else to_z(axis)
+    return [Prepared(each, *to_words(each, width)) for each in (replace(one, frame=frame) for one in found)]
+
+
+def _of_clip(arguments: argparse.Namespace) -> Prepared:
+    """The arms of a clip as one stream. Raises TargetError."""
+    clip = clips.read(Path(arguments.trajectory))
+    arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
+    moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
+    own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
+    phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
+    targets = clips.targets(clip, moves, phi, arguments.width)
+    return Prepared(targets, *to_words(targets, arguments.width), clip, moves)
 
 
 def prepare(arguments: argparse.Namespace) -> list[Prepared]:
     """The trajectories of --trajectory as words of --width bits. Raises InputError or TargetError."""
-    return [Prepared(targets, *to_words(targets, arguments.width)) for targets in _load(arguments)]
+    prepared = _load(arguments)
+    for item in prepared:
+        for doubt in doubts(item.targets):
+            print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
+    return prepared
+
+
+def doubts(targets: Targets) -> Iterator[str]:
+    """What looks like another unit than is meant, a line each."""
+    if targets.path is None:  # ours are meant
+        return
+    distance = np.linalg.norm(targets.position, axis=1)
+    out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
+    if 2 * out > len(targets):
+        arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
+        yield (
+            f"{out} of {len(targets)} targets are out of reach of {arms}; "
+            "are x, y, z, d1 and d2 in one unit of length? D1= and D2= give another arm"
+        )
+    turns = float(np.abs(targets.phi).max())
+    if turns > 2 * np.pi:
+        yield f"phi goes as far as {turns:g}; it is in radians, are these degrees?"
 
 
 def _results_path(out: Path, name: str, many: bool) -> Path:
@@ -146,6 +234,28 @@ def run_and_score(
     return list(zip(runs, scores, strict=True))
 
 
+def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
+    """How far the elbows are from those of the clip, (N,), in parts of the reach."""
+    elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
+    ours = np.ldexp(result.each.elbow, -result.scale_exponent)
+    return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
+
+
+CLIP_KINDS = ("bvh", "glb")
+
+
+def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
+    """The clip with its arms turned by the core's quaternions, as the contents of files of CLIP_KINDS."""
+    values = result_values(ran.results, width)
+    qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
+    arms = len(item.moves)
+    bvh = clips.turned(item.clip, [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)])
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "clip.bvh"
+        bvh.write(path)
+        return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
+
+
 def verdict(name: str, scores: Sequence[Score]) -> int:
     """Say on stderr, for the command `name`, what fails; the exit status 0 or 1."""
     for result in scores:
@@ -161,7 +271,8 @@ def _run(arguments: argparse.Namespace) -> int:
     many = len(prepared) > 1
     score_path = out / "score.json"
     result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
-    check_out(out, [*result_paths, score_path])
+    clips_written = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    check_out(out, [*result_paths, *(path.with_suffix(".npz") for path in result_paths), *clips_written, score_path])
 
     waves = (out / "waves.vcd").absolute() if arguments.waves else None
     # A prediction takes longer than everything else of a long file.
@@ -169,11 +280,19 @@ def _run(arguments: argparse.Namespace) -> int:
     runs, scores = zip(*run_and_score(arguments, prepared, waves, predict), strict=True)
     with writing():
         for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
-            write_results_csv(path, item.targets, run.results, run.flags, result.each.hand_error, width)
+            targets = item.targets
+            if item.clip:
+                targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
+                for kind, content in turned_clip(item, run, width).items():
+                    write_atomically(path.with_name(f"clip.{kind}"), content)
+            write_results_csv(path, targets, run.results, run.flags, result)
+            write_results_npz(path.with_suffix(".npz"), targets, run.results, run.flags, result)
         write_score_json(score_path, scores)
 
     show(_table_of_many(scores) if many else _table_of_one(scores[0], runs[0].flags))
-    written = [f"{out / '*' / 'results.csv'} ({len(prepared)} files)" if many else result_paths[0], score_path]
+    count = f" ({len(prepared)} files)" if many else ""
+    written = [f"{out / '*' / name if many else out / name}{count}" for name in ("results.csv", "results.npz")]
+    written += [*clips_written, score_path]
     if waves:
         save_file = waves.with_suffix(".gtkw")
         write_save_file(waves, scores[0].datapath, width, save_file)

@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dataflow import fixed
-from model.dataflow.nodes import Domain, Node
-from model.dataflow.paper import sections
-from model.dataflow.reals import Real
+from ..dataflow import fixed
+from ..dataflow.nodes import Domain, Node
+from ..dataflow.paper import sections
+from ..dataflow.reals import Real
 
 SLACK = 2.0**-50
 """Relative allowance for the double precision in which the forms are computed."""

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from model.bounds.ranges import RangeError
-from model.dataflow.facts import Within
-from model.dataflow.lean import lean
-from model.dataflow.nodes import Domain, Format, Node
-from model.targets.words import ARMS
+from ..dataflow.facts import Within
+from ..dataflow.lean import lean
+from ..dataflow.nodes import Domain, Format, Node
+from ..targets.words import ARMS
+from .ranges import RangeError
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.dataflow import fixed
-from model.dataflow.nodes import Node
-from model.dataflow.reals import Real
+from ..dataflow import fixed
+from ..dataflow.nodes import Node
+from ..dataflow.reals import Real
 
 
 def rounded_nodes(bits: fixed.Bits) -> list[Node]:

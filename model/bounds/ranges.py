@@ -18,11 +18,11 @@ from functools import cache, reduce
 
 import numpy as np
 
-from model.dataflow.cases import Case, cases
-from model.dataflow.facts import ANYTHING, Given, Rule
-from model.dataflow.nodes import CORDIC, Domain, Format, Node
-from model.dataflow.paper import paper
-from model.targets.words import ARMS
+from ..dataflow.cases import Case, cases
+from ..dataflow.facts import ANYTHING, Given, Rule
+from ..dataflow.nodes import CORDIC, Domain, Format, Node
+from ..dataflow.paper import paper
+from ..targets.words import ARMS
 
 SLACK = 2.0**-48
 """Relative allowance for the double precision in which the bounds themselves are computed."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.bounds.predict import hand_bar
+from .predict import hand_bar
 
 LEAN = {32: 2e-8, 27: 1.25e-7, 24: 1e-6, 18: 5e-5, 16: 2.05e-4}
 """Word length -> largest hand error / reach of the lean datapath, in any pose: 3.3 ulps of a result for 18 bits and 3.4

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from model.dataflow import lean, paper
-from model.dataflow.nodes import WIDTHS
+from . import lean, paper
+from .nodes import WIDTHS
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from model.dataflow.cases import Case
+from .cases import Case
 
 Limits = tuple[float, float]
 ANYTHING = -math.inf, math.inf

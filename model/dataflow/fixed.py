@@ -13,12 +13,12 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from model.dataflow import cores as lean_cores
-from model.dataflow import trig as lean_trig
-from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import Domain, Format, Node, effective_width, wrap
-from model.targets.flags import FLAGS
-from model.targets.words import FIELDS, RESULT_FIELDS
+from ..targets.flags import FLAGS
+from ..targets.words import FIELDS, RESULT_FIELDS
+from . import cores as lean_cores
+from . import trig as lean_trig
+from .datapaths import DATAPATHS
+from .nodes import Domain, Format, Node, effective_width, wrap
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""

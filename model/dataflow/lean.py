@@ -24,8 +24,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from model.dataflow.facts import SUM, Growth, Limited, Within
-from model.dataflow.nodes import (
+from .facts import SUM, Growth, Limited, Within
+from .nodes import (
     FLOOR,
     HALF_UP,
     Domain,

@@ -28,11 +28,11 @@ from typing import Any
 
 import numpy as np
 
-from model.dataflow.cases import Case
-from model.dataflow.cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
-from model.dataflow.facts import Facts, Within, leading
-from model.dataflow.trig import FRACS, TRIG_CLOCKS
-from model.targets.words import FIELDS, LENGTHS
+from ..targets.words import FIELDS, LENGTHS
+from .cases import Case
+from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
+from .facts import Facts, Within, leading
+from .trig import FRACS, TRIG_CLOCKS
 
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""

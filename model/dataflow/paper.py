@@ -17,10 +17,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.dataflow.cases import SQRT3, Case
-from model.dataflow.facts import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
-from model.dataflow.nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
-from model.dataflow.paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
+from .cases import SQRT3, Case
+from .facts import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
+from .nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
+from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
 
 SECTIONS = {
     "guard": "domain and scale",

@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from model.dataflow.cases import SQRT2, SQRT3, Case
-from model.dataflow.facts import COSINE, SAME, SUM, Given, Growth, Limited, Rule, not_negative, upto, used
-from model.dataflow.nodes import HALF_UP, Domain
+from .cases import SQRT2, SQRT3, Case
+from .facts import COSINE, SAME, SUM, Given, Growth, Limited, Rule, not_negative, upto, used
+from .nodes import HALF_UP, Domain
 
 
 def signed(magnitude, sign):

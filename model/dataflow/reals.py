@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import Domain, Node
-from model.reference.kinematics import forward
-from model.targets.words import RESULT_FIELDS
+from ..reference.kinematics import forward
+from ..targets.words import RESULT_FIELDS
+from . import fixed
+from .datapaths import DATAPATHS
+from .nodes import Domain, Node
 
 
 class Real(Domain):

@@ -18,7 +18,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+from ..targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
 
 LENGTH_RANGE = (1e-15, 1e15)
 """Arm lengths outside this range are refused: products of six lengths would leave the range of doubles."""

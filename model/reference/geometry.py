@@ -12,8 +12,8 @@ multivectors, and `pi_...` are planes. Lengths have the user's unit, angles are 
 import numpy as np
 import sympy
 
-from model.reference import cga
-from model.reference.cga import e1, e3, e_0, e_inf
+from . import cga
+from .cga import e1, e3, e_0, e_inf
 
 
 def swivel_plane(P_w, phi):

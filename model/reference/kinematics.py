@@ -36,6 +36,11 @@ def rotate(q, v):
     return multiply(multiply(q, pure), conjugate(q))[..., 1:]
 
 
+def matrix(q):
+    """The rotation matrices (N, 3, 3) of unit quaternions (N, 4), or the one (3, 3) of one (4,)."""
+    return np.stack([rotate(q, e) for e in np.eye(3)], axis=-1)
+
+
 def angle_between(a, b):
     """Angle (rad, 0 .. pi) of the rotation from a to b, quaternions (N, 4). Returns (N,).
 
@@ -52,14 +57,30 @@ def forward(qs, qe, d1, d2):
         elbow = Qs (d1 e3) Qs~
         wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~          Qe = qe_w + qe_i i
 
-    qs is (N, 4); qe is (N, 2): qe_w, qe_i; d1 (upper arm) and d2 (forearm) are numbers or (N,). Returns two
-    arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm; Qe = -i
-    is the straight arm.
+    qs is (N, 4); qe is (N, 2), qe_w and qe_i, or (N, 4); d1 (upper arm) and d2 (forearm) are numbers or (N,).
+    Returns two arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm;
+    Qe = -i is the straight arm.
     """
     qs = np.atleast_2d(np.asarray(qs, dtype=np.float64))
     qe = np.atleast_2d(np.asarray(qe, dtype=np.float64))
     e3 = np.array((0.0, 0.0, 1.0))
     upper_arm = np.broadcast_to(d1, len(qs))[:, None] * e3
     forearm = np.broadcast_to(d2, len(qs))[:, None] * -e3
-    bent = rotate(np.concatenate((qe, np.zeros_like(qe)), axis=-1), forearm)
+    bent = rotate(np.pad(qe, ((0, 0), (0, 4 - qe.shape[1]))), forearm)
     return rotate(qs, upper_arm), rotate(qs, upper_arm + bent)
+
+
+def continuous(q, arm=None):
+    """Quaternions (N, 4) in either order with signs chosen so that none is further than 90 degrees from the one before.
+
+    Q and -Q are the same rotation, and the core keeps k >= 0: from one target to the next all four components may
+    change sign, which whoever interpolates them must not see.  ``arm`` (N,) names the arm of each; each arm is taken by
+    itself.
+    """
+    q = np.array(q, dtype=np.float64)
+    of = np.zeros(len(q), dtype=int) if arm is None else np.asarray(arm)
+    for one in np.unique(of):
+        rows = np.flatnonzero(of == one)
+        against = (q[rows[1:]] * q[rows[:-1]]).sum(axis=1) < 0
+        q[rows[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
+    return q

@@ -21,8 +21,8 @@ of its digits. Lengths have any one unit, angles are in radians, arrays are floa
 
 import numpy as np
 
-from model.reference.equations import LENGTH_RANGE, columns, pose_flags
-from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+from ..targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+from .equations import LENGTH_RANGE, columns, pose_flags
 
 _SPLIT = 2.0**27 + 1
 

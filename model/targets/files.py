@@ -6,6 +6,7 @@ Every mistake in a file is a `TargetError`, whose text is one line that names fi
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 import math
@@ -15,9 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, DEFAULT_PHI, FIELDS, TargetError, Targets, cell_error
+from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_error
 
 REQUIRED = ("x", "y", "z")
+SEPARATORS = (",", ";", "\t")
 
 # What float() takes beyond this (underscores, non-ASCII digits) is a slip in a target file.
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -29,13 +31,15 @@ def read_csv(
     *,
     d1: float | None = None,
     d2: float | None = None,
-    phi: float = DEFAULT_PHI,
+    phi: float = math.pi,
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
-    Columns x, y, z are required; phi (rad), d1 and d2 may be left out and then come from the arguments
-    (None: the default arm). Columns may stand in any order. A byte order mark, CRLF and blank lines at the
-    end are accepted. Rows in messages are line numbers, as an editor shows them.
+    Columns x, y, z are required; phi (rad), d1 and d2 may be left out and then come from the arguments (None: the
+    default arm; pi: the elbow below). Columns may stand in any order and their names be in either case; others are
+    kept as they are, for whoever writes the results. Cells are separated by commas, semicolons (then a comma may also
+    be the decimal point) or tabs, whichever the header has. A byte order mark, CRLF, blank lines and lines that begin
+    with # are accepted. Rows in messages are line numbers, as an editor shows them.
 
     Raises TargetError for everything that is wrong with the file or with a value in it.
     """
@@ -50,7 +54,7 @@ def read_csv(
         if reason:
             raise TargetError(f"default of {column}: '{default!r}' {reason}")
 
-    rows = _read_rows(path)
+    rows, separator = _read_rows(path)
     if not rows:
         raise TargetError(f"{path}: the file is empty; its first line must be a header such as {','.join(FIELDS)}")
     header_row, header = rows[0]
@@ -59,17 +63,23 @@ def read_csv(
         raise TargetError(f"{path}: row {header_row}: a header but no targets below it")
 
     values = {column: np.full(len(rows) - 1, default) for column, default in defaults.items()}
-    values |= {column: np.empty(len(rows) - 1) for column in columns}
+    values |= {column: np.empty(len(rows) - 1) for column in columns if column in FIELDS}
+    others: dict[str, list[str]] = {column: [] for column in columns if column not in FIELDS}
     for n, (row, cells) in enumerate(rows[1:]):
         if len(cells) != len(columns):
             raise _length_error(path, row, cells, columns)
         for column, cell in zip(columns, cells, strict=True):
-            values[column][n] = _parse(path, row, column, cell)
-    return Targets(name=Path(path).stem, path=path, rows=np.array([row for row, _ in rows[1:]]), **values)
+            if column in others:
+                others[column].append(cell)
+            else:
+                values[column][n] = _parse(path, row, column, cell, separator)
+    default_arm = tuple(name for name, given in (("d1", d1), ("d2", d2)) if given is None and name not in columns)
+    lines = np.array([row for row, _ in rows[1:]])
+    return Targets(name=Path(path).stem, path=path, rows=lines, default_arm=default_arm, others=others, **values)
 
 
-def _read_rows(path: str) -> list[tuple[int, list[str]]]:
-    """The file's CSV rows, each with the number of its first line; blank lines at the end are dropped."""
+def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
+    """The file's rows that say something, each with the number of its first line, and what separates their cells."""
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
@@ -78,41 +88,46 @@ def _read_rows(path: str) -> list[tuple[int, list[str]]]:
         raise TargetError(f"{path}: is a directory, not a file of targets") from None
     except OSError as exc:
         raise TargetError(f"{path}: cannot be read: {exc.strerror}") from None
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise TargetError(f"{path}: is UTF-16 text; save it as UTF-8")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as exc:
         row = data[: exc.start].count(b"\n") + 1
         raise TargetError(f"{path}: row {row}: not UTF-8 text (byte 0x{data[exc.start]:02x})") from None
 
+    head = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    separator = max(SEPARATORS, key=head.count)
     rows: list[tuple[int, list[str]]] = []
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True, delimiter=separator)
     first_line = 1
     try:
         for cells in reader:
-            rows.append((first_line, cells))
+            if any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#"):
+                rows.append((first_line, cells))
             first_line = reader.line_num + 1
     except csv.Error as exc:
         raise TargetError(f"{path}: row {first_line}: not CSV: {exc}") from None
-    while rows and not "".join(rows[-1][1]).strip() and len(rows[-1][1]) <= 1:
-        rows.pop()
-    return rows
+    return rows, separator
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """The column names in the file's order. Raises TargetError for unknown, repeated or missing ones."""
+    """The column names in the file's order, those of targets in lower case. Raises TargetError for repeated, empty or
+    missing ones."""
     columns = [cell.strip() for cell in header]
-    for column in columns:
-        if column not in FIELDS:
-            raise cell_error(
-                path, row, column or "(no name)", column,
-                f"is not a column of targets; the header names {','.join(FIELDS)}, separated by commas",
-            )  # fmt: skip
-        if columns.count(column) > 1:
-            raise cell_error(path, row, column, column, "stands twice in the header")
+    columns = [column.lower() if column.lower() in FIELDS else column for column in columns]
+    if not set(columns) & set(REQUIRED):
+        raise cell_error(
+            path, row, columns[0] or "(no name)", ",".join(columns),
+            f"is no header of targets, which names {','.join(REQUIRED)} and maybe {','.join(FIELDS[3:])}",
+        )  # fmt: skip
+    for n, column in enumerate(columns, 1):
+        if columns.count(column) > 1 and column:
+            raise cell_error(path, row, column, header[n - 1].strip(), "stands twice in the header")
     for column in REQUIRED:
         if column not in columns:
             raise TargetError(f"{path}: row {row}, column {column}: is missing; the header is {','.join(columns)!r}")
-    return columns
+    return [column or f"column {n}" for n, column in enumerate(columns, 1)]
 
 
 def _length_error(path: str, row: int, cells: list[str], columns: list[str]) -> TargetError:
@@ -125,8 +140,10 @@ def _length_error(path: str, row: int, cells: list[str], columns: list[str]) -> 
     return cell_error(path, row, missing, "", f"is missing: {count}")
 
 
-def _parse(path: str, row: int, column: str, cell: str) -> float:
+def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float:
     text = cell.strip()
+    if separator == ";":
+        text = text.replace(",", ".", 1)
     if _NOT_FINITE.fullmatch(text):
         raise cell_error(path, row, column, text, "is not a finite number")
     if not _NUMBER.fullmatch(text):
@@ -155,14 +172,14 @@ def format_csv(targets: Targets) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_atomically(path: Path, text: str) -> None:
+def write_atomically(path: Path, content: str | bytes) -> None:
     """Write a file in one step: a reader, or a user who presses Ctrl-C, finds the old file or the new one.
 
     Raises OSError, whose filename is `path`.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
         os.replace(temporary, path)
     except BaseException as error:
         temporary.unlink(missing_ok=True)

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from model.bounds.tolerances import REGULAR_DISTANCE
-from model.dataflow import fixed
-from model.dataflow.nodes import Node
-from model.dataflow.reals import Real
-from model.reference.kinematics import forward
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.scoring import singular_distance
-from model.targets.stimuli import random_reachable, unreachable
-from model.targets.words import Targets, from_words, result_values
+from ..bounds.tolerances import REGULAR_DISTANCE
+from ..dataflow import fixed
+from ..dataflow.nodes import Node
+from ..dataflow.reals import Real
+from ..reference.kinematics import forward
+from .flags import UNREACHABLE, expected_flags
+from .scoring import singular_distance
+from .stimuli import random_reachable, unreachable
+from .words import Targets, from_words, result_values
 
 CHUNK = 20000
 """Targets that are looked at together."""

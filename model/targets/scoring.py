@@ -16,7 +16,9 @@ What an error is held to, its bar, is of one table: `model.bounds.tolerances`.
 
 from __future__ import annotations
 
+import csv
 import dataclasses
+import io
 import json
 import os
 from collections.abc import Sequence
@@ -26,12 +28,15 @@ from typing import Any
 
 import numpy as np
 
-from model.bounds import tolerances
-from model.reference.equations import solve_clamped
-from model.reference.kinematics import angle_between, forward
-from model.targets import flags as flag_bits
-from model.targets.files import write_atomically
-from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
+from ..bounds import tolerances
+from ..reference.equations import solve_clamped
+from ..reference.kinematics import angle_between, continuous, forward
+from . import flags as flag_bits
+from .files import write_atomically
+from .words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
+
+ELBOW_FIELDS = ("elbow_x", "elbow_y", "elbow_z")
+"""Columns of results.csv: where the elbow is, in the user's unit and frame."""
 
 
 def singular_distance(targets: Targets) -> np.ndarray:
@@ -55,8 +60,8 @@ def singular_distance(targets: Targets) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Each:
-    """What a score is made of, target by target: points (N, 3) in scaled lengths, errors (N,) in parts of the reach
-    or in rad.
+    """What a score is made of, target by target: points (N, 3) in scaled lengths and the user's frame, errors (N,) in
+    parts of the reach or in rad.
 
     `hand_error` is against the target; where it is out of reach (`clamped`), `judged_error` is against the nearest
     pose instead. `bar` is what either is held to.
@@ -165,7 +170,7 @@ def score(
     elbow, wrist = forward(qs, qe, d1, d2)
     pose_elbow = np.column_stack([pose[name] for name in ("p_e_x", "p_e_y", "p_e_z")])
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
-    hand_error = _distance(wrist, np.ldexp(targets.position, exponent)) / reach
+    hand_error = _distance(wrist, np.ldexp(targets.core_position, exponent)) / reach
     clamped_error = _distance(wrist, pose_wrist) / reach
     elbow_error = _distance(elbow, pose_elbow) / reach
     shoulder_angle = angle_between(qs, pose_qs)
@@ -219,8 +224,8 @@ def score(
         passed=not failures,
         failures=tuple(failures),
         each=Each(
-            elbow=elbow,
-            wrist=wrist,
+            elbow=targets.points_from_core(elbow),
+            wrist=targets.points_from_core(wrist),
             clamped=clamped,
             hand_error=hand_error,
             judged_error=np.where(clamped, clamped_error, hand_error),
@@ -285,22 +290,47 @@ def write_results_csv(
     targets: Targets,
     results: np.ndarray,
     flags: np.ndarray,
-    hand_error: np.ndarray,
-    width: int,
+    result: Score,
 ) -> None:
-    """Write results.csv: a row a target in input order, lengths in the user's unit, angles in rad.
+    """Write results.csv: a row a target in input order, lengths in the user's unit and frame, angles in rad; at its
+    end what the file of targets had beside ours.
 
     Every float is written so that reading it gives the same bits. The bytes depend on the arguments only,
     so the files of two simulators can be compared. Raises OSError; then the file is what it was before.
     """
-    lines = [",".join(("n", *FIELDS, *RESULT_FIELDS, "flags", "hand_error"))]
-    given = np.column_stack([getattr(targets, field) for field in FIELDS]).tolist()
-    answers = result_values(results, width).tolist()
-    for n, (target, answer, flag, error) in enumerate(
-        zip(given, answers, np.asarray(flags).tolist(), hand_error.tolist(), strict=True)
-    ):
-        lines.append(",".join((str(n), *map(repr, target), *map(repr, answer), str(flag), repr(error))))
-    write_atomically(Path(path), "\n".join(lines) + "\n")
+    values = result_values(results, result.width)
+    columns: dict[str, list] = {"n": list(range(len(targets)))}
+    columns |= {field: getattr(targets, field).tolist() for field in FIELDS}
+    answers = np.column_stack((targets.from_core(values[:, :4]), values[:, 4:]))
+    columns |= dict(zip(RESULT_FIELDS, answers.T.tolist(), strict=True))
+    columns |= {"flags": np.asarray(flags).tolist(), "hand_error": result.each.hand_error.tolist()}
+    elbow = np.ldexp(result.each.elbow, -result.scale_exponent)
+    columns |= dict(zip(ELBOW_FIELDS, elbow.T.tolist(), strict=True))
+    columns |= {name: cells for name, cells in targets.others.items() if name not in columns}
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*columns.values(), strict=True))
+    write_atomically(Path(path), text.getvalue())
+
+
+def write_results_npz(
+    path: str | os.PathLike[str], targets: Targets, results: np.ndarray, flags: np.ndarray, result: Score
+) -> None:
+    """Write results.npz, the same as arrays: points (N, 3), phi, d1, d2 (N,), qs, qe (N, 4) as w, i, j, k with signs
+    that make them continuous, flags (N,), elbow, wrist (N, 3), hand_error (N,). Raises OSError."""
+    values = result_values(results, result.width)
+    arrays = {
+        "points": targets.position, "phi": targets.phi, "d1": targets.d1, "d2": targets.d2,
+        "qs": continuous(targets.from_core(values[:, :4]), targets.arm),
+        "qe": continuous(np.pad(values[:, 4:], ((0, 0), (0, 2))), targets.arm),
+        "flags": np.asarray(flags), "hand_error": result.each.hand_error,
+        "elbow": np.ldexp(result.each.elbow, -result.scale_exponent),
+        "wrist": np.ldexp(result.each.wrist, -result.scale_exponent),
+    }  # fmt: skip
+    data = io.BytesIO()
+    np.savez(data, **arrays)
+    write_atomically(Path(path), data.getvalue())
 
 
 def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> None:

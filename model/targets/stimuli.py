@@ -10,9 +10,9 @@ from math import isqrt
 
 import numpy as np
 
-from model.reference.lean_equations import solve_lean
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.words import FIELDS
+from ..reference.lean_equations import solve_lean
+from .flags import UNREACHABLE, expected_flags
+from .words import FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:

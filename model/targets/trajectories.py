@@ -23,8 +23,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from model.targets.files import format_csv
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets
+from .files import format_csv
+from .words import DEFAULT_D1, DEFAULT_D2, Targets
 
 STEPS = 100
 """Targets a trajectory: the paper's test scenario has 100 steps."""

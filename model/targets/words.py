@@ -13,9 +13,11 @@ the format of the core:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+
+from ..reference.kinematics import conjugate, matrix, multiply, rotate
 
 FIELDS = ("x", "y", "z", "phi", "d1", "d2")
 """Columns of a target file and fields of a target word, lowest bits first."""
@@ -34,9 +36,6 @@ DEFAULT_D1 = 0.33
 DEFAULT_D2 = 0.27
 """Forearm of the default arm (m)."""
 
-DEFAULT_PHI = 0.0
-"""Swivel angle of a target that gives none (rad)."""
-
 HEADROOM_BITS = 4
 """How many low bits the scaling may give up for targets further out than the arm reaches."""
 
@@ -53,6 +52,10 @@ class Targets:
 
     `path` and `rows` say where the targets came from (line numbers in the file), so that a mistake which is
     found only later, in the scaling, can still name its row; both are None for targets made in Python.
+    `default_arm` says which of the lengths nobody gave, `others` holds the columns that the file has beside ours.
+
+    `frame`, (4,) or (N, 4), is the quaternion of R, which takes the user's frame to that of the core, where z is the
+    reference axis; None is the core's own frame. `arm` (N,) names the arm of each target; None is one arm.
     """
 
     name: str
@@ -64,23 +67,47 @@ class Targets:
     d2: np.ndarray
     path: str | None = None
     rows: np.ndarray | None = None
+    default_arm: tuple[str, ...] = ()
+    others: dict[str, list[str]] = field(default_factory=dict)
+    frame: np.ndarray | None = None
+    arm: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Make every field float64 (N,), broadcasting scalars. ValueError for shapes that do not fit."""
-        columns = [np.asarray(getattr(self, field), dtype=np.float64) for field in FIELDS]
+        columns = [np.asarray(getattr(self, name), dtype=np.float64) for name in FIELDS]
         shape = np.broadcast_shapes((1,), *(column.shape for column in columns))
         if len(shape) != 1:
             raise ValueError(f"targets are one-dimensional, not of shape {shape}")
-        for field, column in zip(FIELDS, columns, strict=True):
-            object.__setattr__(self, field, np.broadcast_to(column, shape).copy())
+        for name, column in zip(FIELDS, columns, strict=True):
+            object.__setattr__(self, name, np.broadcast_to(column, shape).copy())
 
     def __len__(self) -> int:
         return len(self.x)
 
     @property
     def position(self) -> np.ndarray:
-        """Wrist targets, shape (N, 3), user's unit."""
+        """Wrist targets, shape (N, 3), user's unit and frame."""
         return np.column_stack((self.x, self.y, self.z))
+
+    @property
+    def arm_note(self) -> str:
+        """For a message that depends on the arm: which of its lengths are the default ones."""
+        return f" (by default {' and '.join(self.default_arm)})" if self.default_arm else ""
+
+    @property
+    def core_position(self) -> np.ndarray:
+        """Wrist targets, shape (N, 3), in the core's frame; exact where R only exchanges axes."""
+        if self.frame is None:
+            return self.position
+        return (matrix(self.frame) @ self.position[:, :, None])[:, :, 0]
+
+    def from_core(self, qs: np.ndarray) -> np.ndarray:
+        """Shoulder quaternions (N, 4) in the user's frame: R~ Qs."""
+        return qs if self.frame is None else multiply(conjugate(self.frame), qs)
+
+    def points_from_core(self, points: np.ndarray) -> np.ndarray:
+        """Points (N, 3) in the user's frame."""
+        return points if self.frame is None else rotate(conjugate(self.frame), points)
 
     @property
     def reach(self) -> np.ndarray:
@@ -121,19 +148,21 @@ def scale_exponent(targets: Targets, width: int) -> int:
     exponent = 1 - math.frexp(reach[longest])[1]
 
     # -2 itself fits and +2 does not, hence two bounds.
-    low, high = targets.position.min(), targets.position.max()
+    position = targets.core_position
+    low, high = position.min(), position.max()
     lowest = exponent - HEADROOM_BITS
     while exponent > lowest and not (_ldexp(low, exponent) >= -2 and _ldexp(high, exponent) < 2):
         exponent -= 1
-    scaled = _ldexp(targets.position, exponent)
-    outside = (scaled < -2) | (scaled >= 2)
+    scaled = _ldexp(position, exponent)
+    outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
     if outside.any():
-        size = np.where(outside, np.abs(targets.position), 0)
+        size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
         limit = math.ldexp(2.0, -exponent)
         raise targets.error(
             int(n), FIELDS[axis],
-            f"is too far out: for the longest arm, {reach[longest]:.6g}, the format ends at {limit:.6g}",
+            f"is too far out: for the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
+            f"the format ends at {limit:.6g}",
         )  # fmt: skip
 
     for column in ARMS:
@@ -142,7 +171,8 @@ def scale_exponent(targets: Targets, width: int) -> int:
             raise targets.error(
                 int(np.argmin(words != 0)),
                 column,
-                f"is too short: beside the longest arm, {reach[longest]:.6g}, its word of {width} bits is 0",
+                f"is too short: beside the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
+                f"its word of {width} bits is 0",
             )
     return exponent
 
@@ -172,9 +202,8 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
     if exponent is None:
         exponent = scale_exponent(targets, width)
     words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
-    for column, field in enumerate(FIELDS):
-        if field in LENGTHS:
-            words[:, column] = _quantise(np.ldexp(getattr(targets, field), exponent), width)
+    for name, values in zip(LENGTHS, (*targets.core_position.T, targets.d1, targets.d2), strict=True):
+        words[:, FIELDS.index(name)] = _quantise(np.ldexp(values, exponent), width)
     turns = targets.phi / (2 * np.pi)
     angle = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
     half = 2 ** (width - 1)
@@ -183,15 +212,15 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
 
 
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
-    """The targets that `words` (N, 6) stand for: what the core was really asked, in the user's units.
+    """The targets that `words` (N, 6) stand for: what the core was really asked, in the user's units, its own frame.
 
     Exact for lengths; phi comes back in [-pi, pi). `to_words(..., exponent=exponent)` gives `words` again.
     """
     columns = np.asarray(words, dtype=np.int64).T
     values = {
-        field: np.ldexp(column.astype(np.float64), 2 - width - exponent)
-        for field, column in zip(FIELDS, columns, strict=True)
-        if field in LENGTHS
+        name: np.ldexp(column.astype(np.float64), 2 - width - exponent)
+        for name, column in zip(FIELDS, columns, strict=True)
+        if name in LENGTHS
     }
     values["phi"] = np.ldexp(columns[FIELDS.index("phi")].astype(np.float64), -width) * (2 * np.pi)
     return Targets(name=name, **values)

@@ -56,7 +56,8 @@ def latency_page() -> str:
 def pages() -> dict[Path, str]:
     """What needs no run: file -> text."""
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}
-    return {GENERATED / "latency.md": latency_page(), GENERATED / "arm.svg": arm.picture(), **pictures}
+    pictures |= {GENERATED / "arm.svg": arm.picture(), GENERATED / "frame.svg": arm.frame_picture()}
+    return {GENERATED / "latency.md": latency_page(), **pictures}
 
 
 @command("docs")

@@ -46,6 +46,17 @@ TRAJECTORIES = [
     ("--trajectory none.CSV", "none.CSV: no such file"),
     ("--trajectory none/none", "none/none: no such file"),
     ("--trajectory folder", "folder: is a directory"),
+    ("--axis up", "--axis", "axis 'up' is none of z, -z, x"),
+    ("--axis 1,2", "--axis", "axis '1,2' is no vector of three"),
+    ("--axis torso", "--axis: torso goes with a BVH clip, not with a built-in trajectory (reach)"),
+    ("--trajectory t.csv --axis torso", "--axis: torso goes with a BVH clip, not with a CSV file"),
+    ("--trajectory t.csv --phi clip", "--phi: clip goes with a BVH clip"),
+    ("--trajectory t.csv --phi constant", "--phi: constant goes with a BVH clip"),
+    ("--trajectory t.csv --arm left", "--arm: goes with a BVH clip, not with a CSV file (t.csv)"),
+    ("--joints a,b,c", "--joints: goes with a BVH clip, not with a built-in trajectory (reach)"),
+    ("--trajectory none.bvh", "none.bvh: cannot be read: No such file"),
+    ("--trajectory none.bvh --d1 1", "--d1: goes with a CSV file, not with a BVH clip"),
+    ("--trajectory none.bvh --arm up", "--arm", "unknown arm 'up'; valid: both, left, right"),
 ]
 SAMPLE = [
     ("--targets 0", "--targets", f"'0' {WHOLE} 1"),

@@ -5,6 +5,7 @@ The simulator is replaced by the double-precision model rounded to words, so tha
 """
 
 import contextlib
+import csv
 import json
 import os
 import signal
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.motion.pose import solve
 from model.reference.equations import solve_clamped
 from model.targets import trajectories
 from model.targets.flags import expected_flags
@@ -71,8 +73,9 @@ def scores(path="build/run/score.json"):
 def test_default_run(cli, simulator, files):
     status, out, err = cli()
     assert (status, err) == (0, [])
-    assert files() == ["build/run/results.csv", "build/run/score.json"]
-    assert out[-2:] == ["wrote build/run/results.csv", "wrote build/run/score.json"]
+    names = ["results.csv", "results.npz", "score.json"]
+    assert files() == [f"build/run/{name}" for name in names]
+    assert out[-3:] == [f"wrote build/run/{name}" for name in names]
     (call,) = simulator.calls
     assert [job.name for job in call["jobs"]] == ["reach"]
     assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "lean", 32)
@@ -91,7 +94,7 @@ def test_options_reach_the_simulator(cli, simulator, files):
     assert (status, err) == (0, [])
     (call,) = simulator.calls
     assert (call["simulator"], call["width"], call["cores"]) == ("verilator", 24, "digit")
-    assert files() == ["o/results.csv", "o/score.json", "o/waves.gtkw", "o/waves.vcd"]
+    assert files() == ["o/results.csv", "o/results.npz", "o/score.json", "o/waves.gtkw", "o/waves.vcd"]
     assert [(item["simulator"], item["width"]) for item in scores("o/score.json")] == [("verilator", 24)]
 
 
@@ -105,8 +108,10 @@ def test_all_trajectories_get_a_line_and_a_file_each(cli, simulator, files):
     names = list(trajectories.TRAJECTORIES)
     assert (status, err) == (0, [])
     assert len(simulator.calls) == 1, "one build and one simulation for all"
-    assert files() == sorted([*(f"build/run/{name}/results.csv" for name in names), "build/run/score.json"])
-    assert out[-2:] == ["wrote build/run/*/results.csv (14 files)", "wrote build/run/score.json"]
+    results = [f"build/run/{name}/results.{kind}" for name in names for kind in ("csv", "npz")]
+    assert files() == sorted([*results, "build/run/score.json"])
+    wrote = [f"wrote build/run/*/results.{kind} (14 files)" for kind in ("csv", "npz")]
+    assert out[-3:] == [*wrote, "wrote build/run/score.json"]
     assert [item["trajectory"] for item in scores()] == names
     for name in names:
         (line,) = [line for line in out if line.split()[:1] == [name]]
@@ -145,7 +150,7 @@ def test_bom_and_crlf(cli):
     Path("t.csv").write_bytes(b"\xef\xbb\xbfx,y,z,d1,d2\r\n300,100,-200,330,270\r\n\r\n")
     assert cli("--trajectory", "t.csv")[::2] == (0, [])
     row = Path("build/run/results.csv").read_text(encoding="utf-8").splitlines()[1]
-    assert row.startswith("0,300.0,100.0,-200.0,0.0,330.0,270.0,"), "in the user's own unit"
+    assert row.startswith("0,300.0,100.0,-200.0,3.141592653589793,330.0,270.0,"), "in the user's own unit"
 
 
 def test_arm_and_swivel_for_files_without_them(cli):
@@ -153,6 +158,43 @@ def test_arm_and_swivel_for_files_without_them(cli):
     assert cli("--trajectory", "t.csv", "--d1", "0.5", "--d2", "9", "--phi=-1e-1")[0] == 0
     row = Path("build/run/results.csv").read_text(encoding="utf-8").splitlines()[1]
     assert row.startswith("0,0.3,0.1,-0.2,-0.1,0.5,0.4,"), "a column in the file goes before the option"
+
+
+@pytest.mark.parametrize(("axis", "phi"), [("z", np.pi), ("-z", 0.0), ("0,-1,1", 2.356194490192345)])
+def test_rows_without_phi_have_the_elbow_of_a_hanging_arm(cli, axis, phi):
+    Path("t.csv").write_text("x,y,z\n0.4,0,0\n", encoding="utf-8")
+    assert cli("--trajectory", "t.csv", f"--axis={axis}")[::2] == (0, [])
+    (row,) = csv.DictReader(Path("build/run/results.csv").open(encoding="utf-8"))
+    assert float(row["phi"]) == pytest.approx(phi)
+    assert float(row["elbow_z"]) < -0.2 and abs(float(row["elbow_y"])) < 1e-8
+
+
+def test_axis_and_columns_of_the_file(cli):
+    """Results are in the frame of the file: the hand is where the user wanted it, whatever the core was asked."""
+    Path("t.csv").write_text("t;X;y;Z;note\n0,5;0,3;0,1;0,2;first\n\n1,0;0,3;0,1;-0,2;\n", encoding="utf-8")
+    assert cli("--trajectory", "t.csv", "--axis=0.3,1,0", "--phi", "1")[::2] == (0, [])
+    rows = list(csv.DictReader(Path("build/run/results.csv").open(encoding="utf-8")))
+    assert [(row["t"], row["note"]) for row in rows] == [("0,5", "first"), ("1,0", "")]
+    pose = solve([(0.3, 0.1, 0.2), (0.3, 0.1, -0.2)], 1.0, axis=(0.3, 1, 0), width=32)
+    np.testing.assert_allclose([[float(row[f"elbow_{axis}"]) for axis in "xyz"] for row in rows], pose.elbow)
+    np.testing.assert_allclose([[float(row[f"qs_{unit}"]) for unit in "wijk"] for row in rows], pose.qs)
+    arrays = np.load("build/run/results.npz")
+    np.testing.assert_allclose(arrays["wrist"], [(0.3, 0.1, 0.2), (0.3, 0.1, -0.2)], atol=1e-8)
+    assert scores()[0]["hand_error_max"] < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("content", "words", "warning"),
+    [
+        ("x,y,z\n5,1,2\n0.1,0,0.3\n3,0,0\n", [], "2 of 3 targets are out of reach of an arm of 0.33 + 0.27 (by def"),
+        ("x,y,z\n5,1,2\n", ["--d1=0.4", "--d2=0.3"], "1 of 1 targets are out of reach of an arm of 0.4 + 0.3; are x"),
+        ("x,y,z,phi\n.3,.1,.2,90\n", [], "phi goes as far as 90; it is in radians, are these degrees?"),
+    ],
+)
+def test_other_units_are_asked_about(cli, content, words, warning):
+    Path("t.csv").write_text(content, encoding="utf-8")
+    status, _, err = cli("--trajectory", "t.csv", *words)
+    assert (status, len(err)) == (0, 1) and err[0].startswith(f"warning: t.csv: {warning}")
 
 
 def test_the_same_run_writes_the_same_bytes(cli):
@@ -228,7 +270,7 @@ def assert_refused(result, simulator, *parts):
         (b"", ["empty"]),
         (b"x,y,z\n", ["row 1", "no targets"]),
         (b"x,y\n1,2\n", ["row 1", "column z", "missing"]),
-        (b"x,y,z,speed\n1,2,3,4\n", ["row 1", "column speed", "'speed'"]),
+        (b"p,q,r\n1,2,3\n", ["row 1", "column p", "'p,q,r'", "no header"]),
         (b"x,y,z\n.1,.2,.3\n.1,two,.3\n", ["row 3", "column y", "'two'", "not a number"]),
         (b"x,y,z\n.1,.2,nan\n", ["row 2", "column z", "'nan'", "finite"]),
         (b"x,y,z\n.1,.2,.3\n\xef\xbc\x91,.2,.3\n", ["row 3", "column x"]),
@@ -237,7 +279,7 @@ def assert_refused(result, simulator, *parts):
         (b"x,y,z\n.1,.2,.3,.4\n", ["row 2", "column 4", "'.4'", "too many"]),
         (b"x,y,z,d1\n.1,.2,.3,0\n", ["row 2", "column d1", "'0'", "positive"]),
         (b"x,y,z,d1,d2\r\n.1,.2,.3,1,-2\r\n", ["row 2", "column d2", "'-2'", "positive"]),
-        (b"x,y,z\n.1,.2,.3\n.1,1e3,.3\n", ["row 3", "column y", "'1000.0'", "too far out"]),
+        (b"x,y,z\n.1,.2,.3\n.1,1e3,.3\n", ["row 3", "column y", "'1000.0'", "too far out", "(by default d1 and d2)"]),
         (b"x,y,z,d1\n.1,.2,.3,1\n.1,.2,.3,1e-12\n", ["row 3", "column d1", "'1e-12'", "too short"]),
         (b"x,y,z\n.1,.2,\xff\n", ["row 2", "not UTF-8"]),
     ],

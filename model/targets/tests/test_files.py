@@ -61,7 +61,7 @@ def read(tmp_path):
 
 def test_required_columns_alone_take_the_default_arm(read):
     result = read("x,y,z\n0.1,0.2,0.3\n-4e-1,+.5,6.\n")
-    assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], 0.0, DEFAULT_D1, DEFAULT_D2))
+    assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], math.pi, DEFAULT_D1, DEFAULT_D2))
     assert result.name == "t"
     assert DEFAULT_D1 + DEFAULT_D2 == pytest.approx(0.6)
 
@@ -82,11 +82,28 @@ def test_defaults_come_from_the_arguments_and_a_column_overrides_them(read):
         b"x,y,z\n1,2,3",
         b" x , y , z \n 1 ,\t2 , 3 \n",
         b'"x","y","z"\n"1","2","3"\n',
+        b"\n# made by hand\n\nx,y,z\n#0,0,0\n\n1,2,3\n",
+        b"X,Y,Z\n1,2,3\n",
+        b"x;y;z\n1;2;3\n",
+        b"x;y;z\n1,0;2.0;+3,e0\n",
+        b"x\ty\tz\n1\t2\t3\n",
+        b"x,y,z\n1,2,3\n,,\n , ,\n",
     ],
-    ids=["bom", "crlf", "cr", "bom-crlf-blank", "blank-end", "no-newline", "spaces", "quotes"],
+    ids=[
+        "bom", "crlf", "cr", "bom-crlf-blank", "blank-end", "no-newline", "spaces", "quotes", "comments", "upper case",
+        "semicolons", "decimal comma", "tabs", "empty rows",
+    ],
 )
 def test_accepted_forms(read, content):
-    assert_same(read(content), Targets("t", 1, 2, 3, 0.0, DEFAULT_D1, DEFAULT_D2))
+    assert_same(read(content), Targets("t", 1, 2, 3, math.pi, DEFAULT_D1, DEFAULT_D2))
+
+
+def test_other_columns_are_kept(read):
+    """A time, a name, an empty heading, as a spreadsheet has them."""
+    result = read('t,Name,y,,PHI,x,z\n0.1,"a, b",2,,0.5,1,3\n0.2,c,2,-,0.5,1,3\n')
+    assert_same(result, Targets("t", 1, [2, 2], 3, 0.5, DEFAULT_D1, DEFAULT_D2))
+    assert result.others == {"t": ["0.1", "0.2"], "Name": ["a, b", "c"], "column 4": ["", "-"]}
+    assert result.default_arm == ("d1", "d2")
 
 
 @pytest.mark.parametrize("count", [1, 10_000])
@@ -104,22 +121,21 @@ HEADER = "x,y,z,d1,d2\n"
         ("\n\n", "the file is empty"),
         ("x,y,z\n", "row 1: a header but no targets below it"),
         ("x,y\n1,2\n", "row 1, column z: is missing"),
-        ("\nx,y,z\n1,2,3\n", "row 1, column x: is missing"),
-        ("x,y,z,w\n1,2,3,4\n", "row 1, column w: 'w' is not a column of targets"),
-        ("x;y;z\n1;2;3\n", "row 1, column x;y;z: 'x;y;z' is not a column of targets"),
-        ("1,2,3\n4,5,6\n", "row 1, column 1: '1' is not a column of targets"),
-        ("x,y,z,\n1,2,3,\n", "row 1, column (no name): '' is not a column of targets"),
-        ("x,y,X,z\n1,2,3,4\n", "row 1, column X: 'X' is not a column of targets"),
+        ("# x,y,z\n\n", "the file is empty"),
+        ("1,2,3\n4,5,6\n", "row 1, column 1: '1,2,3' is no header of targets, which names x,y,z and maybe phi,d1,d2"),
+        ("\n\n,2,3\n4,5,6\n", "row 3, column (no name): ',2,3' is no header of targets"),
+        ("x,y,X,z\n1,2,3,4\n", "row 1, column x: 'x' stands twice in the header"),
+        ("x,y,z,t,t\n1,2,3,4,5\n", "row 1, column t: 't' stands twice in the header"),
+        ("x;y;z\n1;2\n", "row 2, column z: '' is missing: the header has 3 columns"),
+        ("x;y;z\n1;2,1,1;3\n", "row 2, column y: '2.1,1' is not a number"),
+        ("x\ty\tz\n1\t2,5\t3\n", "row 2, column y: '2,5' is not a number"),
         ("x,y,z,x\n1,2,3,4\n", "row 1, column x: 'x' stands twice in the header"),
         ("x,y,z\n1,2,3\n1,2\n", "row 3, column z: '' is missing: the header has 3 columns, this row has 2"),
         (
             "x,y,z\n1,2,3,4\n",
             "row 2, column 4: '4' is one too many: the header has 3 columns, this row has 4",
         ),
-        (
-            "x,y,z\n1,2,3\n\n1,2,3\n",
-            "row 3, column x: '' is missing: the header has 3 columns, this row has 0",
-        ),
+        ("#\nx,y,z\n1,2,3\n\n# 1,2\n1,2\n", "row 6, column z: '' is missing"),
         ("x,y,z\n1,abc,3\n", "row 2, column y: 'abc' is not a number"),
         ("x,y,z\n1,,3\n", "row 2, column y: '' is empty"),
         ("x,y,z\n1,1_0,3\n", "row 2, column y: '1_0' is not a number"),
@@ -136,7 +152,8 @@ HEADER = "x,y,z,d1,d2\n"
         (HEADER + "1,2,3,1,1e-400\n", "row 2, column d2: '1e-400' is not positive"),
         ('x,y,z\n1,2,3\n1,"2,3\n', "row 3: not CSV: unexpected end of data"),
         (b"x,y,z\n1,2,3\n1,\xff,3\n", "row 3: not UTF-8 text (byte 0xff)"),
-        ("x,y,z\n1,2,3\n".encode("utf-16"), "row 1: not UTF-8 text (byte 0xff)"),
+        ("x,y,z\n1,2,3\n".encode("utf-16"), "is UTF-16 text; save it as UTF-8"),
+        ("x,y,z\n1,2,3\n".encode("utf-16-be"), "row 1, column"),
     ],
 )
 def test_bad_files_are_named_in_one_line(read, tmp_path, content, message):

@@ -10,11 +10,19 @@ import numpy as np
 import pytest
 
 from model.bounds.tolerances import REGULAR
+from model.motion.axes import to_z
 from model.reference.equations import pose_flags, solve_clamped
-from model.reference.kinematics import forward
+from model.reference.kinematics import conjugate, forward, rotate
 from model.targets import scoring
+from model.targets.files import read_csv
 from model.targets.flags import AT_SHOULDER, ON_AXIS, SATURATED, TOO_FAR, TOO_NEAR, expected_flags
-from model.targets.scoring import score, singular_distance, write_results_csv, write_score_json
+from model.targets.scoring import (
+    score,
+    singular_distance,
+    write_results_csv,
+    write_results_npz,
+    write_score_json,
+)
 from model.targets.trajectories import make
 from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
 
@@ -322,18 +330,59 @@ def test_results_file_gives_every_bit_back(tmp_path):
     case.flags[2] = ON_AXIS
     result = case.score()
     path = tmp_path / "results.csv"
-    write_results_csv(path, case.targets, case.results, case.flags, result.each.hand_error, 32)
+    write_results_csv(path, case.targets, case.results, case.flags, result)
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
-    assert header == "n,x,y,z,phi,d1,d2,qs_w,qs_i,qs_j,qs_k,qe_w,qe_i,flags,hand_error".split(",")
+    assert header == "n,x,y,z,phi,d1,d2,qs_w,qs_i,qs_j,qs_k,qe_w,qe_i,flags,hand_error,elbow_x,elbow_y,elbow_z".split(
+        ","
+    )
     table = np.array(rows, dtype=np.float64)
     np.testing.assert_array_equal(table[:, 0], np.arange(100))
     np.testing.assert_array_equal(table[:, 1:7], np.column_stack([getattr(case.targets, f) for f in FIELDS]))
     np.testing.assert_array_equal(np.ldexp(table[:, 7:13], 30).astype(np.int64), case.results)
     np.testing.assert_array_equal(table[:, 13], case.flags)
     np.testing.assert_array_equal(table[:, 14], result.each.hand_error)
+    np.testing.assert_array_equal(np.ldexp(table[:, 15:], result.scale_exponent), result.each.elbow)
     assert rows[2][13] == "4"
     assert b"\r" not in path.read_bytes()
+
+
+def test_results_file_can_be_read_again(tmp_path):
+    """Also with columns of the file's own, which it has kept."""
+    case = Case(make("two_arms"))
+    others = {"t": [str(n) for n in range(100)], "na,me": ["x;y"] * 100, "flags": ["?"] * 100}
+    given = dataclasses.replace(case.targets, others=others)
+    path = tmp_path / "results.csv"
+    write_results_csv(path, given, case.results, case.flags, case.score())
+    again = read_csv(path)
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(again, name), getattr(given, name))
+    assert again.default_arm == () and again.others["t"] == given.others["t"]
+    assert again.others["na,me"] == given.others["na,me"] and "?" not in again.others["flags"]
+    write_results_csv(tmp_path / "twice.csv", again, case.results, case.flags, case.score())
+    assert (tmp_path / "twice.csv").read_bytes() == path.read_bytes()
+
+
+def test_results_in_the_users_frame(tmp_path):
+    """What the core answered in its own frame, turned back; the errors are those of the core."""
+    core = Case(make("two_arms"))
+    frame = to_z((0.3, 1.0, 0.0))
+    there = core.targets.position
+    back = dict(zip("xyz", rotate(conjugate(frame), there).T, strict=True))
+    users = dataclasses.replace(core.targets, frame=frame, **back)
+    np.testing.assert_allclose(users.core_position, there, atol=1e-15)
+    result = core.score()
+    core.targets = users
+    ours = core.score()
+    np.testing.assert_allclose(ours.each.hand_error, result.each.hand_error, atol=1e-15)
+    np.testing.assert_allclose(ours.each.elbow, rotate(conjugate(frame), result.each.elbow), atol=1e-15)
+    write_results_npz(tmp_path / "results.npz", users, core.results, core.flags, ours)
+    arrays = np.load(tmp_path / "results.npz")
+    np.testing.assert_allclose(arrays["points"], users.position)
+    elbow, wrist = forward(arrays["qs"], arrays["qe"], arrays["d1"], arrays["d2"])
+    np.testing.assert_allclose(elbow, arrays["elbow"], atol=1e-9)
+    np.testing.assert_allclose(wrist, arrays["wrist"], atol=1e-9)
+    assert (np.sum(arrays["qs"][1:] * arrays["qs"][:-1], axis=1) > 0).all()
 
 
 def test_score_file_has_the_fields_of_the_design(tmp_path, case):
@@ -351,7 +400,7 @@ def test_score_file_has_the_fields_of_the_design(tmp_path, case):
     assert first["passed"] is True and first["failures"] == []
 
 
-@pytest.mark.parametrize("stopped_in", ["write_text", "replace"])
+@pytest.mark.parametrize("stopped_in", ["write_bytes", "replace"])
 def test_files_are_never_half_written(tmp_path, case, monkeypatch, stopped_in):
     path = tmp_path / "score.json"
     path.write_text("old", encoding="utf-8")
@@ -360,7 +409,7 @@ def test_files_are_never_half_written(tmp_path, case, monkeypatch, stopped_in):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(
-        *((scoring.Path, "write_text") if stopped_in == "write_text" else (scoring.os, "replace")), stop
+        *((scoring.Path, "write_bytes") if stopped_in == "write_bytes" else (scoring.os, "replace")), stop
     )
     with pytest.raises(KeyboardInterrupt):
         write_score_json(path, [case.score()])

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Poses of an arm from Python: what `cga_ik` is imported for.
+
+Frame: the shoulder at the origin, x forward, y to the left, z up, unless the reference axis says otherwise (see
+:mod:`model.motion.axes`).  Lengths are in any one unit, angles in radians.  Quaternions are Hamilton's and give the
+right-handed rotation; at rest the upper arm points along z and the forearm is folded back on it:
+
+    elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..dataflow import fixed
+from ..dataflow.datapaths import DATAPATHS
+from ..dataflow.nodes import WIDTHS
+from ..reference import kinematics
+from ..reference.equations import solve_clamped
+from ..reference.kinematics import continuous, matrix
+from ..reference.lean_equations import solve_lean
+from ..targets.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
+from . import axes
+from .axes import Axis
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+Order = Literal["wxyz", "xyzw"]
+"""Where a quaternion has its scalar part: first, or last as scipy and most engines have it."""
+
+__all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
+
+DOUBLE = {"lean": solve_lean, "paper": solve_clamped}
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """N poses.
+
+    * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; in words of ``width`` bits their values are exact
+    * flags (N,): int64, see :mod:`model.targets.flags`; 0 where the hand is at the target
+    * elbow, wrist (N, 3): where forward kinematics puts them, in the unit of the targets
+    * phi (N,): the swivel angle that was asked for, rad
+    """
+
+    qs: np.ndarray
+    qe: np.ndarray
+    flags: np.ndarray
+    elbow: np.ndarray
+    wrist: np.ndarray
+    phi: np.ndarray
+    order: Order = "wxyz"
+
+    def to_scipy(self) -> tuple[Rotation, Rotation]:
+        """Shoulder and elbow as :class:`scipy.spatial.transform.Rotation`, which has matrices, Euler angles, slerp."""
+        from scipy.spatial.transform import Rotation
+
+        scalar_first = self.order == "wxyz"
+        return (
+            Rotation.from_quat(self.qs, scalar_first=scalar_first),
+            Rotation.from_quat(self.qe, scalar_first=scalar_first),
+        )
+
+
+def solve(
+    points: ArrayLike,
+    phi: ArrayLike | None = None,
+    d1: ArrayLike = DEFAULT_D1,
+    d2: ArrayLike = DEFAULT_D2,
+    *,
+    axis: Axis = "z",
+    width: int | None = None,
+    datapath: str = "lean",
+    order: Order = "wxyz",
+) -> Pose:
+    """Shoulder and elbow of arms whose wrists are to be at points, (10)-(18) of the paper.
+
+    * points (N, 3) or (3,): wrist targets, the shoulder at the origin
+    * phi: swivel angle, rad: 0 is the elbow in the plane of axis and wrist, on the side to which the axis points.
+      None is :func:`hanging`
+    * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
+    * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
+    * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
+    * datapath: "lean" or "paper"
+
+    A target out of reach gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
+    numbers that are not finite, an unknown width, datapath or order, and (as TargetError, of which it is the base)
+    for a target that does not fit the core's format beside the others.
+    """
+    if datapath not in DATAPATHS:
+        raise ValueError(f"datapath {datapath!r} is none of {', '.join(DATAPATHS)}")
+    if width is not None and width not in WIDTHS:
+        raise ValueError(f"width {width!r} is not within {WIDTHS[0]} and {WIDTHS[-1]}, and not None")
+    points = np.atleast_2d(np.asarray(points, dtype=np.float64))
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"points have the shape {points.shape}, not (N, 3)")
+    x, y, z = points.T
+    angle, upper, fore = (np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2))
+    targets = Targets("targets", x, y, z, angle, upper, fore, frame=axes.to_z(axis))
+    for name in ("position", "phi", "d1", "d2"):
+        if not np.isfinite(getattr(targets, name)).all():
+            raise ValueError(f"{'points' if name == 'position' else name}: not all numbers are finite")
+
+    if width is None:
+        x, y, z = targets.core_position.T
+        answer = DOUBLE[datapath](x, y, z, targets.phi, targets.d1, targets.d2)
+        words = np.column_stack([answer[field] for field in RESULT_FIELDS])
+        flags, asked = answer["flags"], targets
+    else:
+        target_words, exponent = to_words(targets, width)
+        run = fixed.run(target_words, width, datapath)
+        words, flags = result_values(run.results, width), run.flags
+        asked = from_words(target_words, exponent, width, targets.name)
+    qs = targets.from_core(words[:, :4])
+    qe = np.column_stack((words[:, 4:], np.zeros((len(words), 2))))
+    elbow, wrist = kinematics.forward(qs, words[:, 4:], targets.d1, targets.d2)
+    return Pose(_to(order, qs), _to(order, qe), np.asarray(flags), elbow, wrist, asked.phi, order)
+
+
+def forward(
+    qs: ArrayLike, qe: ArrayLike, d1: ArrayLike = DEFAULT_D1, d2: ArrayLike = DEFAULT_D2, *, order: Order = "wxyz"
+) -> tuple[np.ndarray, np.ndarray]:
+    """Elbow and wrist (N, 3) of arms whose joints are at Qs and Qe, (N, 4) each, in the unit of the lengths.
+
+    d1, d2: numbers or (N,).  Any reference axis: it is part of Qs.  Raises ValueError for shapes that do not fit.
+    """
+    return kinematics.forward(_from(order, qs), _from(order, qe), d1, d2)
+
+
+def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> np.ndarray:
+    """The swivel angle (N,), rad in [-pi, pi], of arms whose joints are at these points, (N, 3) each or (3,).
+
+    What :func:`solve` takes as phi to put the elbow there.  It is arbitrary where the arm is straight or folded, and as
+    far off as rounding can move the elbow's direction from the line beside it.
+    """
+    shoulder = np.asarray(shoulder, dtype=np.float64)
+    turn = matrix(axes.to_z(axis)).T
+    e, p = (np.atleast_2d(np.asarray(point, dtype=np.float64) - shoulder) @ turn for point in (elbow, wrist))
+    rho = np.hypot(p[:, 0], p[:, 1])
+    on_axis = rho == 0  # azimuth 0, as in the core
+    c, s = np.where(on_axis, 1.0, p[:, 0]), np.where(on_axis, 0.0, p[:, 1])
+    length = np.hypot(c, s)
+    c, s = c / length, s / length
+    inward = e[:, 0] * c + e[:, 1] * s
+    aside = e[:, 0] * s - e[:, 1] * c
+    return np.arctan2(aside, (rho * e[:, 2] - p[:, 2] * inward) / np.linalg.norm(p, axis=1))
+
+
+def hanging(axis: Axis = "z") -> float:
+    """The swivel angle (rad) for which the elbow of an arm that reaches forward (x) hangs straight down (-z).
+
+    pi for z, 0 for -z.  Where the axis is x itself, of an arm that reaches to the left (y).
+    """
+    reach = (0.0, 1.0, 0.0) if abs(axes.direction(axis)[0]) == 1 else (1.0, 0.0, 0.0)
+    return float(swivel((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), reach, axis)[0])
+
+
+def _to(order: Order, q: np.ndarray) -> np.ndarray:
+    if order not in ("wxyz", "xyzw"):
+        raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
+    return q if order == "wxyz" else np.roll(q, -1, axis=-1)
+
+
+def _from(order: Order, q: ArrayLike) -> np.ndarray:
+    array = np.atleast_2d(np.asarray(q, dtype=np.float64))
+    if array.shape[-1] != 4:
+        raise ValueError(f"quaternions have the shape {array.shape}, not (N, 4)")
+    return array if _to(order, array) is array else np.roll(array, 1, axis=-1)

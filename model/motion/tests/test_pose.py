@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Poses from Python: in any frame, in double precision and in the core's words."""
+
+import numpy as np
+import pytest
+
+from model.bounds import tolerances
+from model.dataflow import fixed
+from model.motion import axes
+from model.motion.pose import continuous, forward, hanging, solve, swivel
+from model.reference.equations import solve_clamped
+from model.reference.kinematics import angle_between, conjugate, matrix, multiply, rotate
+from model.reference.lean_equations import solve_lean
+from model.targets.flags import BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR
+from model.targets.words import TargetError, Targets, result_values, to_words
+
+AXES = [*axes.NAMED, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
+D1, D2 = 0.33, 0.27
+COUNT = 500
+
+
+@pytest.fixture(scope="module")
+def reachable():
+    """Points (N, 3) and swivel angles (N,)."""
+    random = np.random.default_rng(1)
+    points = random.normal(size=(COUNT, 3))
+    points *= (random.uniform(0.1, 0.59, COUNT) / np.linalg.norm(points, axis=1))[:, None]
+    return points, random.uniform(-np.pi, np.pi, COUNT)
+
+
+@pytest.mark.parametrize("datapath", ["lean", "paper"])
+@pytest.mark.parametrize("axis", AXES)
+def test_hand_and_swivel_in_the_users_frame(reachable, axis, datapath):
+    points, phi = reachable
+    pose = solve(points, phi, axis=axis, datapath=datapath)
+    assert (pose.flags == 0).all()
+    np.testing.assert_allclose(pose.wrist, points, atol=1e-9 if datapath == "paper" else 1e-14)
+    np.testing.assert_allclose(np.linalg.norm(pose.elbow, axis=1), D1, atol=1e-14)
+    back = swivel((0, 0, 0), pose.elbow, pose.wrist, axis)
+    apart = np.abs(np.angle(np.exp(1j * (back - phi))))
+    assert apart.max() <= (1e-7 if datapath == "paper" else 1e-12)
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_swivel_turns_the_elbow_about_the_line_to_the_wrist(reachable, axis):
+    """By its definition: a right-handed turn about p, from the half plane in which the axis points."""
+    points, phi = reachable
+    unit = points / np.linalg.norm(points, axis=1)[:, None]
+    zero, turned = solve(points, 0, axis=axis), solve(points, phi, axis=axis)
+    beside = zero.elbow - (zero.elbow * unit).sum(axis=1)[:, None] * unit
+    assert ((beside @ axes.direction(axis)) > 0).all()
+    about = np.column_stack((np.cos(phi / 2), np.sin(phi / 2)[:, None] * unit))
+    np.testing.assert_allclose(rotate(about, zero.elbow), turned.elbow, atol=1e-12)
+
+
+def test_the_frame_is_a_turn_of_the_core(reachable):
+    """The same arm seen from a turned frame has turned points and a turned shoulder."""
+    points, phi = reachable
+    r = axes.to_z((0.3, 1.0, 0.0))
+    ours, core = solve(points, phi, axis=(0.3, 1.0, 0.0)), solve(rotate(r, points), phi)
+    np.testing.assert_allclose(angle_between(ours.qs, multiply(conjugate(r), core.qs)), 0, atol=1e-13)
+    np.testing.assert_allclose(ours.elbow, rotate(conjugate(r), core.elbow), atol=1e-14)
+
+
+@pytest.mark.parametrize("datapath", ["lean", "paper"])
+@pytest.mark.parametrize("width", [18, 32])
+def test_a_width_gives_the_words_of_the_core(reachable, width, datapath):
+    points, phi = reachable
+    words, _ = to_words(Targets("t", *points.T, phi, D1, D2), width)
+    results = result_values(fixed.run(words, width, datapath).results, width)
+    pose = solve(points, phi, width=width, datapath=datapath)
+    assert (pose.qs == results[:, :4]).all()
+    assert (pose.qe == np.pad(results[:, 4:], ((0, 0), (0, 2)))).all()
+
+
+@pytest.mark.parametrize("axis", axes.NAMED)
+def test_a_named_axis_loses_no_bit(reachable, axis):
+    """The words are those of permuted coordinates, and Qs holds sums of four of them over 2, exact in a double."""
+    points, phi = reachable
+    r = axes.to_z(axis)
+    there = (matrix(r) @ points.T).T
+    assert (np.sort(np.abs(there)) == np.sort(np.abs(points))).all()
+    ours, core = solve(points, phi, axis=axis, width=32), solve(there, phi, width=32)
+    assert (multiply(r, ours.qs) == core.qs).all() and (ours.qe == core.qe).all()
+    error = np.linalg.norm(ours.wrist - points, axis=1) / (D1 + D2)
+    assert error.max() <= tolerances.lean(32)
+
+
+def test_double_precision_is_that_of_the_equations(reachable):
+    points, phi = reachable
+    for datapath, equations in (("lean", solve_lean), ("paper", solve_clamped)):
+        answer, pose = equations(*points.T, phi, D1, D2), solve(points, phi, datapath=datapath)
+        assert (pose.qs == np.column_stack([answer[f"qs_{unit}"] for unit in "wijk"])).all()
+        assert (pose.qe[:, :2] == np.column_stack([answer["qe_w"], answer["qe_i"]])).all()
+
+
+@pytest.mark.parametrize("width", [None, 24])
+@pytest.mark.parametrize(
+    ("point", "d1", "flag", "wrist"),
+    [
+        ((0, 0.9, 0), D1, TOO_FAR, (0, 0.6, 0)),
+        ((0, 0.01, 0), D1, TOO_NEAR, (0, 0.06, 0)),
+        ((0, 0.3, 0), -1, BAD_LENGTH, None),
+        ((0, 0, 0.3), D1, ON_AXIS, (0, 0, 0.3)),
+    ],
+)
+def test_flags(point, d1, flag, wrist, width):
+    pose = solve(point, 0, d1, width=width)
+    assert pose.flags.tolist() == [flag]
+    if wrist:
+        np.testing.assert_allclose(pose.wrist[0], wrist, atol=1e-6)
+
+
+def test_the_axis_of_the_flag_is_the_users():
+    assert solve((0, 0.3, 0), axis="y").flags.tolist() == solve((0, 0, 0.3)).flags.tolist() == [ON_AXIS]
+
+
+@pytest.mark.parametrize(("axis", "phi"), [("z", np.pi), ("-z", 0), ("y", -np.pi / 2), ("-y", np.pi / 2)])
+def test_without_phi_the_elbow_hangs(axis, phi):
+    assert hanging(axis) == pytest.approx(phi)
+    elbow = solve((0.4, 0, 0), axis=axis).elbow[0]
+    assert elbow[2] < -0.1 and abs(elbow[1]) < 1e-12
+
+
+@pytest.mark.parametrize("side", ["y", "-y"])
+def test_of_an_arm_that_hangs_down_the_elbow_is_behind(side):
+    elbow = solve((0, 0, -0.4), axis=side).elbow[0]
+    assert elbow[0] < -0.1 and abs(elbow[1]) < 1e-12
+
+
+def test_numbers_broadcast():
+    random = np.random.default_rng(2)
+    points, d1 = random.uniform(-0.2, 0.2, (7, 3)), random.uniform(0.3, 0.4, 7)
+    many = solve(points, 1.0, d1, 0.3)
+    for n in range(7):
+        assert (solve(points[n], 1.0, d1[n], 0.3).qs == many.qs[n]).all()
+    assert many.qs.shape == many.qe.shape == (7, 4) and many.flags.shape == (7,) and many.elbow.shape == (7, 3)
+    assert solve(points[0], np.arange(3)).qs.shape == (3, 4)
+
+
+def test_order_and_scipy(reachable):
+    transform = pytest.importorskip("scipy.spatial.transform")
+    points, phi = reachable
+    first, last = solve(points, phi), solve(points, phi, order="xyzw")
+    assert (np.roll(last.qs, 1, axis=1) == first.qs).all() and (np.roll(last.qe, 1, axis=1) == first.qe).all()
+    for pose in (first, last):
+        joints = forward(pose.qs, pose.qe, D1, D2, order=pose.order)
+        np.testing.assert_allclose(joints, (pose.elbow, pose.wrist), atol=1e-15)
+        shoulder, elbow = pose.to_scipy()
+        assert isinstance(shoulder, transform.Rotation)
+        np.testing.assert_allclose(shoulder.apply((0, 0, D1)), pose.elbow, atol=1e-14)
+        np.testing.assert_allclose(shoulder.apply((0, 0, D1) + elbow.apply((0, 0, -D2))), pose.wrist, atol=1e-14)
+
+
+def test_continuous():
+    """No component jumps along an arm, whatever arm stands between; nothing but signs changes."""
+    t = np.linspace(0, 4 * np.pi, 400)
+    circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
+    other = np.random.default_rng(3).permutation(circle)
+    points, arm = np.stack((circle, other), axis=1).reshape(-1, 3), np.tile(("left", "right"), 400)
+    q = solve(points, t.repeat(2)).qs
+    smooth = continuous(q, arm)
+    assert (np.abs(smooth) == np.abs(q)).all() and (smooth[0] == q[0]).all()
+    before, after = (np.linalg.norm(np.diff(of[arm == "left"], axis=0), axis=1).max() for of in (q, smooth))
+    assert before > 1.9 and after < 0.2
+    assert (smooth == np.roll(continuous(np.roll(q, -1, axis=1), arm), 1, axis=1)).all()
+    assert continuous(np.zeros((0, 4))).shape == (0, 4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"points": (1, 2)}, r"shape \(1, 2\)"),
+        ({"points": np.zeros((2, 2, 3))}, r"shape \(2, 2, 3\)"),
+        ({"points": (0, 0, np.nan)}, "points: not all numbers are finite"),
+        ({"phi": np.inf}, "phi: not all"),
+        ({"d2": np.nan}, "d2: not all"),
+        ({"width": 33}, "width 33"),
+        ({"width": 12.5}, "width 12.5"),
+        ({"datapath": "fold"}, "datapath 'fold' is none of"),
+        ({"order": "wxzy"}, "order 'wxzy'"),
+        ({"axis": "up"}, "axis 'up'"),
+        ({"points": np.zeros((3, 3)), "phi": np.zeros(2)}, "broadcast"),
+    ],
+)
+def test_refuses(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        solve(**{"points": (0.1, 0.2, 0.3), **arguments})
+
+
+def test_a_target_that_does_not_fit_the_core():
+    with pytest.raises(TargetError, match="too far out"):
+        solve((100, 0, 0), width=32)
+    assert solve((100, 0, 0)).flags.tolist() == [TOO_FAR]
+
+
+def test_forward_refuses():
+    with pytest.raises(ValueError, match=r"shape \(1, 2\)"):
+        forward(np.ones((1, 4)), np.ones((1, 2)))
