@@ -200,11 +200,6 @@ class Motion:
     phi: np.ndarray
 
     @property
-    def target(self) -> np.ndarray:
-        """Wrist (F, 3) in the core's frame."""
-        return rotate(self.frame, self.wrist)
-
-    @property
     def typical_phi(self) -> float:
         """The mean direction (rad) of the clip's own swivel angles, each as much as the arm is bent."""
         bent = np.linalg.norm(np.cross(self.elbow, self.wrist), axis=1)
