@@ -50,7 +50,7 @@ def animated(bvh: pybvh.Bvh, name: str) -> bytes:
     clock = data.put(np.arange(bvh.frame_count, dtype=np.float32) * bvh.frame_time, gltf.SCALAR, bounds=True)
     motion = gltf.Animation(name=name)
     positions, rotations = bvh.to_quat()
-    tracks = [(number[bvh.nodes[0].name], "translation", positions + bvh.nodes[0].offset, gltf.VEC3)]
+    tracks = [(number[bvh.nodes[0].name], "translation", positions, gltf.VEC3)]
     for k, joint in enumerate(bvh.joint_names):
         tracks.append((number[joint], "rotation", np.roll(continuous(rotations[:, k]), -1, axis=1), gltf.VEC4))
     for target, path, values, kind in tracks:

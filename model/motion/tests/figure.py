@@ -73,7 +73,7 @@ def write(
 
     head = ("Head", (0, 0, 5), [(None, (0, 0, 1), [])])
     leg = ("Leg", (0, 0, -4), [(None, (0, 0, -4), [])])
-    joint("Hips", (0, 0, 0), [("Spine", (0, 0, 1), [head, *(arm(side) for side in sides)]), leg], root=True)
+    joint("Hips", (0.5, 0, 9), [("Spine", (0, 0, 1), [head, *(arm(side) for side in sides)]), leg], root=True)
     t = np.linspace(0, 2 * np.pi, frames)[:, None]
     angles = random.uniform(-40, 40, channels) + random.uniform(10, 40, channels) * np.sin(
         t * random.integers(1, 3, channels) + random.uniform(0, 6, channels)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clips of motion capture: arms found and followed, and the clip written again."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,25 @@ def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
         assert regular.sum() > 20
         assert off(elbow, move.elbow, move)[regular].max() <= ELBOW[width]
         assert off(wrist, move.wrist, move).max() <= (tolerances.lean(width) if width else 1e-14)
+
+
+@pytest.mark.parametrize(("up", "axes"), [("y", {"left": (-1, 1, 0), "right": (1, 1, 0)}), ("z", {"right": (1, 0, 1)})])
+def test_axis_of_the_torso(tmp_path, up, axes):
+    """It moves with the torso, and is what the core takes for z."""
+    clip = read(figure.write(tmp_path / "clip.bvh", up=up))
+    for side, axis in axes.items():
+        (arm,) = arms(clip, side)
+        moved = clip.world[:, arm.torso] @ (np.array(axis) / np.sqrt(2))
+        np.testing.assert_allclose(rotate(motion(clip, arm).frame, moved), [(0, 0, 1)] * len(moved), atol=1e-12)
+
+
+def test_typical_angle_is_that_of_a_bent_arm(tmp_path):
+    clip = read(figure.write(tmp_path / "clip.bvh"))
+    move = motion(clip, arms(clip)[0])
+    straight, bent = (2.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    move = replace(move, elbow=np.array([straight, bent, bent]), wrist=np.array([(4.0, 0, 0)] * 3))
+    assert replace(move, phi=np.array([2.0, 0.4, 0.6])).typical_phi == pytest.approx(0.5)
+    assert replace(move, phi=np.array([0.0, 3.1, -3.1])).typical_phi == pytest.approx(np.pi)
 
 
 @pytest.mark.parametrize("way", [{}, {"up": "z", "rest": "hanging"}, {"rest": "forward", "order": "YXZ"}])

@@ -31,6 +31,9 @@ def test_nodes_are_where_the_joints_are(tmp_path, up):
     if up == "x":
         clip.bvh.world_up = "+x"  # which nobody would guess
     assert clip.bvh.world_up == f"+{up}"
+    angles = clip.bvh.joint_angles.copy()
+    angles[:, 0, 0] += np.linspace(0, 20, len(angles))  # three turns, through both signs of the quaternion
+    clip.bvh.joint_angles = angles
     (tmp_path / "clip.glb").write_bytes(animated(clip.bvh, "a figure"))
     file = pygltflib.GLTF2().load(tmp_path / "clip.glb")
     assert not validate(file)
