@@ -52,7 +52,7 @@ RECIPROCAL = "y = 1/(2 sqrt m), error below a place, also where m was cut off; 0
 class Case:
     """A module with its parameters, and the width of all its arguments together, each of which comes once.
 
-    clocks: from argument to answer. harness: what stands in tb/units/exhaustive.cpp for this module.
+    clocks: from argument to answer. harness: what is in tb/units/exhaustive.cpp for this module.
     """
 
     name: str

@@ -2,7 +2,7 @@
 """make lint: every Verilog module as its own top in Verilator -Wall and Icarus -Wall, then the Python's contracts.
 
 A module that has a parameter of PARAMETER_SETS is looked at once for each value. Any message is a finding,
-and the exit status is then 1. Verilator's waivers, if there are any, stand in rtl/lint.vlt; each one matches a text
+and the exit status is then 1. Verilator's waivers, if there are any, are in rtl/lint.vlt; each one matches a text
 and gives its reason.
 """
 

@@ -4,7 +4,7 @@
 A node's :class:`Bound` holds what exact arithmetic can give, from geometry, and how far rounding can have taken the
 word from it: each operation's own rounding and what its operands bring, multiplied by the largest other operand.  The
 word is within the sum of both, and that must fit.  Geometry's ranges (:class:`model.dataflow.facts.Within`) and how
-errors grow stand at the nodes, in :mod:`model.dataflow.lean`.
+errors grow are stated at the nodes, in :mod:`model.dataflow.lean`.
 
 Targets that are clamped are left out: of them some words are cut off (K and what is computed from it) and not used.
 """

@@ -4,7 +4,8 @@
 A node's :class:`Bound` is the interval that exact arithmetic gives (``low``, ``high``), and how far rounding can have
 taken the word from it (``error``): precision, propagated forward.  Plain intervals know nothing of geometry, so at
 single nodes a :class:`~model.dataflow.facts.Rule` narrows what exact arithmetic can give; each rule says why in a
-sentence.  The rules, how errors grow, and what saturates on purpose stand at the nodes, in :mod:`model.dataflow.paper`.
+sentence.  The rules, how errors grow, and what saturates on purpose are stated at the nodes, in
+:mod:`model.dataflow.paper`.
 
 The input words fall into :func:`model.dataflow.cases.cases`, and a node's range is the union over them.
 """
@@ -192,7 +193,7 @@ class Ranges(Domain):
         return self._rule(name, low, high, error + fmt.ulp, fmt, (max(word[0] - fmt.ulp, 0.0), word[1]))
 
     def mantissa(self, name, word, words, counts, fill):
-        # Exact: shifting changes the unit, not the vector.  Bounds downstream are about the words as they stand.
+        # Exact: shifting changes the unit, not the vector.  Bounds downstream are about the words as they are.
         return self._given(name, self.word(0))
 
     def cordic(self, names, phi):
@@ -203,7 +204,7 @@ class Ranges(Domain):
         if isinstance(self.facts[name].within, Given) or fmt.width == 1:
             return self._given(name, fmt)
         # Choices, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
-        # operand) stand still: their extremes lie at corners of the operands' ranges, 0 and -1 included.
+        # operand) do not move: their extremes lie at corners of the operands' ranges, 0 and -1 included.
         corners = [self._corners(n) for n in operands]
         grid = [np.array(c, dtype=object) for c in zip(*itertools.product(*corners), strict=True)]
         grid = [g if _large(g) else g.astype(np.int64) for g in grid]

@@ -42,7 +42,7 @@ def mul3(a, b, shift: int, a_width: int, b_width: int):
 
     Each tile is cut off two bits below the result's last place; the half place of the rounding is a carry into each of
     the two sums.  Where the highest tile ends above these two bits, the product of the highest two bits of both low
-    parts stands below it.  Errors: :func:`mul3_error`.
+    parts is below it.  Errors: :func:`mul3_error`.
     """
     a_bits, b_bits = cuts(a_width, b_width)
     a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)

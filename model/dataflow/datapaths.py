@@ -13,7 +13,7 @@ from .nodes import WIDTHS
 
 @dataclass(frozen=True)
 class Datapath:
-    """One dataflow and where its Verilog stands.
+    """One dataflow and where its Verilog is.
 
     ``flow(domain, target)`` is the whole of it, ``after_guard(domain, phi)`` what follows the exact decisions.
     ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with.

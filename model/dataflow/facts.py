@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the dataflows say of a node besides how it is computed: :class:`Facts`, which stand where the node is made."""
+"""What the dataflows say of a node besides how it is computed: :class:`Facts`, stated where the node is made."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ class Format:
 class Node:
     """One named value of the dataflow.
 
-    ``time`` counts clocks from the clock in which the target stands at the input; ``value`` is whatever the domain
+    ``time`` counts clocks from the clock in which the target is at the input; ``value`` is whatever the domain
     computes with (an array over targets).  ``after`` is a node that the operation waits for without using it, to
     leave together with its neighbours.  ``error`` is the range, in ulps, of the rounding that the operation adds, and
     ``facts`` what else the dataflow says of the node.

@@ -64,7 +64,7 @@ HALF_OF = "clamp ? {1} : (({0} >>> 1) | $signed({{1'b0, {0}[0]}}))"
 """The same in Verilog."""
 
 
-# What geometry says of the nodes stands before each section: ranges of exact arithmetic, case by case, and why.
+# What geometry says of the nodes is stated before each section: ranges of exact arithmetic, case by case, and why.
 
 CLAMPED = Given("", lambda c: (int(c.clamped), int(c.clamped)))
 REACHABLE = Given("", lambda c: (0, int(c.clamped)))

@@ -238,7 +238,7 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
 def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
     """The wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
 
-    Of an arm that is straight, rounding to words of ``width`` bits would leave open whether its elbow stands out by the
+    Of an arm that is straight, rounding to words of ``width`` bits would leave open whether its elbow sticks out by the
     root of an ulp; so it is asked to reach two ulps further than it can, and is straight.
     """
     count = len(moves[0].wrist)

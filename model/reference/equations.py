@@ -2,7 +2,7 @@
 """Layer 3 of the reference: equations (10)-(18) of the paper in double precision, with their corrections.
 
 Corrected against the print: the squared cosine in the x and y rows of (11); d1 is the upper arm and d2 the
-forearm. Where the print is 0/0 (target or elbow on the z axis, P_w in the plane pi_yz2) a rule stands at the
+forearm. Where the print is 0/0 (target or elbow on the z axis, P_w in the plane pi_yz2) a rule is given at the
 line.
 
 Three sums are taken in a form that is equal to the print but does not cancel: tmp1 with the products PP_m^+

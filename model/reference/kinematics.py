@@ -52,7 +52,7 @@ def angle_between(a, b):
 
 
 def forward(qs, qe, d1, d2):
-    """Elbow and wrist of the arm whose joints stand at Qs and Qe.
+    """Elbow and wrist of the arm whose joints are at Qs and Qe.
 
         elbow = Qs (d1 e3) Qs~
         wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~          Qe = qe_w + qe_i i

@@ -36,7 +36,7 @@ def read_csv(
     """Read targets from a CSV file with a header.
 
     Columns x, y, z are required; phi (rad), d1 and d2 may be left out and then come from the arguments (None: the
-    default arm; pi: the elbow below). Columns may stand in any order and their names be in either case; others are
+    default arm; pi: the elbow below). Columns may be in any order and their names be in either case; others are
     kept as they are, for whoever writes the results. Cells are separated by commas, semicolons (then a comma may also
     be the decimal point) or tabs, whichever the header has. A byte order mark, CRLF, blank lines and lines that begin
     with # are accepted. Rows in messages are line numbers, as an editor shows them.
@@ -123,7 +123,7 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
         )  # fmt: skip
     for n, column in enumerate(columns, 1):
         if columns.count(column) > 1 and column:
-            raise cell_error(path, row, column, header[n - 1].strip(), "stands twice in the header")
+            raise cell_error(path, row, column, header[n - 1].strip(), "appears twice in the header")
     for column in REQUIRED:
         if column not in columns:
             raise TargetError(f"{path}: row {row}, column {column}: is missing; the header is {','.join(columns)!r}")
@@ -156,7 +156,7 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
 
 
 def _value_reason(column: str, value: float) -> str | None:
-    """Why `value` cannot stand in `column`, or None when it can."""
+    """Why `value` cannot be in `column`, or None when it can."""
     if not math.isfinite(value):
         return "is not a finite number"
     if column in ("d1", "d2") and value <= 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flag bits that stand above the tag in `m_axis_tuser`, and the exact rule for each.
+"""The flag bits above the tag in `m_axis_tuser`, and the exact rule for each.
 
 A flagged result is still a defined value: a clamped pose, or a pose by convention.
 """

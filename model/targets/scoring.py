@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scores of a trajectory that ran through the core: how far off the hand is, and whether that is good enough.
 
-What is compared with what (DESIGN, section 5):
+What is compared with what:
 
 * the hand: forward kinematics of the core's quaternions, with the arm as the user gave it, against the
   target as the user gave it; so quantisation of the target counts as an error of the core

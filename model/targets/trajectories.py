@@ -38,7 +38,7 @@ REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting",
 """The trajectories that keep away from singular poses."""
 
 EXAMPLES = ("reach", "two_arms")
-"""The trajectories that stand in `examples/` as CSV files too."""
+"""The trajectories that are in `examples/` as CSV files too."""
 
 
 def make(name: str) -> Targets:

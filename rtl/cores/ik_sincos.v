@@ -3,7 +3,7 @@
 //
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: inside the CORDIC's range of convergence
 // without folding quadrants. The gain of the rotations is taken out in advance.
-// The vector after FIRST iterations is a function of the FIRST signs of the angle alone: it stands in a memory, and only
+// The vector after FIRST iterations is a function of the FIRST signs of the angle alone: it is in a memory, and only
 // the angle goes through all iterations. The memory is read before the last of these signs is known, for both.
 // Latency: W + 1 clocks (LAT_SINCOS): one iteration a bit, rounding.
 `default_nettype none

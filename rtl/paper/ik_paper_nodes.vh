@@ -2,7 +2,7 @@
 // Written by `python -m scripts.pages.gen_headers` from model/dataflow/paper.py; do not edit.
 
 // For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in
-// which it is valid, counted from the clock in which its target stands at the datapath's input.
+// which it is valid, counted from the clock in which its target is at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
 localparam integer GUARD = 8;  // more fraction bits of a product that waits for its sum

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Section 3.1: the distance of the target (10) and the swivel plane (11), with sin and cos of phi/2 from a CORDIC
-// beside the first root. (11) contains the target's horizontal direction as a factor of every term; it stands here in
+// beside the first root. (11) contains the target's horizontal direction as a factor of every term; it is here in
 // a unit of its own (b), which gives the plane's normal another length and leaves the plane what it is.
 `default_nettype none
 

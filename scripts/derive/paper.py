@@ -2,7 +2,7 @@
 """Derives equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/generated/derivation.md.
 
 The left side of every comparison is what the functions of model/reference/geometry.py return for symbols; the right
-side is PRINTED, the paper's equations as they stand on paper, typed once. The status is 1 when a verdict is not the one
+side is PRINTED, the paper's equations as printed, typed once. The status is 1 when a verdict is not the one
 expected: everything equal but the rows of KNOWN_WRONG.
 """
 

@@ -137,7 +137,7 @@ def compare(setting: Setting, equation: str, name: str, derived, printed, factor
 
 
 def radicand(expression, setting: Setting) -> sp.Expr:
-    """What stands under the one square root of the expression, without an absolute value, positive at the point."""
+    """What is under the one square root of the expression, without an absolute value, positive at the point."""
     found = {p.base for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2}
     (base,) = found
     base = base.args[0] if isinstance(base, sp.Abs) else base

@@ -102,7 +102,7 @@ def minus(a, b):
 
 
 def evaluate(text: str, **values) -> sp.Expr:
-    """A printed expression as sympy's. `values` stand for names; the others stay symbols."""
+    """A printed expression as sympy's. `values` replace names; the others stay symbols."""
     functions = {"sqrt": sp.sqrt, "cos": sp.cos, "sin": sp.sin, "abs": sp.Abs}
     tree = ast.parse(text, mode="eval")
     for node in ast.walk(tree):
@@ -127,7 +127,7 @@ def tex(text: str) -> str:
 
 
 def _tex(node, level=0) -> str:
-    """level: 0 takes anything, 1 what may stand in a product, 2 what may be raised to a power."""
+    """level: 0 takes anything, 1 what may be in a product, 2 what may be raised to a power."""
     if isinstance(node, ast.Constant):
         return str(node.value)
     if isinstance(node, ast.Name):

@@ -56,7 +56,7 @@ def nodes_header(datapath: str) -> str:
     lines = [
         NOTE.format(source="model/dataflow/paper.py" if datapath == "paper" else f"model/dataflow/{datapath}.py"),
         "// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
-        "// which it is valid, counted from the clock in which its target stands at the datapath's input.",
+        "// which it is valid, counted from the clock in which its target is at the datapath's input.",
         "// LAT_<OPERATION>: clocks of an operation.",
         "",
     ]

@@ -179,7 +179,7 @@ def _parameter(module: dict, name: str) -> int:
 
 
 LIBRARY = ("ik_mul", "ik_sum2", "ik_sum3", "ik_half", "ik_div", "ik_root", "ik_sincos", "ik_norm", "ik_lzc", "ik_shift")
-"""What sections are made of.  Of what stands inside of one of these only the delays of its operands are counted."""
+"""What sections are made of.  Of what is inside one of these only the delays of its operands are counted."""
 
 
 def _operand_bits(operator: dict, by_address: dict[str, dict]) -> int:

@@ -22,12 +22,12 @@ SAME_FIGURE = 0.06
 
 
 def differing(text: str, fresh: str) -> list[str]:
-    """The lines of a page that differ from those made anew, figures compared to two digits."""
+    """The lines of a page that differ from those just made, figures compared to two digits."""
     old, new = text.splitlines(), fresh.splitlines()
-    wrong = [] if len(old) == len(new) else [f"the page has {len(old)} lines, made anew {len(new)}"]
+    wrong = [] if len(old) == len(new) else [f"the page has {len(old)} lines, just made {len(new)}"]
     for a, b in zip(old, new, strict=False):
         pairs = zip(NUMBER.findall(a), NUMBER.findall(b), strict=False)
         close = all(abs(float(u) - float(v)) <= SAME_FIGURE * max(abs(float(u)), abs(float(v))) for u, v in pairs)
         if NUMBER.sub("0", a) != NUMBER.sub("0", b) or not close:
-            wrong.append(f"the page has: {a}\n   made anew: {b}")
+            wrong.append(f"the page has: {a}\n   just made: {b}")
     return wrong

@@ -111,7 +111,7 @@ def test_what_it_says_and_writes(cli, simulator, files):
     assert measured(out, "hand error / reach, largest") == [f"{np.nanmax(hand):.2e}", "2.00e-08"]
     assert measured(out, "abs(norm^2 - 1) of Qs and Qe, largest")[0] == f"{norm.max():.2e}"
     assert int(measured(out, "targets a second, build excluded")[0]) > 0
-    once = np.unique(words, axis=0, return_index=True)[1]  # corners stand in every chunk
+    once = np.unique(words, axis=0, return_index=True)[1]  # corners are in every chunk
     hand, norm = (np.where(np.isin(np.arange(900), once), np.where(np.isnan(hand), 0, e), 0) for e in (hand, norm))
     by_hand, by_norm = (np.argsort(-e, kind="stable")[:10].tolist() for e in (hand, norm))
     table = out[next(n for n, line in enumerate(out) if line.startswith("the hardest")) :]

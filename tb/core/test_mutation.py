@@ -64,7 +64,7 @@ def targets() -> np.ndarray:
 
 
 def test_mutants_change_one_place():
-    """Each mutation can be made: its text stands once in the module, and the node it is to be found at exists."""
+    """Each mutation can be made: its text is in the module once, and the node it is to be found at exists."""
     for mutant in MUTANTS:
         bits = fixed.run(targets(), WIDTH, datapath(mutant)).bits
         assert mutant.seeded((ROOT / mutant.file).read_text())

@@ -165,7 +165,7 @@ class Elaborated:
                 self.ranges[name] = Range(0, own.high, own.rule)
 
     def port(self, operand: Operand) -> Range:
-        """The range of what stands at a port."""
+        """The range of what is at a port."""
         if not operand.node:
             return Range(operand.constant, operand.constant)
         own = self.ranges[operand.node]

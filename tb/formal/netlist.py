@@ -209,14 +209,14 @@ class Netlist:
         return self.modules[self.paths[parent]]["cells"][cell]["type"]
 
     def operand(self, path: str, port: str) -> Operand:
-        """What stands at an operator's input port."""
+        """What is at an operator's input port."""
         parent, _, cell = path.rpartition(".")
         bits = self.modules[self.paths[parent]]["cells"][cell]["connections"][port]
         found = self.value(f"{path}.{port}", parent, bits)
         return replace(found, clocks=found.clocks + self.waits(self.elaborated(path), port))
 
     def waits(self, module: str, port: str) -> int:
-        """Clocks by which an operator delays what stands at its port, before anything else sees it."""
+        """Clocks by which an operator delays what is at its port, before anything else sees it."""
         bits = set(self.modules[module]["ports"][port]["bits"])
         cells = self.modules[module]["cells"].values()
         readers = [cell for cell in cells if any(bits & set(wire) for wire in cell["connections"].values())]

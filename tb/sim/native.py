@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds a module with Verilator around a C++ file that drives it: runs over all inputs, without Python in the loop.
 
-The C++ file includes ``Vtop.h``; everything of one build stands in a folder of its own under ``build/native``.
+The C++ file includes ``Vtop.h``; everything of one build is in a folder of its own under ``build/native``.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A generated top with several modules of ``rtl/`` side by side: one start of the simulator serves all of them.
 
-Every module stands in a shell that has registers in place of its inputs and wires in place of its outputs, of the same
+Every module is in a shell that has registers in place of its inputs and wires in place of its outputs, of the same
 names: to a testbench the shell looks like the module.  Each has a clock of its own, so that only the one under test
 runs.
 """

@@ -45,7 +45,7 @@ def run_unit(
 ) -> Path:
     """Runs the tests of ``bench`` on an instance of ``module`` for each of the parameter sets.
 
-    All of them stand in one top (tb/sim/shells.py).  ``sim`` is icarus or verilator (default: ``SIM``).  Raises
+    All of them are in one top (tb/sim/shells.py).  ``sim`` is icarus or verilator (default: ``SIM``).  Raises
     ``SystemExit`` when a test or the build fails; the log names the set.
     """
     from tb.sim.runner import simulate

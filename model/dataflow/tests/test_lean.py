@@ -120,7 +120,7 @@ class Run:
             assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
 
     def check_norms(self, width: int) -> None:
-        """Both quaternions have unit length and the signs of DESIGN."""
+        """Both quaternions have unit length and the core's signs."""
         for name, off, bar in zip(("Qs", "Qe"), self.norms, norm_bars(width), strict=True):
             self.below(off, bar, f"ulps that the squared length of {name} is off 1:")
         results = self.answer.results

@@ -153,7 +153,7 @@ def test_order_and_scipy(reachable):
 
 
 def test_continuous():
-    """No component jumps along an arm, whatever arm stands between; nothing but signs changes."""
+    """No component jumps along an arm, whatever arm comes between; nothing but signs changes."""
     t = np.linspace(0, 4 * np.pi, 400)
     circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
     other = np.random.default_rng(3).permutation(circle)

@@ -56,7 +56,7 @@ def test_table_is_what_the_model_computes():
     for part in "wijk":
         values[f"qs_{part}"] = values[f"qs_{part}"] * sign
     compared = set(values) & set(model)
-    assert compared == set(model) - {"flags"}, "every node of the model stands in the table"
+    assert compared == set(model) - {"flags"}, "every node of the model is in the table"
     for name in compared:
         np.testing.assert_allclose(values[name], model[name], rtol=0, atol=1e-12, err_msg=name)
 

@@ -43,7 +43,7 @@ def test_a_changed_proof_and_a_changed_figure_are_named(text):
         changed = text.replace(row, " | ".join(cells))
         assert changed == text or len(differing(text, changed)) == 1, cells[k]
     assert differing(text, text + "more\n") == [
-        f"the page has {len(text.splitlines())} lines, made anew {len(text.splitlines()) + 1}"
+        f"the page has {len(text.splitlines())} lines, just made {len(text.splitlines()) + 1}"
     ]
     assert differing(text, text.replace("| inf_pp | (13) | 2", "| inf_pp | (13) | 3"))
     assert differing(text, text) == []

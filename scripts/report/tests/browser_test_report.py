@@ -274,7 +274,7 @@ def test_dark_and_light_follow_the_system(written, browser):
     assert page.run("getComputedStyle(document.body).backgroundColor") == "rgb(18, 21, 26)"
 
 
-def test_another_size_of_the_window_draws_anew(written, browser):
+def test_another_size_of_the_window_draws_again(written, browser):
     page = browser(written + "#target=0", WIDE)
     page.call("Emulation.setDeviceMetricsOverride", width=400, height=800, deviceScaleFactor=2, mobile=False)
     page.wait_for("document.getElementById('scene').width === 2 * document.getElementById('scene').clientWidth")

@@ -152,7 +152,7 @@ def test_another_fpga_lock_concerns_only_those_who_need_it(fpga):
     fpga.set_up(["fpga"])
     Path(fpga.fpga_lock_file).write_text("z3-solver==1.1\n")
     assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
-    fpga.set_up(["verilator"])  # writes the stamp anew, and must not vouch for tools of the old lock
+    fpga.set_up(["verilator"])  # writes the stamp again, and must not vouch for tools of the old lock
     assert fpga.is_ready(["icarus", "verilator"]) and not fpga.is_ready(["fpga"])
     fpga.set_up(["fpga"])
     assert fpga.is_ready(["icarus", "verilator", "fpga"])

@@ -181,7 +181,7 @@ tools = pytest.mark.skipif(
 
 
 def again(name, **changed):
-    """A proof run anew, what it said, with some of it changed."""
+    """A proof run again, what it said, with some of it changed."""
     proof = next(proof for proof in PROOFS if proof.name == name)
     said = []
     with ThreadPoolExecutor(2) as pool:
