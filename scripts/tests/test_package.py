@@ -40,6 +40,7 @@ def test_what_is_installed(installed):
     """The model and nothing else; its core needs numpy and mpmath only."""
     assert sorted(path.name for path in installed.iterdir() if "dist-info" not in path.name) == ["cga_ik"]
     assert not [path for path in installed.rglob("*") if path.name == "tests"]
+    assert (installed / "cga_ik" / "py.typed").exists(), "or no type checker looks at its annotations"
     loaded = python(installed, "import sys, cga_ik; print(*{name.partition('.')[0] for name in sys.modules})").split()
     assert not {"model", "cocotb", "sympy", "kingdon", "scipy", "pybvh", "matplotlib"} & set(loaded)
     assert {"numpy", "mpmath", "cga_ik"} <= set(loaded)
