@@ -139,6 +139,14 @@ def arm_length(text: str) -> float:
     return value
 
 
+def accuracy(text: str) -> float:
+    """The type of an option that takes an error that is not to be exceeded, in parts of the reach."""
+    value = finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive: no core is without error")
+    return value
+
+
 # -- exit status and files -------------------------------------------------------------------------
 
 

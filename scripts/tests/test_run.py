@@ -84,8 +84,9 @@ def test_default_run(cli, simulator, files):
     (score,) = scores()
     assert score["trajectory"] == "reach" and score["targets"] == 100 and score["passed"]
     hand = next(line for line in out if "hand error / reach, largest" in line)
-    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "2.0e-08", "6.0e-08"]
-    assert any("pass" in line for line in out)
+    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "2e-08", "6.0e-08"]
+    assert any(line.startswith("pass: within 2e-08 of the reach, as asked; ") for line in out)
+    assert any(line.split()[-2:] == ["target", str(score["hand_error_target"])] for line in out)
 
 
 def test_options_reach_the_simulator(cli, simulator, files):
@@ -239,6 +240,24 @@ def test_a_failure_names_the_bar_and_by_how_much(cli, simulator):
     verdicts = {item["trajectory"]: item["passed"] for item in scores()}
     assert [name for name, passed in verdicts.items() if not passed] == ["circle", "figure_eight"]
     assert sum("FAIL" in line for line in out) == 2
+
+
+def test_an_accuracy_of_ones_own_fails_honestly(cli):
+    status, out, err = cli("--bar", "1e-12")
+    assert status == 1 and "times its bar 1e-12" in err[0]
+    assert any(line.startswith("FAIL: 1e-12 of the reach was asked for, ") for line in out)
+    assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
+
+
+def test_where_nothing_is_asked_the_table_says_so(cli):
+    status, out, _ = cli("--datapath", "paper", "--width", "18")
+    assert status == 0
+    assert any("hand error / reach, largest" in line and "not asked" in line for line in out)
+    assert any(line.startswith("pass: bits, flags and norms are right; accuracy was not asked for") for line in out)
+    _, out, _ = cli("--datapath", "paper", "--trajectory", "all")
+    unasked = sum(item["hand_error_bar"] is None for item in scores())
+    said = f"14 of 14 pass, {unasked} of them by bits, flags and norms: accuracy was not asked for (-)"
+    assert unasked > 3 and said in " ".join(line.strip() for line in out)
 
 
 def test_a_simulation_that_breaks_off(cli, simulator, files):
