@@ -5,7 +5,7 @@
 
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table.
 Exit status: 0 if every trajectory passes, 1 if one fails or the simulation breaks off, 2 for input that
-cannot be used (one line on stderr, nothing written), 130 after Ctrl-C.
+cannot be used (one line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -35,12 +36,14 @@ from scripts.console import (
     Parser,
     accuracy,
     arm_length,
-    check_out,
     command,
+    folder_name,
+    output,
     progress,
     reference_axis,
     show,
     swivel_angle,
+    whole_file,
     writing,
 )
 from scripts.tables import table_of_many, table_of_one, verdict
@@ -49,6 +52,9 @@ from tb.sim.env import CORES
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 ALL = "all"
+
+EVERY = 5
+"""Seconds between lines of progress where there is no terminal."""
 
 @dataclass(frozen=True)
 class Prepared:
@@ -76,7 +82,7 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
     )
     parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
     about = f"folder for {written}, made if need be (default: %(default)s)"
-    parser.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help=about)
+    parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
     parser.core()
     parser.choice(
         "--cores", "cores", CORES, CORES[0],
@@ -214,14 +220,15 @@ def run_and_score(
     if `predict` says so. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     total = sum(len(job.words) for job in jobs)
-    with progress(f"{arguments.sim}, {total} targets", total) as meter:
+    with progress(f"{arguments.sim}, {total} targets", total, every=EVERY) as meter:
+        meter(0, "compiling and starting")
         runs = simulate(
             jobs,
             simulator=arguments.sim,
             datapath=arguments.datapath,
             width=arguments.width,
             waves=waves,
-            progress=(lambda done, _: meter(done)) if meter.bar else None,
+            progress=lambda done, _: meter(done),
             cores=arguments.cores,
         )
     scores = [
@@ -260,22 +267,17 @@ def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
         return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
-    width, out = arguments.width, arguments.out
-    prepared = prepare(arguments)
-    many = len(prepared) > 1
-    score_path = out / "score.json"
-    result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
-    clips_written = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
-    check_out(out, [*result_paths, *(path.with_suffix(".npz") for path in result_paths), *clips_written, score_path])
-
-    waves = (out / "waves.vcd").absolute() if arguments.waves else None
-    # A prediction takes longer than everything else of a long file.
-    predict = sum(len(item.words) for item in prepared) < LONG
-    runs, scores = zip(*run_and_score(arguments, prepared, waves, predict), strict=True)
+def _write(
+    prepared: Sequence[Prepared],
+    runs: Sequence[Run],
+    scores: Sequence[Score],
+    paths: Sequence[Path],
+    score_path: Path,
+    width: int,
+) -> None:
+    """Write the results of each trajectory to `paths`, and the scores. Raises InputError."""
     with writing():
-        for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
+        for path, item, run, result in zip(paths, prepared, runs, scores, strict=True):
             targets = item.targets
             if item.clip:
                 targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
@@ -284,6 +286,26 @@ def _run(arguments: argparse.Namespace) -> int:
             write_results_csv(path, targets, run.results, run.flags, result)
             write_results_npz(path.with_suffix(".npz"), targets, run.results, run.flags, result)
         write_score_json(score_path, scores)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
+    width, out = arguments.width, arguments.out
+    prepared = prepare(arguments)
+    many = len(prepared) > 1
+    score_path = out / "score.json"
+    result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
+    clips_written = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    arrays = [path.with_suffix(".npz") for path in result_paths]
+    waves = (out / "waves.vcd").absolute() if arguments.waves else None
+    # A prediction takes longer than everything else of a long file.
+    predict = sum(len(item.words) for item in prepared) < LONG
+    with (
+        output(out, [*result_paths, *arrays, *clips_written, score_path]),
+        whole_file(waves) if waves else nullcontext() as unfinished,
+    ):
+        runs, scores = zip(*run_and_score(arguments, prepared, unfinished, predict), strict=True)
+        _write(prepared, runs, scores, result_paths, score_path, width)
 
     show(table_of_many(scores) if many else table_of_one(scores[0], runs[0].flags))
     count = f" ({len(prepared)} files)" if many else ""

@@ -14,7 +14,7 @@ paper's equations at such poses `model.bounds.tolerances` has no figure, so thei
 `model.bounds.predict` explains, and judged by nothing.
 
 Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 input that cannot be used (one line on
-stderr), 130 after Ctrl-C, 143 after SIGTERM.
+stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -46,13 +46,25 @@ from model.targets.flags import expected_flags, names
 from model.targets.observed import edges
 from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from model.targets.words import FIELDS
-from scripts.console import InputError, Parser, check_out, command, progress, show, whole, writing
+from scripts.console import (
+    InputError,
+    Parser,
+    Stopped,
+    command,
+    folder_name,
+    output,
+    progress,
+    show,
+    whole,
+    writing,
+)
 from tb.core import hardest
 from tb.sim import every_node
 from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
 
 CHUNK = 20000
 TARGETS = 1_000_000
+EVERY = 5  # seconds between lines of progress where there is no terminal
 SEED = 1
 
 CANDIDATES = 1000
@@ -137,7 +149,10 @@ class Core:
 
     @classmethod
     def built(cls, sim: str, datapath: str, width: int) -> Core:
-        return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
+        with progress("soak", 1, every=EVERY) as meter:
+            meter(0, "compiling")
+            program = every_node.program(datapath, width) if sim == "verilator" else None
+        return cls(sim, datapath, width, program)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
         """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""
@@ -239,7 +254,6 @@ NOT_AGAIN = (*DEFAULTS, "keep")
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser("soak", "Random targets of all kinds through the core, every node compared with the model.")
-    parser.epilog += " 143 terminated."
     add = parser.add_argument
     add("--targets", type=whole(1), metavar="N", help=f"how many (default: {TARGETS})")
     add("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
@@ -247,7 +261,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.core(sim="verilator", datapath=None, width=None)
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
     add(
-        "--out", type=Path, default=Path("build/soak"), metavar="DIR",
+        "--out", type=folder_name, default=Path("build/soak"), metavar="DIR",
         help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",
     )  # fmt: skip
     add("--keep", action="store_true", help="put the hardest targets into tb/core/hardest.csv too")
@@ -268,34 +282,12 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 # -- the run -----------------------------------------------------------------------------------------------------------
 
 
-class Stopped(KeyboardInterrupt):
-    """By a signal; its number."""
-
-
-@contextlib.contextmanager
-def stoppable() -> Iterator[None]:
-    """SIGTERM, and Ctrl-C where it is not ignored, become :class:`Stopped`."""
-
-    def stop(number: int, _) -> NoReturn:
-        raise Stopped(number)
-
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        for number, handler in before.items():
-            if handler is not signal.SIG_IGN:
-                signal.signal(number, stop)
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
 def _worker() -> None:
-    """A process of its own: Ctrl-C is for the parent, and SIGTERM ends it with the simulation that it has started."""
+    """A process of its own: Ctrl-C is for the parent, whose SIGTERM is a way out that ends the simulation, too."""
 
-    def end(*_) -> None:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        os.killpg(0, signal.SIGTERM)
+    def end(*_) -> NoReturn:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise SystemExit
 
     os.setsid()
     signal.signal(signal.SIGTERM, end)
@@ -329,7 +321,11 @@ def _spread(jobs: int) -> Iterator[Callable]:
 def _soak(arguments: argparse.Namespace) -> int:
     """Run the chunks; the exit status 0 or 1. Raises what `exit_status` reports, and Stopped."""
     hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
-    check_out(arguments.out, [hardest_path, failing])
+    with output(arguments.out, [hardest_path, failing]):
+        return _chunks(arguments, hardest_path, failing)
+
+
+def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) -> int:
     lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
     earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
     end = arguments.from_ * CHUNK + arguments.targets
@@ -342,7 +338,7 @@ def _soak(arguments: argparse.Namespace) -> int:
         work = partial(piece, core, arguments.seed, end)
         with (
             _spread(min(arguments.jobs, len(chunks))) as spread,
-            progress("soak", arguments.targets, every=10) as meter,
+            progress("soak", arguments.targets, every=EVERY) as meter,
         ):
             for words, more, failures, hand in spread(work, chunks):  # noqa: B007
                 if failures:
@@ -454,8 +450,7 @@ def main(arguments: Sequence[str] | None) -> int:
     """Run the command line; the exit status."""
     parsed = _parse(arguments)
     try:
-        with stoppable():
-            return _again(parsed) if parsed.again else _soak(parsed)
+        return _again(parsed) if parsed.again else _soak(parsed)
     except Stopped as stopped:
         return 128 + stopped.args[0]
 

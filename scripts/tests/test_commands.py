@@ -29,6 +29,7 @@ CORE = [
     ("--width x", "unknown width 'x'"),
     ("--speed 9", "unrecognized arguments: --speed 9"),
     ("--out", "--out", "expected one argument"),
+    ("--out=", "--out", "the name of a folder is empty"),
     ("--out file", "--out", "'file'", "File exists"),
     ("--out file/sub", "--out", "'file/sub'", "Not a directory"),
 ]

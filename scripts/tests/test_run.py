@@ -80,7 +80,6 @@ def test_default_run(cli, simulator, files):
     assert [job.name for job in call["jobs"]] == ["reach"]
     assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "lean", 32)
     assert call["cores"] == "behavioural"
-    assert call["progress"] is None, "stderr is no terminal, so no progress is drawn"
     (score,) = scores()
     assert score["trajectory"] == "reach" and score["targets"] == 100 and score["passed"]
     hand = next(line for line in out if "hand error / reach, largest" in line)
@@ -359,3 +358,37 @@ def test_ctrl_c(cli, simulator, files):
     assert (status, out, err) == (130, [], ["run: interrupted"])
     assert files() == ["build/run/score.json"]
     assert Path("build/run/score.json").read_text(encoding="utf-8") == "old"
+
+
+@pytest.mark.parametrize(
+    ("number", "status", "said"), [(signal.SIGTERM, 143, "terminated"), (signal.SIGHUP, 129, "hung up")]
+)
+def test_other_signals_end_it_in_the_same_way(cli, simulator, files, number, status, said):
+    simulator.spoil = lambda runs: signal.raise_signal(number)
+    before = signal.getsignal(number)
+    assert cli("--out", "a/b", "--waves") == (status, [], [f"run: {said}"])
+    assert signal.getsignal(number) is before
+    assert files() == [] and not Path("a").exists(), "no folder that was made for nothing, no half a waveform"
+
+
+def test_a_signal_that_is_ignored_stays_ignored(cli, simulator):
+    """As under nohup."""
+    simulator.spoil = lambda runs: signal.raise_signal(signal.SIGHUP)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert cli()[0] == 0
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_what_was_there_stays_when_a_run_breaks_off(cli, simulator, files):
+    Path("o").mkdir()
+    Path("o/waves.vcd").write_text("old", encoding="utf-8")
+
+    def spoil(runs):
+        assert sorted(path.name for path in Path("o").iterdir()) == [f".{os.getpid()}.waves.vcd", "waves.vcd"]
+        raise SimulationError("vvp: killed")
+
+    simulator.spoil = spoil
+    assert cli("--out", "o", "--waves")[::2] == (1, ["run: vvp: killed"])
+    assert files() == ["o/waves.vcd"] and Path("o/waves.vcd").read_text(encoding="utf-8") == "old"

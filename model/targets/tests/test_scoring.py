@@ -201,7 +201,8 @@ def test_hand_above_its_bar_fails(case):
 
 def test_the_fixed_bar_needs_distance_and_32_bits():
     """Else the table has none, and nothing passes for accurate."""
-    regular, near, short = Case(make("reach")).score(), Case(make("punch")).score(), Case(make("reach"), width=31).score()
+    cases = Case(make("reach")), Case(make("punch")), Case(make("reach"), width=31)
+    regular, near, short = (case.score() for case in cases)
     assert regular.hand_error_bar == REGULAR
     assert regular.outcome.startswith(f"pass: within {REGULAR:g} of the reach, as asked; ")
     for result in (near, short):
