@@ -2,7 +2,7 @@
 """What every command of scripts/ says and takes the same way: options, mistakes in one line, exit status, progress.
 
 Exit status of a command: 0 all is well, 1 a check fails or a simulation breaks off, 2 input that cannot be used (one
-line on stderr, nothing written), 130 after Ctrl-C.
+line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ import contextlib
 import functools
 import math
 import os
+import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -51,7 +53,7 @@ class Parser(argparse.ArgumentParser):
         super().__init__(
             prog=f"python -m scripts.{command}",
             description=description,
-            epilog=f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, 130 interrupted.",
+            epilog=f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, 130 interrupted, 143 terminated, 129 hung up.",
             allow_abbrev=False,
         )
 
@@ -139,22 +141,70 @@ def arm_length(text: str) -> float:
     return value
 
 
+def accuracy(text: str) -> float:
+    """The type of an option that takes an error that is not to be exceeded, in parts of the reach."""
+    value = finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive: no core is without error")
+    return value
+
+
 # -- exit status and files -------------------------------------------------------------------------
 
 
-def exit_status(name: str, work: Callable[[], int]) -> int:
-    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 130."""
+class Stopped(KeyboardInterrupt):
+    """By a signal; its number."""
+
+
+SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
+"""What ends a command, with the simulators that it has started."""
+
+
+@contextlib.contextmanager
+def stoppable() -> Iterator[None]:
+    """SIGNALS become :class:`Stopped`, but for those that are ignored; the first one only: its way out is not stopped.
+
+    Within another such block, or not in the main thread, it does nothing.
+    """
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    heard: list[int] = []
+
+    def stop(number: int, _) -> None:
+        heard.append(number)
+        if len(heard) == 1:
+            raise Stopped(number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
     try:
-        return work()
+        for number, handler in before.items():
+            if handler is not signal.SIG_IGN:
+                signal.signal(number, stop)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def exit_status(name: str, work: Callable[[], int]) -> int:
+    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 128 + signal."""
+    try:
+        with stoppable():
+            return work()
     except SimulationError as exc:
         print(f"{name}: {exc}", file=sys.stderr)
         return 1
     except (InputError, TargetError) as exc:
         print(f"{name}: {exc}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print(f"{name}: interrupted", file=sys.stderr)
-        return 130
+    except OSError as exc:
+        print(f"{name}: cannot read or write {_what_failed(exc)}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt as exc:
+        number = exc.args[0] if isinstance(exc, Stopped) else signal.SIGINT
+        print(f"{name}: {SIGNALS[number]}", file=sys.stderr)
+        return 128 + number
 
 
 def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
@@ -170,9 +220,24 @@ def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Call
     return main_of
 
 
-def check_out(out: Path, paths: Sequence[Path]) -> None:
-    """Make the folders of `paths` and try to write in each. Raises InputError when that cannot work."""
-    for folder in dict.fromkeys([out, *(path.parent for path in paths)]):
+@contextlib.contextmanager
+def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
+    """Around all that writes `paths`: makes their folders and tries to write in each; in the end those of them go that
+    are new and empty. Raises InputError when that cannot work.
+    """
+    folders = list(dict.fromkeys([out, *(path.parent for path in paths)]))
+    new = [one for one in dict.fromkeys(p for f in folders for p in (f, *f.parents)) if not one.exists()]
+    try:
+        _check_out(folders, paths)
+        yield
+    finally:
+        for folder in sorted(new, key=lambda path: -len(path.parts)):
+            with contextlib.suppress(OSError):  # it is not empty
+                folder.rmdir()
+
+
+def _check_out(folders: Sequence[Path], paths: Sequence[Path]) -> None:
+    for folder in folders:
         probe = folder / f".probe.{os.getpid()}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -191,8 +256,31 @@ def writing() -> Iterator[None]:
     try:
         yield
     except OSError as exc:
-        where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
-        raise InputError(f"cannot write {where}: {exc.strerror}") from None
+        raise InputError(f"cannot write {_what_failed(exc)}") from None
+
+
+def _what_failed(error: OSError) -> str:
+    where = repr(os.fspath(error.filename)) if error.filename else "a file"
+    return f"{where}: {error.strerror or error}"
+
+
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A place beside `path` where another program may write; it gets that name at the end, unless something raises."""
+    temporary = path.with_name(f".{os.getpid()}.{path.name}")
+    try:
+        yield temporary
+        if temporary.exists():
+            os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def folder_name(text: str) -> Path:
+    """The type of an option that takes a folder."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("the name of a folder is empty")
+    return Path(text)
 
 
 def show(*tables: Table) -> None:
@@ -213,21 +301,32 @@ class Meter:
 
     def __init__(self, name: str, total: int, first: int = 0, every: float | None = None, bar: Progress | None = None):
         self.name, self.total, self.first, self.every, self.bar = name, total, first, every, bar
+        self.done, self.what, self.lock = first, "", threading.Lock()
         self.begin = self.said = time.monotonic()
         self.rate = 0.0
         self.task = bar.add_task(name, total=total, completed=first, rate=0.0) if bar else None
 
     def __call__(self, done: int, what: str = "") -> None:
         """So many are done; `what` is being done."""
-        now = time.monotonic()
-        self.rate = (done - self.first) / max(now - self.begin, 1e-9)
+        self.done, self.what = done, what
+        self.rate = (done - self.first) / max(time.monotonic() - self.begin, 1e-9)
         if self.bar:
             self.bar.update(self.task, description=what or self.name, completed=done, rate=self.rate)
-        elif self.every is not None and now - self.said >= self.every and self.rate:
+        else:
+            self.beat()
+
+    def beat(self) -> None:
+        """Say how far it is if that is due, whether or not anything was done since."""
+        with self.lock:
+            now = time.monotonic()
+            if self.every is None or now - self.said < self.every:
+                return
             self.said = now
-            left = (self.total - done) / self.rate
-            of = f"{done} of {self.total} done, {self.rate:.0f}/s, {left:.0f} s left"
-            self.line(": ".join(part for part in (self.name, what, of) if part))
+        of = f"{now - self.begin:.0f} s so far"
+        if self.rate:
+            left = (self.total - self.done) / self.rate
+            of = f"{self.done} of {self.total} done, {self.rate:.0f}/s, {left:.0f} s left"
+        self.line(": ".join(part for part in (self.name, self.what, of) if part))
 
     def line(self, text: str) -> None:
         """A line on stderr, above the bar if there is one."""
@@ -238,11 +337,32 @@ class Meter:
 
 
 @contextlib.contextmanager
+def _beating(meter: Meter) -> Iterator[Meter]:
+    """A meter that says how far it is also while nothing gets done: a compiler works, say."""
+    over = threading.Event()
+
+    def beat() -> None:
+        while not over.wait(meter.every / 5):
+            meter.beat()
+
+    thread = threading.Thread(target=beat, daemon=True)
+    if meter.every is not None:
+        thread.start()
+    try:
+        yield meter
+    finally:
+        over.set()
+        if meter.every is not None:
+            thread.join()
+
+
+@contextlib.contextmanager
 def progress(name: str, total: int, first: int = 0, every: float | None = None) -> Iterator[Meter]:
     """A `Meter` that is called with the number of things done."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield Meter(name, total, first, every)
+        with _beating(Meter(name, total, first, every)) as meter:
+            yield meter
         return
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]:.0f}/s"),

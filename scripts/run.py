@@ -5,7 +5,7 @@
 
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table.
 Exit status: 0 if every trajectory passes, 1 if one fails or the simulation breaks off, 2 for input that
-cannot be used (one line on stderr, nothing written), 130 after Ctrl-C.
+cannot be used (one line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -15,13 +15,11 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from rich import box
-from rich.markup import escape
-from rich.table import Table
 
 from model.bounds.predict import hand_bar
 from model.motion import clip as clips
@@ -29,7 +27,6 @@ from model.motion import gltf
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
 from model.motion.pose import hanging
-from model.targets import flags as flag_bits
 from model.targets import trajectories
 from model.targets.files import read_csv, write_atomically
 from model.targets.scoring import Score, score, write_results_csv, write_results_npz, write_score_json
@@ -37,20 +34,27 @@ from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, 
 from scripts.console import (
     InputError,
     Parser,
+    accuracy,
     arm_length,
-    check_out,
     command,
+    folder_name,
+    output,
     progress,
     reference_axis,
     show,
     swivel_angle,
+    whole_file,
     writing,
 )
+from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.waves import write_save_file
 from tb.sim.env import CORES
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 ALL = "all"
+
+EVERY = 5
+"""Seconds between lines of progress where there is no terminal."""
 
 @dataclass(frozen=True)
 class Prepared:
@@ -78,7 +82,7 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
     )
     parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
     about = f"folder for {written}, made if need be (default: %(default)s)"
-    parser.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help=about)
+    parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
     parser.core()
     parser.choice(
         "--cores", "cores", CORES, CORES[0],
@@ -104,6 +108,11 @@ def parser_of(command: str, description: str, *, out: str, written: str) -> Pars
         "the mean of its own, or one number (default: clip)"
     )
     parser.add_argument("--phi", type=swivel_angle, metavar="RAD|clip|constant", help=about)
+    about = (
+        "accuracy asked for: the largest hand error / reach of any target (default: the table of "
+        "model/bounds/tolerances.py, which asks nothing of the paper datapath near singular poses or below 32 bits)"
+    )
+    parser.add_argument("--bar", type=accuracy, metavar="ERROR", help=about)
     return parser
 
 
@@ -211,14 +220,15 @@ def run_and_score(
     if `predict` says so. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     total = sum(len(job.words) for job in jobs)
-    with progress(f"{arguments.sim}, {total} targets", total) as meter:
+    with progress(f"{arguments.sim}, {total} targets", total, every=EVERY) as meter:
+        meter(0, "compiling and starting")
         runs = simulate(
             jobs,
             simulator=arguments.sim,
             datapath=arguments.datapath,
             width=arguments.width,
             waves=waves,
-            progress=(lambda done, _: meter(done)) if meter.bar else None,
+            progress=lambda done, _: meter(done),
             cores=arguments.cores,
         )
     scores = [
@@ -228,6 +238,7 @@ def run_and_score(
             latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
             bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
             predicted=hand_bar(item.words, arguments.width, arguments.datapath) if predict else None,
+            bar=arguments.bar,
         )
         for item, run in zip(prepared, runs, strict=True)
     ]  # fmt: skip
@@ -256,12 +267,25 @@ def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
         return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
 
 
-def verdict(name: str, scores: Sequence[Score]) -> int:
-    """Say on stderr, for the command `name`, what fails; the exit status 0 or 1."""
-    for result in scores:
-        for failure in result.failures:
-            print(f"{name}: {result.trajectory} fails: {failure}", file=sys.stderr)
-    return 0 if all(result.passed for result in scores) else 1
+def _write(
+    prepared: Sequence[Prepared],
+    runs: Sequence[Run],
+    scores: Sequence[Score],
+    paths: Sequence[Path],
+    score_path: Path,
+    width: int,
+) -> None:
+    """Write the results of each trajectory to `paths`, and the scores. Raises InputError."""
+    with writing():
+        for path, item, run, result in zip(paths, prepared, runs, scores, strict=True):
+            targets = item.targets
+            if item.clip:
+                targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
+                for kind, content in turned_clip(item, run, width).items():
+                    write_atomically(path.with_name(f"clip.{kind}"), content)
+            write_results_csv(path, targets, run.results, run.flags, result)
+            write_results_npz(path.with_suffix(".npz"), targets, run.results, run.flags, result)
+        write_score_json(score_path, scores)
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -272,24 +296,18 @@ def _run(arguments: argparse.Namespace) -> int:
     score_path = out / "score.json"
     result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
     clips_written = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
-    check_out(out, [*result_paths, *(path.with_suffix(".npz") for path in result_paths), *clips_written, score_path])
-
+    arrays = [path.with_suffix(".npz") for path in result_paths]
     waves = (out / "waves.vcd").absolute() if arguments.waves else None
     # A prediction takes longer than everything else of a long file.
     predict = sum(len(item.words) for item in prepared) < LONG
-    runs, scores = zip(*run_and_score(arguments, prepared, waves, predict), strict=True)
-    with writing():
-        for path, item, run, result in zip(result_paths, prepared, runs, scores, strict=True):
-            targets = item.targets
-            if item.clip:
-                targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
-                for kind, content in turned_clip(item, run, width).items():
-                    write_atomically(path.with_name(f"clip.{kind}"), content)
-            write_results_csv(path, targets, run.results, run.flags, result)
-            write_results_npz(path.with_suffix(".npz"), targets, run.results, run.flags, result)
-        write_score_json(score_path, scores)
+    with (
+        output(out, [*result_paths, *arrays, *clips_written, score_path]),
+        whole_file(waves) if waves else nullcontext() as unfinished,
+    ):
+        runs, scores = zip(*run_and_score(arguments, prepared, unfinished, predict), strict=True)
+        _write(prepared, runs, scores, result_paths, score_path, width)
 
-    show(_table_of_many(scores) if many else _table_of_one(scores[0], runs[0].flags))
+    show(table_of_many(scores) if many else table_of_one(scores[0], runs[0].flags))
     count = f" ({len(prepared)} files)" if many else ""
     written = [f"{out / '*' / name if many else out / name}{count}" for name in ("results.csv", "results.npz")]
     written += [*clips_written, score_path]
@@ -300,96 +318,6 @@ def _run(arguments: argparse.Namespace) -> int:
     for path in written:
         print(f"wrote {path}")
     return verdict("run", scores)
-
-
-# -- tables ----------------------------------------------------------------------------------------
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1e}"
-
-
-def _verdict(result: Score) -> str:
-    return "[green]pass[/]" if result.passed else "[bold red]FAIL[/]"
-
-
-def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
-    """The figures of one trajectory: a name, the measured value and, where there are any, bar and prediction.
-
-    flags (N,): the core's flag bits.
-    """
-    rows: list[tuple[str, ...]] = [
-        ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
-        (
-            "hand error / reach, largest",
-            _number(result.hand_error_max),
-            _number(result.hand_error_bar),
-            _number(result.hand_error_predicted),
-        ),
-        ("hand error / reach, rms", _number(result.hand_error_rms)),
-    ]
-    if result.hand_error_over_bar is not None:
-        rows.append(("hand error / bar of the same target", f"{result.hand_error_over_bar:.2g}", "1"))
-    rows += [
-        ("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max)),
-        ("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max)),
-        ("elbow point error / reach, largest", _number(result.elbow_point_error_max)),
-        ("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max)),
-    ]
-    if result.clamped_error_max is not None:
-        bar = _number(result.clamped_error_bar)
-        rows.append(("error of the clamped hand / reach, largest", _number(result.clamped_error_max), bar, bar))
-    occurred = int(np.bitwise_or.reduce(flags))
-    return [
-        *rows,
-        ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
-        ("latency (clocks)", str(result.latency_cycles)),
-        ("clocks for all targets", str(result.total_cycles)),
-        ("results per clock while they flow", f"{result.results_per_cycle:.3f}"),
-        ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0"),
-    ]
-
-
-def _table_of_one(result: Score, flags: np.ndarray) -> Table:
-    """The figures of one trajectory, a line each, beside their bars and predictions."""
-    table = Table(
-        title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
-        f"{result.width} bits, {result.simulator}",
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-    )
-    table.add_column("figure")
-    for heading in ("measured", "bar", "predicted"):
-        table.add_column(heading, justify="right")
-    for row in figures(result, flags):
-        table.add_row(*row)
-    table.add_row("result", _verdict(result))
-    return table
-
-
-def _table_of_many(scores: Sequence[Score]) -> Table:
-    """One line a trajectory, narrow enough for a terminal of 80 columns."""
-    first = scores[0]
-    table = Table(
-        title=f"{first.datapath} datapath, {first.width} bits, {first.simulator}, "
-        f"latency {first.latency_cycles} clocks",
-        caption="hand: largest hand error / reach, with its bar and prediction; clamped: the same for "
-        "targets out of reach; angle: largest shoulder or elbow angle error (rad); bits: differing from the "
-        "bit-true model",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        title_justify="left",
-        caption_justify="left",
-    )
-    table.add_column("trajectory", no_wrap=True)
-    for heading in ("hand", "bar", "predict", "clamped", "angle", "bits", "flags", ""):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for result in scores:
-        hand = result.hand_error_max, result.hand_error_bar, result.hand_error_predicted
-        errors = map(_number, (*hand, result.clamped_error_max, result.angle_error_max))
-        counts = str(result.bit_mismatches), str(result.flagged)
-        table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
-    return table
 
 
 @command("run")

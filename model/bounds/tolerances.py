@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tolerances that scores, the soak and the list of hardest targets judge by: hand error / reach, norm error.
 
-A prediction (:mod:`model.bounds.predict`) explains an error; it is a tolerance only for the paper's equations near
-their singular poses, where no fixed figure says anything: their error grows without bound toward them.
+A prediction (:mod:`model.bounds.predict`) explains an error and is never a tolerance. For the paper's equations near
+their singular poses, where their error grows without bound, and for their short words the table has none: there bits,
+flags and norms are judged, and the accuracy only if the user asks for one (``BAR=``).
 """
 
 from __future__ import annotations
@@ -40,19 +41,21 @@ def lean(width: int) -> float:
     return LEAN.get(width) or max(LEAN_ULPS * 2.0 ** (2 - width), LEAN[32])
 
 
-def hand(
-    words: np.ndarray, width: int, datapath: str, *, regular: bool = False, predicted: np.ndarray | None = None
-) -> np.ndarray:
-    """Largest hand error / reach of each target, (N,), for input words (N, 6).
+def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
+    """Largest hand error / reach of any target; None where the table has nothing.
 
-    ``regular``: all targets keep :data:`REGULAR_DISTANCE`.  ``predicted`` (N,) is what :func:`hand_bar` gives, if it is
-    known already; it is asked for where it decides.
+    ``regular``: all targets keep :data:`REGULAR_DISTANCE`, which a file or trajectory may say of itself.
     """
     if datapath == "lean":
-        return np.full(len(words), lean(width))
-    if regular and width == REGULAR_WIDTH:
-        return np.full(len(words), REGULAR)
-    return hand_bar(words, width, datapath) if predicted is None else np.asarray(predicted, dtype=np.float64)
+        return lean(width)
+    return REGULAR if regular and width == REGULAR_WIDTH else None
+
+
+def yardstick(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
+    """What hand errors of input words (N, 6) are ranked by, (N,): the tolerance, or where there is none what the
+    roundings explain. Nothing fails by it."""
+    most = hand(width, datapath)
+    return hand_bar(words, width, datapath) if most is None else np.full(len(words), most)
 
 
 def norm(width: int) -> float:

@@ -11,7 +11,8 @@ What is compared with what:
 Lengths are scaled by the power of two that `targets.scale_exponent` found before anything is squared, so
 that arms in any unit are scored alike; errors of the hand and the elbow are relative to d1+d2.
 
-What an error is held to, its bar, is of one table: `model.bounds.tolerances`.
+What an error is held to, its bar, is of one table, `model.bounds.tolerances`, unless the user asks for an accuracy of
+their own. Where neither says anything, `outcome` says that nothing was asked.
 """
 
 from __future__ import annotations
@@ -39,23 +40,33 @@ ELBOW_FIELDS = ("elbow_x", "elbow_y", "elbow_z")
 """Columns of results.csv: where the elbow is, in the user's unit and frame."""
 
 
-def singular_distance(targets: Targets) -> np.ndarray:
-    """Distance (rad) of each target's pose from the nearest singular pose of equations (10)-(18); shape (N,).
+def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
+    """What is singular in equations (10)-(18) -> distance (rad) of each target's pose from it; shapes (N,).
 
-    The least of: the angle of wrist and of elbow to the z axis (either pole), and the distances of the half
-    angles theta_3/2 and theta_4/2 from 0 and from pi/2, where a square root in (14) or (17) ends at 0. It
-    is 0 for a target out of reach, whose arm is straight or folded. Raises ValueError for lengths outside
-    `equations.LENGTH_RANGE`.
+    They are: the angle of wrist and of elbow to the z axis (either pole), and the distances of the half
+    angles theta_3/2 and theta_4/2 from 0 and from pi/2, where a square root in (14) or (17) ends at 0; theta_4
+    is the elbow's. A target out of reach has an arm that is straight or folded. Raises ValueError for lengths
+    outside `equations.LENGTH_RANGE`.
     """
     pose = solve_clamped(targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
     wrist = np.arctan2(np.hypot(targets.x, targets.y), np.abs(targets.z))
     elbow = np.arctan2(np.hypot(pose["p_e_x"], pose["p_e_y"]), np.abs(pose["p_e_z"]))
-    half_angles = [
-        # By (18), qs_w : qs_k = -q3_k : q3_scalar; with q12_k = 0 as well, the elbow is on the z axis.
-        np.arctan2(np.abs(pose["qs_w"]), np.abs(pose["qs_k"])),
-        np.arctan2(np.abs(pose["qe_i"]), np.abs(pose["qe_w"])),
-    ]
-    return np.min([wrist, elbow, *(np.minimum(half, np.pi / 2 - half) for half in half_angles)], axis=0)
+    # By (18), qs_w : qs_k = -q3_k : q3_scalar; with q12_k = 0 as well, the elbow is on the z axis.
+    shoulder_half = np.arctan2(np.abs(pose["qs_w"]), np.abs(pose["qs_k"]))
+    elbow_half = np.arctan2(np.abs(pose["qe_i"]), np.abs(pose["qe_w"]))
+    return {
+        "wrist on the z axis": wrist,
+        "elbow on the z axis": elbow,
+        "theta_3 = 0": shoulder_half,
+        "theta_3 = pi": np.pi / 2 - shoulder_half,
+        "folded arm": elbow_half,
+        "straight arm": np.pi / 2 - elbow_half,
+    }
+
+
+def singular_distance(targets: Targets) -> np.ndarray:
+    """Distance (rad) of each target's pose from the nearest singular pose; shape (N,). 0 for a target out of reach."""
+    return np.min(list(singular_distances(targets).values()), axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +75,7 @@ class Each:
     parts of the reach or in rad.
 
     `hand_error` is against the target; where it is out of reach (`clamped`), `judged_error` is against the nearest
-    pose instead. `bar` is what either is held to.
+    pose instead.
     """
 
     elbow: np.ndarray
@@ -73,7 +84,6 @@ class Each:
     hand_error: np.ndarray
     judged_error: np.ndarray
     predicted: np.ndarray | None
-    bar: np.ndarray
     shoulder_angle_error: np.ndarray
     elbow_angle_error: np.ndarray
 
@@ -83,9 +93,11 @@ class Score:
     """The figures of one trajectory; all but `each` stand in score.json under the same names.
 
     Errors named `_max` and `_rms` are over the reachable targets and None when there are none; those of
-    `clamped_error` are over the targets out of reach. `hand_error_bar` and `clamped_error_bar` are the
-    largest bars of a target; `hand_error_over_bar` is the largest error in units of the target's own bar,
-    and so is at most 1 when all is well. `failures` is empty exactly when `passed`.
+    `clamped_error` are over the targets out of reach. `hand_error_bar` and `clamped_error_bar` are what they
+    must not exceed, and None where nobody asked; `hand_error_over_bar` is the largest error in units of its bar.
+    `hand_error_target` is the number of the target with the largest error and `hand_error_pose` how far it is from
+    which singular pose. `failures` is empty exactly when `passed`, and `outcome` says in words what was asked and what
+    was reached.
     """
 
     trajectory: str
@@ -99,6 +111,8 @@ class Score:
     hand_error_bar: float | None
     hand_error_predicted: float | None
     hand_error_over_bar: float | None
+    hand_error_target: int | None
+    hand_error_pose: str | None
     angle_error_max: float | None
     shoulder_angle_error_max: float | None
     elbow_angle_error_max: float | None
@@ -113,6 +127,7 @@ class Score:
     flagged: int
     scale_exponent: int
     passed: bool
+    outcome: str
     failures: tuple[str, ...]
     each: Each
 
@@ -137,6 +152,7 @@ def score(
     bit_mismatches: int,
     first_mismatch: str | None = None,
     predicted: np.ndarray | None,
+    bar: float | None = None,
 ) -> Score:
     """Score what the core answered.
 
@@ -146,9 +162,10 @@ def score(
     * latency_cycles: clocks from the first target in to the first result out
     * total_cycles: clocks from the first target in to the last result out, both counted
     * predicted (N,): hand error / reach that word length and conditioning explain; None where nobody asked
+    * bar: hand error / reach that the user asks for, in the place of the table of tolerances
 
     Raises ValueError for arrays whose shapes do not fit, since a lost result would otherwise go unseen, and
-    for a prediction that is not positive and finite, since it would let everything pass.
+    for a prediction that is not positive and finite.
     """
     count = len(targets)
     shapes = {"words": (count, 6), "results": (count, 6), "flags": (count,), "predicted": (count,)}
@@ -181,10 +198,12 @@ def score(
     expected = flag_bits.expected_flags(words, width)
     clamped = (expected & flag_bits.UNREACHABLE) != 0
     reachable = ~clamped
-    distance = singular_distance(asked)
-    regular = bool((distance >= tolerances.REGULAR_DISTANCE).all())
-    bar = tolerances.hand(words, width, datapath, regular=regular, predicted=predicted)
-    norm_bar = np.full(count, tolerances.norm(width))
+    distances = singular_distances(asked)
+    distance = np.min(list(distances.values()), axis=0)
+    if bar is None:
+        bar = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
+    worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
+    norm_bar = tolerances.norm(width)
     everywhere = np.ones(count, dtype=bool)
 
     failures = [
@@ -195,6 +214,7 @@ def score(
         *_bar_failures("abs(norm^2-1) of Qs", qs_norm, norm_bar, everywhere),
         *_bar_failures("abs(norm^2-1) of Qe", qe_norm, norm_bar, everywhere),
     ]
+    largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
     return Score(
         trajectory=targets.name,
         datapath=datapath,
@@ -202,18 +222,20 @@ def score(
         simulator=simulator,
         targets=count,
         bit_mismatches=int(bit_mismatches),
-        hand_error_max=_max(hand_error, reachable),
+        hand_error_max=largest,
         hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
-        hand_error_bar=_max(bar, reachable),
+        hand_error_bar=bar if reachable.any() else None,
         hand_error_predicted=None if predicted is None else _max(predicted, reachable),
-        hand_error_over_bar=_max(hand_error / bar, reachable),
+        hand_error_over_bar=None if bar is None or largest is None else largest / bar,
+        hand_error_target=worst,
+        hand_error_pose=None if worst is None else _pose({what: far[worst] for what, far in distances.items()}),
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
         shoulder_angle_error_max=_max(shoulder_angle, reachable),
         elbow_angle_error_max=_max(elbow_angle, reachable),
         elbow_point_error_max=_max(elbow_error, reachable),
         norm_error_max=float(np.max([qs_norm, qe_norm])),
-        clamped_error_max=_max(clamped_error, clamped),
-        clamped_error_bar=_max(bar, clamped),
+        clamped_error_max=furthest,
+        clamped_error_bar=bar if clamped.any() else None,
         singular_distance_min=float(distance.min()),
         latency_cycles=int(latency_cycles),
         total_cycles=int(total_cycles),
@@ -222,6 +244,7 @@ def score(
         flagged=int(np.count_nonzero(flags)),
         scale_exponent=int(exponent),
         passed=not failures,
+        outcome=_outcome(not failures, bar, max(error for error in (largest, furthest) if error is not None)),
         failures=tuple(failures),
         each=Each(
             elbow=targets.points_from_core(elbow),
@@ -230,7 +253,6 @@ def score(
             hand_error=hand_error,
             judged_error=np.where(clamped, clamped_error, hand_error),
             predicted=predicted,
-            bar=bar,
             shoulder_angle_error=shoulder_angle,
             elbow_angle_error=elbow_angle,
         ),
@@ -251,6 +273,24 @@ def _max(values: np.ndarray, where: np.ndarray) -> float | None:
     return float(values[where].max()) if where.any() else None
 
 
+def _pose(distances: dict[str, float]) -> str:
+    """How far a pose is from the nearest singular one."""
+    what, far = min(distances.items(), key=lambda item: item[1])
+    return f"{far:.3f} rad from singular: {what}"
+
+
+def _outcome(passed: bool, bar: float | None, error: float) -> str:
+    """What was asked and what was reached, in plain words. error: the largest."""
+    verdict = "pass" if passed else "FAIL"
+    if bar is None:
+        bits = "bits, flags and norms are right" if passed else "bits, flags or norms are wrong"
+        return f"{verdict}: {bits}; accuracy was not asked for, {error:.1e} of the reach was reached"
+    rest = "" if error > bar else ", but bits, flags or norms are wrong"
+    if passed:
+        return f"{verdict}: within {bar:g} of the reach, as asked; {error:.1e} was reached"
+    return f"{verdict}: {bar:g} of the reach was asked for, {error:.1e} was reached{rest}"
+
+
 def _mismatch_failures(count: int, first: str | None) -> list[str]:
     if count == 0:
         return []
@@ -269,15 +309,14 @@ def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
     ]
 
 
-def _bar_failures(what: str, error: np.ndarray, bar: np.ndarray, where: np.ndarray) -> list[str]:
-    """The target that is furthest above its bar, if any is."""
-    above = where & (error > bar)
+def _bar_failures(what: str, error: np.ndarray, bar: float | None, where: np.ndarray) -> list[str]:
+    """The target that is furthest above the bar, if there is one and any is."""
+    above = where & (error > (np.inf if bar is None else bar))
     if not above.any():
         return []
-    ratio = np.where(above, error / bar, 0.0)
-    n = int(np.argmax(ratio))
+    n = int(np.argmax(np.where(above, error, 0.0)))
     return [
-        f"{what} {error[n]:.3g} at target {n} is {ratio[n]:.3g} times its bar {bar[n]:.3g}"
+        f"{what} {error[n]:.3g} at target {n} is {error[n] / bar:.3g} times its bar {bar:.3g}"
         f" ({np.count_nonzero(above)} targets above)"
     ]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from model.bounds import ranges
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, Parser, check_out, command, writing
+from scripts.console import InputError, Parser, command, folder_name, output, writing
 from scripts.pages.flow import WIDTH, check, cone, delays, design, longest_path, part
 from scripts.pages.graphs import dot, svg
 from scripts.pages.render import render
@@ -128,7 +128,8 @@ def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("pages.figures", __doc__.splitlines()[0], fails="a node does not fit its format")
     parser.choice("--datapath", "datapath", tuple(DATAPATHS), "paper", "of --node (default: %(default)s)")
     parser.add_argument("--node", help="only the graph and the schedule of what leads to this node")
-    parser.add_argument("--out", type=Path, default=ROOT / "build" / "figures", help="folder for the figures of --node")
+    about = "folder for the figures of --node"
+    parser.add_argument("--out", type=folder_name, default=ROOT / "build" / "figures", help=about)
     options = parser.parse_args(arguments)
     try:
         nodes = designs()
@@ -144,8 +145,7 @@ def main(arguments: Sequence[str] | None) -> int:
     for line in ranges.failures(WIDTH).values():
         print(line, file=sys.stderr)
     texts = {path: figure.svg for path, figure in files.items()} | ({} if options.node else {PAGE: page(nodes)})
-    check_out(options.out if options.node else FOLDER, list(texts))
-    with writing():
+    with output(options.out if options.node else FOLDER, list(texts)), writing():
         for path, text in texts.items():
             path.write_text(text, encoding="utf-8")
     print(f"wrote {len(texts)} files, {sum(len(t.encode()) for t in texts.values()) / 1000:.0f} kB")

@@ -3,9 +3,9 @@
 
     python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
 
-Writes OUT/report.html: the arm in motion as the core's quaternions put it, errors of every target with bars and
-predictions, the score, and the pipeline over time. The page holds all that it needs (report.html, .css and the scripts
-of this folder, and the figures as JSON) and opens from disk without network.
+Writes OUT/report.html: the arm in motion as the core's quaternions put it, errors of every target with what is asked
+and predicted, the score, and the pipeline over time. The page holds all that it needs (report.html, .css and the
+scripts of this folder, and the figures as JSON) and opens from disk without network.
 
 Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
 """
@@ -30,7 +30,8 @@ from model.targets.files import write_atomically
 from model.targets.scoring import Score
 from model.targets.words import from_words, result_values
 from scripts import run
-from scripts.console import check_out, command, writing
+from scripts.console import command, output, writing
+from scripts.tables import figures, verdict
 from tb.sim.env import ROOT
 from tb.sim.simulate import Run
 
@@ -65,8 +66,6 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
     # What the words asked for: the swivel plane that the core was given.
     asked = from_words(item.words, 0, width, targets.name)
     each = result.each
-    # A fixed bar is one that differs from the prediction (model/targets/scoring.py).
-    fixed = result.hand_error_bar != result.hand_error_predicted
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
     return {
         "name": targets.name,
@@ -84,14 +83,14 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
         "clamped": each.clamped.tolist(),
         "hand": _numbers(each.judged_error),
         "predicted": _numbers(each.predicted),
-        "bar": _numbers(each.bar),
-        "fixedBar": fixed,
+        "bar": result.hand_error_bar if result.hand_error_bar is not None else result.clamped_error_bar,
         "shoulderAngle": _numbers(each.shoulder_angle_error),
         "elbowAngle": _numbers(each.elbow_angle_error),
         "latency": result.latency_cycles,
         "cycles": result.total_cycles,
-        "figures": run.figures(result, ran.flags),
+        "figures": figures(result, ran.flags),
         "passed": result.passed,
+        "outcome": result.outcome,
         "failures": result.failures,
     }
 
@@ -136,11 +135,11 @@ def main(arguments: Sequence[str] | None) -> int:
     parsed = run.parser_of("report", about, out="build/report", written="report.html").parse_args(arguments)
     path = parsed.out / "report.html"
     prepared = run.prepare(parsed)
-    check_out(parsed.out, [path])
-    done = run.run_and_score(parsed, prepared)
-    shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
-    text = page(shown, out=parsed.out, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
-    with writing():
-        write_atomically(path, text)
+    with output(parsed.out, [path]):
+        done = run.run_and_score(parsed, prepared)
+        shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
+        text = page(shown, out=parsed.out, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
+        with writing():
+            write_atomically(path, text)
     print(f"wrote {path}")
-    return run.verdict("report", [result for _, result in done])
+    return verdict("report", [result for _, result in done])

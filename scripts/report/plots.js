@@ -61,12 +61,9 @@ function drawLog(canvas, series) {
 
 function drawErrors() {
   const { shown: t, colours: c } = state;
-  const limits = t.fixedBar
-    ? [
-        { name: "bar", values: t.bar, colour: c.text, width: 2 },
-        { name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] },
-      ]
-    : [{ name: "bar = predicted", values: t.bar, colour: c.elbow, width: 2 }];
+  const asked = t.bar === null ? [] : [{ name: "asked", values: t.hand.map(() => t.bar), colour: c.text, width: 2 }];
+  const predicted = { name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] };
+  const limits = [...asked, predicted];
   drawLog(element("hand"), [...limits, { name: "hand", values: t.hand, colour: c.fore, dots: true }]);
   drawLog(element("angles"), [
     { name: "shoulder", values: t.shoulderAngle, colour: c.upper, dots: true },

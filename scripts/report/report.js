@@ -28,7 +28,7 @@ function writeNow() {
       ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
       ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
       [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
-      ["bar, predicted", `${error(t.bar[n])}, ${error(t.predicted[n])}`],
+      ["asked, predicted", `${t.bar === null ? "nothing" : error(t.bar)}, ${error(t.predicted[n])}`],
     ]),
   );
 }
@@ -37,7 +37,7 @@ function writeTrajectory() {
   const t = state.shown;
   element("about").textContent = t.about;
   element("scrub").max = t.target.length - 1;
-  element("verdict").textContent = t.passed ? "pass" : "FAIL";
+  element("verdict").textContent = t.outcome;
   element("verdict").className = t.passed ? "good" : "bad";
   element("failures").replaceChildren(
     ...t.failures.map((failure) => Object.assign(document.createElement("li"), { textContent: failure })),

@@ -29,6 +29,7 @@ CORE = [
     ("--width x", "unknown width 'x'"),
     ("--speed 9", "unrecognized arguments: --speed 9"),
     ("--out", "--out", "expected one argument"),
+    ("--out=", "--out", "the name of a folder is empty"),
     ("--out file", "--out", "'file'", "File exists"),
     ("--out file/sub", "--out", "'file/sub'", "Not a directory"),
 ]
@@ -46,6 +47,8 @@ TRAJECTORIES = [
     ("--trajectory none.CSV", "none.CSV: no such file"),
     ("--trajectory none/none", "none/none: no such file"),
     ("--trajectory folder", "folder: is a directory"),
+    ("--bar 0", "--bar", "'0' is not positive"),
+    ("--bar high", "--bar", "'high' is not a number"),
     ("--axis up", "--axis", "axis 'up' is none of z, -z, x"),
     ("--axis 1,2", "--axis", "axis '1,2' is no vector of three"),
     ("--axis torso", "--axis: torso goes with a BVH clip, not with a built-in trajectory (reach)"),
@@ -111,7 +114,7 @@ def test_a_mistake_is_one_line_and_status_2(command, files, monkeypatch, tmp_pat
 
 
 OPTIONS = {
-    "run": "trajectory out sim datapath width cores waves d1 d2 phi list",
+    "run": "trajectory out sim datapath width cores waves d1 d2 phi bar list",
     "report": "trajectory out sim datapath width d1 d2 phi",
     "soak": "targets seed from datapath width sim jobs out keep again",
     "exhaustive": "only small jobs list",
@@ -169,6 +172,6 @@ def test_make_exhaustive_and_soak():
 
 
 def test_make_report_is_started_as_make_run_but_for_waves():
-    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1 SIM=verilator".split()
+    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 BAR=1e-4 WAVES=1 SIM=verilator".split()
     (needs, (_, *options)), report = made("run", *words), made("report", *words)
     assert options[-1] == "--waves" and report == (needs, ["report", *options[:-1]])

@@ -3,6 +3,8 @@
 
 import io
 import re
+import signal
+import threading
 
 import pytest
 from rich.progress import Progress
@@ -49,6 +51,66 @@ def test_without_a_terminal_a_line_now_and_then(clock, capsys):
         clock[0] += 20
         meter(4000)
     assert capsys.readouterr().err == "some: half: 3000 of 5000 done, 50/s, 40 s left\n"
+
+
+def test_a_line_also_while_nothing_gets_done(clock, capsys):
+    """A compiler works."""
+    meter = Meter("some", 100, every=5)
+    meter(0, "compiling")
+    for _ in range(4):
+        clock[0] += 3
+        meter.beat()
+    assert capsys.readouterr().err == "some: compiling: 6 s so far\nsome: compiling: 12 s so far\n"
+
+
+def test_without_a_terminal_something_asks_for_that_line(monkeypatch):
+    """Whatever the command waits for: here for that very thing."""
+    asked = threading.Event()
+    monkeypatch.setattr(Meter, "beat", lambda meter: asked.set())
+    with progress("some", 100, every=0.01):
+        assert asked.wait(60)
+
+
+def test_an_error_without_a_name_and_one_with_it(capsys):
+    def work(*arguments):
+        raise OSError(28, "No space left on device", *arguments)
+
+    assert exit_status("some", lambda: work("a/b")) == exit_status("some", work) == 2
+    reason = "No space left on device"
+    assert capsys.readouterr().err.splitlines() == [
+        f"some: cannot read or write 'a/b': {reason}", f"some: cannot read or write a file: {reason}",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", console.SIGNALS)
+def test_a_second_signal_does_not_stop_the_way_out(number, capsys):
+    cleaned = []
+
+    def work():
+        try:
+            signal.raise_signal(number)
+        finally:
+            signal.raise_signal(number)
+            cleaned.append(True)
+
+    before = signal.signal(number, signal.default_int_handler)
+    try:
+        assert exit_status("some", work) == 128 + number
+    finally:
+        signal.signal(number, before)
+    assert cleaned == [True]
+
+
+def test_output_that_came_to_nothing(tmp_path):
+    """Only new folders go, and only empty ones."""
+    (tmp_path / "old").mkdir()
+    with pytest.raises(KeyboardInterrupt), console.output(tmp_path / "old/a/b", [tmp_path / "old/a/c/file"]):
+        assert (tmp_path / "old/a/c").is_dir()
+        raise KeyboardInterrupt
+    assert list(tmp_path.rglob("*")) == [tmp_path / "old"]
+    with console.output(tmp_path / "old/a/b", []):
+        (tmp_path / "old/a/b/file").touch()
+    assert (tmp_path / "old/a/b/file").exists()
 
 
 def test_without_a_terminal_and_interval_nothing_but_lines_of_the_command(clock, capsys):

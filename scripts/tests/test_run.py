@@ -80,12 +80,12 @@ def test_default_run(cli, simulator, files):
     assert [job.name for job in call["jobs"]] == ["reach"]
     assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "lean", 32)
     assert call["cores"] == "behavioural"
-    assert call["progress"] is None, "stderr is no terminal, so no progress is drawn"
     (score,) = scores()
     assert score["trajectory"] == "reach" and score["targets"] == 100 and score["passed"]
     hand = next(line for line in out if "hand error / reach, largest" in line)
-    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "2.0e-08", "6.0e-08"]
-    assert any("pass" in line for line in out)
+    assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "2e-08", "6.0e-08"]
+    assert any(line.startswith("pass: within 2e-08 of the reach, as asked; ") for line in out)
+    assert any(line.split()[-2:] == ["target", str(score["hand_error_target"])] for line in out)
 
 
 def test_options_reach_the_simulator(cli, simulator, files):
@@ -241,6 +241,24 @@ def test_a_failure_names_the_bar_and_by_how_much(cli, simulator):
     assert sum("FAIL" in line for line in out) == 2
 
 
+def test_an_accuracy_of_ones_own_fails_honestly(cli):
+    status, out, err = cli("--bar", "1e-12")
+    assert status == 1 and "times its bar 1e-12" in err[0]
+    assert any(line.startswith("FAIL: 1e-12 of the reach was asked for, ") for line in out)
+    assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
+
+
+def test_where_nothing_is_asked_the_table_says_so(cli):
+    status, out, _ = cli("--datapath", "paper", "--width", "18")
+    assert status == 0
+    assert any("hand error / reach, largest" in line and "not asked" in line for line in out)
+    assert any(line.startswith("pass: bits, flags and norms are right; accuracy was not asked for") for line in out)
+    _, out, _ = cli("--datapath", "paper", "--trajectory", "all")
+    unasked = sum(item["hand_error_bar"] is None for item in scores())
+    said = f"14 of 14 pass, {unasked} of them by bits, flags and norms: accuracy was not asked for (-)"
+    assert unasked > 3 and said in " ".join(line.strip() for line in out)
+
+
 def test_a_simulation_that_breaks_off(cli, simulator, files):
     def spoil(runs):
         raise SimulationError("iverilog: not found")
@@ -340,3 +358,37 @@ def test_ctrl_c(cli, simulator, files):
     assert (status, out, err) == (130, [], ["run: interrupted"])
     assert files() == ["build/run/score.json"]
     assert Path("build/run/score.json").read_text(encoding="utf-8") == "old"
+
+
+@pytest.mark.parametrize(
+    ("number", "status", "said"), [(signal.SIGTERM, 143, "terminated"), (signal.SIGHUP, 129, "hung up")]
+)
+def test_other_signals_end_it_in_the_same_way(cli, simulator, files, number, status, said):
+    simulator.spoil = lambda runs: signal.raise_signal(number)
+    before = signal.getsignal(number)
+    assert cli("--out", "a/b", "--waves") == (status, [], [f"run: {said}"])
+    assert signal.getsignal(number) is before
+    assert files() == [] and not Path("a").exists(), "no folder that was made for nothing, no half a waveform"
+
+
+def test_a_signal_that_is_ignored_stays_ignored(cli, simulator):
+    """As under nohup."""
+    simulator.spoil = lambda runs: signal.raise_signal(signal.SIGHUP)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert cli()[0] == 0
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_what_was_there_stays_when_a_run_breaks_off(cli, simulator, files):
+    Path("o").mkdir()
+    Path("o/waves.vcd").write_text("old", encoding="utf-8")
+
+    def spoil(runs):
+        assert sorted(path.name for path in Path("o").iterdir()) == [f".{os.getpid()}.waves.vcd", "waves.vcd"]
+        raise SimulationError("vvp: killed")
+
+    simulator.spoil = spoil
+    assert cli("--out", "o", "--waves")[::2] == (1, ["run: vvp: killed"])
+    assert files() == ["o/waves.vcd"] and Path("o/waves.vcd").read_text(encoding="utf-8") == "old"

@@ -143,7 +143,7 @@ def test_from_a_chunk(cli, simulator):
     assert 400 <= min(numbers) and max(numbers) < 1100
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_ends_it_and_it_says_how_far_it_came(cli, simulator, number, status, files):
     """As from a terminal, also where a shell has SIGINT ignored; handlers are what they were."""
 

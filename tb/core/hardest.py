@@ -2,8 +2,9 @@
 """The hardest targets that were ever found, a regression list: ``tb/core/hardest.csv``.
 
 ``python -m scripts.soak --keep`` writes it, tb/core/test_hardest.py runs it.  Hard is a reachable target whose hand
-error is large beside its tolerance, or whose quaternions are far from unit length.  A row holds the datapath, the word
-length, the six input words, the hand error / reach (of the bit-true model, which the RTL equals) and where found.
+error is large beside its tolerance (the paper's: its prediction), or whose quaternions are far from unit length.  A row
+holds the datapath, the word length, the six input words, the hand error / reach (of the bit-true model, which the RTL
+equals) and where found.
 """
 
 from __future__ import annotations
@@ -130,7 +131,7 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         words = array(unique)
         hand, norm = errors(words, fixed.run(words, width, datapath).results, width)
         # A row at a time: the random ends that a prediction tries depend on the place among others.
-        ratio = hand / np.concatenate([tolerances.hand(word[None], width, datapath) for word in words])
+        ratio = hand / np.concatenate([tolerances.yardstick(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))
         by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]
         by_norm = reachable[np.argsort(-norm[reachable], kind="stable")]

@@ -7,10 +7,10 @@ The C++ file includes ``Vtop.h``; everything of one build is in a folder of its 
 from __future__ import annotations
 
 import os
-import subprocess
 from pathlib import Path
 
-from tb.sim.env import ROOT, environment
+from tb.sim.children import compiled, full
+from tb.sim.env import ROOT
 from tb.sim.runner import MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
 
@@ -46,7 +46,7 @@ def build(
     with alone(folder), runtime(folder, "native"):
         if wrapper and not (top.exists() and top.read_text() == wrapper):
             top.write_text(wrapper)
-        done = subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
+        done = compiled(command)
     if done.returncode:
-        raise RuntimeError(f"{toplevel}: {done.stderr[-4000:] or done.stdout[-4000:]}")
+        raise RuntimeError(f"{toplevel}: {full(folder) or done.stderr[-4000:] or done.stdout[-4000:]}")
     return folder / "Vtop"

@@ -148,5 +148,9 @@ def simulate(
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
         with alone(folder), runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
-            run(compile_only=True, **options)
+            try:
+                run(compile_only=True, **options)
+            except BaseException:  # half a program would pass for a new one
+                built.unlink(missing_ok=True)
+                raise
         return Path(run(**options))

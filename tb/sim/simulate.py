@@ -14,7 +14,8 @@ import numpy as np
 
 from model.dataflow import datapaths
 from tb.sim import every_node
-from tb.sim.env import ROOT, environment
+from tb.sim.children import full, naming, started
+from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
 
 DATAPATHS = tuple(datapaths.DATAPATHS)
@@ -52,23 +53,21 @@ def simulate(
     if native:
         if simulator != "verilator" or waves:
             raise ValueError("only Verilator runs natively, and without waves")
-        return every_node.run(every_node.program(datapath, width, root, name, cores), jobs, width, datapath, progress)
+        program = every_node.program(datapath, width, root, name, cores)
+        return every_node.run(program, jobs, width, datapath, progress)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
-        np.savez(place / "jobs.npz", **{f"words_{k}": job.words for k, job in enumerate(jobs)})
+        with naming(place / "jobs.npz") as file:
+            np.savez(file, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
         arguments = [simulator, datapath, str(width), folder, str(waves or ""), str(root), name, cores or ""]
         command = [sys.executable, "-m", "tb.sim.simulate", *arguments]
-        with open(log, "w") as out:
-            process = subprocess.Popen(command, cwd=ROOT, env=environment(), stdout=out, stderr=subprocess.STDOUT)
-            try:
-                _wait(process, place / "progress", total, progress)
-            except BaseException:
-                process.terminate()
-                process.wait()
-                raise
-        if process.returncode or not (place / "results.npz").exists():
-            raise SimulationError(_reason(log.read_text(errors="replace"), simulator))
+        with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
+            _wait(process, place / "progress", total, progress)
+        lacking = full(*([waves.parent] if waves else []))  # a simulator may cut a waveform short and not say so
+        if process.returncode or lacking or not (place / "results.npz").exists():
+            lacking = lacking or full(place, ROOT / "build")
+            raise SimulationError(lacking or _reason(log.read_text(errors="replace"), simulator))
         with np.load(place / "results.npz") as written:
             return [
                 Run(

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from model.bounds import tolerances
+from model.bounds import predict, tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
 from model.reference.kinematics import forward
@@ -31,13 +31,15 @@ def test_every_word_length_keeps_it(width):
 
 
 def test_the_paper():
-    """A fixed figure for regular trajectories of 32 bits, the prediction elsewhere, whoever made it."""
-    words = random_reachable(20, 32, seed=3)
-    predicted = np.full(20, 1e-3)
-    assert (tolerances.hand(words, 32, "paper", regular=True) == 1e-4).all()
-    assert (tolerances.hand(words, 32, "paper", predicted=predicted) == predicted).all()
-    own = tolerances.hand(words, 32, "paper")
-    assert (own > 0).all() and (own != predicted).any()
-    assert (tolerances.hand(words >> 8, 24, "paper", regular=True) > 1e-7).all()
-    assert (tolerances.hand(words, 32, "lean", regular=True, predicted=predicted) == 2e-8).all()
+    """A fixed figure for regular trajectories of 32 bits, and nothing elsewhere: a prediction is no tolerance."""
+    assert tolerances.hand(32, "paper", regular=True) == 1e-4
+    assert tolerances.hand(32, "paper") is None
+    assert tolerances.hand(31, "paper", regular=True) is None
+    assert tolerances.hand(32, "lean", regular=True) == tolerances.hand(32, "lean") == 2e-8
     assert tolerances.norm(18) == 16 / 2**16
+
+
+def test_what_errors_are_ranked_by():
+    words = random_reachable(20, 32, seed=3)
+    assert (tolerances.yardstick(words, 32, "lean") == 2e-8).all()
+    assert (tolerances.yardstick(words, 32, "paper") == predict.hand_bar(words, 32, "paper")).all()

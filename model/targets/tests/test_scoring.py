@@ -19,6 +19,7 @@ from model.targets.flags import AT_SHOULDER, ON_AXIS, SATURATED, TOO_FAR, TOO_NE
 from model.targets.scoring import (
     score,
     singular_distance,
+    singular_distances,
     write_results_csv,
     write_results_npz,
     write_score_json,
@@ -43,10 +44,10 @@ class Case:
         self.predicted = np.full(len(targets), predicted)
         self.run = {"latency_cycles": 400, "total_cycles": 400 + len(targets), "bit_mismatches": 0}
 
-    def score(self):
+    def score(self, bar=None):
         return score(
             self.targets, self.words, self.exponent, self.results, self.flags, width=self.width,
-            datapath="paper", simulator="icarus", predicted=self.predicted, **self.run,
+            datapath="paper", simulator="icarus", predicted=self.predicted, bar=bar, **self.run,
         )  # fmt: skip
 
     def turn_shoulder(self, n, angle):
@@ -199,26 +200,43 @@ def test_hand_above_its_bar_fails(case):
 
 
 def test_the_fixed_bar_needs_distance_and_32_bits():
-    """Else the bars are the predicted ones, target by target, whether they are tighter or wider."""
-    regular = Case(make("reach"), predicted=1e-12)
-    near = Case(make("punch"), predicted=1e-12)
-    short = Case(make("reach"), width=31, predicted=1e-12)
-    assert regular.score().hand_error_bar == REGULAR
-    assert regular.score().hand_error_predicted == 1e-12
-    assert regular.score().passed
-    for case in (near, short):
-        assert case.score().hand_error_bar == 1e-12
-        assert not case.score().passed
-        case.predicted[:] = 1e-6
-        assert case.score().passed
-    near.predicted[50] = 1e-12
-    result = near.score()
-    assert result.hand_error_bar == 1e-6 and result.hand_error_max < 1e-8
-    assert result.hand_error_over_bar > 1
-    assert "at target 50" in result.failures[0]
+    """Else the table has none, and nothing passes for accurate."""
+    cases = Case(make("reach")), Case(make("punch")), Case(make("reach"), width=31)
+    regular, near, short = (case.score() for case in cases)
+    assert regular.hand_error_bar == REGULAR
+    assert regular.outcome.startswith(f"pass: within {REGULAR:g} of the reach, as asked; ")
+    for result in (near, short):
+        assert result.passed and result.hand_error_bar is None and result.hand_error_over_bar is None
+        reached = f"{result.hand_error_max:.1e} of the reach was reached"
+        assert result.outcome == f"pass: bits, flags and norms are right; accuracy was not asked for, {reached}"
 
 
-@pytest.mark.parametrize(("distance", "bar"), [(0.19, 1e-6), (0.21, REGULAR)])
+@pytest.mark.parametrize("predicted", [1e-12, 1.0])
+def test_a_prediction_judges_nothing(predicted):
+    case = Case(make("punch"), predicted=predicted)
+    result = case.score()
+    assert result.passed and result.hand_error_predicted == predicted
+    assert case.score(bar=1e-12).passed is False and case.score(bar=1e-6).passed
+
+
+def test_what_the_user_asks_for_takes_the_place_of_the_table(case):
+    assert case.score(bar=1e-12).hand_error_bar == 1e-12
+    assert case.score(bar=1e-12).outcome.startswith("FAIL: 1e-12 of the reach was asked for, ")
+    assert f"times its bar {1e-12:.3g} (100 targets above)" in case.score(bar=1e-12).failures[0]
+    case.turn_shoulder(99, 4e-4)
+    assert not case.score().passed and case.score(bar=1e-3).passed
+    assert case.score(bar=1e-3).outcome.startswith("pass: within 0.001 of the reach, as asked; ")
+
+
+def test_right_hands_and_wrong_bits(case):
+    case.run |= {"bit_mismatches": 3}
+    assert case.score().outcome.endswith("was reached, but bits, flags or norms are wrong")
+    near = Case(make("punch"))
+    near.run |= {"bit_mismatches": 3}
+    assert near.score().outcome.startswith("FAIL: bits, flags or norms are wrong; accuracy was not asked for")
+
+
+@pytest.mark.parametrize(("distance", "bar"), [(0.19, None), (0.21, REGULAR)])
 def test_the_fixed_bar_begins_at_a_fifth_of_a_radian(distance, bar):
     polar = np.array([1.0, distance])
     result = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar))).score()
@@ -226,13 +244,33 @@ def test_the_fixed_bar_begins_at_a_fifth_of_a_radian(distance, bar):
     assert result.hand_error_bar == bar
 
 
+def test_the_worst_target_is_named_with_its_pose():
+    polar = np.array([1.0, 0.05, 1.2])
+    case = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar)))
+    case.turn_shoulder(1, 1e-2)
+    result = case.score()
+    assert (result.hand_error_target, result.hand_error_pose) == (1, "0.050 rad from singular: wrist on the z axis")
+    case.turn_shoulder(2, 1e-1)
+    assert case.score().hand_error_target == 2
+    unreachable = Case(arm([0.7, 0.8])).score()
+    assert unreachable.hand_error_target is None and unreachable.hand_error_pose is None
+
+
+@pytest.mark.parametrize(
+    ("x", "what"), [(0.5999, "straight arm"), (0.0601, "folded arm"), (0.0001, "folded arm")],
+)
+def test_what_is_singular(x, what):
+    d2 = 0.33 if x < 0.01 else 0.27
+    distances = singular_distances(arm([x], d2=d2))
+    assert min(distances, key=lambda name: distances[name][0]) == what
+
+
 def test_the_failure_furthest_above_its_bar_is_named():
-    case = Case(make("punch"), predicted=1e-7)
-    case.turn_shoulder(10, 1e-6)
-    assert "at target 10 is" in case.score().failures[0]
-    case.predicted[50] = 1e-12
-    assert "at target 50 is" in case.score().failures[0]
-    assert "(2 targets above)" in case.score().failures[0]
+    case = Case(make("punch"))
+    case.turn_shoulder(10, 1e-5)
+    case.turn_shoulder(50, 1e-4)
+    assert "at target 50 is" in case.score(bar=1e-7).failures[0]
+    assert "(2 targets above)" in case.score(bar=1e-7).failures[0]
 
 
 def test_wrong_flags_fail(case):
@@ -274,10 +312,14 @@ def test_clamped_targets_are_judged_apart():
     assert result.each.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
     assert result.hand_error_max == result.each.hand_error[0] < 1e-8
     assert result.clamped_error_max < 1e-8
-    assert result.clamped_error_bar == 1e-6
+    assert result.hand_error_bar is None and result.clamped_error_bar is None
+    assert result.outcome.startswith("pass: bits, flags and norms are right; accuracy was not asked for")
 
     case.turn_shoulder(1, 1e-3)
-    result = case.score()
+    assert case.score().passed
+    result = case.score(bar=1e-6)
+    assert result.hand_error_bar == result.clamped_error_bar == 1e-6
+    assert result.outcome == "FAIL: 1e-06 of the reach was asked for, 1.0e-03 was reached"
     assert result.hand_error_max < 1e-8 and result.angle_error_max < 1e-8
     assert result.clamped_error_max == pytest.approx(1e-3, rel=1e-2)
     assert "error of the clamped hand 0.001 at target 1" in result.failures[0]

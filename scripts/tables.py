@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `make run` prints of its scores: the figures of a trajectory, what was asked, and whether it was reached."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from model.targets import flags as flag_bits
+from model.targets.scoring import Score
+
+NOT_ASKED = "not asked"
+
+EXPLAINED = (
+    "asked: what the error must not exceed, by the table of tolerances or BAR=; predicted: what the roundings can do "
+    "at these poses; it explains an error and is no limit, so it may be above or below what is asked"
+)
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1e}"
+
+
+def _asked(bar: float | None) -> str:
+    return NOT_ASKED if bar is None else f"{bar:g}"
+
+
+def _verdict(result: Score) -> str:
+    return "[green]pass[/]" if result.passed else "[bold red]FAIL[/]"
+
+
+def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
+    """The figures of one trajectory: a name, the measured value and, where there are any, what is asked and predicted.
+
+    flags (N,): the core's flag bits.
+    """
+    at = f"target {result.hand_error_target}"
+    rows: list[tuple[str, ...]] = [
+        ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
+        (
+            "hand error / reach, largest",
+            _number(result.hand_error_max),
+            "-" if result.hand_error_max is None else _asked(result.hand_error_bar),
+            _number(result.hand_error_predicted),
+        ),
+        *([] if result.hand_error_pose is None else [(f"  {result.hand_error_pose}", at)]),
+        ("hand error / reach, rms", _number(result.hand_error_rms)),
+    ]
+    if result.hand_error_over_bar is not None:
+        rows.append(("hand error / what is asked", f"{result.hand_error_over_bar:.2g}", "1"))
+    rows += [
+        ("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max)),
+        ("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max)),
+        ("elbow point error / reach, largest", _number(result.elbow_point_error_max)),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max)),
+    ]
+    if result.clamped_error_max is not None:
+        clamped = _number(result.clamped_error_max), _asked(result.clamped_error_bar)
+        rows.append(("error of the clamped hand / reach, largest", *clamped))
+    occurred = int(np.bitwise_or.reduce(flags))
+    return [
+        *rows,
+        ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
+        ("latency (clocks)", str(result.latency_cycles)),
+        ("clocks for all targets", str(result.total_cycles)),
+        ("results per clock while they flow", f"{result.results_per_cycle:.3f}"),
+        ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0"),
+    ]
+
+
+def table_of_one(result: Score, flags: np.ndarray) -> Table:
+    """The figures of one trajectory, a line each, beside what is asked and predicted."""
+    table = Table(
+        title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
+        f"{result.width} bits, {result.simulator}",
+        caption=f"{_verdict(result)}{escape(result.outcome[4:])}\n{EXPLAINED}",
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        caption_justify="left",
+    )
+    table.add_column("figure")
+    for heading in ("measured", "asked", "predicted"):
+        table.add_column(heading, justify="right")
+    for row in figures(result, flags):
+        table.add_row(*row)
+    return table
+
+
+def _summary(scores: Sequence[Score]) -> str:
+    """How many pass, and of how many the accuracy was judged at all."""
+    passed = [result for result in scores if result.passed]
+    unasked = sum(result.hand_error_bar is None and result.clamped_error_bar is None for result in passed)
+    said = f"{len(passed)} of {len(scores)} pass"
+    return f"{said}, {unasked} of them by bits, flags and norms: accuracy was not asked for (-)" if unasked else said
+
+
+def table_of_many(scores: Sequence[Score]) -> Table:
+    """One line a trajectory, narrow enough for a terminal of 80 columns."""
+    first = scores[0]
+    table = Table(
+        title=f"{first.datapath} datapath, {first.width} bits, {first.simulator}, "
+        f"latency {first.latency_cycles} clocks",
+        caption=f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
+        "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        title_justify="left",
+        caption_justify="left",
+    )
+    table.add_column("trajectory", no_wrap=True)
+    for heading in ("hand", "at", "asked", "predict", "clamped", "angle", "bits", "flags", ""):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for result in scores:
+        at = "-" if result.hand_error_target is None else str(result.hand_error_target)
+        asked = "-" if result.hand_error_bar is None else _asked(result.hand_error_bar)
+        rest = map(_number, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
+        errors = _number(result.hand_error_max), at, asked, *rest
+        counts = str(result.bit_mismatches), str(result.flagged)
+        table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
+    return table
+
+
+def verdict(name: str, scores: Sequence[Score]) -> int:
+    """Say on stderr, for the command `name`, what fails; the exit status 0 or 1."""
+    for result in scores:
+        for failure in result.failures:
+            print(f"{name}: {result.trajectory} fails: {failure}", file=sys.stderr)
+    return 0 if all(result.passed for result in scores) else 1
