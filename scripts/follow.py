@@ -4,7 +4,7 @@
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
 Prints a line for each node: clock, clocks since admission, equation, name, word and value in RTL and model, and what
-it is made of. A `!` before a line marks a node that differs; of the first of them the operands follow at the end.
+it is made of. A `!` before a line marks a node that differs; the first of them and its operands follow at the end.
 The trajectory runs as in `make run`; targets count from 0.
 With --waves: OUT/waves.vcd and OUT/aligned.vcd, in which all nodes of a target stand in one clock, with save files.
 Exit status: 0 if every node of the target equals the model, 1 if one differs or the simulation breaks off, 2 for
@@ -25,7 +25,7 @@ from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
 from scripts.console import InputError, Parser, check_out, command, progress, whole, writing
 from scripts.recording import Recording, column, differences, model_bits, read, write_aligned
-from scripts.run import ALL, Prepared, parser_of, prepare
+from scripts.run import Prepared, parser_of, prepare
 from scripts.waves import Mark, write_aligned_save_file, write_save_file
 from tb.sim.difference import Difference, hexadecimal, value
 from tb.sim.simulate import Job, SimulationError, simulate
@@ -48,9 +48,9 @@ def _parser() -> Parser:
 
 def chosen(arguments: argparse.Namespace) -> Prepared:
     """The trajectory that is run. Raises InputError or TargetError."""
-    if arguments.trajectory == ALL:
+    item, *others = prepare(arguments)
+    if others:
         raise InputError("argument --trajectory: one trajectory, not all of them, has the target that is followed")
-    (item,) = prepare(arguments)
     if arguments.target >= len(item.words):
         last = len(item.words) - 1
         raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
@@ -112,30 +112,27 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
         return f"{mark} {'  '.join(placed)}".rstrip()
 
     yield line(" ", HEADINGS)
+    about = DATAPATHS[datapath].sections
     title = ""
     for node, row in zip(nodes, rows, strict=True):
-        now = "inputs" if node.op == "input" else f"{node.section}: {DATAPATHS[datapath].sections.get(node.section, '')}"
+        now = "inputs" if node.op == "input" else f"{node.section}: {about[node.section]}"
         if now != title:
             title = now
-            yield title.removesuffix(": ")
+            yield title
         yield line(" " if recording.word(node, target) == model_bits(node, target) else "!", row)
 
 
 def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[str]:
-    """The first of the differences of one target, and whether what it is made of is right."""
+    """The first of the differences of one target, and what the node is made of: all that is right, as it stands before."""
     first, target = found[0], found[0].target
     yield f"first difference: {first}"
-    yield f"         made of: {made_of(first.node)}"
+    yield f"         made of: {made_of(first.node)}; in RTL and model alike"
     for node in first.node.operands:
         if node.op == "constant":
             continue
-        word, model = recording.word(node, target), model_bits(node, target)
-        verdict = "as in the model" if word == model else f"model {hexadecimal(model)}"
-        clock = recording.admitted[target] + node.time
-        yield (
-            f"                  {_operand(node, first.node)} at clock {clock}: "
-            f"RTL {hexadecimal(word)} ({value(word, node.format)}), {verdict}"
-        )
+        word, clock = recording.word(node, target), recording.admitted[target] + node.time
+        name = _operand(node, first.node)
+        yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
     if len(found) > 1:
         more = len(found) - 1
         yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
@@ -182,8 +179,7 @@ def main(words: Sequence[str] | None) -> int:
     for line in listing(recording, nodes, target, datapath):
         print(line)
     ours = [each for each in found if each.target == target]
-    for line in explanation(recording, ours) if ours else [f"all {len(nodes)} nodes of target {target} equal the model"]:
-        print(line)
+    print(*(explanation(recording, ours) if ours else [f"all {len(nodes)} nodes equal the model"]), sep="\n")
     if found and found[0].target != target:
         print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
     if arguments.waves:

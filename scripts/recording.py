@@ -41,8 +41,9 @@ class Recording:
         return self.first + (clock - 1) * self.period
 
     def word(self, node: Node, target: int) -> str:
-        """The bits of a node for a target."""
-        return self.words[node.name][self.admitted[target] + node.time - 1]
+        """The bits of a node for a target; X where the recording ends before."""
+        words, clock = self.words[node.name], self.admitted[target] + node.time
+        return words[clock - 1] if clock <= len(words) else "x" * node.format.width
 
 
 def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
