@@ -20,9 +20,9 @@ endif
 endif
 unexport CORES
 
-# Options of `make run`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by make and
-# reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGETS SEED FROM KEEP AGAIN ONLY
+# Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
+# make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS SEED FROM KEEP AGAIN ONLY
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 MAKEOVERRIDES :=
@@ -34,7 +34,9 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI") \
   $(call given,BAR,--bar="$$CGA_BAR")
 
-.PHONY: help setup run report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
+
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -44,7 +46,11 @@ setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every oth
 
 run: ## the main job [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.run $(job) $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
+	@$(VENV) -m scripts.run $(job) $(waves)
+
+follow: ## one target through the pipeline, node by node [TARGET=0.. WAVES=1 and the options of run]
+	@$(SETUP) $(SIM)
+	@$(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
 
 report: ## the same run as an HTML page to look at: the arm in motion, errors, pipeline [same options but WAVES]
 	@$(SETUP) $(SIM)

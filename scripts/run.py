@@ -70,12 +70,15 @@ class Prepared:
 # -- the command line ------------------------------------------------------------------------------
 
 
-def parser_of(command: str, description: str, *, out: str, written: str) -> Parser:
+def parser_of(
+    command: str, description: str, *, out: str, written: str,
+    passes: str = "all trajectories pass", fails: str = "one fails",
+) -> Parser:  # fmt: skip
     """The parser of a command that runs trajectories, with the options that all of them have.
 
-    out: the default of --out; written: what is written there, for its help.
+    out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`.
     """
-    parser = Parser(command, description, passes="all trajectories pass", fails="one fails")
+    parser = Parser(command, description, passes=passes, fails=fails)
     about = (
         "a built-in trajectory (see --list), all of them, a CSV file with a header: x,y,z and optionally phi (rad), "
         "d1, d2, in any unit of length, or a BVH clip of motion capture (default: %(default)s)"

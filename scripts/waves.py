@@ -13,11 +13,12 @@ GTKWave shows a fixed-point word through its "fixed point shift", right for word
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from vcd.gtkw import GTKWFlag, GTKWSave
+from vcd.gtkw import GTKWColor, GTKWFlag, GTKWSave
 from vcd.reader import TokenKind, tokenize
 
 from model.dataflow import fixed
@@ -60,18 +61,27 @@ def place(datapath: str, node: Node) -> tuple[str, ...]:
     return (f"g_{datapath}", "u_core", *([node.instance] if node.instance else []), node.name)
 
 
-def write_save_file(vcd: Path, datapath: str, width: int, path: Path) -> None:
-    """Writes ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits."""
+@dataclass(frozen=True)
+class Mark:
+    """What a save file points at: the message, the node that it names, its time and the clock's period (VCD units)."""
+
+    message: str
+    node: str
+    time: int
+    period: int
+
+
+def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
+    """Writes ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
+
+    With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
+    """
     name_of = signals(vcd)
-    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
+    nodes = _nodes(datapath, width)
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, name_of.__getitem__)
         command = f"python -m scripts.waves VCD {datapath} {width} GTKW"
-        save.writer.comment(f"{TOP}, {datapath} datapath, words of {width} bits: {command}")
-        save.writer.size(1600, 1000)
-        save.writer.sst_expanded(False)
-        save.writer.signals_width(640)
-        save.writer.zoom_markers(zoom=-15.0)  # about 15 clocks of 10 ns in sight
+        save.open(f"{TOP}, {datapath} datapath, words of {width} bits: {command}", mark)
         with save.writer.group("streams"):
             for name in ("clk", "rst", *STREAMS[:3]):
                 save.plain((name,))
@@ -86,13 +96,26 @@ def write_save_file(vcd: Path, datapath: str, width: int, path: Path) -> None:
                 save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
             for name in ("in_valid", "out_valid"):
                 save.plain((f"g_{datapath}", "u_core", name))
-        for section, what in DATAPATHS[datapath].sections.items():
-            label = f"{section}: {what}"
-            with save.writer.group(label, closed=True):
-                for node in nodes.values():
-                    if node.section == section and node.op != "input":
-                        equation = f" {node.equation}" if node.equation else ""
-                        save.word(place(datapath, node), node.format, f"{node.name}{equation} +{node.time}")
+        save.sections(datapath, nodes, mark)
+
+
+def write_aligned_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
+    """The same for an aligned VCD (:func:`scripts.recording.write_aligned`), which has no streams."""
+    nodes = _nodes(datapath, width)
+    with open(path, "w", encoding="utf-8", newline="\n") as stream:
+        save = _Save(stream, signals(vcd).__getitem__)
+        save.open(f"{TOP}, {datapath} datapath, words of {width} bits, aligned: one clock, one target", mark)
+        with save.writer.group("target"):
+            save.plain(("target",), "dec")
+            save.plain(("differs",))
+            for name in FIELDS:
+                label = name if name != "phi" else "phi (half turns)"
+                save.word(place(datapath, nodes[name]), nodes[name].format, label)
+        save.sections(datapath, nodes, mark)
+
+
+def _nodes(datapath: str, width: int) -> dict[str, Node]:
+    return fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
 
 
 class _Save:
@@ -103,21 +126,49 @@ class _Save:
         self.writer = GTKWSave(stream)
         self.name_of = name_of
 
-    def plain(self, path: tuple[str, ...]) -> None:
-        """A signal as bits: binary if it is one, else hexadecimal."""
-        name = self.name_of(path)
-        self.writer.trace(name, alias=path[-1], datafmt="hex" if name.endswith("]") else "bin")
+    def open(self, comment: str, mark: Mark | None) -> None:
+        """What stands before the traces: the window, and where it opens."""
+        self.writer.comment(comment)
+        if mark:
+            self.writer.comment(f"first difference: {mark.message}")
+            self.writer.timestart(max(0, mark.time - 7 * mark.period))
+        self.writer.size(1600, 1000)
+        self.writer.sst_expanded(False)
+        self.writer.signals_width(640)
+        # about 15 clocks of 10 ns in sight
+        self.writer.zoom_markers(zoom=-15.0, marker=mark.time if mark else -1)
 
-    def word(self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None) -> None:
+    def sections(self, datapath: str, nodes: Mapping[str, Node], mark: Mark | None) -> None:
+        """A group for each section; open is that of the marked node, which is red."""
+        for section, what in DATAPATHS[datapath].sections.items():
+            closed = not mark or nodes[mark.node].section != section
+            with self.writer.group(f"{section}: {what}", closed=closed):
+                for node in nodes.values():
+                    if node.section == section and node.op != "input":
+                        equation = f" {node.equation}" if node.equation else ""
+                        color = GTKWColor.red if mark and mark.node == node.name else None
+                        label = f"{node.name}{equation} +{node.time}"
+                        self.word(place(datapath, node), node.format, label, color=color)
+
+    def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
+        """A signal as bits: binary if it is one, else as ``shown``."""
+        name = self.name_of(path)
+        self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
+
+    def word(
+        self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None,
+        color: GTKWColor | None = None,
+    ) -> None:  # fmt: skip
         """A word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
         if fmt.width == 1:
-            self.writer.trace(self.name_of(path), alias=label, datafmt="bin")
+            self.writer.trace(self.name_of(path), alias=label, datafmt="bin", color=color)
             return
         shown = min(fmt.width, SHOWN_BITS)
         frac = fmt.frac - (fmt.width - shown)
         options = {
             "datafmt": "signed" if fmt.signed else "dec",
             "extraflags": GTKWFlag.fpdecshift if frac else GTKWFlag.none,
+            "color": color,
         }
         if frac:  # pyvcd does not know this line
             self.stream.write(f"[fpshift_count] {frac}\n")

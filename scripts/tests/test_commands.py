@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts import compare, exhaustive, formal, run, soak
+from scripts import compare, exhaustive, follow, formal, run, soak
 from scripts.fpga import measure
 from scripts.pages import wordlengths
 from scripts.report import page
@@ -16,8 +16,8 @@ from tb.core import hardest
 from tb.sim.env import ROOT, environment
 
 MAINS = {
-    "run": run.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main, "compare": compare.main,
-    "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
+    "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main,
+    "compare": compare.main, "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
 }  # fmt: skip
 
 WHOLE = "is not a whole number of at least"
@@ -72,6 +72,14 @@ MISTAKES = {
     "report": CORE + TRAJECTORIES + [
         ("--waves", "unrecognized arguments: --waves"), ("--out o", "--out", "'o/report.html' is a folder"),
     ],
+    "follow": [(f"--target 0 --waves {words}", *parts) for words, *parts in CORE + TRAJECTORIES] + [
+        ("", "the following arguments are required: --target"),
+        ("--target -1", "--target", f"'-1' {WHOLE} 0"),
+        ("--target 1e1", "--target", f"'1e1' {WHOLE} 0"),
+        ("--target 100", "argument --target: reach has targets 0 to 99, not 100"),
+        ("--target 1 --trajectory t.csv", "argument --target: t has targets 0 to 0, not 1"),
+        ("--target 0 --trajectory all", "argument --trajectory: one trajectory, not all of them"),
+    ],
     "soak": CORE + SAMPLE + [
         ("--targets -5", "--targets"),
         ("--targets 1e6", "--targets", "'1e6'"),
@@ -99,7 +107,8 @@ MISTAKES = {
 @pytest.mark.parametrize(("name", "arguments"), [(name, words) for name, of in MISTAKES.items() for words, *_ in of])
 def test_a_mistake_is_one_line_and_status_2(command, files, monkeypatch, tmp_path, name, arguments):
     """And nothing is simulated or written."""
-    monkeypatch.setattr(run, "simulate", lambda *_, **__: pytest.fail("simulates"))
+    for module in (run, follow):
+        monkeypatch.setattr(module, "simulate", lambda *_, **__: pytest.fail("simulates"))
     monkeypatch.setattr(soak.Core, "built", lambda *_: pytest.fail("simulates"))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
     for folder in ("folder", "o/results.csv", "o/report.html", "o/hardest.csv"):
@@ -115,6 +124,7 @@ def test_a_mistake_is_one_line_and_status_2(command, files, monkeypatch, tmp_pat
 
 OPTIONS = {
     "run": "trajectory out sim datapath width cores waves d1 d2 phi bar list",
+    "follow": "target trajectory out sim datapath width cores waves d1 d2 phi bar",
     "report": "trajectory out sim datapath width d1 d2 phi",
     "soak": "targets seed from datapath width sim jobs out keep again",
     "exhaustive": "only small jobs list",
@@ -171,7 +181,9 @@ def test_make_exhaustive_and_soak():
     assert made("soak", *words.split())[1] == ["soak", "--sim", "verilator", *options, "--keep"]
 
 
-def test_make_report_is_started_as_make_run_but_for_waves():
+def test_make_report_and_follow_are_started_as_make_run():
     words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 BAR=1e-4 WAVES=1 SIM=verilator".split()
     (needs, (_, *options)), report = made("run", *words), made("report", *words)
     assert options[-1] == "--waves" and report == (needs, ["report", *options[:-1]])
+    follows = ["follow", *options[:-1], '--target="$CGA_TARGET"', "--waves"]
+    assert made("follow", *words, "TARGET=42") == (needs, follows)

@@ -18,7 +18,8 @@ def run(folder, *command):
 def checkout(tmp_path):
     """A checkout with the settings of this one and a module a room."""
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    for name in ("model", "model/reference", "model/dataflow", "model/bounds", "model/targets", "tb", "scripts"):
+    rooms = ("reference", "dataflow", "bounds", "motion", "targets")
+    for name in ("model", *(f"model/{room}" for room in rooms), "tb", "scripts"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("")
     for name in ("observed", "scoring", "stimuli", "trajectories", "files", "flags", "words"):
@@ -69,7 +70,8 @@ def test_a_source_without_its_licence_is_found(checkout):
         ("model/reference/a.py", "model.dataflow"),
         ("model/dataflow/a.py", "model.bounds"),
         ("model/bounds/a.py", "model.targets.scoring"),
-        ("model/targets/words.py", "model.reference"),
+        ("model/dataflow/a.py", "model.motion"),
+        ("model/reference/a.py", "model.targets.words"),
     ],
 )
 def test_an_import_of_a_room_above_is_found(checkout, name, imports):

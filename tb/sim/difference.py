@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from model.dataflow.nodes import Node
+from model.dataflow.nodes import Format, Node
 
 KEPT = 1000
 """Differences that are kept for the message; all are counted."""
@@ -29,22 +29,27 @@ class Difference:
 
     def __str__(self) -> str:
         fmt = self.node.format
-        width = -(-fmt.width // 4)
-        known = set(self.rtl) <= {"0", "1"}
-        rtl = f"{int(self.rtl, 2):0{width}x}" if known else self.rtl
-        real = f"{_real(int(self.rtl, 2), fmt):.12g}" if known else "unknown"
+        model = format(self.model, f"0{fmt.width}b")
         equation = f" {self.node.equation}" if self.node.equation else ""
         return (
             f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
-            f"RTL {rtl} ({real}), model {self.model:0{width}x} ({_real(self.model, fmt):.12g})"
+            f"RTL {hexadecimal(self.rtl)} ({value(self.rtl, fmt)}), model {hexadecimal(model)} ({value(model, fmt)})"
         )
 
 
-def _real(word: int, fmt) -> float:
-    """Value of an unsigned bit pattern in format ``fmt``."""
-    if fmt.signed and word >> (fmt.width - 1):
+def hexadecimal(bits: str) -> str:
+    """Bits as hexadecimal digits; as they are if one is X or Z."""
+    return f"{int(bits, 2):0{-(-len(bits) // 4)}x}" if set(bits) <= {"0", "1"} else bits
+
+
+def value(bits: str, fmt: Format, digits: int = 12) -> str:
+    """The value of bits in format ``fmt``, in so many digits."""
+    if not set(bits) <= {"0", "1"}:
+        return "unknown"
+    word = int(bits, 2)
+    if fmt.signed and bits[0] == "1":
         word -= 1 << fmt.width
-    return word / 2**fmt.frac
+    return f"{word / 2**fmt.frac:.{digits}g}"
 
 
 def report(differences: Sequence[Difference], nodes: Iterable[Node], most: int = 5, since: int = 0) -> str:

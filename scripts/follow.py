@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One target through the pipeline: every node of it in dataflow order, RTL beside model. What `make follow` does.
+
+    python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
+
+Prints a line for each node: clock, clocks since admission, equation, name, word and value in RTL and model, and what
+it is made of. A `!` before a line marks a node that differs; the first of them and its operands follow at the end.
+The trajectory runs as in `make run`; targets count from 0.
+With --waves: OUT/waves.vcd and OUT/aligned.vcd, in which all nodes of a target stand in one clock, with save files.
+Exit status: 0 if every node of the target equals the model, 1 if one differs or the simulation breaks off, 2 for
+input that cannot be used, 130 after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import Node
+from scripts.console import InputError, Parser, command, output, progress, whole, whole_file, writing
+from scripts.recording import Recording, column, differences, model_bits, read, write_aligned
+from scripts.run import Prepared, parser_of, prepare
+from scripts.waves import Mark, write_aligned_save_file, write_save_file
+from tb.sim.difference import Difference, hexadecimal, value
+from tb.sim.simulate import Job, SimulationError, simulate
+
+VCD, ALIGNED = "waves.vcd", "aligned.vcd"
+
+
+def _parser() -> Parser:
+    about = "Print every node of one target, RTL beside model, in dataflow order."
+    parser = parser_of(
+        "follow", about, out="build/follow", written="the waves",
+        passes="every node of the target equals the model", fails="one differs",
+    )  # fmt: skip
+    about = "which target of the trajectory, counted from 0"
+    parser.add_argument("--target", type=whole(0), required=True, metavar="N", help=about)
+    about = f"also write OUT/{VCD} and OUT/{ALIGNED}, all nodes of a target in one clock, with GTKWave save files"
+    parser.add_argument("--waves", action="store_true", help=about)
+    return parser
+
+
+def chosen(arguments: argparse.Namespace) -> Prepared:
+    """The trajectory that is run. Raises InputError or TargetError."""
+    item, *others = prepare(arguments)
+    if others:
+        raise InputError("argument --trajectory: one trajectory, not all of them, has the target that is followed")
+    if arguments.target >= len(item.words):
+        last = len(item.words) - 1
+        raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
+    return item
+
+
+@contextlib.contextmanager
+def _place(arguments: argparse.Namespace) -> Iterator[Path]:
+    """The folder of the waves: --out, or one that goes again."""
+    if arguments.waves:
+        files = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
+        with output(arguments.out, [arguments.out / name for name in files]):
+            yield arguments.out.absolute()
+    else:
+        with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+            yield Path(folder)
+
+
+# -- what is printed -------------------------------------------------------------------------------
+
+
+def _operand(node: Node, of: Node) -> str:
+    """An operand as it is named in the line of a node: with its section if that is another one."""
+    if node.op == "constant":
+        return f"{int(node.value) / 2**node.format.frac:.10g}"
+    return node.name if node.section == of.section or node.op == "input" else f"{node.section}.{node.name}"
+
+
+def made_of(node: Node) -> str:
+    """Operation and operands of a node, and what it computes of them where the dataflow says it."""
+    operands = ", ".join(_operand(each, node) for each in node.operands)
+    exact = f": {node.facts.exact}" if node.facts.exact else ""
+    return f"{node.op} {operands}{exact}" if operands else node.op
+
+
+HEADINGS = ("clock", "after", "equation", "node", "RTL word", "model word", "RTL value", "model value", "made of")
+LEFT = "equation", "node", "made of"
+
+
+def _cells(recording: Recording, node: Node, target: int) -> tuple[str, ...]:
+    """The line of a node."""
+    words = recording.word(node, target), model_bits(node, target)
+    return (
+        str(recording.admitted[target] + node.time), f"+{node.time}", node.equation, node.name,
+        *(hexadecimal(word) for word in words), *(value(word, node.format, 10) for word in words), made_of(node),
+    )  # fmt: skip
+
+
+def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:
+    """The nodes of a target in dataflow order, a line each, below a line for each section."""
+    rows = [_cells(recording, node, target) for node in nodes]
+    widths = [max(map(len, column)) for column in zip(HEADINGS, *rows, strict=True)]
+
+    def line(mark: str, cells: Sequence[str]) -> str:
+        placed = [
+            cell.ljust(width) if heading in LEFT else cell.rjust(width)
+            for cell, width, heading in zip(cells, widths, HEADINGS, strict=True)
+        ]
+        return f"{mark} {'  '.join(placed)}".rstrip()
+
+    yield line(" ", HEADINGS)
+    about = DATAPATHS[datapath].sections
+    title = ""
+    for node, row in zip(nodes, rows, strict=True):
+        now = "inputs" if node.op == "input" else f"{node.section}: {about[node.section]}"
+        if now != title:
+            title = now
+            yield title
+        yield line(" " if recording.word(node, target) == model_bits(node, target) else "!", row)
+
+
+def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[str]:
+    """The first of the differences of one target, and what the node is made of, which is right, as it comes before."""
+    first, target = found[0], found[0].target
+    yield f"first difference: {first}"
+    yield f"         made of: {made_of(first.node)}; in RTL and model alike"
+    for node in first.node.operands:
+        if node.op == "constant":
+            continue
+        word, clock = recording.word(node, target), recording.admitted[target] + node.time
+        name = _operand(node, first.node)
+        yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
+    if len(found) > 1:
+        more = len(found) - 1
+        yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
+
+
+# -- the run ---------------------------------------------------------------------------------------
+
+
+def _simulate(arguments: argparse.Namespace, item: Prepared, vcd: Path) -> None:
+    total = len(item.words)
+    with progress(f"{arguments.sim}, {total} targets", total) as meter, whole_file(vcd) as unfinished:
+        simulate(
+            [Job(item.targets.name, item.words)],
+            simulator=arguments.sim,
+            datapath=arguments.datapath,
+            width=arguments.width,
+            waves=unfinished,
+            progress=(lambda done, _: meter(done)) if meter.bar else None,
+            cores=arguments.cores,
+        )
+
+
+@command("follow")
+def main(words: Sequence[str] | None) -> int:
+    """Run the command line; the exit status."""
+    arguments = _parser().parse_args(words)
+    item = chosen(arguments)
+    target, datapath, width = arguments.target, arguments.datapath, arguments.width
+    nodes = list(fixed.run(item.words, width, datapath).bits.nodes.values())
+    with _place(arguments) as place:
+        _simulate(arguments, item, place / VCD)
+        recording = read(place / VCD, datapath, nodes)
+        if len(recording.admitted) != len(item.words):
+            raise SimulationError(f"{len(recording.admitted)} of {len(item.words)} targets were admitted")
+        found = list(differences(recording, nodes))
+        if arguments.waves:
+            write_waves(place, recording, arguments, nodes, found)
+
+    admitted, last = recording.admitted[target], column(recording, nodes, target)
+    print(
+        f"target {target} of {item.targets.name}: {datapath} datapath, {width} bits, {arguments.sim}; "
+        f"admitted in clock {admitted}, its last node in clock {last}"
+    )
+    for line in listing(recording, nodes, target, datapath):
+        print(line)
+    ours = [each for each in found if each.target == target]
+    print(*(explanation(recording, ours) if ours else [f"all {len(nodes)} nodes equal the model"]), sep="\n")
+    if found and found[0].target != target:
+        print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
+    if arguments.waves:
+        for name in (VCD, ALIGNED):
+            for suffix in (".vcd", ".gtkw"):
+                print(f"wrote {arguments.out / Path(name).with_suffix(suffix)}")
+    return 1 if ours else 0
+
+
+def write_waves(
+    place: Path, recording: Recording, arguments: argparse.Namespace, nodes: Sequence[Node], found: Sequence[Difference]
+) -> None:
+    """Writes the aligned VCD beside the ordinary one, and the save files of both with the first difference marked."""
+    vcd, aligned = place / VCD, place / ALIGNED
+    datapath, width = arguments.datapath, arguments.width
+    first = found[0] if found else None
+    with writing():
+        write_aligned(aligned, recording, datapath, nodes, {each.target for each in found})
+        for path, clock, write in (
+            (vcd, first.clock if first else 0, write_save_file),
+            (aligned, column(recording, nodes, first.target) if first else 0, write_aligned_save_file),
+        ):
+            mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
+            write(path, datapath, width, path.with_suffix(".gtkw"), mark)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

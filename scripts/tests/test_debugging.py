@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""docs/debugging.md, followed word for word in a copy of the checkout: what it says is printed is printed."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tb.sim.env import ROOT
+
+PAGE = ROOT / "docs" / "debugging.md"
+COMMAND = re.compile(r"(sed|make|gtkwave|\.venv/bin/python) ")
+
+
+def blocks(text):
+    """The indented blocks of a page: (is it of commands?, its lines)."""
+    found = re.findall(r"(?:^    .*\n)(?:^(?:    .*)?\n)*", text, re.MULTILINE)
+    for block in found:
+        lines = [line.removeprefix("    ") for line in block.rstrip().splitlines()]
+        yield bool(COMMAND.match(lines[0])), lines
+
+
+def missing(lines, said):
+    """The first of the lines that is not in what was said; each run of lines between `...` is there in one piece."""
+    begin = 0
+    for piece in "\n".join(lines).split("\n...\n"):
+        wanted = piece.splitlines()
+        ends = [k for k in range(begin, len(said) - len(wanted) + 1) if said[k : k + len(wanted)] == wanted]
+        if not ends:
+            return next((line for line in wanted if line not in said), wanted[0])
+        begin = ends[0] + len(wanted)
+    return None
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory):
+    """A copy of what git knows here, with the same Python; set-up takes a .venv that is no link."""
+    copy = tmp_path_factory.mktemp("checkout")
+    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in filter(None, names.split("\0")):
+        if (ROOT / name).is_file():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, copy / name)
+    (copy / ".venv").mkdir()
+    for entry in (ROOT / ".venv").iterdir():
+        (copy / ".venv" / entry.name).symlink_to(entry)
+    # A window cannot be opened here: in place of gtkwave, something that wants both its files.
+    tools = copy / "build" / "tools"
+    tools.mkdir(parents=True)
+    (tools / "gtkwave").write_text('#!/bin/sh\nset -e\nfor file; do test -s "$file"; done\necho shows "$@"\n')
+    (tools / "gtkwave").chmod(0o755)
+    return copy
+
+
+@pytest.fixture(scope="module")
+def said(checkout):
+    """The page followed: for each block of commands, its commands, what they print, and what the page says of it."""
+    drop = {"SIM", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST_ADDOPTS", "PYTEST_CURRENT_TEST", "IK_CORES"}
+    env = {name: value for name, value in os.environ.items() if name not in drop and "XDIST" not in name}
+    env["PATH"] = f"{checkout / 'build' / 'tools'}{os.pathsep}{env['PATH']}"
+    steps = []
+    for commands, lines in blocks(PAGE.read_text(encoding="utf-8")):
+        if not commands:
+            steps[-1][2].append(lines)
+            continue
+        script = "\n".join(lines)
+        # bash, as most readers have it, takes test_sections[lean-32] for a pattern that matches no file
+        done = subprocess.run(
+            ["bash", "-c", script], cwd=checkout, env=env, text=True, check=False,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )  # fmt: skip
+        steps.append((script, done, []))
+    return steps
+
+
+@pytest.mark.cost(40)
+def test_what_the_page_says_is_printed_is_printed(said):
+    """All commands run, those that simulate find the bug, and every line stands in what they print."""
+    assert [step[0].split()[0] for step in said] == [
+        "sed", "make", "gtkwave", "gtkwave", ".venv/bin/python", ".venv/bin/python",
+    ]  # fmt: skip
+    assert sum(len(shown) for _, _, shown in said) == 3
+    for script, done, shown in said:
+        finds = script.splitlines()[-1].startswith(("make", ".venv/bin/python -m pytest"))
+        assert bool(done.returncode) == finds, f"{script}\n{done.stdout}"
+        lines = [line.rstrip() for line in done.stdout.splitlines()]
+        if "pytest" in script:  # each behind a logger's columns
+            lines = [re.sub(r"^INFO +cocotb:\S+ +", "", line) for line in lines]
+        for expected in shown:
+            assert missing(expected, lines) is None, f"{script}\n{missing(expected, lines)}\n{done.stdout}"
+
+
+def test_the_marker_stands_where_the_page_says(said, checkout):
+    """Both save files mark the node and the time that the page names, and the labels in it are theirs."""
+    text = PAGE.read_text(encoding="utf-8")
+    for name, says in (
+        ("aligned", r"column of the first target that differs, at (\d+) ns"),
+        ("waves", r"The marker stands in clock 49, at (\d+) ns"),
+    ):
+        lines = (checkout / "build" / "follow" / f"{name}.gtkw").read_text(encoding="utf-8").splitlines()
+        (at,) = re.findall(says, " ".join(text.split()))
+        assert f"*-15.000000 {at}000 " in "\n".join(lines), name
+        assert "+{w_1 (L52) +43} " in lines[lines.index("[color] 1") + 1] + lines[lines.index("[color] 1") + 2]
+        assert sum(bool(re.match(r"\+{(w_c|i_s) \(L52\) \+42} ", line)) for line in lines) == 2
+    assert all(label in text for label in ("`w_1 (L52) +43`", "`w_c` and `i_s` have the label +42"))
+
+
+def test_files_that_the_page_names_exist():
+    """Those of the tree; what commands write, in build/, is checked by following it."""
+    text = PAGE.read_text(encoding="utf-8")
+    named = set(re.findall(r"`((?:rtl|model|tb|scripts)/[\w./]+)`", text))
+    assert len(named) > 4 and all(Path(ROOT / name).is_file() for name in named), named
+
+
+def test_a_line_that_is_not_printed_is_missing():
+    """The comparison itself: pieces stand in one piece and in order."""
+    said = ["a", "b", "c", "d"]
+    assert missing(["a", "b", "...", "d"], said) is None
+    assert missing(["a", "c"], said) == "a"
+    assert missing(["c", "...", "a"], said) == "a"
+    assert missing(["x"], said) == "x"

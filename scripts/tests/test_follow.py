@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`make follow` prints every node of a target, names the wrong one, and its aligned VCD shows a target in a clock."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from vcd.gtkw import GTKWColor
+from vcd.reader import TokenKind, tokenize
+from vcd.writer import VCDWriter
+
+from model.dataflow import fixed
+from model.targets import trajectories
+from model.targets.words import to_words
+from scripts import follow, recording, waves
+from tb.sim.env import simulator
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.simulate import Job, simulate
+
+FIRST, GAP = 6, 3
+"""The clock in which the simulator below admits target 0, and its clocks between targets 1 and 2."""
+
+ROOT_OF = {"icarus": ("ik_axis",), "verilator": ("TOP", "ik_axis")}
+WIDTH = 18
+
+
+def nodes_of(words, datapath="lean", width=32):
+    return list(fixed.run(words, width, datapath).bits.nodes.values())
+
+
+def reach(width=32):
+    return to_words(trajectories.make("reach"), width)[0]
+
+
+class Simulator:
+    """In place of the simulator: a VCD with the words of the model, wrong where `wrong` says so: (node, target)."""
+
+    def __init__(self, monkeypatch, wrong=()):
+        self.wrong = wrong
+        monkeypatch.setattr(follow, "simulate", self)
+
+    def __call__(self, jobs, *, simulator, datapath, width, waves, **_):
+        (job,) = jobs
+        nodes = nodes_of(job.words, datapath, width)
+        admitted = [FIRST + k + GAP * (k > 1) for k in range(len(job.words))]
+        with open(waves, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
+            plain = {name: writer.register_var(ROOT_OF[simulator], name, "wire", 1)
+                     for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}  # fmt: skip
+            for name in STREAMS:
+                bits = 6 * width if name.endswith("tdata") else 8
+                writer.register_var(ROOT_OF[simulator], f"{name}[{bits - 1}:0]", "wire", bits)
+            for name in ("m_axis_tvalid", "m_axis_tready"):
+                writer.register_var(ROOT_OF[simulator], name, "wire", 1)
+            core = (*ROOT_OF[simulator], f"g_{datapath}", "u_core")
+            for name in ("in_valid", "out_valid"):
+                writer.register_var(core, name, "wire", 1)
+            lines = {}
+            for node in nodes:
+                place = (*core, *([node.instance] if node.instance else []))
+                bits = node.format.width
+                name = f"{node.name}[{bits - 1}:0]" if bits > 1 else node.name
+                lines[node.name] = writer.register_var(place, name, "wire", bits)
+            for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
+                rise = 10_000 * clock - 5_000
+                for name, bit in (
+                    ("clk", 1), ("rst", clock < 4), ("s_axis_tready", 1), ("s_axis_tvalid", clock in admitted),
+                ):  # fmt: skip
+                    writer.change(plain[name], rise, int(bit))
+                for node in nodes:
+                    if clock - node.time in admitted:
+                        target = admitted.index(clock - node.time)
+                        bits = recording.model_bits(node, target)
+                        if (node.name, target) in self.wrong:
+                            bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
+                        writer.change(lines[node.name], rise, bits)
+                    else:
+                        writer.change(lines[node.name], rise, "x")
+                writer.change(plain["clk"], 10_000 * clock, 0)
+
+
+STREAMS = [f"{side}_axis_{what}" for side in "sm" for what in ("tuser", "tdata")]
+
+
+def columns(vcd):
+    """What an aligned VCD shows: for every time of a change, path -> bits or X."""
+    names, scopes, now, shown = {}, [], {}, {}
+    with open(vcd, "rb") as stream:
+        time = 0
+        for token in tokenize(stream):
+            if token.kind is TokenKind.SCOPE:
+                scopes.append(token.scope.ident)
+            elif token.kind is TokenKind.UPSCOPE:
+                scopes.pop()
+            elif token.kind is TokenKind.VAR:
+                names[token.var.id_code] = (".".join([*scopes, token.var.reference]), token.var.size)
+            elif token.kind is TokenKind.CHANGE_TIME:
+                time = token.time_change
+            elif token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR):
+                name, size = names[token.data.id_code]
+                value = token.data.value
+                now[name] = f"{value:0{size}b}" if isinstance(value, int) else str(value)
+                shown[time] = dict(now)
+    return shown
+
+
+def check_aligned(vcd, nodes, targets, first, wrong=()):
+    """Every column holds the words of the model for its target; names and scopes are those of the design."""
+    paths = {node.name: ".".join(("ik_axis", *waves.place("lean", node))) for node in nodes}
+    shown = columns(vcd)
+    last = max(node.time for node in nodes)
+    seen = []
+    for time, column in shown.items():
+        assert set(column) == {*paths.values(), "ik_axis.target", "ik_axis.differs"}
+        if "x" in column["ik_axis.target"]:
+            assert all(set(bits) == {"x"} for bits in column.values())
+            continue
+        target = int(column["ik_axis.target"], 2)
+        seen.append(target)
+        assert time == (first[target] + last) * 10_000 - 5_000
+        for node in nodes:
+            differs = (node.name, target) in wrong
+            assert (column[paths[node.name]] != recording.model_bits(node, target)) == differs, (node.name, target)
+        assert int(column["ik_axis.differs"]) == (target in {each for _, each in wrong})
+    assert seen == list(range(targets))
+
+
+def marker(save_file):
+    """The time of a save file's marker, and the label of the trace in red."""
+    lines = save_file.read_text().splitlines()
+    (at,) = [int(line.split()[1]) for line in lines if re.match(r"\*-?\d", line)]
+    red = [label(lines[k + 1 :]) for k, line in enumerate(lines) if line == f"[color] {GTKWColor.red.value}"]
+    return at, red
+
+
+def label(lines):
+    """Of the first trace in lines of a save file."""
+    return next(re.search(r"{(.*?)}", line)[1] for line in lines if line[0] in "+#")
+
+
+# -- the command, the model in place of the simulator ----------------------------------------------
+
+
+@pytest.mark.parametrize("datapath", ["lean", "paper"])
+def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
+    """In dataflow order: clock, equation, both words, both values, operands. Nothing is written."""
+    Simulator(monkeypatch)
+    status, out, err = command(follow.main, "--target", "42", "--datapath", datapath)
+    nodes = nodes_of(reach(), datapath)
+    assert (status, err, files()) == (0, [], [])
+    admitted = FIRST + 42 + GAP
+    assert f"target 42 of reach: {datapath} datapath, 32 bits, icarus; admitted in clock {admitted}" in out[0]
+    assert out[-1] == f"all {len(nodes)} nodes equal the model"
+    rows = [line.split() for line in out if re.match(r"  +\d+ +\+\d", line)]
+    assert len(rows) == len(nodes)
+    for row, node in zip(rows, nodes, strict=True):
+        bits = recording.model_bits(node, 42)
+        word = f"{int(bits, 2):0{-(-len(bits) // 4)}x}"
+        value = f"{int(node.value[42]) / 2**node.format.frac:.10g}"
+        given = [str(admitted + node.time), f"+{node.time}", *([node.equation] if node.equation else []), node.name]
+        assert row[: len(given) + 5] == [*given, word, word, value, value, node.op], node.name
+        assert all(operand.name in " ".join(row) for operand in node.operands if operand.op != "constant")
+
+
+def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
+    """Status 1; the first in dataflow order; its operands."""
+    Simulator(monkeypatch, wrong=[("qs_w", 3), ("w_1", 3), ("w_c", 3)])
+    status, out, err = command(follow.main, "--target", "3")
+    assert (status, err) == (1, [])
+    assert [line.split()[4] for line in out if line.startswith("!")] == ["w_c", "w_1", "qs_w"]
+    told = out[[line.startswith("first difference") for line in out].index(True) :]
+    assert told[0].startswith(f"first difference: turn.w_c (L52) of target 3 at clock {FIRST + 3 + GAP + 42}: RTL ")
+    assert told[1].strip() == "made of: mul3 w_0, triangle.arm_c; in RTL and model alike"
+    for line, name, time in zip(told[2:4], ("w_0", "triangle.arm_c"), (36, 38), strict=True):
+        (node,) = (node for node in nodes_of(reach()) if node.name == name.split(".")[-1])
+        bits = recording.model_bits(node, 3)
+        assert line.split()[:-1] == [*f"{name} at clock {FIRST + 3 + GAP + time}:".split(), f"{int(bits, 2):09x}"]
+    assert told[4] == "            then: 2 more nodes of this target, marked with !"
+
+
+def test_another_target_that_differs(command, monkeypatch):
+    """It is not this one's: status 0 and a line."""
+    Simulator(monkeypatch, wrong=[("w_1", 3)])
+    status, out, err = command(follow.main, "--target", "4")
+    assert (status, err) == (0, ["follow: the first target that differs is 3"])
+    assert out[-1] == "all 132 nodes equal the model"
+
+
+@pytest.mark.parametrize("sim", ["icarus", "verilator"])
+def test_aligned_vcd(command, monkeypatch, sim):
+    """Whatever the simulator has above the top: a column a target, X between them, the first difference marked."""
+    wrong = [("w_1", 3), ("u_x", 5)]
+    Simulator(monkeypatch, wrong)
+    status, out, _ = command(follow.main, "--target", "3", "--waves", "--sim", sim, "--out", "o")
+    assert status == 1
+    written = [f"o/{name}" for name in ("waves.vcd", "waves.gtkw", "aligned.vcd", "aligned.gtkw")]
+    assert out[-4:] == [f"wrote {name}" for name in written] and all(map(Path.exists, map(Path, written)))
+    admitted = [FIRST + k + GAP * (k > 1) for k in range(100)]
+    nodes = nodes_of(reach())
+    check_aligned(Path("o/aligned.vcd"), nodes, 100, admitted, wrong)
+    # in the ordinary one where the node is valid, in the aligned one in the target's column
+    assert marker(Path("o/waves.gtkw")) == ((admitted[3] + 43) * 10_000, ["w_1 (L52) +43"])
+    assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + 53) * 10_000, ["w_1 (L52) +43"])
+    known = set(waves.signals(Path("o/aligned.vcd")).values())
+    named = set(waves.names(Path("o/aligned.gtkw")))
+    assert named == known
+
+
+def test_without_a_difference_nothing_is_marked(command, monkeypatch):
+    Simulator(monkeypatch)
+    assert command(follow.main, "--target", "0", "--waves", "--out", "o")[0] == 0
+    assert marker(Path("o/waves.gtkw")) == marker(Path("o/aligned.gtkw")) == (-1, [])
+
+
+def test_x_is_a_difference(tmp_path, command, monkeypatch):
+    """A node that is X where it should be known; leading places are left out in a VCD."""
+    words = np.stack([reach()[0]] * 3)
+    nodes = nodes_of(words)
+    Simulator(monkeypatch)
+    vcd = tmp_path / "x.vcd"
+    follow.simulate([Job("x", words)], simulator="icarus", datapath="lean", width=32, waves=vcd)
+    code = re.search(r"\$var wire 35 (\S+) w_1", vcd.read_text())[1]
+    vcd.write_text(re.sub(rf"^b[01]+ {re.escape(code)}$", f"bx01 {code}", vcd.read_text(), flags=re.M))
+    read = recording.read(vcd, "lean", nodes)
+    found = [(each.node.name, each.target, each.rtl) for each in recording.differences(read, nodes)]
+    assert found == [("w_1", k, "x" * 33 + "01") for k in range(3)]
+
+
+def test_other_vcd_is_refused(tmp_path):
+    other = tmp_path / "other.vcd"
+    other.write_text("$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n")
+    with pytest.raises(ValueError, match="no ik_axis.clk in this VCD"):
+        recording.read(other, "lean", nodes_of(reach()[:1]))
+
+
+# -- a simulation ----------------------------------------------------------------------------------
+
+
+@pytest.mark.sim
+def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
+    """Simulated: the node that the scoreboard names, too; the aligned VCD holds the model's words but for it."""
+    bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "w_1 <= w_c + i_s;", "w_1 <= w_c - i_s;")
+    root = copy_rtl(tmp_path / "copy", bug)
+    runs = []
+
+    def simulated(jobs, **options):
+        runs.extend(simulate(jobs, **options, root=root, name="follow"))
+        return runs
+
+    monkeypatch.setattr(follow, "simulate", simulated)
+    words = "--target", "7", "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
+    status, out, _ = command(follow.main, *words)
+    assert status == 1
+    nodes = nodes_of(reach(WIDTH), width=WIDTH)
+    marked = [line.split()[4] for line in out if line.startswith("!")]
+    assert marked[0] == "w_1" and set(marked) <= {"w_1", "w_n", "w_q", "qs_w"}
+    read = recording.read(Path("o/waves.vcd"), "lean", nodes)
+    found = list(recording.differences(read, nodes))
+    (run,) = runs
+    assert run.bit_mismatches == sum(each.bits() for each in found)
+    assert run.first_mismatch.splitlines()[0] == f"first difference: {found[0]}"
+    wrong = {(each.node.name, each.target) for each in found}
+    check_aligned(Path("o/aligned.vcd"), nodes, 100, read.admitted, wrong)
+    at, red = marker(Path("o/aligned.gtkw"))
+    assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("w_1 (L52) +")
+    assert marker(Path("o/waves.gtkw"))[0] == found[0].clock * 10_000
+
+
+@pytest.mark.sim
+def test_the_rtl_as_it_is(command):
+    """Every node of the target equals the model, and so does every column."""
+    words = "--target", "99", "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
+    status, out, err = command(follow.main, *words)
+    assert (status, err) == (0, []) and not any(line.startswith("!") for line in out)
+    nodes = nodes_of(reach(WIDTH), width=WIDTH)
+    check_aligned(Path("o/aligned.vcd"), nodes, 100, recording.read(Path("o/waves.vcd"), "lean", nodes).admitted)
