@@ -123,7 +123,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
 
 
 def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[str]:
-    """The first of the differences of one target, and what the node is made of: all that is right, as it stands before."""
+    """The first of the differences of one target, and what the node is made of: that stands before, so it is right."""
     first, target = found[0], found[0].target
     yield f"first difference: {first}"
     yield f"         made of: {made_of(first.node)}; in RTL and model alike"

@@ -16,8 +16,8 @@ from tb.core import hardest
 from tb.sim.env import ROOT, environment
 
 MAINS = {
-    "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main, "compare": compare.main,
-    "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
+    "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main,
+    "compare": compare.main, "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
 }  # fmt: skip
 
 WHOLE = "is not a whole number of at least"

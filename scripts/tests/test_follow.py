@@ -237,6 +237,7 @@ def test_other_vcd_is_refused(tmp_path):
 
 
 @pytest.mark.sim
+@pytest.mark.cost(25)
 def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     """Simulated: the node that the scoreboard names, too; the aligned VCD holds the model's words but for it."""
     bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "w_1 <= w_c + i_s;", "w_1 <= w_c - i_s;")
