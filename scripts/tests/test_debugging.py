@@ -77,6 +77,7 @@ def said(checkout):
     return steps
 
 
+@pytest.mark.slow
 @pytest.mark.cost(40)
 def test_what_the_page_says_is_printed_is_printed(said):
     """All commands run, those that simulate find the bug, and every line stands in what they print."""
@@ -94,6 +95,7 @@ def test_what_the_page_says_is_printed_is_printed(said):
             assert missing(expected, lines) is None, f"{script}\n{missing(expected, lines)}\n{done.stdout}"
 
 
+@pytest.mark.slow
 def test_the_marker_stands_where_the_page_says(said, checkout):
     """Both save files mark the node and the time that the page names, and the labels in it are theirs."""
     text = PAGE.read_text(encoding="utf-8")

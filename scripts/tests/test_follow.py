@@ -11,6 +11,7 @@ from vcd.reader import TokenKind, tokenize
 from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
+from model.dataflow.datapaths import DATAPATHS
 from model.targets import trajectories
 from model.targets.words import to_words
 from scripts import follow, recording, waves
@@ -109,11 +110,12 @@ def check_aligned(vcd, nodes, targets, first, wrong=()):
     paths = {node.name: ".".join(("ik_axis", *waves.place("lean", node))) for node in nodes}
     shown = columns(vcd)
     last = max(node.time for node in nodes)
-    seen = []
+    seen, gaps = [], []
     for time, column in shown.items():
         assert set(column) == {*paths.values(), "ik_axis.target", "ik_axis.differs"}
         if "x" in column["ik_axis.target"]:
             assert all(set(bits) == {"x"} for bits in column.values())
+            gaps.append(time)
             continue
         target = int(column["ik_axis.target"], 2)
         seen.append(target)
@@ -123,6 +125,9 @@ def check_aligned(vcd, nodes, targets, first, wrong=()):
             assert (column[paths[node.name]] != recording.model_bits(node, target)) == differs, (node.name, target)
         assert int(column["ik_axis.differs"]) == (target in {each for _, each in wrong})
     assert seen == list(range(targets))
+    # X from the beginning, and in the clock after a target that has no neighbour
+    lonely = [clock for clock in first if clock + 1 not in first]
+    assert gaps == [0, *((clock + last) * 10_000 + 5_000 for clock in lonely)]
 
 
 def marker(save_file):
@@ -151,6 +156,9 @@ def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
     admitted = FIRST + 42 + GAP
     assert f"target 42 of reach: {datapath} datapath, 32 bits, icarus; admitted in clock {admitted}" in out[0]
     assert out[-1] == f"all {len(nodes)} nodes equal the model"
+    sections = dict.fromkeys(node.section for node in nodes if node.op != "input")
+    titles = [f"{section}: {DATAPATHS[datapath].sections[section]}" for section in sections]
+    assert [line for line in out if line[0] != " "][1:-1] == ["inputs", *titles]
     rows = [line.split() for line in out if re.match(r"  +\d+ +\+\d", line)]
     assert len(rows) == len(nodes)
     for row, node in zip(rows, nodes, strict=True):
@@ -226,6 +234,13 @@ def test_x_is_a_difference(tmp_path, command, monkeypatch):
     assert found == [("w_1", k, "x" * 33 + "01") for k in range(3)]
 
 
+def test_a_recording_that_ends_early_is_x():
+    """As when a bug lets the last result out before its time."""
+    node = nodes_of(reach()[:1])[-1]
+    read = recording.Recording({node.name: ["0" * node.format.width] * 9}, [6], "1 ps", 10_000, 10_000)
+    assert read.word(node, 0) == "x" * node.format.width
+
+
 def test_other_vcd_is_refused(tmp_path):
     other = tmp_path / "other.vcd"
     other.write_text("$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n")
@@ -237,6 +252,7 @@ def test_other_vcd_is_refused(tmp_path):
 
 
 @pytest.mark.sim
+@pytest.mark.cost(25)
 def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     """Simulated: the node that the scoreboard names, too; the aligned VCD holds the model's words but for it."""
     bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "w_1 <= w_c + i_s;", "w_1 <= w_c - i_s;")
