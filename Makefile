@@ -44,16 +44,16 @@ setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every oth
 
 run: ## the main job [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.run $(job) $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
+	@exec $(VENV) -m scripts.run $(job) $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
 report: ## the same run as an HTML page to look at: the arm in motion, errors, pipeline [same options but WAVES]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.report $(job)
+	@exec $(VENV) -m scripts.report $(job)
 
 # With SIM=verilator only what starts a simulator: the rest would be the same again. ONLY picks slow cases, too.
 only_sim = $(if $(filter verilator,$(SIM)),sim)
 quick    = $(if $(call given,ONLY,yes),,not slow)
-pytest   = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
+pytest   = SIM=$(SIM) IK_CORES=$(CORES) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
 test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit ONLY=file or pattern]
@@ -66,44 +66,44 @@ test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behaviou
 
 test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
-	@SIM=$(SIM) $(VENV) -m pytest scripts/report/tests/browser_test_report.py
+	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_report.py
 
 docs: ## write scores.md, latency.md and the generated headers
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.pages.gen_headers
-	@$(VENV) -m scripts.pages.gen_docs --sim $(SIM)
+	@exec $(VENV) -m scripts.pages.gen_headers
+	@exec $(VENV) -m scripts.pages.gen_docs --sim $(SIM)
 
 derive: ## the paper's equations from its geometry, the lean ones from them: derivation.md, lean.md
 	@$(SETUP)
-	@$(VENV) -m scripts.derive.paper
-	@$(VENV) -m scripts.derive.lean
+	@exec $(VENV) -m scripts.derive.paper
+	@exec $(VENV) -m scripts.derive.lean
 
 wordlengths: ## ranges proved and seen, errors of every node: wordlengths.md
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.pages.wordlengths
+	@exec $(VENV) -m scripts.pages.wordlengths
 
 compare: ## both datapaths on the same targets, clocks, operations, errors: compare.md and .svg
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.compare
+	@exec $(VENV) -m scripts.compare
 
 operations: ## table 4 of the paper counted from the equations and the elaborated RTL: operations.md
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.pages.opcounts
+	@exec $(VENV) -m scripts.pages.opcounts
 
 figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: figures.md
 	@$(SETUP) graphviz
-	@$(VENV) -m scripts.pages.figures
+	@exec $(VENV) -m scripts.pages.figures
 
 bench: ## simulated targets per second, both simulators in one run
 	@$(SETUP) icarus verilator
-	@$(VENV) -m scripts.bench
+	@exec $(VENV) -m scripts.bench
 
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
 soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file]
 	@$(SETUP) $(soak_sim)
-	@$(VENV) -m scripts.soak --sim $(soak_sim) \
+	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
@@ -112,31 +112,31 @@ soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPA
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
 	@$(SETUP) verilator
-	@$(VENV) -m scripts.exhaustive
+	@exec $(VENV) -m scripts.exhaustive
 
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, rooms, sizes and types of the Python
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.lint
+	@exec $(VENV) -m scripts.lint
 
 formal: ## proofs of streams, divider, root and ranges, each seen failing on seeded bugs: proofs.md, ranges_proofs.md [ONLY=name]
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
+	@exec $(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 
 check-proofs: ## which pages of proofs and measurements are of other code than the present one
 	@$(SETUP)
-	@$(VENV) -m scripts.check_proofs
+	@exec $(VENV) -m scripts.check_proofs
 
 release-check: ## the same, and fails if one is
 	@$(SETUP)
-	@$(VENV) -m scripts.check_proofs --strict
+	@exec $(VENV) -m scripts.check_proofs --strict
 
 fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
+	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 
 fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no page
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.fpga --quick
+	@exec $(VENV) -m scripts.fpga --quick
 
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
