@@ -3,14 +3,39 @@
 
 PYTHON ?= python3
 SIM    ?= icarus
-VENV   := .venv/bin/python
-SETUP   = $(PYTHON) -ES scripts/setup/bootstrap.py
+HERE   := $(filter-out ./,$(dir $(firstword $(MAKEFILE_LIST))))
+VENV   := $(if $(HERE),env PYTHONPATH=$(HERE) )$(HERE).venv/bin/python
+SETUP   = $(PYTHON) -ES $(HERE)scripts/setup/bootstrap.py
 
 ifneq ($(value SIM),icarus)
 ifneq ($(value SIM),verilator)
 $(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
 endif
+
+# What each target takes on the command line; anything else there is a slip, and is named.
+PATHS          := SIM OUT DATAPATH WIDTH
+TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS D1 D2 PHI BAR
+TAKES_run      := $(TAKES_report) WAVES
+TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN
+TAKES_test     := SIM CORES ONLY
+TAKES_test-all := SIM CORES
+TAKES_formal   := ONLY
+TAKES_fpga     := DATAPATH WIDTH
+$(foreach target,setup docs test-browser,$(eval TAKES_$(target) := SIM))
+GOALS := $(or $(MAKECMDGOALS),help)
+# From another folder, by make -f, with paths as seen from there: what runs the core. The rest works on the checkout.
+ifneq ($(and $(HERE),$(filter-out help setup run report soak,$(GOALS))),)
+$(error make $(GOALS) works in its own folder: make -C $(HERE) $(GOALS))
+endif
+GIVEN := $(foreach v,$(.VARIABLES),$(if $(filter command,$(origin $v)),$v))
+TAKEN := $(sort $(foreach goal,$(GOALS),$(TAKES_$(goal))))
+WRONG := $(filter-out PYTHON $(TAKEN),$(GIVEN))
+ifneq ($(WRONG),)
+$(error $(shell $(PYTHON) -ES $(HERE)scripts/setup/variables.py '$(GOALS)' '$(subst ','\'',$(WRONG))' '$(TAKEN)'))
+endif
+switch = $(if $(filter command,$(origin $1)),$(if $(filter-out 0 1,$(value $1))$(word 2,$(value $1)),$(error $1=$(value $1): use 1 or 0)))
+$(foreach v,WAVES KEEP,$(call switch,$v))
 
 CORES ?= behavioural
 ifneq ($(value CORES),behavioural)
