@@ -3,14 +3,40 @@
 
 PYTHON ?= python3
 SIM    ?= icarus
-VENV   := .venv/bin/python
-SETUP   = $(PYTHON) -ES scripts/setup/bootstrap.py
+HERE   := $(filter-out ./,$(dir $(firstword $(MAKEFILE_LIST))))
+VENV   := $(if $(HERE),env PYTHONPATH=$(HERE) )$(HERE).venv/bin/python
+SETUP   = $(PYTHON) -ES $(HERE)scripts/setup/bootstrap.py
 
 ifneq ($(value SIM),icarus)
 ifneq ($(value SIM),verilator)
 $(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
 endif
+
+# What each target takes on the command line; anything else there is a slip, and is named.
+PATHS          := SIM OUT DATAPATH WIDTH
+TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS D1 D2 PHI BAR
+TAKES_run      := $(TAKES_report) WAVES
+TAKES_follow   := $(TAKES_run) TARGET
+TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN
+TAKES_test     := SIM CORES ONLY
+TAKES_test-all := SIM CORES
+TAKES_formal   := ONLY
+TAKES_fpga     := DATAPATH WIDTH
+$(foreach target,setup docs test-browser,$(eval TAKES_$(target) := SIM))
+GOALS := $(or $(MAKECMDGOALS),help)
+# From another folder, by make -f, with paths as seen from there: what runs the core. The rest works on the checkout.
+ifneq ($(and $(HERE),$(filter-out help setup run follow report soak,$(GOALS))),)
+$(error make $(GOALS) works in its own folder: make -C $(HERE) $(GOALS))
+endif
+GIVEN := $(foreach v,$(.VARIABLES),$(if $(filter command,$(origin $v)),$v))
+TAKEN := $(sort $(foreach goal,$(GOALS),$(TAKES_$(goal))))
+WRONG := $(filter-out PYTHON $(TAKEN),$(GIVEN))
+ifneq ($(WRONG),)
+$(error $(shell $(PYTHON) -ES $(HERE)scripts/setup/variables.py '$(GOALS)' '$(subst ','\'',$(WRONG))' '$(TAKEN)'))
+endif
+switch = $(if $(filter command,$(origin $1)),$(if $(filter-out 0 1,$(value $1))$(word 2,$(value $1)),$(error $1=$(value $1): use 1 or 0)))
+$(foreach v,WAVES KEEP,$(call switch,$v))
 
 CORES ?= behavioural
 ifneq ($(value CORES),behavioural)
@@ -46,20 +72,20 @@ setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every oth
 
 run: ## the main job [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.run $(job) $(waves)
+	@exec $(VENV) -m scripts.run $(job) $(waves)
 
 follow: ## one target through the pipeline, node by node [TARGET=0.. WAVES=1 and the options of run]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
+	@exec $(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
 
 report: ## the same run as an HTML page to look at: the arm in motion, errors, pipeline [same options but WAVES]
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.report $(job)
+	@exec $(VENV) -m scripts.report $(job)
 
 # With SIM=verilator only what starts a simulator: the rest would be the same again. ONLY picks slow cases, too.
 only_sim = $(if $(filter verilator,$(SIM)),sim)
 quick    = $(if $(call given,ONLY,yes),,not slow)
-pytest   = SIM=$(SIM) IK_CORES=$(CORES) $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
+pytest   = SIM=$(SIM) IK_CORES=$(CORES) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
 test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit ONLY=file or pattern]
@@ -72,44 +98,44 @@ test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behaviou
 
 test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
-	@SIM=$(SIM) $(VENV) -m pytest scripts/report/tests/browser_test_report.py
+	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_report.py
 
 docs: ## write scores.md, latency.md and the generated headers
 	@$(SETUP) $(SIM)
-	@$(VENV) -m scripts.pages.gen_headers
-	@$(VENV) -m scripts.pages.gen_docs --sim $(SIM)
+	@exec $(VENV) -m scripts.pages.gen_headers
+	@exec $(VENV) -m scripts.pages.gen_docs --sim $(SIM)
 
 derive: ## the paper's equations from its geometry, the lean ones from them: derivation.md, lean.md
 	@$(SETUP)
-	@$(VENV) -m scripts.derive.paper
-	@$(VENV) -m scripts.derive.lean
+	@exec $(VENV) -m scripts.derive.paper
+	@exec $(VENV) -m scripts.derive.lean
 
 wordlengths: ## ranges proved and seen, errors of every node: wordlengths.md
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.pages.wordlengths
+	@exec $(VENV) -m scripts.pages.wordlengths
 
 compare: ## both datapaths on the same targets, clocks, operations, errors: compare.md and .svg
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.compare
+	@exec $(VENV) -m scripts.compare
 
 operations: ## table 4 of the paper counted from the equations and the elaborated RTL: operations.md
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.pages.opcounts
+	@exec $(VENV) -m scripts.pages.opcounts
 
 figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: figures.md
 	@$(SETUP) graphviz
-	@$(VENV) -m scripts.pages.figures
+	@exec $(VENV) -m scripts.pages.figures
 
 bench: ## simulated targets per second, both simulators in one run
 	@$(SETUP) icarus verilator
-	@$(VENV) -m scripts.bench
+	@exec $(VENV) -m scripts.bench
 
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
 soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file]
 	@$(SETUP) $(soak_sim)
-	@$(VENV) -m scripts.soak --sim $(soak_sim) \
+	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
@@ -118,31 +144,31 @@ soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPA
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
 	@$(SETUP) verilator
-	@$(VENV) -m scripts.exhaustive
+	@exec $(VENV) -m scripts.exhaustive
 
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, rooms, sizes and types of the Python
 	@$(SETUP) icarus
-	@$(VENV) -m scripts.lint
+	@exec $(VENV) -m scripts.lint
 
 formal: ## proofs of streams, divider, root and ranges, each seen failing on seeded bugs: proofs.md, ranges_proofs.md [ONLY=name]
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
+	@exec $(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 
 check-proofs: ## which pages of proofs and measurements are of other code than the present one
 	@$(SETUP)
-	@$(VENV) -m scripts.check_proofs
+	@exec $(VENV) -m scripts.check_proofs
 
 release-check: ## the same, and fails if one is
 	@$(SETUP)
-	@$(VENV) -m scripts.check_proofs --strict
+	@exec $(VENV) -m scripts.check_proofs --strict
 
 fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: fpga.md [DATAPATH= WIDTH=]
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
+	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 
 fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no page
 	@$(SETUP) fpga
-	@$(VENV) -m scripts.fpga --quick
+	@exec $(VENV) -m scripts.fpga --quick
 
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"

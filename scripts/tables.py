@@ -27,7 +27,7 @@ def _number(value: float | None) -> str:
 
 
 def _asked(bar: float | None) -> str:
-    return NOT_ASKED if bar is None else f"{bar:g}"
+    return NOT_ASKED if bar is None else f"{bar:.3g}"
 
 
 def _verdict(result: Score) -> str:

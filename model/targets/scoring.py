@@ -287,8 +287,8 @@ def _outcome(passed: bool, bar: float | None, error: float) -> str:
         return f"{verdict}: {bits}; accuracy was not asked for, {error:.1e} of the reach was reached"
     rest = "" if error > bar else ", but bits, flags or norms are wrong"
     if passed:
-        return f"{verdict}: within {bar:g} of the reach, as asked; {error:.1e} was reached"
-    return f"{verdict}: {bar:g} of the reach was asked for, {error:.1e} was reached{rest}"
+        return f"{verdict}: within {bar:.3g} of the reach, as asked; {error:.1e} was reached"
+    return f"{verdict}: {bar:.3g} of the reach was asked for, {error:.1e} was reached{rest}"
 
 
 def _mismatch_failures(count: int, first: str | None) -> list[str]:

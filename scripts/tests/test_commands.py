@@ -175,15 +175,57 @@ def test_make_exhaustive_and_soak():
     assert made("exhaustive") == (["verilator"], ["exhaustive"])
     assert made("soak") == (["verilator"], ["soak", "--sim", "verilator"])
     assert made("soak", "SIM=icarus")[1] == ["soak", "--sim", "icarus"]
-    assert made("soak", "KEEP=", "D1=3")[1] == ["soak", "--sim", "verilator"]
+    assert made("soak", "KEEP=")[1] == ["soak", "--sim", "verilator"]
     words = "TARGETS=9 SEED=2 DATAPATH=lean WIDTH=18 OUT=o AGAIN=f FROM=3 KEEP=1"
     options = [f'--{o}="$CGA_{o.upper()}"' for o in "targets seed datapath width out again from".split()]
     assert made("soak", *words.split())[1] == ["soak", "--sim", "verilator", *options, "--keep"]
 
 
 def test_make_report_and_follow_are_started_as_make_run():
-    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 BAR=1e-4 WAVES=1 SIM=verilator".split()
-    (needs, (_, *options)), report = made("run", *words), made("report", *words)
+    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 BAR=1e-4 SIM=verilator".split()
+    (needs, (_, *options)), report = made("run", *words, "WAVES=1"), made("report", *words)
     assert options[-1] == "--waves" and report == (needs, ["report", *options[:-1]])
     follows = ["follow", *options[:-1], '--target="$CGA_TARGET"', "--waves"]
-    assert made("follow", *words, "TARGET=42") == (needs, follows)
+    assert made("follow", *words, "WAVES=1", "TARGET=42") == (needs, follows)
+
+
+def refused(*words, cwd=ROOT):
+    """What make says instead of starting anything."""
+    done = subprocess.run(
+        ["make", "-n", *words], cwd=cwd, env=environment(), capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done
+    return done.stderr.split("*** ")[1].removesuffix(".  Stop.\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run sim=verilator", "make run takes no variable sim: perhaps SIM is meant"),
+        ("run WIDHT=18", "make run takes no variable WIDHT: perhaps WIDTH is meant"),
+        ("report WAVES=1", "make report takes no variable WAVES: it takes ARM, AXIS, BAR, CORES, D1, D2, DATAPATH, "),
+        ("compare TRAJECTORY=reach", "make compare takes no variable TRAJECTORY: it takes none"),
+        ("soak D1=3", "make soak takes no variable D1: it takes AGAIN, DATAPATH, FROM, KEEP, OUT, SEED, SIM, "),
+        ("run WAVES=no", "WAVES=no: use 1 or 0"),
+        ("soak KEEP=yes", "KEEP=yes: use 1 or 0"),
+        ("X=1", "make help takes no variable X: it takes none"),
+    ],
+)
+def test_make_refuses_variables_of_no_use(words, said):
+    assert refused(*words.split()).startswith(said)
+
+
+def test_make_starts_commands_in_the_place_of_the_shell():
+    """Else a SIGTERM to make would end the shell, and the command with its simulator would run on."""
+    text = (ROOT / "Makefile").read_text()
+    starts = re.findall(r"^(?:\t@|pytest ).*\$\(VENV\) .*$", text, re.MULTILINE)
+    assert len(starts) > 15 and all("exec $(VENV) " in line for line in starts)
+
+
+def test_make_from_another_folder(tmp_path):
+    """Paths are as seen from there; what works on the checkout does not begin."""
+    words = ["make", "-n", "-f", str(ROOT / "Makefile")]
+    env = environment() | {"SIM": "icarus"}
+    done = subprocess.run([*words, "run"], cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
+    assert f"exec env PYTHONPATH={ROOT}/ {ROOT}/.venv/bin/python -m scripts.run" in done.stdout
+    assert refused("-f", str(ROOT / "Makefile"), "clean", cwd=tmp_path).startswith("make clean works in its own folder")

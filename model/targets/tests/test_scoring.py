@@ -204,7 +204,7 @@ def test_the_fixed_bar_needs_distance_and_32_bits():
     cases = Case(make("reach")), Case(make("punch")), Case(make("reach"), width=31)
     regular, near, short = (case.score() for case in cases)
     assert regular.hand_error_bar == REGULAR
-    assert regular.outcome.startswith(f"pass: within {REGULAR:g} of the reach, as asked; ")
+    assert regular.outcome.startswith(f"pass: within {REGULAR:.3g} of the reach, as asked; ")
     for result in (near, short):
         assert result.passed and result.hand_error_bar is None and result.hand_error_over_bar is None
         reached = f"{result.hand_error_max:.1e} of the reach was reached"
