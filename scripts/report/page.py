@@ -19,7 +19,6 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 
@@ -114,9 +113,7 @@ def _links(out: Path, prepared: Sequence[run.Prepared]) -> dict[str, list[str]]:
     tables = [path.relative_to(out).as_posix() for path in run.result_paths(out, prepared)]
     own = {item.targets.name: [t, f"{t.removesuffix('csv')}npz"] for item, t in zip(prepared, tables, strict=True)}
     known = {name for each in own.values() for name in each}
-    return {name: [quote(path) for path in paths] for name, paths in own.items()} | {
-        "": [name for name in names if name not in known]
-    }
+    return own | {"": [name for name in names if name not in known]}
 
 
 def script() -> str:

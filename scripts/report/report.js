@@ -42,7 +42,7 @@ function writeNow() {
 
 function link(path) {
   const item = document.createElement("li");
-  const a = Object.assign(document.createElement("a"), { href: path, textContent: decodeURIComponent(path) });
+  const a = Object.assign(document.createElement("a"), { href: path, textContent: path });
   a.setAttribute("download", "");
   item.append(a);
   return item;
