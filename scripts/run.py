@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pybvh
 
 from model.bounds.predict import hand_bar
 from model.motion import clip as clips
@@ -209,8 +210,17 @@ def doubts(targets: Targets) -> Iterator[str]:
         yield f"phi goes as far as {turns:g}; it is in radians, are these degrees?"
 
 
-def _results_path(out: Path, name: str, many: bool) -> Path:
-    return out / name / "results.csv" if many else out / "results.csv"
+def result_paths(out: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Where `write_results` writes the results.csv of each trajectory."""
+    many = len(prepared) > 1
+    return [out / item.targets.name / "results.csv" if many else out / "results.csv" for item in prepared]
+
+
+def written(out: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """All that `write_results` writes."""
+    tables = result_paths(out, prepared)
+    clip = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    return [*tables, *(path.with_suffix(".npz") for path in tables), *clip, out / "score.json"]
 
 
 # -- the run ---------------------------------------------------------------------------------------
@@ -258,37 +268,35 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
 CLIP_KINDS = ("bvh", "glb")
 
 
-def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
-    """The clip with its arms turned by the core's quaternions, as the contents of files of CLIP_KINDS."""
+def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
+    """The clip with its arms turned by the core's quaternions."""
     values = result_values(ran.results, width)
     qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
     arms = len(item.moves)
-    bvh = clips.turned(item.clip, [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)])
+    return clips.turned(item.clip, [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)])
+
+
+def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
+    """The same as the contents of files of CLIP_KINDS."""
+    bvh = turned(item, ran, width)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clip.bvh"
         bvh.write(path)
         return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
 
 
-def _write(
-    prepared: Sequence[Prepared],
-    runs: Sequence[Run],
-    scores: Sequence[Score],
-    paths: Sequence[Path],
-    score_path: Path,
-    width: int,
-) -> None:
-    """Write the results of each trajectory to `paths`, and the scores. Raises InputError."""
+def write_results(out: Path, prepared: Sequence[Prepared], done: Sequence[tuple[Run, Score]]) -> None:
+    """Write results.csv and results.npz of every trajectory, score.json, and of a clip the clip again."""
     with writing():
-        for path, item, run, result in zip(paths, prepared, runs, scores, strict=True):
+        for path, item, (ran, result) in zip(result_paths(out, prepared), prepared, done, strict=True):
             targets = item.targets
             if item.clip:
                 targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
-                for kind, content in turned_clip(item, run, width).items():
+                for kind, content in turned_clip(item, ran, result.width).items():
                     write_atomically(path.with_name(f"clip.{kind}"), content)
-            write_results_csv(path, targets, run.results, run.flags, result)
-            write_results_npz(path.with_suffix(".npz"), targets, run.results, run.flags, result)
-        write_score_json(score_path, scores)
+            write_results_csv(path, targets, ran.results, ran.flags, result)
+            write_results_npz(path.with_suffix(".npz"), targets, ran.results, ran.flags, result)
+        write_score_json(out / "score.json", [result for _, result in done])
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -296,29 +304,23 @@ def _run(arguments: argparse.Namespace) -> int:
     width, out = arguments.width, arguments.out
     prepared = prepare(arguments)
     many = len(prepared) > 1
-    score_path = out / "score.json"
-    result_paths = [_results_path(out, item.targets.name, many) for item in prepared]
-    clips_written = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
-    arrays = [path.with_suffix(".npz") for path in result_paths]
     waves = (out / "waves.vcd").absolute() if arguments.waves else None
     # A prediction takes longer than everything else of a long file.
     predict = sum(len(item.words) for item in prepared) < LONG
-    with (
-        output(out, [*result_paths, *arrays, *clips_written, score_path]),
-        whole_file(waves) if waves else nullcontext() as unfinished,
-    ):
-        runs, scores = zip(*run_and_score(arguments, prepared, unfinished, predict), strict=True)
-        _write(prepared, runs, scores, result_paths, score_path, width)
+    with output(out, written(out, prepared)), whole_file(waves) if waves else nullcontext() as unfinished:
+        done = run_and_score(arguments, prepared, unfinished, predict)
+        write_results(out, prepared, done)
 
+    runs, scores = zip(*done, strict=True)
     show(table_of_many(scores) if many else table_of_one(scores[0], runs[0].flags))
     count = f" ({len(prepared)} files)" if many else ""
-    written = [f"{out / '*' / name if many else out / name}{count}" for name in ("results.csv", "results.npz")]
-    written += [*clips_written, score_path]
+    tables = [f"{out / '*' / name if many else out / name}{count}" for name in ("results.csv", "results.npz")]
+    told = [*tables, *(path for path in written(out, prepared) if path.suffix not in (".csv", ".npz"))]
     if waves:
         save_file = waves.with_suffix(".gtkw")
         write_save_file(waves, scores[0].datapath, width, save_file)
-        written += [out / waves.name, out / save_file.name]
-    for path in written:
+        told += [out / waves.name, out / save_file.name]
+    for path in told:
         print(f"wrote {path}")
     return verdict("run", scores)
 

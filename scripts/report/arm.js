@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/report/page.py, which puts canvas.js, arm.js, plots.js and report.js into one function.
+// Part of the page of scripts/report/page.py, which puts the scripts of this folder into one function.
 
 // -- the arm --------------------------------------------------------------------------------
 
@@ -23,9 +23,9 @@ function bounds(t) {
   return { centre, radius, floor, step: radius / step < 2.5 ? step / 2 : step };
 }
 
-function camera(w, h) {
-  const { centre, radius } = state.bounds;
-  const { azimuth: a, elevation: e } = state.view;
+function camera(w, h, bounds, view) {
+  const { centre, radius } = bounds;
+  const { azimuth: a, elevation: e } = view;
   const right = [-Math.sin(a), Math.cos(a), 0];
   const up = [-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)];
   const toward = [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
@@ -38,11 +38,10 @@ function camera(w, h) {
     return [w / 2 + k * dot(q, right), h / 2 - k * dot(q, up)];
   };
   const direction = (v) => [dot(v, right), -dot(v, up)];
-  return { project, depth, scale, direction };
+  return { project, depth, scale, direction, bounds };
 }
 
-function drawFloor(g, project) {
-  const { centre, radius, floor, step } = state.bounds;
+function drawFloor(g, project, { centre, radius, floor, step }) {
   const count = Math.ceil((1.1 * radius) / step);
   const middle = [Math.round(centre[0] / step) * step, Math.round(centre[1] / step) * step];
   const reach = count * step;
@@ -58,11 +57,11 @@ function drawFloor(g, project) {
   }
 }
 
-// Which way x, y and z go, in the corner.
-function drawAxes(g, direction, h) {
+// Which way x, y and z of the targets go, in the corner.
+function drawAxes(g, direction, h, place) {
   const origin = [44, h - 40];
-  [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, i) => {
-    const d = direction(axis);
+  [0, 1, 2].forEach((i) => {
+    const d = direction(place.map((row) => row[i]));
     line(g, [origin, sum(origin, d, 24)], state.colours.soft, 1.5);
     text(g, "xyz"[i], ...sum(origin, d, 34), state.colours.soft, "center");
   });
@@ -146,19 +145,19 @@ function drawNames(g, w, { points, thick }, goal) {
     const shifted = x + half * Math.max(-1, Math.min(1, 2 * ways[i][0]));
     text(g, name, Math.max(half + 4, Math.min(w - half - 4, shifted)), y, state.colours.text, "center");
   });
-  g.beginPath();
-  g.arc(goal[0], goal[1], 0.45 * thick + 3, 0, 2 * Math.PI);
-  g.strokeStyle = state.colours.goal;
-  g.lineWidth = 2.5;
-  g.stroke();
+  ring(g, goal, 0.45 * thick + 3);
 }
 
 function drawScene() {
   const { shown: t, at: n } = state;
+  if (t.clip) {
+    drawFigure();
+    return;
+  }
   const { g, w, h } = prepare(scene);
-  const view = camera(w, h);
-  drawFloor(g, view.project);
-  drawAxes(g, view.direction, h);
+  const view = camera(w, h, state.bounds, state.view);
+  drawFloor(g, view.project, view.bounds);
+  drawAxes(g, view.direction, h, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]);
   drawPlane(g, view.project, t, n);
   const arms = [...new Set(t.arm)].filter((arm) => arm !== t.arm[n]);
   for (const arm of [...arms, t.arm[n]]) {

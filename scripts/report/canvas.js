@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/report/page.py, which puts canvas.js, arm.js, plots.js and report.js into one function.
+// Part of the page of scripts/report/page.py, which puts the scripts of this folder into one function.
 
-const DATA = JSON.parse(document.getElementById("data").textContent).trajectories;
-const RATE = 20; // targets a second at speed 1
+const { trajectories: DATA, files: FILES } = JSON.parse(document.getElementById("data").textContent);
+const RATE = 20; // targets a second at speed 1; a clip has its own
 const VIEW = { azimuth: -0.95, elevation: 0.3 }; // from the front right, a little above
 const element = (id) => document.getElementById(id);
 const scene = element("scene");
-const state = { shown: null, at: 0, playing: false, last: null, view: { ...VIEW }, colours: {} };
+
+// frame: a step of the player, in which every arm of a clip has a target; arm: the one that is looked at, by its number;
+// at: the target of that arm in that frame. What is no clip has one target a frame.
+const state = { shown: null, frame: 0, arm: 0, at: 0, playing: false, last: null, view: { ...VIEW }, colours: {} };
+const armsIn = (t) => (t.clip ? t.clip.arms.length : 1);
+const framesIn = (t) => t.target.length / armsIn(t);
+const rateOf = (t) => (t.clip ? t.clip.rate : RATE);
 
 // -- vectors --------------------------------------------------------------------------------
 
@@ -25,7 +31,7 @@ const signed = (v) => (v < 0 ? "\u2212" : "+") + Math.abs(v).toFixed(6);
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane"]) {
+  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body"]) {
     state.colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -39,12 +45,33 @@ function prepare(canvas) {
     canvas.width = pixelsW;
     canvas.height = pixelsH;
   }
+  const g = context(canvas, scale);
+  g.clearRect(0, 0, w, h);
+  return { g, w, h };
+}
+
+function context(canvas, scale) {
   const g = canvas.getContext("2d");
   g.setTransform(scale, 0, 0, scale, 0, 0);
-  g.clearRect(0, 0, w, h);
   g.font = "12.5px system-ui, sans-serif";
   g.lineCap = g.lineJoin = "round";
-  return { g, w, h };
+  return g;
+}
+
+// What of a canvas does not change while the arm moves is drawn once, by still(g, w, h), and kept with what it returns.
+const stills = new Map();
+function prepareOver(canvas, still) {
+  const { g, w, h } = prepare(canvas);
+  const key = [state.shown.name, state.arm, canvas.width, canvas.height, w, state.colours.card].join();
+  if (stills.get(canvas)?.key !== key) {
+    const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+    stills.set(canvas, { key, copy, found: still(context(copy, canvas.width / w), w, h) });
+  }
+  const { copy, found } = stills.get(canvas);
+  if (copy.width && copy.height) { // not of a page that is not laid out yet
+    g.drawImage(copy, 0, 0, w, h);
+  }
+  return { g, w, h, ...found };
 }
 
 function line(g, points, colour, width, dash = []) {
@@ -62,6 +89,15 @@ function disc(g, p, radius, colour) {
   g.arc(p[0], p[1], radius, 0, 2 * Math.PI);
   g.fillStyle = colour;
   g.fill();
+}
+
+// About the target.
+function ring(g, p, radius) {
+  g.beginPath();
+  g.arc(p[0], p[1], radius, 0, 2 * Math.PI);
+  g.strokeStyle = state.colours.goal;
+  g.lineWidth = 2.5;
+  g.stroke();
 }
 
 function text(g, string, x, y, colour, align = "left") {

@@ -3,9 +3,10 @@
 
     python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
 
-Writes OUT/report.html: the arm in motion as the core's quaternions put it, errors of every target with what is asked
-and predicted, the score, and the pipeline over time. The page holds all that it needs (report.html, .css and the
-scripts of this folder, and the figures as JSON) and opens from disk without network.
+Writes OUT/report.html: the arm in motion as the core's quaternions put it, of a clip the whole figure, joint angles,
+errors of every target with what is asked and predicted, the score, the pipeline over time. The page holds all that it
+needs (report.html, .css and the scripts of this folder, and the figures as JSON) and opens from disk without network.
+Beside it are the files of `scripts.run`, to which it links.
 
 Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
 """
@@ -14,12 +15,10 @@ from __future__ import annotations
 
 import html
 import json
-import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 
@@ -31,12 +30,12 @@ from model.targets.scoring import Score
 from model.targets.words import from_words, result_values
 from scripts import run
 from scripts.console import command, output, writing
+from scripts.report.figure import figure_data, joint_angles
 from scripts.tables import figures, verdict
-from tb.sim.env import ROOT
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
-DOCS = ROOT / "docs"
+SCRIPTS = ("canvas", "arm", "figure", "plots", "overview", "report")
 
 DIGITS = 7
 """Digits of the figures in the page: enough to draw, and to read."""
@@ -45,11 +44,11 @@ MOST_ARMS = 4
 """Arms of different lengths that are drawn side by side; of a file with more, only the one that moves is."""
 
 
-def _numbers(array: np.ndarray) -> Any:
+def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
     """An array as nested lists of short numbers."""
     if array.ndim > 1:
-        return [_numbers(row) for row in array]
-    return [float(f"{value:.{DIGITS}g}") for value in array.tolist()]
+        return [_numbers(row, digits) for row in array]
+    return [float(f"{value:.{digits}g}") for value in array.tolist()]
 
 
 def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
@@ -67,13 +66,25 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
     asked = from_words(item.words, 0, width, targets.name)
     each = result.each
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
-    return {
+    of_clip, arms = {}, _arms(targets.d1, targets.d2)
+    if item.clip:
+        clip = figure_data(item, ran, width)
+        sides = " and ".join(move.arm.side for move in item.moves)
+        frames = len(targets) // len(item.moves)
+        about = (
+            f"{Path(targets.path).name}: {frames} frames at {clip['rate']:g} Hz; {sides} arm by the core, "
+            "the rest of the body as in the clip."
+        )
+        of_clip = {"clip": clip, "elbowError": _numbers(run.elbow_errors(item, result))}
+        arms = np.tile(np.arange(len(item.moves)), frames).tolist()
+    return of_clip | {
         "name": targets.name,
         "about": about,
         "target": _numbers(targets.position),
         "phi": _numbers(targets.phi),
         "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
-        "arm": _arms(targets.d1, targets.d2),
+        "arm": arms,
+        "angles": _numbers(joint_angles(item, ran, width), 5),
         "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
         "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
         "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
@@ -95,30 +106,28 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
     }
 
 
-def _links(out: Path) -> str:
-    """The pages and pictures of docs/ as list items: links if the report stands in the checkout, names if not."""
-    items = []
-    for path in sorted(p for p in DOCS.rglob("*") if p.suffix in (".svg", ".html", ".md")):
-        name = html.escape(f"docs/{path.relative_to(DOCS).as_posix()}")
-        if out.resolve().is_relative_to(ROOT):
-            link = quote(os.path.relpath(path, out.resolve()))
-            name = f'<a href="{link}">{name}</a>'
-        items.append(f"<li>{name}</li>")
-    return "\n".join(items)
+def _links(out: Path, prepared: Sequence[run.Prepared]) -> dict[str, list[str]]:
+    """The files beside the page, of each trajectory and, under "", of all."""
+    names = [path.relative_to(out).as_posix() for path in run.written(out, prepared)]
+    tables = [path.relative_to(out).as_posix() for path in run.result_paths(out, prepared)]
+    own = {item.targets.name: [t, f"{t.removesuffix('csv')}npz"] for item, t in zip(prepared, tables, strict=True)}
+    known = {name for each in own.values() for name in each}
+    return own | {"": [name for name in names if name not in known]}
 
 
 def script() -> str:
     """The scripts of the page, in the order in which they use each other."""
-    return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in ("canvas", "arm", "plots", "report"))
+    return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
 
 
-def page(shown: Sequence[dict[str, Any]], *, out: Path, datapath: str, width: int, simulator: str) -> str:
-    """The whole page. `out` is the folder it will stand in, for its links."""
-    data = json.dumps({"trajectories": shown}, allow_nan=False, separators=(",", ":"))
+def page(
+    shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, datapath: str, width: int, simulator: str
+) -> str:
+    """The whole page. `links`: files beside it, of each trajectory by its name, of all under ""."""
+    data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
         "run": html.escape(f"{datapath} datapath, {width} bits, {simulator}"),
-        "links": _links(out),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
         "script": script(),
         "data": data.replace("<", "\\u003c"),  # so that no name can end the script element
@@ -135,11 +144,13 @@ def main(arguments: Sequence[str] | None) -> int:
     parsed = run.parser_of("report", about, out="build/report", written="report.html").parse_args(arguments)
     path = parsed.out / "report.html"
     prepared = run.prepare(parsed)
-    with output(parsed.out, [path]):
+    with output(parsed.out, [path, *run.written(parsed.out, prepared)]):
         done = run.run_and_score(parsed, prepared)
         shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
-        text = page(shown, out=parsed.out, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
+        links = _links(parsed.out, prepared)
+        text = page(shown, links, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
         with writing():
             write_atomically(path, text)
+        run.write_results(parsed.out, prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for _, result in done])

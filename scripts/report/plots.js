@@ -1,56 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/report/page.py, which puts canvas.js, arm.js, plots.js and report.js into one function.
+// Part of the page of scripts/report/page.py, which puts the scripts of this folder into one function.
 
 // -- plots ----------------------------------------------------------------------------------
 
-const MARGIN = { left: 46, right: 12, top: 22, bottom: 34 };
+const MARGIN = { left: 66, right: 14, top: 24, bottom: 36 };
 
-function plotFrame(canvas, xMax, xName) {
-  const { g, w, h } = prepare(canvas);
-  const x = (v) => MARGIN.left + (v / xMax) * (w - MARGIN.left - MARGIN.right);
-  const bottom = h - MARGIN.bottom;
-  const most = Math.max(2, Math.floor(w / 90));
-  const raw = xMax / most;
+// A round step for ticks, at most so many of them.
+function tickStep(range, most) {
+  const raw = range / Math.max(1, most);
   const unit = 10 ** Math.floor(Math.log10(raw));
-  const step = Math.max(1, unit * [1, 2, 5, 10].find((k) => k * unit >= raw));
-  for (let v = 0; v <= xMax; v += step) {
-    line(g, [[x(v), MARGIN.top], [x(v), bottom]], state.colours.line, 0.6);
-    text(g, String(v), x(v), bottom + 10, state.colours.soft, "center");
-  }
-  text(g, xName, (MARGIN.left + w - MARGIN.right) / 2, h - 8, state.colours.soft, "center");
-  return { g, w, h, x, bottom };
+  return unit * [1, 2, 5, 10].find((k) => k * unit >= raw * 0.9999);
 }
 
-// series: [{ name, values, colour, width, dash, dots }]
-function drawLog(canvas, series) {
-  const count = state.shown.target.length;
-  const { g, w, x, bottom } = plotFrame(canvas, Math.max(1, count - 1), "target");
-  let [low, high] = [Infinity, 0];
-  for (const { values } of series) {
-    for (const v of values) {
-      low = v > 0 ? Math.min(low, v) : low;
-      high = Math.max(high, v);
-    }
+const tickText = (v, step) => v.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+
+// What runs to the right: targets by their number, or the time of a clip.
+function across() {
+  const t = state.shown;
+  const frames = framesIn(t);
+  return t.clip
+    ? { count: frames, unit: 1 / t.clip.rate, name: "time (s)", least: 0 }
+    : { count: frames, unit: 1, name: "target (number)", least: 1 };
+}
+
+function upright(g, string, x, y) {
+  g.save();
+  g.translate(x, y);
+  g.rotate(-Math.PI / 2);
+  text(g, string, 0, 0, state.colours.soft, "center");
+  g.restore();
+}
+
+// Axes with their names: x from 0 to xMax. Returns how a value and the bottom lie on the canvas.
+function plotAxes(g, w, h, xMax, xName, yName, least = 1) {
+  const x = (v) => MARGIN.left + (v / xMax) * (w - MARGIN.left - MARGIN.right);
+  const bottom = h - MARGIN.bottom;
+  const step = Math.max(least, tickStep(xMax, Math.floor(w / 90)));
+  for (let v = 0; v <= xMax * 1.0001; v += step) {
+    line(g, [[x(v), MARGIN.top], [x(v), bottom]], state.colours.line, 0.6);
+    text(g, tickText(v, step), x(v), bottom + 11, state.colours.soft, "center");
   }
-  // Errors of 0 have no place on a log scale: they lie on its lower edge.
-  const from = Number.isFinite(low) ? Math.floor(Math.log10(low)) : -12;
-  const to = Math.max(from + 1, high > 0 ? Math.ceil(Math.log10(high) + 0.1) : from + 1);
-  const y = (v) => bottom - ((Math.log10(Math.max(v, 10 ** from)) - from) / (to - from)) * (bottom - MARGIN.top);
-  const every = Math.ceil((to - from) / ((bottom - MARGIN.top) / 22));
-  for (let k = from; k <= to; k += every) {
-    line(g, [[MARGIN.left, y(10 ** k)], [w - MARGIN.right, y(10 ** k)]], state.colours.line, 0.6);
-    text(g, `1e${k}`, MARGIN.left - 6, y(10 ** k), state.colours.soft, "right");
+  text(g, xName, (MARGIN.left + w - MARGIN.right) / 2, h - 9, state.colours.soft, "center");
+  if (yName) {
+    upright(g, yName, 10, (MARGIN.top + bottom) / 2);
   }
-  for (const { values, colour, width, dash, dots } of series) {
-    const points = values.map((v, i) => [x(count > 1 ? i : 0.5), y(v)]);
-    line(g, points.length > 1 ? points : [[x(0), points[0][1]], [x(1), points[0][1]]], colour, dots ? 1 : width, dash);
-    if (dots && count <= 400) {
-      points.forEach((p) => disc(g, p, 2.2, colour));
-    }
-  }
-  const now = x(count > 1 ? state.at : 0.5);
-  line(g, [[now, MARGIN.top], [now, bottom]], state.colours.goal, 1);
-  series.forEach(({ values, colour }) => disc(g, [now, y(values[state.at])], 4, colour));
+  return { x, bottom };
+}
+
+function writeKey(g, series) {
   let left = MARGIN.left;
   for (const { name, colour, dash } of series) {
     line(g, [[left, 9], [left + 18, 9]], colour, 2.5, dash);
@@ -59,23 +56,122 @@ function drawLog(canvas, series) {
   }
 }
 
+// Values of the arm that is looked at, one a frame.
+const ofArm = (values) => values.filter((_, i) => i % armsIn(state.shown) === state.arm);
+
+// Which values a line connects: those of one arm, and of an angle those on one side of the half turn.
+function pieces(values, breaks) {
+  const { clip, arm } = state.shown;
+  const found = [];
+  const open = new Map();
+  values.forEach((v, i) => {
+    const mine = clip ? 0 : arm[i];
+    const piece = open.get(mine);
+    if (piece && !(breaks && Math.abs(v - values[piece.at(-1)]) > 180)) {
+      piece.push(i);
+    } else {
+      open.set(mine, [i]);
+      found.push(open.get(mine));
+    }
+  });
+  return found;
+}
+
+// series: [{ name, values, colour, width, dash, dots }]; scale(series) says how values lie between top and bottom.
+function drawSeries(canvas, yName, series, scale) {
+  const { count, unit, name, least } = across();
+  const still = (g, w, h) => {
+    const mine = series.map((one) => ({ ...one, values: ofArm(one.values) }));
+    const { x, bottom } = plotAxes(g, w, h, Math.max(1, count - 1) * unit, name, yName, least);
+    const { y, ticks } = scale(mine, bottom);
+    for (const [v, label] of ticks) {
+      line(g, [[MARGIN.left, y(v)], [w - MARGIN.right, y(v)]], state.colours.line, 0.6);
+      text(g, label, MARGIN.left - 6, y(v), state.colours.soft, "right");
+    }
+    const at = (i) => x((count > 1 ? i : 0.5) * unit);
+    for (const { values, colour, width, dash, dots, breaks } of mine) {
+      for (const piece of pieces(values, breaks)) {
+        const points = piece.map((i) => [at(i), y(values[i])]);
+        line(g, count > 1 ? points : [[x(0), points[0][1]], [x(unit), points[0][1]]], colour, dots ? 1 : width, dash);
+        if (dots && count <= 400) {
+          points.forEach((p) => disc(g, p, 2.2, colour));
+        }
+      }
+    }
+    writeKey(g, mine);
+    return { at, y, bottom, mine };
+  };
+  const { g, at, y, bottom, mine } = prepareOver(canvas, still);
+  const now = at(state.frame);
+  line(g, [[now, MARGIN.top], [now, bottom]], state.colours.goal, 1);
+  mine.forEach(({ values, colour }) => disc(g, [now, y(values[state.frame])], 4, colour));
+}
+
+function logScale(series, bottom) {
+  let [low, high] = [Infinity, 0];
+  for (const v of series.flatMap(({ values }) => values)) {
+    low = v > 0 ? Math.min(low, v) : low;
+    high = Math.max(high, v);
+  }
+  // Errors of 0 have no place on a log scale: they lie on its lower edge.
+  const from = Number.isFinite(low) ? Math.floor(Math.log10(low)) : -12;
+  const to = Math.max(from + 1, high > 0 ? Math.ceil(Math.log10(high) + 0.1) : from + 1);
+  const y = (v) => bottom - ((Math.log10(Math.max(v, 10 ** from)) - from) / (to - from)) * (bottom - MARGIN.top);
+  const every = Math.ceil((to - from) / ((bottom - MARGIN.top) / 22));
+  const ticks = [];
+  for (let k = from; k <= to; k += every) {
+    ticks.push([10 ** k, `1e${k}`]);
+  }
+  return { y, ticks };
+}
+
+function degreeScale(series, bottom) {
+  let [low, high] = [0, 0];
+  for (const v of series.flatMap(({ values }) => values)) {
+    [low, high] = [Math.min(low, v), Math.max(high, v)];
+  }
+  [low, high] = [Math.floor(low / 45) * 45, Math.max(45, Math.ceil(high / 45) * 45)];
+  const y = (v) => bottom - ((v - low) / (high - low)) * (bottom - MARGIN.top);
+  const step = 45 * Math.ceil((high - low) / 45 / ((bottom - MARGIN.top) / 24));
+  const ticks = [];
+  for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
+    ticks.push([v, String(v).replace("-", "\u2212")]);
+  }
+  return { y, ticks };
+}
+
 function drawErrors() {
   const { shown: t, colours: c } = state;
   const asked = t.bar === null ? [] : [{ name: "asked", values: t.hand.map(() => t.bar), colour: c.text, width: 2 }];
   const predicted = { name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] };
   const limits = [...asked, predicted];
-  drawLog(element("hand"), [...limits, { name: "hand", values: t.hand, colour: c.fore, dots: true }]);
-  drawLog(element("angles"), [
+  const hand = { name: "hand", values: t.hand, colour: c.fore, dots: true };
+  drawSeries(element("hand"), "distance / reach", [...limits, hand], logScale);
+  const errors = [
     { name: "shoulder", values: t.shoulderAngle, colour: c.upper, dots: true },
     { name: "elbow", values: t.elbowAngle, colour: c.fore, dots: true },
-  ]);
+  ];
+  drawSeries(element("angles"), "rotation error (rad)", errors, logScale);
+}
+
+const JOINTS = ["azimuth", "elevation", "swivel", "elbow flexion"];
+
+function drawJoints() {
+  const { shown: t, colours: c } = state;
+  const colours = [c.upper, c.plane, c.elbow, c.fore];
+  const series = JOINTS.map((name, k) => {
+    const values = t.angles.map((row) => row[k]);
+    return { name, values, colour: colours[k], width: 1.8, breaks: true };
+  });
+  drawSeries(element("joints"), "angle (\u00b0)", series, degreeScale);
 }
 
 // A line of a target: in at clock i, out `latency` later. What is between the two edges is in the pipeline.
 function drawPipeline() {
   const { shown: t, colours: c, at } = state;
   const count = t.target.length;
-  const { g, w, x, bottom } = plotFrame(element("pipeline"), t.cycles, "clock");
+  const { g, w, h } = prepare(element("pipeline"));
+  const { x, bottom } = plotAxes(g, w, h, t.cycles, "time (clocks)", "");
   const enters = (i) => i;
   const leaves = (i) => t.latency + (i * (t.cycles - t.latency)) / count;
   const split = bottom - 0.28 * (bottom - MARGIN.top); // above: every target; below: how many are inside
@@ -127,6 +223,8 @@ function drawPipeline() {
   text(g, "targets in", MARGIN.left + 24, 9, c.text);
   line(g, [[MARGIN.left + 98, 9], [MARGIN.left + 116, 9]], c.fore, 2.5);
   text(g, "results out", MARGIN.left + 122, 9, c.text);
-  text(g, "target", MARGIN.left - 6, top + 4, c.soft, "right");
+  text(g, "0", MARGIN.left - 6, y(0), c.soft, "right");
+  upright(g, "target", 10, (y(0) + y(count)) / 2);
+  upright(g, "targets", 10, (split + bottom) / 2);
   text(g, String(count - 1), MARGIN.left - 6, y(count), c.soft, "right");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/report/page.py, which puts canvas.js, arm.js, plots.js and report.js into one function.
+// Part of the page of scripts/report/page.py, which puts the scripts of this folder into one function.
 
 // -- text -----------------------------------------------------------------------------------
 
@@ -12,31 +12,59 @@ function rows(list) {
   });
 }
 
+const degrees = (v) => `${v.toFixed(1).replace("-", "\u2212")}\u00b0`;
+
 function writeNow() {
-  const { shown: t, at: n } = state;
-  const count = t.target.length;
-  element("target").textContent = `target ${n} / ${count - 1}`;
-  element("scrub").value = n;
-  element("scrub").setAttribute("aria-valuetext", `target ${n}`);
+  const { shown: t, at: n, frame } = state;
+  const last = framesIn(t) - 1;
+  const place = t.clip ? `frame ${frame} / ${last}, ${(frame / t.clip.rate).toFixed(2)} s` : `target ${n} / ${last}`;
+  element("target").textContent = place;
+  element("scrub").value = frame;
+  element("scrub").setAttribute("aria-valuetext", place);
   document.documentElement.dataset.target = n;
+  document.documentElement.dataset.frame = frame;
   element("now").replaceChildren(
     ...rows([
       ["wrist target", t.target[n].map(short).join(", ")],
-      ["swivel angle", `${t.phi[n].toFixed(4)} rad`],
+      ["swivel angle", `${t.phi[n].toFixed(4)} rad (${degrees(t.angles[n][2])})`],
+      ["upper arm", `azimuth ${degrees(t.angles[n][0])}, elevation ${degrees(t.angles[n][1])}`],
+      ["elbow flexion", degrees(t.angles[n][3])],
       ["arm lengths", t.lengths[n].map(short).join(", ")],
       ["Qs", ["", "i", "j", "k"].map((unit, i) => signed(t.qs[n][i]) + unit).join(" ")],
       ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
       ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
       [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
       ["asked, predicted", `${t.bar === null ? "nothing" : error(t.bar)}, ${error(t.predicted[n])}`],
+      ...(t.clip ? [["elbow from the clip's", `${error(t.elbowError[n])} of the reach`]] : []),
     ]),
   );
+}
+
+function link(path) {
+  const item = document.createElement("li");
+  const a = Object.assign(document.createElement("a"), { href: path, textContent: path });
+  a.setAttribute("download", "");
+  item.append(a);
+  return item;
 }
 
 function writeTrajectory() {
   const t = state.shown;
   element("about").textContent = t.about;
-  element("scrub").max = t.target.length - 1;
+  element("arm-title").textContent = t.clip
+    ? "The figure, its arms from the core's quaternions"
+    : "The arm, from the core's quaternions";
+  element("scrub").max = framesIn(t) - 1;
+  document.documentElement.dataset.clip = Boolean(t.clip);
+  element("arm").replaceChildren(...(t.clip?.arms ?? []).map(({ side }, i) => new Option(side, i)));
+  element("arm").value = state.arm;
+  element("arm").disabled = armsIn(t) === 1;
+  element("joints-note").textContent = t.clip
+    ? "Azimuth of the upper arm from forward to the left and elevation from the horizontal, as the torso sees them; " +
+      "of an arm that hangs straight down azimuth means little. Swivel angle as the core was asked."
+    : "Azimuth of the upper arm from x towards y, elevation from the xy plane; swivel angle as the core was asked.";
+  element("files").replaceChildren(...[...FILES[t.name], ...FILES[""]].map(link));
+  document.querySelectorAll("#cards button").forEach((b) => b.setAttribute("aria-pressed", b.dataset.name === t.name));
   element("verdict").textContent = t.outcome;
   element("verdict").className = t.passed ? "good" : "bad";
   element("failures").replaceChildren(
@@ -70,6 +98,7 @@ function writeTrajectory() {
 
 function draw() {
   drawScene();
+  drawJoints();
   drawErrors();
   drawPipeline();
   writeNow();
@@ -78,8 +107,9 @@ function draw() {
   root.dataset.width = root.clientWidth;
 }
 
-function go(n) {
-  state.at = Math.max(0, Math.min(state.shown.target.length - 1, Math.round(n)));
+function go(frame) {
+  state.frame = Math.max(0, Math.min(framesIn(state.shown) - 1, Math.round(frame)));
+  state.at = state.frame * armsIn(state.shown) + state.arm;
   draw();
 }
 
@@ -90,11 +120,11 @@ function frame(time) {
   // The clock starts with the first frame; a tab that was hidden does not jump.
   const elapsed = Math.min(0.25, (time - (state.last ?? time)) / 1000);
   state.last = time;
-  state.owed += elapsed * RATE * Number(element("speed").value);
+  state.owed += elapsed * rateOf(state.shown) * Number(element("speed").value);
   const steps = Math.floor(state.owed);
   if (steps > 0) {
     state.owed -= steps;
-    go((state.at + steps) % state.shown.target.length); // the motion starts again at its end
+    go((state.frame + steps) % framesIn(state.shown)); // the motion starts again at its end
   }
   requestAnimationFrame(frame);
 }
@@ -112,12 +142,19 @@ function play(on) {
 
 function step(by) {
   play(false);
-  go(state.at + by);
+  go(state.frame + by);
+}
+
+function resetView() {
+  const { clip } = state.shown;
+  state.view = clip ? { ...VIEW, azimuth: clip.facing - FRONT } : { ...VIEW };
 }
 
 function show(name) {
   state.shown = DATA.find((t) => t.name === name) || DATA[0];
+  state.arm = 0;
   state.bounds = bounds(state.shown);
+  resetView();
   element("trajectory").value = state.shown.name;
   writeTrajectory();
   go(0);
@@ -127,22 +164,26 @@ function listen() {
   element("play").addEventListener("click", () => play(!state.playing));
   element("back").addEventListener("click", () => step(-1));
   element("next").addEventListener("click", () => step(1));
-  element("scrub").addEventListener("input", (event) => step(Number(event.target.value) - state.at));
+  element("scrub").addEventListener("input", (event) => step(Number(event.target.value) - state.frame));
+  element("arm").addEventListener("change", (event) => {
+    state.arm = Number(event.target.value);
+    go(state.frame);
+  });
   element("trajectory").addEventListener("change", (event) => show(event.target.value));
-  const resetView = () => {
-    state.view = { ...VIEW };
+  const viewAgain = () => {
+    resetView();
     draw();
   };
-  element("view").addEventListener("click", resetView);
+  element("view").addEventListener("click", viewAgain);
 
-  const last = () => state.shown.target.length - 1;
+  const last = () => framesIn(state.shown) - 1;
   const keys = {
     " ": () => play(!state.playing),
     ArrowLeft: () => step(-1),
     ArrowRight: () => step(1),
-    Home: () => step(-state.at),
+    Home: () => step(-state.frame),
     End: () => step(last()),
-    v: resetView,
+    v: viewAgain,
   };
   document.addEventListener("keydown", (event) => {
     // Fields and buttons have their own use for these keys.
@@ -165,20 +206,25 @@ function listen() {
   const seek = (canvas, target) =>
     canvas.addEventListener("click", (event) => {
       const inside = (event.offsetX - MARGIN.left) / (canvas.clientWidth - MARGIN.left - MARGIN.right);
-      step(target(inside) - state.at);
+      step(target(inside) - state.frame);
     });
   seek(element("hand"), (inside) => inside * last());
   seek(element("angles"), (inside) => inside * last());
-  seek(element("pipeline"), (inside) => inside * state.shown.cycles - state.shown.latency);
+  seek(element("joints"), (inside) => inside * last());
+  seek(element("pipeline"), (inside) => (inside * state.shown.cycles - state.shown.latency) / armsIn(state.shown));
 
-  window.addEventListener("resize", draw);
+  const anew = () => {
+    draw();
+    drawOverview();
+  };
+  window.addEventListener("resize", anew);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     readColours();
-    draw();
+    anew();
   });
 }
 
-// #trajectory=punch&target=40: there, and at rest; else it plays, unless the reader's system asks for less motion.
+// #trajectory=punch&target=40, of a clip #frame=40: there, and at rest; else it plays, unless the reader's system asks for less motion.
 function start() {
   const options = new URLSearchParams(location.hash.slice(1));
   element("trajectory").replaceChildren(
@@ -187,9 +233,12 @@ function start() {
   element("trajectory").disabled = DATA.length === 1;
   readColours();
   listen();
+  writeOverview();
   show(options.get("trajectory"));
-  if (options.has("target")) {
-    go(Number(options.get("target")) || 0);
+  drawOverview();
+  const at = options.get("frame") ?? options.get("target");
+  if (at !== null) {
+    go(Number(at) || 0);
   } else {
     play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
   }

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from model.motion.tests import figure
 from model.targets import trajectories
 from scripts import compare, run
 from scripts.report import page as report
@@ -47,6 +48,16 @@ def fake(tmp_path, monkeypatch):
         return (tmp_path / "report.html").as_uri()
 
     return fake
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    """The report of a clip whose arms the core is asked to hold otherwise, from the RTL."""
+    out = tmp_path_factory.mktemp("clip")
+    figure.write(out / "t.bvh", frames=61)
+    options = ["--trajectory", str(out / "t.bvh"), "--phi", "1.5", "--sim", simulator(), "--out", str(out)]
+    assert report.main(options) == 0
+    return (out / "report.html").as_uri()
 
 
 @pytest.fixture
@@ -179,12 +190,13 @@ def test_scrub(written, browser):
 def test_click_on_a_plot_goes_there(written, browser):
     page = browser(written + "#target=0")
     latency = compare.latency("lean", 32)
-    out = round(0.48 * (100 + latency) - latency)  # the target that leaves at half of the run
+    width = page.run("document.getElementById('pipeline').clientWidth")
+    inside = (width / 2 - 66) / (width - 80)  # of the axis, between the margins
+    out = round(inside * (100 + latency) - latency)  # the target that leaves then
     for plot, at in [("#hand", range(46, 50)), ("#angles", range(46, 50)), ("#pipeline", range(out - 2, out + 3))]:
         page.click(plot)
         assert page.run(AT) in at, plot
     x, y = page.middle("#pipeline")
-    width = page.run("document.getElementById('pipeline').clientWidth")
     page.drag((x + 0.4 * width, y), (x + 0.4 * width, y))
     assert page.run(AT) > 60
 
@@ -288,6 +300,100 @@ def test_everything_has_a_name_for_who_does_not_see_it(written, browser):
         role = node.get("role", {}).get("value")
         if role in ("button", "slider", "combobox", "image", "img", "region") and not node.get("ignored"):
             assert node.get("name", {}).get("value"), node
+
+
+@pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
+def test_the_overview_leads_to_each_trajectory(written, browser, size):
+    page = browser(written + "#target=0", size)
+    cards = "[...document.querySelectorAll('#cards button')]"
+    assert page.run(f"{cards}.map((b) => b.dataset.name)") == NAMES
+    assert page.run(f"{cards}.every((b) => b.textContent.includes('pass'))")
+    empty = "document.createElement('canvas')"
+    pictures = page.run(f"{cards}.map((b) => b.querySelector('canvas').toDataURL())")
+    assert len(set(pictures)) == len(NAMES) and page.run(f"{empty}.toDataURL()") not in pictures
+    for name in ("punch", "out_of_reach"):
+        page.click(f"#cards button[data-name={name}]")
+        assert page.run("document.getElementById('trajectory').value") == name
+        assert page.run(f"{cards}.filter((b) => b.ariaPressed === 'true').map((b) => b.dataset.name)") == [name]
+
+
+def test_links_lead_to_files(written, browser):
+    page = browser(written + "#trajectory=wave&target=0")
+    links = page.run("[...document.querySelectorAll('#files a')].map((a) => a.href)")
+    assert [link.rpartition("report0/")[2] for link in links] == ["wave/results.csv", "wave/results.npz", "score.json"]
+    assert all(Path(link.removeprefix("file://")).is_file() for link in links)
+
+
+# -- a clip ----------------------------------------------------------------------------------------
+
+FRAME = "Number(document.documentElement.dataset.frame)"
+COUNT = """((name) => {
+    const canvas = document.getElementById('scene');
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+    const hex = getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+    const rgb = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    let count = 0;
+    for (let i = 0; i < pixels.length; i += 4) {
+        count += rgb.every((v, k) => pixels[i + k] === v) && pixels[i + 3] === 255;
+    }
+    return count;
+})"""
+
+
+def test_a_clip_moves_frame_by_frame(clip, browser):
+    page = browser(clip + "#frame=0")
+    assert page.run("document.getElementById('scrub').max") == "60"
+    for key, frame in [("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 60), ("Home", 0)]:
+        page.press(key)
+        assert [page.run(FRAME), page.run(AT)] == [frame, 2 * frame], key
+    page.press("End")
+    assert page.run("document.getElementById('target').textContent") == "frame 60 / 60, 0.50 s"
+    page.run("""(() => { const s = document.getElementById('arm'); s.value = '1';
+                s.dispatchEvent(new Event('change')); })()""")
+    assert [page.run(FRAME), page.run(AT)] == [60, 121], "the other arm, at the same time"
+    for plot in ("#joints", "#hand", "#angles"):
+        page.press("Home")
+        page.click(plot)
+        assert 28 <= page.run(FRAME) <= 30, plot  # the plot's middle is left of the canvas's
+    page.click("#pipeline")
+    assert page.run(AT) % 2 == 1
+
+
+def test_a_clip_plays_at_its_own_rate(clip, browser):
+    """120 Hz: at a tenth of the speed 12 frames a second."""
+    page = browser(clip + "#frame=0")
+    page.run("document.getElementById('speed').value = '0.1'")
+    page.press(" ")
+    start = time.monotonic()
+    page.wait_for(f"{FRAME} >= 24")
+    assert 1.5 < time.monotonic() - start < 4
+
+
+@pytest.mark.parametrize("size", [WIDE, (900, 700), (500, 800), (320, 600)], ids=str)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_whole_figure_is_in_the_picture(clip, browser, size, scheme):
+    page = browser(clip + "#frame=0", size, prefers_color_scheme=scheme)
+    pictures = set()
+    for frame in (0, 20, 40, 60):
+        page.run(f"""(() => {{ const s = document.getElementById('scrub'); s.value = {frame};
+                     s.dispatchEvent(new Event('input')); }})()""")
+        for name in ("body", "upper", "fore", "joint", "goal"):
+            assert page.run(f"{COUNT}('{name}')") > 20, (name, frame)
+        for left, top, right, bottom, width, height in page.run(COLOURS)[:3]:
+            assert 0 < left and right < width - 1 and 0 < top and bottom < height - 1, frame
+        pictures.add(page.run(PICTURE))
+        assert page.run(FITS) and page.run(STICKING_OUT) == []
+    assert len(pictures) == 4
+    shown = "[...document.querySelectorAll('.legend li')].filter((e) => e.clientWidth).length"
+    assert page.run(shown) == 6
+
+
+def test_a_lone_trajectory_has_no_overview(clip, browser):
+    page = browser(clip + "#frame=0")
+    assert page.run("document.getElementById('overview').clientHeight") == 0
+    assert "clip.bvh" in page.run("document.getElementById('files').textContent")
 
 
 # -- other input -----------------------------------------------------------------------------------

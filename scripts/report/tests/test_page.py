@@ -10,7 +10,6 @@ import os
 import re
 from functools import partial
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -47,8 +46,12 @@ def text(path=PAGE):
 
 def data(path=PAGE):
     """What the browser's JSON.parse gets: the text of the script element, as HTML ends it."""
+    return whole(path)["trajectories"]
+
+
+def whole(path=PAGE):
     (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text(path), re.S)
-    return json.loads(found)["trajectories"]
+    return json.loads(found)
 
 
 # -- what the page holds ---------------------------------------------------------------------------
@@ -57,7 +60,8 @@ def data(path=PAGE):
 def test_one_trajectory(cli, simulator, files):
     status, out, err = cli()
     assert (status, out, err) == (0, ["wrote build/report/report.html"], [])
-    assert files() == ["build/report/report.html"]
+    names = ["report.html", "results.csv", "results.npz", "score.json"]
+    assert files() == [f"build/report/{name}" for name in names]
     assert len(simulator.calls) == 1
     (shown,) = data()
     assert (shown["name"], shown["about"]) == ("reach", trajectories.describe("reach"))
@@ -65,12 +69,12 @@ def test_one_trajectory(cli, simulator, files):
     assert "lean datapath, 32 bits, icarus" in text()
     assert shown["passed"] and shown["failures"] == []
     lists = [key for key, value in shown.items() if isinstance(value, list) and key not in ("figures", "failures")]
-    assert len(lists) == 15 and {len(shown[key]) for key in lists} == {100}
+    assert len(lists) == 16 and {len(shown[key]) for key in lists} == {100}
 
 
 def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator, files):
     assert cli("--trajectory", "all", "--sim", "verilator", "--width", "24")[0] == 0
-    assert files() == ["build/report/report.html"]
+    assert len(files()) == 2 * len(trajectories.TRAJECTORIES) + 2
     assert [shown["name"] for shown in data()] == list(trajectories.TRAJECTORIES)
     (call,) = simulator.calls
     assert (call["simulator"], call["width"]) == ("verilator", 24)
@@ -190,24 +194,30 @@ def test_names_cannot_break_out(cli):
     assert text().count("<script") == 2 and text().count("</script>") == 2 and "<!--" not in text()
 
 
-def test_links_lead_to_the_pictures(cli):
-    out = ROOT / "build" / f"report test.{os.getpid()}"
-    try:
-        assert cli("--out", str(out))[0] == 0
-        links = re.findall(r'href="([^"]*)"', text(out / "report.html"))
-        assert all((out / unquote(link)).resolve().is_file() for link in links)
-        assert "../../docs/generated/pipeline-lean.svg" in links
-    finally:
-        (out / "report.html").unlink(missing_ok=True)
-        out.rmdir()
+@pytest.mark.parametrize("name", ["all", "circle", "my targets#1.csv"])
+def test_links_lead_to_the_results(cli, name):
+    if name.endswith("csv"):
+        Path(name).write_text("x,y,z\n0.3,0.1,-0.2\n")
+    assert cli("--trajectory", name)[0] == 0
+    links = whole()["files"]
+    assert list(links) == [*(shown["name"] for shown in data()), ""]
+    named = [PAGE.parent / link for each in links.values() for link in each]
+    assert sorted(named) == sorted(path for path in PAGE.parent.rglob("*.*") if path != PAGE)
+    assert not any(set(link) & set(" #?%") for each in links.values() for link in each), "no need to quote them"
+
+
+def test_the_results_are_those_of_make_run(cli, command):
+    cli("--trajectory", "circle")
+    command(run.main, "--trajectory", "circle")
+    for name in ("results.csv", "score.json"):
+        assert (PAGE.parent / name).read_bytes() == (Path("build/run") / name).read_bytes()
 
 
 def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
     Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n")
     cli("--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"))
     page = text(tmp_path / "o" / "report.html")
-    assert str(ROOT) not in page and str(tmp_path) not in page
-    assert "href=" not in page and "<li>docs/generated/pipeline-lean.svg</li>" in page
+    assert str(ROOT) not in page and str(tmp_path) not in page and "docs/" not in page
 
 
 def test_the_script_finds_its_elements():
