@@ -33,7 +33,7 @@ function card(t) {
   write("small", `${t.target.length} targets`, "count");
   write("span", t.passed ? "pass" : "FAIL", t.passed ? "good" : "bad");
   write("small", `hand error ${error(largest(t.hand))}`, "wide");
-  write("small", `bar ${error(largest(t.bar))}`, "wide");
+  write("small", `asked ${t.bar === null ? "nothing" : error(t.bar)}`, "wide");
   button.addEventListener("click", () => {
     show(t.name);
     scene.scrollIntoView({ block: "nearest" });
