@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C of this folder: compiled with what this machine has, called by ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from scripts.console import InputError
+from tb.sim.env import ROOT
+
+SOURCE = Path(__file__).parent / "software.c"
+BUILD = ROOT / "build" / "table6"
+
+FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
+"""Without the last two a root or a choice keeps a compiler from making vectors; no result depends on either."""
+
+SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")
+"""What makes the same loop take one target at a time; gcc and clang both know them."""
+
+WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
+"""Way -> the function of ways.h and how it is compiled: each target waiting for the one before; none waiting; several
+in one instruction."""
+
+EQUATIONS = ("lean", "paper")
+REALS = {"double": np.float64, "float": np.float32}
+
+
+def compiler() -> str:
+    """cc of PATH. InputError where there is none."""
+    found = shutil.which("cc")
+    if not found:
+        raise InputError("no C compiler: cc is not in PATH (on Debian: apt-get install gcc)")
+    return found
+
+
+def compiler_version() -> str:
+    """The first line that it says of itself."""
+    said = subprocess.run([compiler(), "--version"], capture_output=True, text=True, check=False).stdout
+    return said.splitlines()[0] if said else "cc"
+
+
+def build(folder: Path, extra: tuple[str, ...]) -> ctypes.CDLL:
+    """software.c as a library. InputError if the compiler refuses."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / ("scalar.so" if extra else "vector.so")
+    path.unlink(missing_ok=True)  # one that is loaded is not to be written into
+    command = [compiler(), *FLAGS, *extra, "-shared", "-fPIC", "-o", str(path), str(SOURCE), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        wrong = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["?"]
+        raise InputError(f"cc cannot compile {SOURCE.name}: {wrong[0]}")
+    return ctypes.CDLL(str(path))
+
+
+class Bound:
+    """A function of the C with its targets and room for its answers."""
+
+    def __init__(self, function: Callable, columns: list[np.ndarray], real: type):
+        self.function = function
+        self._columns = [np.ascontiguousarray(column, dtype=real) for column in columns]
+        self._answers = np.full((len(columns), len(columns[0])), np.nan, dtype=real)
+        self._pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*self._columns, *self._answers)]
+
+    def __call__(self, times: int = 1, *more: np.ndarray) -> np.ndarray:
+        """All targets so many times over; the answers (N, 6). `more`: arrays for what else the function gives."""
+        count = len(self._columns[0])
+        self.function(
+            ctypes.c_long(times),
+            ctypes.c_long(count),
+            *self._pointers,
+            *(ctypes.c_void_p(array.ctypes.data) for array in more),
+        )
+        return self._answers.T
+
+    def watched(self) -> np.ndarray:
+        """ns of each solve of a chain (N,), with a look at the clock in each."""
+        ns = np.zeros_like(self._columns[0])
+        self(1, ns)
+        return ns
+
+
+class Software:
+    """Everything compiled."""
+
+    def __init__(self, folder: Path = BUILD):
+        self._libraries = {extra: build(folder, extra) for extra in ((), SCALAR)}
+
+    def way(self, equations: str, way: str, real: str, columns: list[np.ndarray]) -> Bound:
+        """A way to solve, for targets given as columns x, y, z, phi, d1, d2."""
+        name, extra = WAYS[way]
+        return Bound(getattr(self._libraries[extra], f"{equations}_{name}_{real}"), columns, REALS[real])
+
+    def watched(self, columns: list[np.ndarray]) -> Bound:
+        """The lean equations in double precision as a chain that is watched."""
+        return Bound(self._libraries[SCALAR].lean_watched_double, columns, np.float64)
