@@ -3,15 +3,9 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
-from functools import cached_property
-from pathlib import Path
-
-from tb.sim.env import ROOT
+from tb.formal.axi_proofs import AXI_PROOFS
+from tb.formal.proof import Proof
 from tb.sim.mutants import Bug
-
-FORMAL = Path(__file__).parent
 
 FIFO = "rtl/lib/ik_fifo.v"
 AXIS = "rtl/ik_axis.v"
@@ -19,49 +13,6 @@ DIV_ROW = "rtl/cores/ik_div_row.v"
 ROOT_ROW = "rtl/cores/ik_root_row.v"
 DIV = "rtl/cores/ik_div_digit.v"
 ROOT_DIGIT = "rtl/cores/ik_root_digit.v"
-
-
-@dataclass(frozen=True)
-class Proof:
-    """A task of a .sby file of this folder, `of` and `variant`.
-
-    says: property -> what it says; the module's other assertions are helping invariants. uses: property -> those it
-    needs in the clock before, if not all. after: property -> those it follows from in the same clock. Both are for the
-    proofs that :mod:`tb.formal.steps` does.
-    """
-
-    of: str
-    variant: str
-    module: str
-    width: str
-    says: dict[str, str]
-    bugs: tuple[Bug, ...]
-    uses: dict[str, list[str]] = field(default_factory=dict)
-    after: dict[str, list[str]] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        return f"{self.of}_{self.variant}"
-
-    @cached_property
-    def config(self) -> str:
-        """Its .sby file, without the comments."""
-        return re.sub(r"^#.*\n", "", (FORMAL / f"{self.of}.sby").read_text(), flags=re.M)
-
-    def has(self, task: str) -> bool:
-        """Whether the file has a task prove, cover or formula for it."""
-        return re.search(rf"^{task}_{self.variant}\b", self.config, re.M) is not None
-
-    @property
-    def engine(self) -> str:
-        """sby (SymbiYosys), gates (a script of Yosys alone, in a .sby as well) or steps (ours)."""
-        return "gates" if self.of == "handshake" else "sby" if self.has("prove") else "steps"
-
-    @property
-    def files(self) -> list[Path]:
-        """All that it is a proof of, and by."""
-        named = re.findall(r"\b(?:rtl|tb/formal)/[\w/]+\.vh?\b", self.config)
-        return [FORMAL / f"{self.of}.sby", *(ROOT / name for name in dict.fromkeys(named))]
 
 
 FIFO_SAYS = {
@@ -297,5 +248,6 @@ PROOFS = (
     *(Proof("root_row", k, "ik_root_row", f"{k}-bit root so far", ROOT_ROW_SAYS, ROOT_ROW_BUGS) for k in ("15", "30")),
     *(div(width, shift) for width, shift in ((32, 29), (32, 30), (40, 22), (40, 23))),
     *(root(width, shift) for width, shift in ((32, 30), (32, 31), (33, 29))),
+    *AXI_PROOFS,
 )
 """The numbers are those of the .sby files; a test holds them against the model and the RTL's latencies."""

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Written by `python -m scripts.pages.gen_registers` from rtl/axi/ik_axi.rdl; do not edit.
+// IK_<REGISTER>: its offset in bytes. IK_<REGISTER>_<FIELD>: mask; .._SHIFT: its lowest bit; .._RESET: what it has to be or is
+// after a reset, where that is not 0.
+#ifndef IK_REGS_H
+#define IK_REGS_H
+
+#define IK_ID 0x00u // Identity
+#define IK_ID_MINOR 0x000000ffu
+#define IK_ID_MINOR_SHIFT 0
+#define IK_ID_MAJOR 0x0000ff00u
+#define IK_ID_MAJOR_SHIFT 8
+#define IK_ID_MAJOR_RESET 0x1u
+#define IK_ID_MAGIC 0xffff0000u
+#define IK_ID_MAGIC_SHIFT 16
+#define IK_ID_MAGIC_RESET 0x494bu
+
+#define IK_CONFIG 0x04u // Configuration
+#define IK_CONFIG_WIDTH 0x000000ffu
+#define IK_CONFIG_WIDTH_SHIFT 0
+#define IK_CONFIG_DATA_WIDTH 0x0000ff00u
+#define IK_CONFIG_DATA_WIDTH_SHIFT 8
+#define IK_CONFIG_ADDR_WIDTH 0x00ff0000u
+#define IK_CONFIG_ADDR_WIDTH_SHIFT 16
+#define IK_CONFIG_LEAN 0x01000000u
+#define IK_CONFIG_DIGIT 0x02000000u
+
+#define IK_PIPELINE 0x08u // Pipeline
+#define IK_PIPELINE_LATENCY 0x0000ffffu
+#define IK_PIPELINE_LATENCY_SHIFT 0
+#define IK_PIPELINE_PLACES 0xffff0000u
+#define IK_PIPELINE_PLACES_SHIFT 16
+
+#define IK_CONTROL 0x0cu // Control
+#define IK_CONTROL_START 0x00000001u
+#define IK_CONTROL_SOFT_RESET 0x00000002u
+
+#define IK_STATUS 0x10u // Status
+#define IK_STATUS_BUSY 0x00000001u
+#define IK_STATUS_DONE 0x00000002u
+#define IK_STATUS_ERROR 0x00000004u
+#define IK_STATUS_CODE 0x00000f00u
+#define IK_STATUS_CODE_SHIFT 8
+
+#define IK_IRQ_ENABLE 0x14u // Interrupt enable
+#define IK_IRQ_ENABLE_DONE 0x00000001u
+#define IK_IRQ_ENABLE_ERROR 0x00000002u
+#define IK_IRQ_ENABLE_REFUSED 0x00000004u
+
+#define IK_IRQ_STATUS 0x18u // Interrupt status
+#define IK_IRQ_STATUS_DONE 0x00000001u
+#define IK_IRQ_STATUS_ERROR 0x00000002u
+#define IK_IRQ_STATUS_REFUSED 0x00000004u
+
+#define IK_COUNT 0x1cu // Count
+
+#define IK_SOURCE_LO 0x20u // Source
+
+#define IK_SOURCE_HI 0x24u // Source, upper half
+
+#define IK_DESTINATION_LO 0x28u // Destination
+
+#define IK_DESTINATION_HI 0x2cu // Destination, upper half
+
+#define IK_ERROR_LO 0x30u // Error address
+
+#define IK_ERROR_HI 0x34u // Error address, upper half
+
+#define IK_WRITTEN 0x38u // Written
+
+#define IK_CLOCKS 0x3cu // Clocks
+
+#define IK_READ_STALLS 0x40u // Read stalls
+
+#define IK_WRITE_STALLS 0x44u // Write stalls
+
+// IK_STATUS_CODE
+#define IK_CODE_NONE 0 // No error.
+#define IK_CODE_SOURCE_MISALIGNED 1 // The source is not a multiple of 32.
+#define IK_CODE_DESTINATION_MISALIGNED 2 // The destination is not a multiple of 32.
+#define IK_CODE_SOURCE_BEYOND 3 // The source ends beyond the address space.
+#define IK_CODE_DESTINATION_BEYOND 4 // The destination ends beyond the address space.
+#define IK_CODE_OVERLAP 5 // The areas overlap.
+#define IK_CODE_READ_SLVERR 6 // SLVERR on a read.
+#define IK_CODE_READ_DECERR 7 // DECERR on a read.
+#define IK_CODE_WRITE_SLVERR 8 // SLVERR on a write.
+#define IK_CODE_WRITE_DECERR 9 // DECERR on a write.
+
+#endif

@@ -1,0 +1,348 @@
+// Rounds records of Q2.30 to W bits, lengths half up and saturated, phi half up; results exact, shifted back to Q2.30.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The inverse kinematics core from memory to memory: AXI4-Lite registers, and one AXI4 master that reads targets and writes
+// results in bursts, around ik_axis. Records of 32 bytes in either area, little endian, the same for every W: target x, y,
+// z, phi, d1, d2, tag, 0; result qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index.
+//
+// Nothing outside of the two areas is ever accessed, no burst crosses 4 KiB, rready and bready are always high. A record is
+// asked for only when ik_axis has a place for its result, so the core never refuses a target and nothing can wait in a circle.
+// Latency: 2 clocks from the last beat of a record to ik_axis, 1 from there to W.
+`default_nettype none
+
+module ik_axi #(
+    parameter integer W          = 32,  // word length, 16 to 32
+    parameter integer LEAN       = 1,   // datapath: 1 the lean one, 0 the paper's
+    parameter integer DIGIT      = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
+    parameter integer ADDR_W     = 32,  // width of an address, 12 to 64
+    parameter integer DATA_W     = 64,  // width of the data bus: 32, 64, 128
+    parameter integer LOG2_BURST = 3    // log2 of the records of a whole burst, 1 to 5
+) (
+    input  wire                clk,
+    input  wire                rst,            // synchronous, active high, with that of the interconnect: aresetn inverted
+    output wire                irq,
+    // registers, see ik_axi.rdl
+    input  wire [        11:0] s_axi_awaddr,
+    input  wire [         2:0] s_axi_awprot,
+    input  wire                s_axi_awvalid,
+    output wire                s_axi_awready,
+    input  wire [        31:0] s_axi_wdata,
+    input  wire [         3:0] s_axi_wstrb,
+    input  wire                s_axi_wvalid,
+    output wire                s_axi_wready,
+    output wire [         1:0] s_axi_bresp,
+    output wire                s_axi_bvalid,
+    input  wire                s_axi_bready,
+    input  wire [        11:0] s_axi_araddr,
+    input  wire [         2:0] s_axi_arprot,
+    input  wire                s_axi_arvalid,
+    output wire                s_axi_arready,
+    output wire [        31:0] s_axi_rdata,
+    output wire [         1:0] s_axi_rresp,
+    output wire                s_axi_rvalid,
+    input  wire                s_axi_rready,
+    // memory, read
+    output wire [         0:0] m_axi_arid,
+    output wire [  ADDR_W-1:0] m_axi_araddr,
+    output wire [         7:0] m_axi_arlen,
+    output wire [         2:0] m_axi_arsize,
+    output wire [         1:0] m_axi_arburst,
+    output wire [         3:0] m_axi_arcache,
+    output wire [         2:0] m_axi_arprot,
+    output wire                m_axi_arvalid,
+    input  wire                m_axi_arready,
+    input  wire [         0:0] m_axi_rid,
+    input  wire [  DATA_W-1:0] m_axi_rdata,
+    input  wire [         1:0] m_axi_rresp,
+    input  wire                m_axi_rlast,
+    input  wire                m_axi_rvalid,
+    output wire                m_axi_rready,
+    // memory, write
+    output wire [         0:0] m_axi_awid,
+    output wire [  ADDR_W-1:0] m_axi_awaddr,
+    output wire [         7:0] m_axi_awlen,
+    output wire [         2:0] m_axi_awsize,
+    output wire [         1:0] m_axi_awburst,
+    output wire [         3:0] m_axi_awcache,
+    output wire [         2:0] m_axi_awprot,
+    output wire                m_axi_awvalid,
+    input  wire                m_axi_awready,
+    output wire [  DATA_W-1:0] m_axi_wdata,
+    output wire [DATA_W/8-1:0] m_axi_wstrb,
+    output wire                m_axi_wlast,
+    output wire                m_axi_wvalid,
+    input  wire                m_axi_wready,
+    input  wire [         0:0] m_axi_bid,
+    input  wire [         1:0] m_axi_bresp,
+    input  wire                m_axi_bvalid,
+    output wire                m_axi_bready
+);
+
+  `include "ik_latency.vh"
+
+  function integer clog2(input integer n);
+    begin
+      clog2 = 0;
+      while ((1 << clog2) < n) clog2 = clog2 + 1;
+    end
+  endfunction
+
+  localparam integer TAG_W = 24;
+  localparam integer LATENCY = datapath_latency(LEAN, W) + 2;
+  localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // those of ik_axis
+  localparam integer LOG2_BURSTS = 3;  // bursts under way in each direction, at most 8
+
+  generate
+    if (DATA_W != 32 && DATA_W != 64 && DATA_W != 128) begin : g_data
+      ik_axi_needs_DATA_W_of_32_64_or_128 u_stop ();
+    end
+    if (ADDR_W < 12 || ADDR_W > 64) begin : g_address
+      ik_axi_needs_ADDR_W_of_12_to_64 u_stop ();
+    end
+    if (LOG2_BURST < 1 || LOG2_BURST > 5) begin : g_burst
+      ik_axi_needs_LOG2_BURST_of_1_to_5 u_stop ();
+    end
+  endgenerate
+
+  // ---- constants of AXI: one ID, whole words, incrementing, normal memory that may be buffered ----
+
+  localparam [2:0] SIZE = (DATA_W == 32) ? 3'd2 : (DATA_W == 64) ? 3'd3 : 3'd4;
+  assign {m_axi_arid, m_axi_arsize, m_axi_arburst, m_axi_arcache, m_axi_arprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000};
+  assign {m_axi_awid, m_axi_awsize, m_axi_awburst, m_axi_awcache, m_axi_awprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000};
+  assign m_axi_wstrb = {(DATA_W / 8) {1'b1}};
+  assign m_axi_rready = 1'b1;
+  assign m_axi_bready = 1'b1;
+
+  // ---- registers and the job ----
+
+  wire start, soft_reset, busy, done, error, told_done, told_error, told_refused;
+  wire [63:0] source, destination, error_address;
+  wire [31:0] count, written, clocks, read_stalls, write_stalls;
+  wire [3:0] code;
+
+  ik_axi_regs #(
+      .W      (W),
+      .LEAN   (LEAN),
+      .DIGIT  (DIGIT),
+      .ADDR_W (ADDR_W),
+      .DATA_W (DATA_W),
+      .LATENCY(LATENCY),
+      .PLACES (1 << LOG2_PLACES)
+  ) u_regs (
+      .clk          (clk),
+      .rst          (rst),
+      .s_axi_awaddr (s_axi_awaddr),
+      .s_axi_awvalid(s_axi_awvalid),
+      .s_axi_awready(s_axi_awready),
+      .s_axi_wdata  (s_axi_wdata),
+      .s_axi_wstrb  (s_axi_wstrb),
+      .s_axi_wvalid (s_axi_wvalid),
+      .s_axi_wready (s_axi_wready),
+      .s_axi_bresp  (s_axi_bresp),
+      .s_axi_bvalid (s_axi_bvalid),
+      .s_axi_bready (s_axi_bready),
+      .s_axi_araddr (s_axi_araddr),
+      .s_axi_arvalid(s_axi_arvalid),
+      .s_axi_arready(s_axi_arready),
+      .s_axi_rdata  (s_axi_rdata),
+      .s_axi_rresp  (s_axi_rresp),
+      .s_axi_rvalid (s_axi_rvalid),
+      .s_axi_rready (s_axi_rready),
+      .start        (start),
+      .soft_reset   (soft_reset),
+      .source       (source),
+      .destination  (destination),
+      .count        (count),
+      .busy         (busy),
+      .done         (done),
+      .error        (error),
+      .code         (code),
+      .error_address(error_address),
+      .written      (written),
+      .clocks       (clocks),
+      .read_stalls  (read_stalls),
+      .write_stalls (write_stalls),
+      .told         ({told_refused, told_error, told_done}),
+      .irq          (irq)
+  );
+
+  wire clear, go, stop;
+  wire [ADDR_W-1:5] job_source, job_destination;
+  wire [31:0] job_count, good;
+  wire [2:0] error_beat;
+  wire read_idle, ended, read_error, read_decode, read_waiting, write_idle, write_error, write_decode;
+
+  ik_axi_job #(
+      .ADDR_W(ADDR_W),
+      .DATA_W(DATA_W)
+  ) u_job (
+      .clk            (clk),
+      .rst            (rst),
+      .start          (start),
+      .soft_reset     (soft_reset),
+      .source         (source),
+      .destination    (destination),
+      .count          (count),
+      .busy           (busy),
+      .done           (done),
+      .error          (error),
+      .code           (code),
+      .error_address  (error_address),
+      .told_done      (told_done),
+      .told_error     (told_error),
+      .told_refused   (told_refused),
+      .clocks         (clocks),
+      .read_stalls    (read_stalls),
+      .write_stalls   (write_stalls),
+      .clear          (clear),
+      .go             (go),
+      .stop           (stop),
+      .job_source     (job_source),
+      .job_destination(job_destination),
+      .job_count      (job_count),
+      .read_idle      (read_idle),
+      .read_waiting   (read_waiting),
+      .read_error     (read_error),
+      .read_decode    (read_decode),
+      .read_good      (good),
+      .read_beat      (error_beat),
+      .write_idle     (write_idle),
+      .write_waiting  (m_axi_wvalid && !m_axi_wready),
+      .write_error    (write_error),
+      .write_decode   (write_decode),
+      .written        (written)
+  );
+
+  // ---- from memory into the core ----
+
+  wire got, record_valid, leave, target_valid, result_valid, result_ready, allowed, ends_burst;
+  wire [255:0] record;
+  wire [6*W-1:0] target, result;
+  wire [TAG_W-1:0] tag;
+  wire [TAG_W+7:0] flags_tag;
+
+  ik_axi_read #(
+      .ADDR_W     (ADDR_W),
+      .DATA_W     (DATA_W),
+      .LOG2_BURST (LOG2_BURST),
+      .LOG2_PLACES(LOG2_PLACES),
+      .LOG2_BURSTS(LOG2_BURSTS)
+  ) u_read (
+      .clk          (clk),
+      .rst          (rst),
+      .go           (go),
+      .stop         (stop),
+      .source       (job_source),
+      .count        (job_count),
+      .idle         (read_idle),
+      .ended        (ended),
+      .error        (read_error),
+      .error_decode (read_decode),
+      .good         (good),
+      .error_beat   (error_beat),
+      .waiting      (read_waiting),
+      .got          (got),
+      .record_valid (record_valid),
+      .record       (record),
+      .leave        (leave),
+      .m_axi_araddr (m_axi_araddr),
+      .m_axi_arlen  (m_axi_arlen),
+      .m_axi_arvalid(m_axi_arvalid),
+      .m_axi_arready(m_axi_arready),
+      .m_axi_rdata  (m_axi_rdata),
+      .m_axi_rresp  (m_axi_rresp),
+      .m_axi_rvalid (m_axi_rvalid)
+  );
+
+  ik_axi_target #(
+      .W    (W),
+      .TAG_W(TAG_W)
+  ) u_target (
+      .clk         (clk),
+      .rst         (rst),
+      .record_valid(record_valid),
+      .record      (record),
+      .target_valid(target_valid),
+      .target      (target),
+      .tag         (tag)
+  );
+
+  ik_axis #(
+      .W    (W),
+      .TAG_W(TAG_W),
+      .LEAN (LEAN),
+      .DIGIT(DIGIT)
+  ) u_axis (
+      .clk          (clk),
+      .rst          (rst || clear),
+      .s_axis_tdata (target),
+      .s_axis_tuser (tag),
+      .s_axis_tvalid(target_valid),
+      .s_axis_tready(),              // high: a place is reserved
+      .m_axis_tdata (result),
+      .m_axis_tuser (flags_tag),
+      .m_axis_tvalid(result_valid),
+      .m_axis_tready(result_ready)
+  );
+
+  // ---- from the core into memory ----
+
+  assign leave = result_valid && result_ready;
+  reg [31:0] index;
+  always @(posedge clk) begin
+    if (go) index <= 32'd0;
+    else if (leave) index <= index + 32'd1;
+  end
+
+  ik_axi_write #(
+      .ADDR_W     (ADDR_W),
+      .DATA_W     (DATA_W),
+      .LOG2_BURST (LOG2_BURST),
+      .LOG2_PLACES(LOG2_PLACES),
+      .LOG2_BURSTS(LOG2_BURSTS)
+  ) u_write (
+      .clk          (clk),
+      .rst          (rst),
+      .go           (go),
+      .stop         (stop),
+      .destination  (job_destination),
+      .got          (got),
+      .ended        (ended),
+      .idle         (write_idle),
+      .error        (write_error),
+      .error_decode (write_decode),
+      .written      (written),
+      .allowed      (allowed),
+      .ends_burst   (ends_burst),
+      .leave        (leave),
+      .m_axi_wvalid (m_axi_wvalid),
+      .m_axi_awaddr (m_axi_awaddr),
+      .m_axi_awlen  (m_axi_awlen),
+      .m_axi_awvalid(m_axi_awvalid),
+      .m_axi_awready(m_axi_awready),
+      .m_axi_bresp  (m_axi_bresp),
+      .m_axi_bvalid (m_axi_bvalid)
+  );
+
+  ik_axi_result #(
+      .W     (W),
+      .DATA_W(DATA_W)
+  ) u_result (
+      .clk         (clk),
+      .rst         (rst),
+      .result      (result),
+      .flags_tag   (flags_tag),
+      .index       (index),
+      .result_valid(result_valid),
+      .result_ready(result_ready),
+      .allowed     (allowed),
+      .ends_burst  (ends_burst),
+      .m_axi_wdata (m_axi_wdata),
+      .m_axi_wlast (m_axi_wlast),
+      .m_axi_wvalid(m_axi_wvalid),
+      .m_axi_wready(m_axi_wready)
+  );
+
+endmodule
+
+`default_nettype wire

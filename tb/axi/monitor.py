@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What AXI and the contract of ``ik_axi`` ask of its ports, held in every clock, at the falling edge."""
+
+from __future__ import annotations
+
+from cocotb.triggers import FallingEdge, Timer
+
+BURSTS = 8
+"""Most bursts under way in a direction."""
+
+PATIENCE = 20000
+"""Clocks without a handshake on any channel, after which a test has failed."""
+
+OWN = {
+    "m_axi_ar": ("addr", "len", "size", "burst", "cache", "prot", "id"),
+    "m_axi_aw": ("addr", "len", "size", "burst", "cache", "prot", "id"),
+    "m_axi_w": ("data", "strb", "last"),
+    "s_axi_b": ("resp",),
+    "s_axi_r": ("data", "resp"),
+}
+"""Channel that the core is the source of -> its payload."""
+
+OTHERS = ("m_axi_r", "m_axi_b", "s_axi_aw", "s_axi_w", "s_axi_ar")
+
+
+class Monitor:
+    """Errors are collected, not raised: a test asks for them at its end. Counts are since the last reset."""
+
+    def __init__(self, dut, record_beats: int, most_beats: int, places: int) -> None:
+        self.dut = dut
+        self.record_beats, self.most_beats, self.places = record_beats, most_beats, places
+        self.errors: list[str] = []
+        self.clock = 0
+        self.beats_read: list[int] = []  # clock of each beat of R
+        self.bursts_read: list[tuple[int, int]] = []  # address, beats
+        self.bursts_written: list[tuple[int, int]] = []
+        self.most = {"reads": 0, "writes": 0, "places": 0}
+        self.handles = {
+            name: [getattr(dut, f"{name}{part}") for part in ("valid", "ready", *OWN.get(name, ()))]
+            for name in (*OWN, *OTHERS)
+        }
+        self._forget()
+
+    def _forget(self) -> None:
+        self.held: dict[str, list[str]] = {}
+        self.reads: list[int] = []  # beats to come of each burst asked for
+        self.writes: list[int] = []  # beats to go of each burst announced, offered or taken
+        self.unanswered = 0
+        self.complete = 0  # bursts whose last beat has gone
+        self.asked = self.sent = 0  # beats
+        self.moved = self.clock  # clock of the last handshake
+        self.failed: dict[str, int] = {}  # address channel -> clock in which it was told to begin no more bursts
+        self.announced: set[str] = set()  # address channels whose burst has been counted
+
+    def say(self, text: str) -> None:
+        self.errors.append(f"clock {self.clock}: {text}")
+
+    async def run(self) -> None:
+        await Timer(1, unit="ns")
+        while True:
+            await FallingEdge(self.dut.clk)
+            self.clock += 1
+            assert self.clock - self.moved < PATIENCE, f"nothing has moved for {PATIENCE} clocks; {self.errors[:1]}"
+            if self.dut.rst.value != 0:
+                self._forget()
+                continue
+            self._look()
+
+    def _look(self) -> None:
+        gone = {}
+        for name, handles in self.handles.items():
+            valid, ready = str(handles[0].value), str(handles[1].value)
+            if valid not in "01" or ready not in "01":
+                self.say(f"{name}: valid {valid} ready {ready}")
+                continue
+            if name in OWN:
+                beat = [str(handle.value) for handle in handles[2:]] if valid == "1" else []
+                if name in self.held and beat != self.held[name]:
+                    self.say(f"{name} changed while it was stalled")
+                self.held.pop(name, None)
+                if beat and ready == "0":
+                    self.held[name] = beat
+                if any(set(bits) - set("01") for bits in beat):
+                    self.say(f"{name} has an X: {beat}")
+                    continue
+                if beat and name in ("m_axi_ar", "m_axi_aw") and name not in self.announced:
+                    self._burst(name, *(int(bits, 2) for bits in beat))
+                self.announced.discard(name) if not beat or ready == "1" else self.announced.add(name)
+                gone[name] = beat if ready == "1" else []
+            else:
+                gone[name] = valid == ready == "1"
+        if any(gone.values()):
+            self.moved = self.clock
+        if gone.get("m_axi_w"):
+            self._write(gone["m_axi_w"])
+        if gone.get("m_axi_r"):
+            self._read()
+            if self.dut.m_axi_rresp.value != 0:
+                self.failed.setdefault("m_axi_ar", self.clock)
+        if gone.get("m_axi_b"):
+            if self.dut.m_axi_bresp.value != 0:
+                self.failed.setdefault("m_axi_aw", self.clock)
+                self.failed.setdefault("m_axi_ar", self.clock)
+            if not self.complete:
+                self.say("B without a whole burst: the memory's error")
+            self.complete -= 1
+            self.unanswered -= 1
+        for name in ("m_axi_r", "m_axi_b"):
+            if self.handles[name][1].value != 1:
+                self.say(f"{name}ready is low")
+        if self.dut.u_axis.s_axis_tvalid.value == 1 and self.dut.u_axis.s_axis_tready.value != 1:
+            self.say("a target that ik_axis has no place for")
+        count = {"reads": len(self.reads), "writes": self.unanswered}
+        count["places"] = -(-(self.asked - self.sent) // self.record_beats)
+        self.most = {name: max(most, count[name]) for name, most in self.most.items()}
+
+    def _burst(self, name: str, address: int, length: int, size: int, burst: int, cache: int, prot: int, ident: int):
+        beats = length + 1
+        end = address + (beats << size) - 1
+        if self.clock > self.failed.get(name, self.clock) + 1:
+            self.say(f"{name}: a burst behind an error")
+        if address // 4096 != end // 4096:
+            self.say(f"{name}: burst at {address:#x} of {beats} beats crosses 4 KiB")
+        if (1 << size) * self.record_beats != 32 or (burst, ident) != (1, 0):
+            self.say(f"{name}: size {size} burst {burst} id {ident}")
+        if beats > self.most_beats or beats % self.record_beats or address % 32:
+            self.say(f"{name}: {beats} beats at {address:#x}")
+        if name == "m_axi_ar":
+            self.reads.append(beats)
+            self.bursts_read.append((address, beats))
+            self.asked += beats
+            if len(self.reads) > BURSTS:
+                self.say(f"{len(self.reads)} bursts asked for")
+        else:
+            self.writes.append(beats)
+            self.bursts_written.append((address, beats))
+            self.unanswered += 1
+            if self.unanswered > BURSTS:
+                self.say(f"{self.unanswered} bursts to be answered")
+
+    def _write(self, beat: list[str]) -> None:
+        if "0" in beat[1]:
+            self.say(f"strobes {beat[1]}")
+        self.sent += 1
+        if not self.writes:
+            self.say("W without a burst")
+            return
+        self.writes[0] -= 1
+        if (beat[2] == "1") != (self.writes[0] == 0):
+            self.say(f"wlast {beat[2]} with {self.writes[0]} beats to go")
+        if self.writes[0] <= 0:
+            self.writes.pop(0)
+            self.complete += 1
+
+    def _read(self) -> None:
+        self.beats_read.append(self.clock)
+        if not self.reads:
+            self.say("R without a burst: the memory's error")
+            return
+        self.reads[0] -= 1
+        if self.reads[0] == 0:
+            self.reads.pop(0)
+
+    def quiet(self) -> bool:
+        """Nothing is under way."""
+        return not (self.reads or self.writes or self.unanswered)

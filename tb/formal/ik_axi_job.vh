@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Appended to ik_axi_job: a job begins only in areas that are apart, aligned and inside the address space, ends when the engines
+// are idle, and says how it ended once. No assumption.
+
+reg f_on = 1'b0;  // there was a reset
+reg f_reset;
+always @(posedge clk) begin
+  if (rst) f_on <= 1'b1;
+  f_reset <= rst;
+end
+
+reg f_run, f_idle, f_abort, f_start, f_go;
+always @(posedge clk) begin
+  f_run   <= state == RUN && !rst;
+  f_idle  <= read_idle && write_idle;
+  f_abort <= aborted;
+  f_start <= start && !soft_reset && !busy && !rst;
+  f_go    <= go && !rst;
+end
+
+// ---- ghost: the registers at the start, and their areas ----
+
+reg [63:0] f_source, f_destination;
+reg [31:0] f_count;
+always @(posedge clk) begin
+  if (start && !soft_reset && !busy) {f_source, f_destination, f_count} <= {source, destination, count};
+end
+wire [65:0] f_size = {29'd0, f_count, 5'd0};
+wire [65:0] f_source_end = {2'b00, f_source} + f_size;
+wire [65:0] f_destination_end = {2'b00, f_destination} + f_size;
+wire [65:0] f_limit = 66'd1 << ADDR_W;
+wire f_apart = f_source_end <= f_destination || f_destination_end <= f_source;
+wire f_low = f_source < f_limit && f_destination < f_limit;  // with their first byte
+
+always @* if (f_on) begin
+  areas_apart : assert (!go || f_apart);
+  areas_inside : assert (!go || (f_source_end <= f_limit && f_destination_end <= f_limit));
+  areas_aligned : assert (!go || (f_source[4:0] == 0 && f_destination[4:0] == 0 && f_count != 0));
+  areas_copied : assert (!go || ({job_source, 5'd0} == f_source && {job_destination, 5'd0} == f_destination && job_count == f_count));
+  stopped_outside : assert (stop || (state == RUN && !write_error && !aborted));
+  runs_to_the_end : assert (!f_run || state == (f_idle ? FINISH : RUN) || f_reset);
+  go_is_run : assert (!f_go || state == RUN);
+  told_once : assert (!(told_done && told_error) && (!(told_done || told_error) || !busy));
+  done_or_error : assert (!(done && error) && (busy || error == (code != 0)));
+  told_is_so : assert ((!told_done || done) && (!told_error || error));
+  starts : assert (!f_start || (busy && !done && !error && code == 0));
+  legal_state : assert (state <= FINISH);
+  not_done_yet : assert (state == IDLE || state == FINISH || (!done && !error));
+  copies : assert (state == IDLE || (source_at == f_source[ADDR_W-1:0] && destination_at == f_destination[ADDR_W-1:0] && job_count == f_count));
+  high_is : assert (state == IDLE || high == {f_destination >= f_limit, f_source >= f_limit});
+  ends_are : assert (state != COMPARE || ((f_source >= f_limit || source_end == f_source_end) &&
+                     (f_destination >= f_limit || destination_end == f_destination_end)));
+  crooked_is : assert (state == IDLE || crooked == {f_destination[4:0] != 0, f_source[4:0] != 0});
+  past_is : assert (state != DECIDE || !f_low || (overlap == !f_apart || f_count == 0));
+  limits_are : assert (state != DECIDE || (past[0] == (f_source_end > f_limit || f_source >= f_limit) &&
+                       past[1] == (f_destination_end > f_limit || f_destination >= f_limit)));
+  code_is : assert ((state != ENDS && state != COMPARE && state != DECIDE) || code == 0);
+end
+
+always @* if (f_on && !rst) begin
+  ends_well : cover (told_done && clocks > 4);
+  ends_badly : cover (told_error && code == WRITE_SLVERR);
+  is_refused : cover (told_error && code == 4'd5);
+  is_aborted : cover (f_abort && state == IDLE && clocks > 4);
+end

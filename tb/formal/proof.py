@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A proof: its .sby file, what its properties say, bugs that break them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from tb.sim.env import ROOT
+from tb.sim.mutants import Bug
+
+FORMAL = Path(__file__).parent
+GATES = ("handshake", "axi_gates")
+"""Files whose tasks are scripts of Yosys alone."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A task of a .sby file of this folder, `of` and `variant`.
+
+    says: property -> what it says; the module's other assertions are helping invariants. uses: property -> those it
+    needs in the clock before, if not all. after: property -> those it follows from in the same clock. Both are for the
+    proofs that :mod:`tb.formal.steps` does.
+    """
+
+    of: str
+    variant: str
+    module: str
+    width: str
+    says: dict[str, str]
+    bugs: tuple[Bug, ...]
+    uses: dict[str, list[str]] = field(default_factory=dict)
+    after: dict[str, list[str]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return f"{self.of}_{self.variant}"
+
+    @cached_property
+    def config(self) -> str:
+        """Its .sby file, without the comments."""
+        return re.sub(r"^#.*\n", "", (FORMAL / f"{self.of}.sby").read_text(), flags=re.M)
+
+    def has(self, task: str) -> bool:
+        """Whether the file has a task prove, cover or formula for it."""
+        return re.search(rf"^{task}_{self.variant}\b", self.config, re.M) is not None
+
+    @property
+    def engine(self) -> str:
+        """sby (SymbiYosys), gates (a script of Yosys alone, in a .sby as well) or steps (ours)."""
+        return "gates" if self.of in GATES else "sby" if self.has("prove") else "steps"
+
+    @property
+    def files(self) -> list[Path]:
+        """All that it is a proof of, and by."""
+        named = re.findall(r"\b(?:rtl|tb/formal)/[\w/]+\.vh?\b", self.config)
+        return [FORMAL / f"{self.of}.sby", *(ROOT / name for name in dict.fromkeys(named))]
