@@ -3,17 +3,23 @@
 
 // -- the arm --------------------------------------------------------------------------------
 
-// The sphere that holds all the motion and its shadow on the floor. It does not change while the arm moves.
-function bounds(t) {
-  const low = [0, 0, 0];
-  const high = [0, 0, 0];
-  const points = [[0, 0, 0], ...t.target, ...t.elbow, ...t.wrist];
+// The corners of the box that holds points.
+function box(points) {
+  const low = [...points[0]];
+  const high = [...points[0]];
   for (const p of points) {
     p.forEach((v, i) => {
       low[i] = Math.min(low[i], v);
       high[i] = Math.max(high[i], v);
     });
   }
+  return [low, high];
+}
+
+// The sphere that holds all the motion and its shadow on the floor. It does not change while the arm moves.
+function bounds(t) {
+  const points = [[0, 0, 0], ...t.target, ...t.elbow, ...t.wrist];
+  const [low, high] = box(points);
   low[2] -= 0.06 * length(sum(high, low, -1));
   const floor = low[2];
   const centre = sum(low, high).map((v) => v / 2);
@@ -38,7 +44,8 @@ function camera(w, h, bounds, view) {
     return [w / 2 + k * dot(q, right), h / 2 - k * dot(q, up)];
   };
   const direction = (v) => [dot(v, right), -dot(v, up)];
-  return { project, depth, scale, direction, bounds };
+  const eye = sum(centre, toward, distance);
+  return { project, depth, scale, direction, bounds, eye };
 }
 
 function drawFloor(g, project, { centre, radius, floor, step }) {
@@ -67,6 +74,18 @@ function drawAxes(g, direction, h, place) {
   });
 }
 
+function patch(g, corners, colour) {
+  g.beginPath();
+  corners.forEach((c) => g.lineTo(c[0], c[1]));
+  g.closePath();
+  g.globalAlpha = 0.18;
+  g.fillStyle = colour;
+  g.fill();
+  g.globalAlpha = 0.7;
+  line(g, [...corners, corners[0]], colour, 1);
+  g.globalAlpha = 1;
+}
+
 // The part of the swivel plane around the arm: u is the line to the wrist, the elbow is on the side +m of it.
 function drawPlane(g, project, t, n) {
   const p = t.target[n];
@@ -77,15 +96,7 @@ function drawPlane(g, project, t, n) {
   const [from, to] = [Math.min(...along) - 0.08 * size, Math.max(...along) + 0.08 * size];
   const [below, above] = [-0.08 * size, Math.max(0, dot(t.elbow[n], m)) + 0.08 * size];
   const corner = (a, b) => project(u.map((v, i) => a * v + b * m[i]));
-  const corners = [corner(from, below), corner(to, below), corner(to, above), corner(from, above)];
-  g.beginPath();
-  corners.forEach((c) => g.lineTo(c[0], c[1]));
-  g.closePath();
-  g.globalAlpha = 0.18;
-  g.fillStyle = state.colours.plane;
-  g.fill();
-  g.globalAlpha = 0.7;
-  line(g, [...corners, corners[0]], state.colours.plane, 1);
+  patch(g, [corner(from, below), corner(to, below), corner(to, above), corner(from, above)], state.colours.plane);
   g.globalAlpha = 0.6;
   line(g, [project([0, 0, 0]), project(p)], state.colours.plane, 1.2, [4, 4]);
   g.globalAlpha = 1;
@@ -104,15 +115,19 @@ function drawPaths(g, project, t, arm, n) {
   line(g, path(t.wrist, n), state.colours.goal, 2.5);
 }
 
-function drawArm(g, { project, depth, scale }, t, n, labelled) {
-  const { floor } = state.bounds;
+function drawArm(g, view, t, n, labelled) {
+  const { project, scale, bounds: { floor } } = view;
   const joints = [[0, 0, 0], t.elbow[n], t.wrist[n]];
-  const points = joints.map(project);
   const thick = Math.max(5, 0.05 * scale * (t.lengths[n][0] + t.lengths[n][1]));
   g.globalAlpha = 0.25; // the shadow, which shows where in depth the arm is
   line(g, joints.map((p) => project([p[0], p[1], floor])), state.colours.joint, 0.6 * thick);
-  line(g, [points[2], project([t.wrist[n][0], t.wrist[n][1], floor])], state.colours.joint, 1, [2, 3]);
-  g.globalAlpha = labelled ? 1 : 0.4;
+  line(g, [joints[2], [t.wrist[n][0], t.wrist[n][1], floor]].map(project), state.colours.joint, 1, [2, 3]);
+  return { points: drawLimbs(g, view, joints, thick, labelled ? 1 : 0.4), thick };
+}
+
+function drawLimbs(g, { project, depth }, joints, thick, alpha) {
+  const points = joints.map(project);
+  g.globalAlpha = alpha;
   const limbs = [
     { ends: points.slice(0, 2), colour: state.colours.upper, width: thick, far: depth(joints[0]) + depth(joints[1]) },
     { ends: points.slice(1), colour: state.colours.fore, width: 0.8 * thick, far: depth(joints[1]) + depth(joints[2]) },
@@ -127,12 +142,11 @@ function drawArm(g, { project, depth, scale }, t, n, labelled) {
     disc(g, p, (i === 2 ? 0.22 : 0.34) * thick, state.colours.joint);
   });
   g.globalAlpha = 1;
-  return { points, thick };
+  return points;
 }
 
 // Names stand off the arm: that of the elbow on the outside of its bend, the others beyond the ends.
 function drawNames(g, w, { points, thick }, goal) {
-  const unit = (v) => v.map((c) => c / (length(v) || 1));
   const [shoulder, elbow, wrist] = points;
   const chord = unit(sum(wrist, shoulder, -1));
   const normal = [-chord[1], chord[0]];
@@ -149,12 +163,12 @@ function drawNames(g, w, { points, thick }, goal) {
 }
 
 function drawScene() {
-  const { shown: t, at: n } = state;
-  if (t.clip) {
-    drawFigure();
-    return;
-  }
   const { g, w, h } = prepare(scene);
+  eachRun(g, w, h, (w, h, t) => (t.clip ? drawFigure : drawMotion)(g, w, h, t));
+}
+
+function drawMotion(g, w, h, t) {
+  const { at: n } = state;
   const view = camera(w, h, state.bounds, state.view);
   drawFloor(g, view.project, view.bounds);
   drawAxes(g, view.direction, h, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]);

@@ -7,11 +7,13 @@ const VIEW = { azimuth: -0.95, elevation: 0.3 }; // from the front right, a litt
 const element = (id) => document.getElementById(id);
 const scene = element("scene");
 
-// frame: a step of the player, in which every arm of a clip has a target; arm: the one that is looked at, by its number;
-// at: the target of that arm in that frame. What is no clip has one target a frame.
-const state = { shown: null, frame: 0, arm: 0, at: 0, playing: false, last: null, view: { ...VIEW }, colours: {} };
+// shown: a trajectory; runs: that, and the same with what a second datapath made of it, if there is one. frame: a step of the player, in which every arm of a clip has a target; arm: the one that is looked at, by its number;
+// at: the target of that arm in that frame. What is no clip has one target a frame. figure: of the paper, from 0.
+const state = { shown: null, runs: [], frame: 0, arm: 0, at: 0, figure: 0, playing: false, last: null, view: { ...VIEW }, colours: {} };
 const armsIn = (t) => (t.clip ? t.clip.arms.length : 1);
 const framesIn = (t) => t.target.length / armsIn(t);
+const runsOf = (t) => (t.beside ? [t, { ...t, ...t.beside }] : [t]);
+const PLACES = ["", "2"]; // what the elements of the first and the second run are called
 const rateOf = (t) => (t.clip ? t.clip.rate : RATE);
 
 // -- vectors --------------------------------------------------------------------------------
@@ -20,6 +22,7 @@ const sum = (a, b, k = 1) => a.map((v, i) => v + k * b[i]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const length = (a) => Math.hypot(...a);
+const unit = (a) => a.map((v) => v / (length(a) || 1));
 
 // -- numbers as text ------------------------------------------------------------------------
 
@@ -31,7 +34,7 @@ const signed = (v) => (v < 0 ? "\u2212" : "+") + Math.abs(v).toFixed(6);
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body"]) {
+  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body", "middle", "lean", "paper"]) {
     state.colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -89,6 +92,36 @@ function disc(g, p, radius, colour) {
   g.arc(p[0], p[1], radius, 0, 2 * Math.PI);
   g.fillStyle = colour;
   g.fill();
+}
+
+// A part of a picture for each run, beside or above each other: part(w, h, run).
+function eachRun(g, w, h, part) {
+  const count = state.runs.length;
+  const top = count > 1 ? 32 : 0;
+  const beside = w > 1.2 * h;
+  const [width, height] = beside ? [w / count, h] : [w, h / count];
+  state.runs.forEach((t, i) => {
+    g.save();
+    g.translate(beside ? i * width : 0, beside ? 0 : i * height);
+    if (top) {
+      badge(g, `${t.datapath}, ${t.latency} clocks, hand error ${error(t.hand[state.at])}`, t.datapath);
+    }
+    g.translate(0, top);
+    g.beginPath();
+    g.rect(0, 0, width, height - top);
+    g.clip();
+    part(width, height - top, t);
+    g.restore();
+  });
+}
+
+function badge(g, string, datapath) {
+  g.fillStyle = state.colours[datapath];
+  g.fillRect(4, 4, g.measureText(string).width + 16, 24);
+  g.textAlign = "left";
+  g.textBaseline = "middle";
+  g.fillStyle = "#ffffff";
+  g.fillText(string, 12, 16.5);
 }
 
 // About the target.

@@ -54,10 +54,9 @@ function drawGhost(g, project, clip, frame, thick) {
   g.globalAlpha = 1;
 }
 
-function drawFigure() {
-  const { shown: t, frame, colours } = state;
+function drawFigure(g, w, h, t) {
+  const { frame, colours } = state;
   const { clip } = t;
-  const { g, w, h } = prepare(scene);
   const view = camera(w, h, boundsOfFigure(clip, frame), state.view);
   const { project, depth, scale } = view;
   drawFloor(g, project, view.bounds);

@@ -14,7 +14,8 @@ import numpy as np
 from model.motion.clip import Arm, Clip, Motion, outward_and_up
 from model.reference.kinematics import rotate
 from model.targets.words import result_values
-from scripts import run
+from scripts.results import turned
+from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
 STEPS = 4000
@@ -51,7 +52,7 @@ def _parts(clip: Clip, moves: tuple[Motion, ...], node_of: list[int]) -> list[in
     return parts
 
 
-def _facing(item: run.Prepared, turn: np.ndarray) -> float:
+def _facing(item: Prepared, turn: np.ndarray) -> float:
     """The direction (rad, about z) to which the figure looks in the first frame."""
     left = np.zeros(3)
     for move in item.moves:
@@ -61,7 +62,7 @@ def _facing(item: run.Prepared, turn: np.ndarray) -> float:
     return float(np.arctan2(-left[0], left[1]))  # left x up
 
 
-def figure_data(item: run.Prepared, ran: Run, width: int) -> dict[str, Any]:
+def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     """The figure with the core's arms in F frames, and the clip's own arms, in the page's frame.
 
     * nodes: of each frame the root, then every node from the root; own: of each frame elbow and wrist of each arm of
@@ -72,7 +73,7 @@ def figure_data(item: run.Prepared, ran: Run, width: int) -> dict[str, Any]:
     clip, moves = item.clip, item.moves
     turn = place(clip.bvh.world_up)
     parents, node_of = _nodes(clip)
-    nodes = run.turned(item, ran, width).node_positions() @ turn.T
+    nodes = turned(item, ran, width).node_positions() @ turn.T
     root = nodes[:, :1].copy()
     own = clip.positions[:, [joint for move in moves for joint in (move.arm.fore, move.arm.hand)]] @ turn.T - root
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
@@ -106,7 +107,7 @@ def figure_data(item: run.Prepared, ran: Run, width: int) -> dict[str, Any]:
     }
 
 
-def joint_angles(item: run.Prepared, ran: Run, width: int) -> np.ndarray:
+def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     """Angles (N, 4) in degrees: azimuth and elevation of the upper arm, swivel angle, flexion of the elbow.
 
     Azimuth counts from forward (x) to the left, elevation from the horizontal: of a clip as its torso sees them, else

@@ -30,10 +30,12 @@ function card(t) {
   picture.setAttribute("aria-hidden", "true");
   button.append(picture);
   write("b", t.name.replaceAll("_", "_\u200b")); // may be broken there
-  write("small", `${t.target.length} targets`, "count");
-  write("span", t.passed ? "pass" : "FAIL", t.passed ? "good" : "bad");
-  write("small", `hand error ${error(largest(t.hand))}`, "wide");
-  write("small", `asked ${t.bar === null ? "nothing" : error(t.bar)}`, "wide");
+  for (const run of runsOf(t)) {
+    write("small", t.beside ? run.datapath : `${t.target.length} targets`, t.beside ? "" : "count");
+    write("span", run.passed ? "pass" : "FAIL", run.passed ? "good" : "bad");
+    write("small", `hand error ${error(largest(run.hand))}`, "wide");
+    write("small", `asked ${run.bar === null ? "nothing" : error(run.bar)}`, "wide");
+  }
   button.addEventListener("click", () => {
     show(t.name);
     scene.scrollIntoView({ block: "nearest" });

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run trajectories through the core and write one HTML page to look at: what `make report` does.
 
-    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
+    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath lean|paper|both] ...
 
-Writes OUT/report.html: the arm in motion as the core's quaternions put it, of a clip the whole figure, joint angles,
-errors of every target with what is asked and predicted, the score, the pipeline over time. The page holds all that it
-needs (report.html, .css and the scripts of this folder, and the figures as JSON) and opens from disk without network.
-Beside it are the files of `scripts.run`, to which it links.
+Writes OUT/report.html: the arm in motion as the core's quaternions put it, of a clip the whole figure, figures 1 to 5
+of the paper, joint angles, errors of every target with what is asked and predicted, the score, the pipeline over time.
+The page holds all that it needs (report.html, .css and the scripts of this folder, and the figures as JSON) and opens
+from disk without network. Beside it are the files of `scripts.run`, to which it links; of both datapaths, which are
+shown side by side, in OUT/lean and OUT/paper.
 
 Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
 """
 
 from __future__ import annotations
 
+import argparse
 import html
 import json
 import re
@@ -28,14 +30,20 @@ from model.targets import trajectories
 from model.targets.files import write_atomically
 from model.targets.scoring import Score
 from model.targets.words import from_words, result_values
-from scripts import run
 from scripts.console import command, output, writing
+from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
+from scripts.results import elbow_errors, result_paths, write_results, written
+from scripts.run import run_and_score
 from scripts.tables import figures, verdict
-from tb.sim.simulate import Run
+from scripts.trajectory import Prepared, parser_of, prepare
+from tb.sim.simulate import DATAPATHS, Run
 
 HERE = Path(__file__).parent
-SCRIPTS = ("canvas", "arm", "figure", "plots", "overview", "report")
+SCRIPTS = ("canvas", "arm", "figure", "paper", "plots", "overview", "report")
+
+BOTH = "both"
+"""Of --datapath: each in a simulation of its own, on the same targets."""
 
 DIGITS = 7
 """Digits of the figures in the page: enough to draw, and to read."""
@@ -58,36 +66,50 @@ def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
     return (index if index.max() < MOST_ARMS else np.zeros_like(index)).tolist()
 
 
-def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, Any]:
-    """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit."""
-    targets, width = item.targets, result.width
-    values = result_values(ran.results, width)
+def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
+    """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit. What a second
+    datapath made of it is under "beside", by the same names.
+    """
+    targets, width = item.targets, done[0][1].width
     # What the words asked for: the swivel plane that the core was given.
     asked = from_words(item.words, 0, width, targets.name)
-    each = result.each
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
-    of_clip, arms = {}, _arms(targets.d1, targets.d2)
+    arms = _arms(targets.d1, targets.d2)
     if item.clip:
-        clip = figure_data(item, ran, width)
         sides = " and ".join(move.arm.side for move in item.moves)
         frames = len(targets) // len(item.moves)
         about = (
-            f"{Path(targets.path).name}: {frames} frames at {clip['rate']:g} Hz; {sides} arm by the core, "
-            "the rest of the body as in the clip."
+            f"{Path(targets.path).name}: {frames} frames at {1 / item.clip.bvh.frame_time:.6g} Hz; {sides} arm by the "
+            "core, the rest of the body as in the clip."
         )
-        of_clip = {"clip": clip, "elbowError": _numbers(run.elbow_errors(item, result))}
         arms = np.tile(np.arange(len(item.moves)), frames).tolist()
-    return of_clip | {
+    first, *others = (_run_data(item, ran, result) for ran, result in done)
+    return {
         "name": targets.name,
         "about": about,
         "target": _numbers(targets.position),
         "phi": _numbers(targets.phi),
         "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
         "arm": arms,
+        "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
+        "paper": packed(item, width),
+        **first,
+        **({"beside": others[0]} if others else {}),
+    }
+
+
+def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
+    """What one datapath made of a trajectory."""
+    targets, width, each = item.targets, result.width, result.each
+    values = result_values(ran.results, width)
+    of_clip = {}
+    if item.clip:
+        of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
+    return of_clip | {
+        "datapath": result.datapath,
         "angles": _numbers(joint_angles(item, ran, width), 5),
         "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
         "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
-        "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
         "qs": _numbers(targets.from_core(values[:, :4])),
         "qe": _numbers(values[:, 4:]),
         "flags": [flag_bits.names(int(bits)) for bits in ran.flags],
@@ -106,13 +128,17 @@ def trajectory_data(item: run.Prepared, ran: Run, result: Score) -> dict[str, An
     }
 
 
-def _links(out: Path, prepared: Sequence[run.Prepared]) -> dict[str, list[str]]:
-    """The files beside the page, of each trajectory and, under "", of all."""
-    names = [path.relative_to(out).as_posix() for path in run.written(out, prepared)]
-    tables = [path.relative_to(out).as_posix() for path in run.result_paths(out, prepared)]
-    own = {item.targets.name: [t, f"{t.removesuffix('csv')}npz"] for item, t in zip(prepared, tables, strict=True)}
-    known = {name for each in own.values() for name in each}
-    return own | {"": [name for name in names if name not in known]}
+def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
+    """The files beside the page, of each trajectory and, under "", of all; `folders`: one of each datapath."""
+    links: dict[str, list[str]] = {item.targets.name: [] for item in prepared}
+    names = []
+    for folder in folders:
+        names += [path.relative_to(out).as_posix() for path in written(folder, prepared)]
+        for name, path in zip(links, result_paths(folder, prepared), strict=True):
+            table = path.relative_to(out).as_posix()
+            links[name] += [table, f"{table.removesuffix('csv')}npz"]
+    known = {name for each in links.values() for name in each}
+    return links | {"": [name for name in names if name not in known]}
 
 
 def script() -> str:
@@ -127,7 +153,7 @@ def page(
     data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
-        "run": html.escape(f"{datapath} datapath, {width} bits, {simulator}"),
+        "run": html.escape(f"{datapath} datapath{'s' * (' ' in datapath)}, {width} bits, {simulator}"),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
         "script": script(),
         "data": data.replace("<", "\\u003c"),  # so that no name can end the script element
@@ -141,16 +167,24 @@ def page(
 def main(arguments: Sequence[str] | None) -> int:
     """Run, score and write the page; the exit status."""
     about = "Run trajectories through the core in a simulator and write a page that shows them."
-    parsed = run.parser_of("report", about, out="build/report", written="report.html").parse_args(arguments)
+    datapaths: tuple[str, ...] = (*DATAPATHS, BOTH)
+    parser = parser_of("report", about, out="build/report", written="report.html", datapaths=datapaths)
+    parsed = parser.parse_args(arguments)
     path = parsed.out / "report.html"
-    prepared = run.prepare(parsed)
-    with output(parsed.out, [path, *run.written(parsed.out, prepared)]):
-        done = run.run_and_score(parsed, prepared)
-        shown = [trajectory_data(item, ran, result) for item, (ran, result) in zip(prepared, done, strict=True)]
-        links = _links(parsed.out, prepared)
-        text = page(shown, links, datapath=parsed.datapath, width=parsed.width, simulator=parsed.sim)
+    prepared = prepare(parsed)
+    datapaths = DATAPATHS if parsed.datapath == BOTH else (parsed.datapath,)
+    folders = [parsed.out / each for each in datapaths] if parsed.datapath == BOTH else [parsed.out]
+    with output(parsed.out, [path, *(file for folder in folders for file in written(folder, prepared))]):
+        done = [
+            run_and_score(argparse.Namespace(**(vars(parsed) | {"datapath": each})), prepared) for each in datapaths
+        ]
+        shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
+        links = _links(parsed.out, folders, prepared)
+        text = page(shown, links, datapath=" and ".join(datapaths), width=parsed.width, simulator=parsed.sim)
         with writing():
             write_atomically(path, text)
-        run.write_results(parsed.out, prepared, done)
+        for folder, each in zip(folders, done, strict=True):
+            write_results(folder, prepared, each)
     print(f"wrote {path}")
-    return verdict("report", [result for _, result in done])
+    names = [f"report, {each} datapath" if parsed.datapath == BOTH else "report" for each in datapaths]
+    return max(verdict(name, [result for _, result in each]) for name, each in zip(names, done, strict=True))

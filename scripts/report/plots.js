@@ -49,7 +49,7 @@ function plotAxes(g, w, h, xMax, xName, yName, least = 1) {
 
 function writeKey(g, series) {
   let left = MARGIN.left;
-  for (const { name, colour, dash } of series) {
+  for (const { name, colour, dash } of series.filter((one) => one.name)) {
     line(g, [[left, 9], [left + 18, 9]], colour, 2.5, dash);
     text(g, name, left + 24, 9, state.colours.text);
     left += g.measureText(name).width + 38;
@@ -141,37 +141,47 @@ function degreeScale(series, bottom) {
 }
 
 function drawErrors() {
-  const { shown: t, colours: c } = state;
-  const asked = t.bar === null ? [] : [{ name: "asked", values: t.hand.map(() => t.bar), colour: c.text, width: 2 }];
-  const predicted = { name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] };
-  const limits = [...asked, predicted];
-  const hand = { name: "hand", values: t.hand, colour: c.fore, dots: true };
-  drawSeries(element("hand"), "distance / reach", [...limits, hand], logScale);
-  const errors = [
+  const { colours: c } = state;
+  const hands = state.runs.map(handSeries);
+  const angles = state.runs.map((t) => [
     { name: "shoulder", values: t.shoulderAngle, colour: c.upper, dots: true },
     { name: "elbow", values: t.elbowAngle, colour: c.fore, dots: true },
-  ];
-  drawSeries(element("angles"), "rotation error (rad)", errors, logScale);
+  ]);
+  // One scale for both runs, so that they can be compared.
+  const scaleOf = (all) => (_, bottom) => logScale(all.flat().map(({ values }) => ({ values: ofArm(values) })), bottom);
+  state.runs.forEach((_, i) => {
+    drawSeries(element("hand" + PLACES[i]), "distance / reach", hands[i], scaleOf(hands));
+    drawSeries(element("angles" + PLACES[i]), "rotation error (rad)", angles[i], scaleOf(angles));
+  });
+}
+
+function handSeries(t) {
+  const { colours: c } = state;
+  const asked = t.bar === null ? [] : [{ name: "asked", values: t.hand.map(() => t.bar), colour: c.text, width: 2 }];
+  const predicted = { name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] };
+  return [...asked, predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
 }
 
 const JOINTS = ["azimuth", "elevation", "swivel", "elbow flexion"];
 
 function drawJoints() {
-  const { shown: t, colours: c } = state;
+  const { colours: c } = state;
   const colours = [c.upper, c.plane, c.elbow, c.fore];
-  const series = JOINTS.map((name, k) => {
+  const series = state.runs.flatMap((t, i) => JOINTS.map((name, k) => {
     const values = t.angles.map((row) => row[k]);
-    return { name, values, colour: colours[k], width: 1.8, breaks: true };
-  });
+    return { name: i ? "" : name, values, colour: i ? c.text : colours[k], width: 1.8, dash: i ? [1, 7] : [], breaks: true };
+  }));
   drawSeries(element("joints"), "angle (\u00b0)", series, degreeScale);
 }
 
+const clocks = () => Math.max(...state.runs.map((t) => t.cycles)); // of the longest run
+
 // A line of a target: in at clock i, out `latency` later. What is between the two edges is in the pipeline.
-function drawPipeline() {
-  const { shown: t, colours: c, at } = state;
+function drawPipeline(t, i) {
+  const { colours: c, at } = state;
   const count = t.target.length;
-  const { g, w, h } = prepare(element("pipeline"));
-  const { x, bottom } = plotAxes(g, w, h, t.cycles, "time (clocks)", "");
+  const { g, w, h } = prepare(element("pipeline" + PLACES[i]));
+  const { x, bottom } = plotAxes(g, w, h, clocks(), "time (clocks)", "");
   const enters = (i) => i;
   const leaves = (i) => t.latency + (i * (t.cycles - t.latency)) / count;
   const split = bottom - 0.28 * (bottom - MARGIN.top); // above: every target; below: how many are inside

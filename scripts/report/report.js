@@ -6,6 +6,10 @@
 function rows(list) {
   return list.flatMap(([name, value]) => {
     const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
+    if (!value) { // the name of a datapath
+      dt.className = "badge";
+      dt.dataset.of = name;
+    }
     dt.textContent = name;
     dd.textContent = value;
     return [dt, dd];
@@ -27,22 +31,30 @@ function writeNow() {
     ...rows([
       ["wrist target", t.target[n].map(short).join(", ")],
       ["swivel angle", `${t.phi[n].toFixed(4)} rad (${degrees(t.angles[n][2])})`],
-      ["upper arm", `azimuth ${degrees(t.angles[n][0])}, elevation ${degrees(t.angles[n][1])}`],
-      ["elbow flexion", degrees(t.angles[n][3])],
       ["arm lengths", t.lengths[n].map(short).join(", ")],
-      ["Qs", ["", "i", "j", "k"].map((unit, i) => signed(t.qs[n][i]) + unit).join(" ")],
-      ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
-      ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
-      [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
-      ["asked, predicted", `${t.bar === null ? "nothing" : error(t.bar)}, ${error(t.predicted[n])}`],
-      ...(t.clip ? [["elbow from the clip's", `${error(t.elbowError[n])} of the reach`]] : []),
+      ...state.runs.flatMap((run) => [...(t.beside ? [[run.datapath, ""]] : []), ...answer(run, n)]),
     ]),
   );
 }
 
+// What the core made of a target.
+const answer = (t, n) => [
+  ["upper arm", `azimuth ${degrees(t.angles[n][0])}, elevation ${degrees(t.angles[n][1])}`],
+  ["elbow flexion", degrees(t.angles[n][3])],
+  ["Qs", ["", "i", "j", "k"].map((unit, i) => signed(t.qs[n][i]) + unit).join(" ")],
+  ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
+  ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
+  [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
+  ["asked, predicted", `${t.bar === null ? "nothing" : error(t.bar)}, ${error(t.predicted[n])}`],
+  ...(t.clip ? [["elbow from the clip's", `${error(t.elbowError[n])} of the reach`]] : []),
+];
+
+const KINDS = { csv: "results (CSV)", npz: "results (NumPy)", json: "score (JSON)", bvh: "clip (BVH)", glb: "clip (glTF)" };
+
 function link(path) {
   const item = document.createElement("li");
-  const a = Object.assign(document.createElement("a"), { href: path, textContent: path });
+  const of = state.shown.beside ? `${path.split("/")[0]}: ` : "";
+  const a = Object.assign(document.createElement("a"), { href: path, textContent: of + KINDS[path.split(".").at(-1)] });
   a.setAttribute("download", "");
   item.append(a);
   return item;
@@ -63,14 +75,28 @@ function writeTrajectory() {
     ? "Azimuth of the upper arm from forward to the left and elevation from the horizontal, as the torso sees them; " +
       "of an arm that hangs straight down azimuth means little. Swivel angle as the core was asked."
     : "Azimuth of the upper arm from x towards y, elevation from the xy plane; swivel angle as the core was asked.";
-  element("files").replaceChildren(...[...FILES[t.name], ...FILES[""]].map(link));
+  if (t.beside) {
+    element("joints-note").textContent += ` Dotted: the ${t.beside.datapath} datapath.`;
+  }
+  const files = [...FILES[t.name], ...FILES[""]];
+  const ofRun = (run) => files.filter((path) => !t.beside || path.startsWith(`${run.datapath}/`));
+  element("files").replaceChildren(...state.runs.flatMap(ofRun).map(link));
   document.querySelectorAll("#cards button").forEach((b) => b.setAttribute("aria-pressed", b.dataset.name === t.name));
-  element("verdict").textContent = t.outcome;
-  element("verdict").className = t.passed ? "good" : "bad";
-  element("failures").replaceChildren(
+  document.documentElement.dataset.both = Boolean(t.beside);
+  document.querySelectorAll(".badge.both").forEach((badge) => {
+    badge.textContent = badge.dataset.of = state.runs[Number(badge.dataset.run)]?.datapath;
+  });
+  state.runs.forEach(writeScore);
+}
+
+function writeScore(t, i) {
+  const mine = (name) => element(name + PLACES[i]);
+  mine("verdict").textContent = t.outcome;
+  mine("verdict").className = t.passed ? "good" : "bad";
+  mine("failures").replaceChildren(
     ...t.failures.map((failure) => Object.assign(document.createElement("li"), { textContent: failure })),
   );
-  element("figures").replaceChildren(
+  mine("figures").replaceChildren(
     ...t.figures.map((figure) => {
       const row = document.createElement("tr");
       for (let i = 0; i < 4; i++) {
@@ -85,11 +111,11 @@ function writeTrajectory() {
       return row;
     }),
   );
-  element("clamped-note").textContent = t.clamped.includes(true)
+  mine("clamped-note").textContent = t.clamped.includes(true)
     ? "Targets out of reach: the hand against that of the clamped pose."
     : "";
   const count = t.target.length;
-  element("pipeline-note").textContent =
+  mine("pipeline-note").textContent =
     `${count} target${count === 1 ? "" : "s"} in ${t.cycles} clocks: the first result leaves ${t.latency} clocks after its target came in, ` +
     `then ${short(count / (t.cycles - t.latency))} a clock.`;
 }
@@ -98,9 +124,10 @@ function writeTrajectory() {
 
 function draw() {
   drawScene();
+  drawPaper();
   drawJoints();
   drawErrors();
-  drawPipeline();
+  state.runs.forEach(drawPipeline);
   writeNow();
   const root = document.documentElement;
   root.dataset.fits = root.scrollWidth <= root.clientWidth;
@@ -152,6 +179,7 @@ function resetView() {
 
 function show(name) {
   state.shown = DATA.find((t) => t.name === name) || DATA[0];
+  state.runs = runsOf(state.shown);
   state.arm = 0;
   state.bounds = bounds(state.shown);
   resetView();
@@ -194,24 +222,29 @@ function listen() {
     }
   });
 
-  scene.addEventListener("pointerdown", (event) => scene.setPointerCapture(event.pointerId));
-  scene.addEventListener("pointermove", (event) => {
-    if (scene.hasPointerCapture(event.pointerId)) {
-      state.view.azimuth -= event.movementX * 0.01;
-      state.view.elevation = Math.max(-0.2, Math.min(1.55, state.view.elevation + event.movementY * 0.01));
-      drawScene();
-    }
-  });
+  for (const canvas of [scene, element("paper")]) {
+    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", (event) => {
+      if (canvas.hasPointerCapture(event.pointerId)) {
+        state.view.azimuth -= event.movementX * 0.01;
+        state.view.elevation = Math.max(-0.2, Math.min(1.55, state.view.elevation + event.movementY * 0.01));
+        drawScene();
+        drawPaper();
+      }
+    });
+  }
 
   const seek = (canvas, target) =>
     canvas.addEventListener("click", (event) => {
       const inside = (event.offsetX - MARGIN.left) / (canvas.clientWidth - MARGIN.left - MARGIN.right);
       step(target(inside) - state.frame);
     });
-  seek(element("hand"), (inside) => inside * last());
-  seek(element("angles"), (inside) => inside * last());
   seek(element("joints"), (inside) => inside * last());
-  seek(element("pipeline"), (inside) => (inside * state.shown.cycles - state.shown.latency) / armsIn(state.shown));
+  PLACES.forEach((place, i) => {
+    seek(element("hand" + place), (inside) => inside * last());
+    seek(element("angles" + place), (inside) => inside * last());
+    seek(element("pipeline" + place), (inside) => (inside * clocks() - state.runs[i].latency) / armsIn(state.shown));
+  });
 
   const anew = () => {
     draw();
@@ -224,16 +257,18 @@ function listen() {
   });
 }
 
-// #trajectory=punch&target=40, of a clip #frame=40: there, and at rest; else it plays, unless the reader's system asks for less motion.
+// #trajectory=punch&target=40&figure=2, of a clip #frame=40: there, and at rest; else it plays, unless the reader's system asks for less motion.
 function start() {
   const options = new URLSearchParams(location.hash.slice(1));
   element("trajectory").replaceChildren(
-    ...DATA.map((t) => new Option(t.passed ? t.name : `${t.name} (FAIL)`, t.name)),
+    ...DATA.map((t) => new Option(runsOf(t).every((run) => run.passed) ? t.name : `${t.name} (FAIL)`, t.name)),
   );
   element("trajectory").disabled = DATA.length === 1;
   readColours();
   listen();
   writeOverview();
+  state.figure = Math.max(0, Math.min(PAPER.length, Number(options.get("figure")) || 1) - 1);
+  writePaper();
   show(options.get("trajectory"));
   drawOverview();
   const at = options.get("frame") ?? options.get("target");

@@ -15,6 +15,31 @@ import subprocess
 import time
 from pathlib import Path
 
+WIDE, NARROW = (1400, 1000), (400, 800)
+
+# What a script in the page says.
+AT = "Number(document.documentElement.dataset.target)"
+PICTURE = "document.getElementById('scene').toDataURL()"
+FITS = "document.documentElement.scrollWidth <= window.innerWidth"
+# Elements that stick out of the window or of their own box sideways. One in a box that scrolls is none of them.
+STICKING_OUT = """[...document.body.querySelectorAll("*")]
+    .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 0.5
+        || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
+    .map((e) => e.tagName + "#" + e.id)"""
+COUNT = """((name) => {
+    const canvas = document.getElementById('scene');
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+    const hex = getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+    const rgb = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    let count = 0;
+    for (let i = 0; i < pixels.length; i += 4) {
+        count += rgb.every((v, k) => pixels[i + k] === v) && pixels[i + 3] === 255;
+    }
+    return count;
+})"""
+
 LIMIT = 60  # seconds for any one answer; a machine under load may start a browser slowly
 
 
@@ -152,3 +177,22 @@ class Page:
         """Write what the window shows, or the whole page, as PNG."""
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"]
         path.write_bytes(base64.b64decode(data))
+
+
+def across(page, plot):
+    """How far along its axis the middle of a plot is, between its margins: 0 to 1."""
+    width = page.run(f"document.querySelector('{plot}').clientWidth")
+    return (width / 2 - 66) / (width - 80)
+
+
+def stays(page, seconds=0.4):
+    """The target that the page stays at while nobody touches it."""
+    before = page.run(AT)
+    time.sleep(seconds)
+    assert page.run(AT) == before
+    return before
+
+
+def show(page, name):
+    page.run(f"""(() => {{ const s = document.getElementById('trajectory'); s.value = '{name}';
+                 s.dispatchEvent(new Event('change')); }})()""")

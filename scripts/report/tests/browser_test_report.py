@@ -9,86 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from model.motion.tests import figure
 from model.targets import trajectories
-from scripts import compare, run
+from scripts.pages.comparison import latency
 from scripts.report import page as report
-from scripts.report.tests.browser import Page
-from scripts.tests.test_run import FakeSimulator
-from tb.sim.env import simulator
+from scripts.report.tests.browser import AT, COUNT, FITS, NARROW, PICTURE, STICKING_OUT, WIDE, Page, across, show, stays
 
-WIDE, NARROW = (1400, 1000), (400, 800)
 NAMES = list(trajectories.TRAJECTORIES)
-AT = "Number(document.documentElement.dataset.target)"
-PICTURE = "document.getElementById('scene').toDataURL()"
-FITS = "document.documentElement.scrollWidth <= window.innerWidth"
-# Elements that stick out of the window or of their own box sideways. One in a box that scrolls is none of them.
-STICKING_OUT = """[...document.body.querySelectorAll("*")]
-    .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 0.5
-        || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
-    .map((e) => e.tagName + "#" + e.id)"""
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """The report of all trajectories, from the RTL."""
-    out = tmp_path_factory.mktemp("report")
-    assert report.main(["--trajectory", "all", "--sim", simulator(), "--out", str(out)]) == 0
-    return (out / "report.html").as_uri()
-
-
-@pytest.fixture
-def fake(tmp_path, monkeypatch):
-    """Write a report of a file's targets without the RTL; its address."""
-    monkeypatch.setattr(run, "simulate", FakeSimulator().simulate)
-
-    def fake(text):
-        (tmp_path / "t.csv").write_text(text)
-        assert report.main(["--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path)]) == 0
-        return (tmp_path / "report.html").as_uri()
-
-    return fake
-
-
-@pytest.fixture(scope="module")
-def clip(tmp_path_factory):
-    """The report of a clip whose arms the core is asked to hold otherwise, from the RTL."""
-    out = tmp_path_factory.mktemp("clip")
-    figure.write(out / "t.bvh", frames=61)
-    options = ["--trajectory", str(out / "t.bvh"), "--phi", "1.5", "--sim", simulator(), "--out", str(out)]
-    assert report.main(options) == 0
-    return (out / "report.html").as_uri()
-
-
-@pytest.fixture
-def browser(tmp_path):
-    """Open pages: browser(address, size, features); at the end, none may have met with a problem."""
-    pages = []
-
-    def browser(address, size=WIDE, **features):
-        profile = tmp_path / f"profile{len(pages)}"
-        media = {name.replace("_", "-"): value for name, value in features.items()}
-        page = Page(profile, *size, media)
-        pages.append(page)
-        return page.open(address)
-
-    yield browser
-    for page in pages:
-        page.__exit__()
-    assert [page.problems for page in pages] == [[] for _ in pages]
-
-
-def stays(page, seconds=0.4):
-    """The target that the page stays at while nobody touches it."""
-    before = page.run(AT)
-    time.sleep(seconds)
-    assert page.run(AT) == before
-    return before
-
-
-def show(page, name):
-    page.run(f"""(() => {{ const s = document.getElementById('trajectory'); s.value = '{name}';
-                 s.dispatchEvent(new Event('change')); }})()""")
 
 
 # -- it loads and moves ----------------------------------------------------------------------------
@@ -189,14 +115,14 @@ def test_scrub(written, browser):
 
 def test_click_on_a_plot_goes_there(written, browser):
     page = browser(written + "#target=0")
-    latency = compare.latency("lean", 32)
-    width = page.run("document.getElementById('pipeline').clientWidth")
-    inside = (width / 2 - 66) / (width - 80)  # of the axis, between the margins
-    out = round(inside * (100 + latency) - latency)  # the target that leaves then
-    for plot, at in [("#hand", range(46, 50)), ("#angles", range(46, 50)), ("#pipeline", range(out - 2, out + 3))]:
+    clocks = latency("lean", 32)
+    out = across(page, "#pipeline") * (100 + clocks) - clocks  # the target that leaves then
+    middles = [(plot, 99 * across(page, plot)) for plot in ("#hand", "#angles")]
+    for plot, at in [*middles, ("#pipeline", out)]:
         page.click(plot)
-        assert page.run(AT) in at, plot
+        assert abs(page.run(AT) - at) < 2, plot
     x, y = page.middle("#pipeline")
+    width = page.run("document.getElementById('pipeline').clientWidth")
     page.drag((x + 0.4 * width, y), (x + 0.4 * width, y))
     assert page.run(AT) > 60
 
@@ -327,19 +253,6 @@ def test_links_lead_to_files(written, browser):
 # -- a clip ----------------------------------------------------------------------------------------
 
 FRAME = "Number(document.documentElement.dataset.frame)"
-COUNT = """((name) => {
-    const canvas = document.getElementById('scene');
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
-    copy.drawImage(canvas, 0, 0);
-    const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
-    const hex = getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
-    const rgb = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-    let count = 0;
-    for (let i = 0; i < pixels.length; i += 4) {
-        count += rgb.every((v, k) => pixels[i + k] === v) && pixels[i + 3] === 255;
-    }
-    return count;
-})"""
 
 
 def test_a_clip_moves_frame_by_frame(clip, browser):
@@ -356,7 +269,7 @@ def test_a_clip_moves_frame_by_frame(clip, browser):
     for plot in ("#joints", "#hand", "#angles"):
         page.press("Home")
         page.click(plot)
-        assert 28 <= page.run(FRAME) <= 30, plot  # the plot's middle is left of the canvas's
+        assert abs(page.run(FRAME) - 60 * across(page, plot)) < 1, plot
     page.click("#pipeline")
     assert page.run(AT) % 2 == 1
 
@@ -393,7 +306,7 @@ def test_the_whole_figure_is_in_the_picture(clip, browser, size, scheme):
 def test_a_lone_trajectory_has_no_overview(clip, browser):
     page = browser(clip + "#frame=0")
     assert page.run("document.getElementById('overview').clientHeight") == 0
-    assert "clip.bvh" in page.run("document.getElementById('files').textContent")
+    assert "clip (BVH)" in page.run("document.getElementById('files').textContent")
 
 
 # -- other input -----------------------------------------------------------------------------------

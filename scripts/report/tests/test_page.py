@@ -166,6 +166,64 @@ def test_clamped_targets_are_measured_against_the_clamped_pose(cli):
     assert {shown["flags"][n] for n in range(100) if shown["clamped"][n]} == {"too_far"}
 
 
+def test_both_datapaths_on_the_same_targets(cli, simulator, command, files):
+    """Each in a simulation of its own, with files that are those of `make run`; the second is not the first again."""
+
+    def spoil(runs):
+        if simulator.calls[-1]["datapath"] == "paper":
+            runs[0].results[30, 1] += 2**10
+
+    simulator.spoil = spoil
+    assert cli("--datapath", "both")[0] == 1
+    first, second = simulator.calls
+    assert [call["datapath"] for call in simulator.calls] == ["lean", "paper"]
+    assert (first["jobs"][0].words == second["jobs"][0].words).all()
+    names = ["results.csv", "results.npz", "score.json"]
+    written = [f"build/report/{datapath}/{name}" for datapath in ("lean", "paper") for name in names]
+    assert files() == [*written, "build/report/report.html"]
+    (shown,) = data()
+    beside = shown["beside"]
+    assert (shown["datapath"], beside["datapath"]) == ("lean", "paper")
+    assert set(beside) < set(shown) and "target" not in beside
+    assert shown["bar"] == tolerances.LEAN[32] and beside["bar"] == tolerances.REGULAR
+    off = np.abs(np.array(beside["wrist"]) - shown["wrist"]).max(axis=1)
+    assert np.flatnonzero(off > 1e-7).tolist() == [30]
+    assert "lean and paper datapaths, 32 bits, icarus" in text()
+    for datapath in ("lean", "paper"):
+        command(run.main, "--datapath", datapath, "--out", datapath)
+        for name in ("results.csv", "score.json"):
+            assert (PAGE.parent / datapath / name).read_bytes() == Path(datapath, name).read_bytes()
+    listed = whole()["files"]
+    assert listed == {
+        "reach": [f"{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")],
+        "": ["lean/score.json", "paper/score.json"],
+    }
+
+
+def test_one_of_both_that_fails_is_named(cli, simulator):
+    def spoil(runs):
+        if simulator.calls[-1]["datapath"] == "paper":
+            runs[0].bit_mismatches, runs[0].first_mismatch = 5, "target 3, node c4"
+
+    simulator.spoil = spoil
+    status, out, err = cli("--datapath", "both")
+    assert (status, out) == (1, ["wrote build/report/report.html"])
+    assert err == [
+        "report, paper datapath: reach fails: 5 bits differ from the bit-true model; target 3, node c4",
+    ]
+    (shown,) = data()
+    assert shown["passed"] and not shown["beside"]["passed"]
+
+
+def test_only_the_report_takes_both(cli, command):
+    assert command(run.main, "--datapath", "both")[0] == 2
+    status, _, err = cli("--datapath", "neither")
+    assert (status, err) == (
+        2,
+        ["report: argument --datapath: unknown datapath 'neither'; valid: lean, paper, both"],
+    )
+
+
 # -- the page needs nothing else -------------------------------------------------------------------
 
 

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What figures 1 to 5 of the paper show, for every target of a trajectory: the entities of `model.reference.geometry`.
+
+They are those of the targets that the core was asked for, in double precision, with no result of the core in them.
+"""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from model.reference import cga, geometry
+from model.reference.cga import e3
+from model.targets.words import from_words
+from scripts.trajectory import Prepared
+
+STEPS = 32000
+"""Units of a length 1, and of half a turn: with 16 bits a number a long clip stays small."""
+
+NOTHING = -32768
+"""In the place of what a target has not got: an elbow, where the spheres do not meet."""
+
+VECTORS = (
+    "axis", "along", "vertical", "swivel",  # L_z, L_sw, normals of the swivel plane at phi = 0 and at phi
+    "centre", "elbow", "other",  # of Z_e; the point pair
+    "folded", "rest", "half",  # where the wrist is before Q_e, before Q_12, before Q_3 has turned it
+    "middle", "yz2",  # L_m, normal of pi_yz2
+)  # fmt: skip
+ANGLES = ("theta4", "theta3")
+LENGTHS = ("radius",)  # of Z_e
+
+NEAR = 1e-4
+"""Of the reach: what geometry may be off, next to a singular pose, and still be drawn."""
+
+
+def entities(item: Prepared, width: int) -> dict[str, np.ndarray]:
+    """VECTORS (N, 3) in the user's frame, ANGLES (N,) in rad and LENGTHS (N,); points and lengths are in parts of the
+    reach, directions of length 1. nan is what a target has not got.
+    """
+    asked = from_words(item.words, 0, width, item.targets.name)
+    lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
+    d1, d2 = lengths[3:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = geometry.solve(*lengths[:3], asked.phi, d1, d2)
+        P_w, Q_s, Q_e, Q_12 = (found[name] for name in ("P_w", "Q_s", "Q_e", "Q_12"))
+        folded = cga.point(0 * d1, 0 * d1, d1 - d2)
+        # As at rest, turned about the elbow and not yet about the shoulder.
+        rest = cga.rotate(Q_e, e3 * cga.scalar(-d2)) + e3 * cga.scalar(d1)
+        points = {
+            "centre": cga.euclidean_coordinates(cga.centre(found["Z_e"])),
+            "elbow": cga.euclidean_coordinates(found["P_e"]),
+            "other": cga.euclidean_coordinates(geometry.elbow_point(-found["PP"])),
+            "folded": cga.euclidean_coordinates(cga.rotate(Q_s, folded)),
+            "rest": (rest.e1, rest.e2, rest.e3),
+            "half": _vector(cga.rotate(Q_12, rest)),
+        }
+        directions = {
+            "axis": (0 * d1, 0 * d1, 0 * d1 + 1),
+            "along": cga.direction(found["L_sw"]),
+            "vertical": cga.direction(geometry.swivel_plane(P_w, 0 * d1)[2]),
+            "swivel": cga.direction(found["pi_swivel"]),
+            "middle": cga.direction(found["L_m"]),
+            "yz2": cga.direction(found["pi_yz2"]),
+        }
+        both = {name: np.column_stack(np.broadcast_arrays(*each)) for name, each in (points | directions).items()}
+        q3_w, _, _, q3_k = cga.quaternion_coefficients(found["Q_3"])
+        both |= {"theta4": np.arccos(np.clip(found["c4"], -1, 1)), "theta3": 2 * np.arctan2(q3_k, q3_w)}
+        both["radius"] = cga.radius(found["Z_e"])
+        wrist = np.column_stack(_vector(cga.rotate(Q_s, rest)))
+        met = np.abs(np.linalg.norm(both["elbow"], axis=1) - d1) < NEAR
+        home = met & (np.linalg.norm(wrist - np.column_stack(lengths[:3]), axis=1) < NEAR)
+    both["radius"][met & np.isnan(both["radius"])] = 0.0  # of an arm that is straight, but for roundoff
+    for name in ("elbow", "other"):
+        both[name][~met] = np.nan
+    for name in ("folded", "rest", "half", "middle", "yz2", *ANGLES):
+        both[name][~home] = np.nan
+    return both | {name: item.targets.points_from_core(both[name]) for name in VECTORS}
+
+
+def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return mv.e1, mv.e2, mv.e3
+
+
+def packed(item: Prepared, width: int) -> dict[str, Any]:
+    """The same for the page: rows of VECTORS and ANGLES, target by target, as 16-bit words in base64."""
+    found = entities(item, width)
+    angles = [found[name] / np.pi for name in ANGLES]
+    rows = np.column_stack([*(found[name] for name in VECTORS), *angles, *(found[name] for name in LENGTHS)])
+    words = np.where(np.isfinite(rows), np.rint(STEPS * np.nan_to_num(rows)), NOTHING)
+    return {
+        "vectors": VECTORS, "angles": ANGLES, "lengths": LENGTHS, "steps": STEPS, "nothing": NOTHING,
+        "rows": base64.b64encode(words.astype("<i2").tobytes()).decode(),
+    }  # fmt: skip

@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures 1 to 5 of the paper and both datapaths side by side, in a real browser: a part of `make test-browser`."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.targets import trajectories
+from scripts.pages.comparison import latency
+from scripts.report import page as report
+from scripts.report.tests.browser import AT, FITS, NARROW, STICKING_OUT, WIDE, across, show
+from tb.sim.env import simulator
+
+FIGURES = range(1, 6)
+PAPER = "document.getElementById('paper').toDataURL()"
+NOTE = "document.getElementById('paper-note').textContent"
+CHOSEN = "[...document.querySelectorAll('#paper-choice button')].map((b) => b.ariaPressed === 'true').indexOf(true) + 1"
+
+# How far what is drawn is from the edge of a canvas.
+CLEAR = """((id) => {
+    const canvas = document.getElementById(id);
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+    let least = Infinity;
+    for (let i = 3; i < pixels.length; i += 4) {
+        if (pixels[i]) {
+            const [x, y] = [((i - 3) / 4) % canvas.width, Math.floor(i / 4 / canvas.width)];
+            least = Math.min(least, x, y, canvas.width - 1 - x, canvas.height - 1 - y);
+        }
+    }
+    return least;
+})"""
+
+# The names that are drawn, each with its box; what follows _ is drawn apart and is none of them.
+NAMES = """(() => {
+    const g = document.getElementById('paper').getContext('2d');
+    const names = [];
+    g.fillText = (text, x, y) => {
+        const width = g.measureText(text).width;
+        const left = g.textAlign === 'center' ? x - width / 2 : x;
+        if (!g.font.startsWith('9.5px')) { names.push([text, left, y - 6, left + width, y + 6]); }
+    };
+    window.dispatchEvent(new Event('resize'));
+    delete g.fillText;
+    return names;
+})()"""
+
+
+def overlapping(names):
+    return [
+        (a[0], b[0])
+        for i, a in enumerate(names)
+        for b in names[:i]
+        if a[1] < b[3] and b[1] < a[3] and a[2] < b[4] and b[2] < a[4]
+    ]
+
+
+def scrub(page, n):
+    page.run(f"""(() => {{ const s = document.getElementById('scrub'); s.value = {n};
+                 s.dispatchEvent(new Event('input')); }})()""")
+
+
+# -- figures 1 to 5 --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [WIDE, (900, 700), (500, 800), NARROW], ids=str)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_each_figure_is_drawn_whole(written, browser, size, scheme):
+    """Inside its canvas, with its names beside each other, another picture for each figure and target."""
+    page = browser(written + "#target=0", size, prefers_color_scheme=scheme)
+    pictures, drawn = set(), 0
+    for name in ("reach", "overhead", "unequal_arms", "two_arms", "fold_in"):
+        show(page, name)
+        for figure in FIGURES:
+            page.run(f"document.querySelectorAll('#paper-choice button')[{figure - 1}].click()")
+            for n in (0, 66):
+                scrub(page, n)
+                assert page.run(f"{CLEAR}('paper')") >= 2, (name, figure, n)
+                names = page.run(NAMES)
+                assert len(names) >= 6 and overlapping(names) == [], (name, figure, n, names)
+                pictures.add(page.run(PAPER))
+                drawn += 1
+        assert page.run(FITS) and page.run(STICKING_OUT) == []
+    assert len(pictures) == drawn
+
+
+def test_a_figure_is_chosen(written, browser):
+    page = browser(written + "#target=20&figure=4")
+    assert page.run(CHOSEN) == 4
+    assert page.run(NOTE).startswith("Equation (15).")
+    for figure in (2, 5):
+        page.click(f"#paper-choice button:nth-child({figure})")
+        assert page.run(CHOSEN) == figure and page.run(AT) == 20
+    assert page.run(NOTE).startswith("Equations (16) to (18).")
+    assert "Rotate to the wrist location" in page.run("document.getElementById('paper').ariaLabel")
+
+
+@pytest.mark.parametrize(("figure", "chosen"), [("0", 1), ("9", 5), ("x", 1)])
+def test_figures_that_are_none(written, browser, figure, chosen):
+    assert browser(f"{written}#target=0&figure={figure}").run(CHOSEN) == chosen
+
+
+def test_a_figure_turns_with_the_view(written, browser):
+    page = browser(written + "#target=20")
+    before = page.run(PAPER)
+    x, y = page.middle("#paper")
+    page.drag((x, y), (x + 80, y + 20))
+    assert page.run(PAPER) != before
+    page.click("#view")
+    assert page.run(PAPER) == before
+
+
+def test_a_figure_is_that_of_the_arm_that_is_looked_at(clip, browser):
+    page = browser(clip + "#frame=10&figure=1")
+    left, note = page.run(PAPER), page.run(NOTE)
+    page.run("""(() => { const s = document.getElementById('arm'); s.value = '1';
+                s.dispatchEvent(new Event('change')); })()""")
+    assert page.run(PAPER) != left
+    assert note == page.run(NOTE) and "85.9" in note, "both are asked for a swivel angle of 1.5 rad"
+    for figure in FIGURES:
+        page.click(f"#paper-choice button:nth-child({figure})")
+        assert page.run(f"{CLEAR}('paper')") >= 2 and overlapping(page.run(NAMES)) == [], figure
+
+
+JOINTS = """((id) => {
+    const g = document.getElementById(id).getContext('2d');
+    const found = [];
+    g.arc = (x, y) => found.push([x, y]);
+    window.dispatchEvent(new Event('resize'));
+    delete g.arc;
+    window.dispatchEvent(new Event('resize'));
+    return found;
+})"""
+
+
+def test_a_figure_of_a_clip_stands_as_the_arm_does(clip, browser):
+    """The same camera sees shoulder, elbow and wrist in the same directions, but for perspective."""
+    page = browser(clip + "#frame=10&figure=1")
+    for arm in (0, 1):
+        page.run(f"""(() => {{ const s = document.getElementById('arm'); s.value = '{arm}';
+                     s.dispatchEvent(new Event('change')); }})()""")
+        scene, paper = (np.array(page.run(f"{JOINTS}('{name}')")) for name in ("scene", "paper"))
+        ours, theirs = scene[3 * arm : 3 * arm + 3], paper[:6:2]
+        for a, b in ((0, 1), (1, 2), (0, 2)):
+            ways = [(joints[b] - joints[a]) / np.linalg.norm(joints[b] - joints[a]) for joints in (ours, theirs)]
+            assert ways[0] @ ways[1] > 0.97, (arm, a, b)
+
+
+SINGULAR = {  # target: what figures 1, 2 and 4 say
+    "0,0,0.5,1": ("singular", "no swivel plane", "singular"),
+    "0.6,0,0,1": ("57.3", "point pair", "half turn"),
+    "0.59999,0,0,1": ("57.3", "point pair", "half turn"),
+    "0.000001,0,0.5,1": ("57.3", "point pair", "half turn"),
+    "0.27,0,0.33,0.0001": ("0.0", "point pair", "half turn"),
+    "0.6,0.6,0.1,1": ("57.3", "do not meet", "out of reach"),
+    "0,0,0,1": ("out of reach", "do not meet", "out of reach"),
+}
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW], ids=str)
+def test_next_to_singular_poses(fake, browser, size):
+    page = browser(fake("x,y,z,phi\n" + "\n".join(SINGULAR) + "\n") + "#target=0", size)
+    for n, says in enumerate(SINGULAR.values()):
+        scrub(page, n)
+        for figure, text in zip((1, 2, 4), says, strict=True):
+            page.run(f"document.querySelectorAll('#paper-choice button')[{figure - 1}].click()")
+            assert text in page.run(NOTE), (n, figure)
+            assert page.run(f"{CLEAR}('paper')") >= 2, (n, figure)
+
+
+# -- both datapaths --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """A trajectory next to singular poses on both datapaths, from the RTL; where it lies."""
+    out = tmp_path_factory.mktemp("both")
+    options = ["--trajectory", "fold_in", "--datapath", "both", "--sim", simulator(), "--out", str(out)]
+    assert report.main(options) == 0
+    return out
+
+
+@pytest.mark.parametrize("size", [WIDE, (900, 700), (500, 800), NARROW], ids=str)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_both_are_shown_beside_each_other(both, browser, size, scheme):
+    page = browser((both / "report.html").as_uri() + "#target=40", size, prefers_color_scheme=scheme)
+    assert page.run(FITS) and page.run(STICKING_OUT) == []
+    seen = "[...document.querySelectorAll('.badge')].filter((b) => b.clientHeight || b.offsetHeight)"
+    named = page.run(f"{seen}.map((b) => [b.textContent, getComputedStyle(b).backgroundColor])")
+    assert [text for text, _ in named] == ["lean", "paper"] * 4, "of target, score, errors, pipeline"
+    assert len({tuple(each) for each in named}) == 2, "each has one colour"
+    for canvas in ("hand", "angles", "pipeline"):
+        first, second = (page.run(f"document.getElementById('{canvas}{k}').toDataURL()") for k in ("", "2"))
+        assert first != second, canvas
+    scores = {name: json.loads((both / name / "score.json").read_text())[0] for name in ("lean", "paper")}
+    for place, name in (("", "lean"), ("2", "paper")):
+        table = page.run(f"document.getElementById('figures{place}').innerText")
+        assert f"{scores[name]['hand_error_max']:.1e}" in table and scores[name]["datapath"] == name
+        assert page.run(f"document.getElementById('verdict{place}').textContent") == scores[name]["outcome"]
+        note = page.run(f"document.getElementById('pipeline-note{place}').textContent")
+        assert f"leaves {scores[name]['latency_cycles']} clocks after" in note
+    place = "document.getElementById('{}').getBoundingClientRect().x"
+    left, right = (page.run(place.format(part)) for part in ("hand", "hand2"))
+    assert (right > left) == (size[0] >= 900), "side by side where there is room"
+
+
+def test_both_have_one_scale(both, browser):
+    """Of errors and of time: what is written at their axes is the same."""
+    page = browser((both / "report.html").as_uri() + "#target=50", WIDE)
+    left = """((id) => {
+        const copy = new OffscreenCanvas(60, 174).getContext('2d');
+        copy.drawImage(document.getElementById(id), 0, 0);
+        return copy.getImageData(0, 0, 60, 174).data.join();
+    })"""
+    below = """((id) => {
+        const canvas = document.getElementById(id);
+        const g = canvas.getContext('2d');
+        const found = [];
+        g.fillText = (text, x, y) => y > canvas.height - 30 && found.push(text);
+        window.dispatchEvent(new Event('resize'));
+        delete g.fillText;
+        return found;
+    })"""
+    for plot, read in (("hand", left), ("angles", left), ("pipeline", below)):
+        first, second = (page.run(f"{read}('{plot}{k}')") for k in ("", "2"))
+        assert first == second and len(first) > 3, plot
+
+
+def test_both_arms_are_in_the_picture(both, browser):
+    """Each with its badge, and they are two pictures: a wrong word of one shows in its own half only."""
+    text = (both / "report.html").read_text()
+    data = json.loads(text.partition('id="data">')[2].partition("</script")[0])
+    beside = data["trajectories"][0]["beside"]
+    beside["elbow"][40] = [-v for v in beside["elbow"][40]]
+    spoilt = both / "spoilt.html"
+    head, _, rest = text.partition('id="data">')
+    spoilt.write_text(f'{head}id="data">{json.dumps(data)}</script{rest.partition("</script")[2]}')
+    half = """((side) => {
+        const scene = document.getElementById('scene');
+        const copy = new OffscreenCanvas(scene.width / 2, scene.height);
+        copy.getContext('2d').drawImage(scene, -side * scene.width / 2, 0);
+        const pixels = copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data;
+        return pixels.reduce((sum, v, i) => (sum + v * (i % 9973)) % 1000000007, 0);
+    })"""
+    pages = [browser(path.as_uri() + "#target=40", WIDE) for path in (both / "report.html", spoilt)]
+    for side, same in ((0, True), (1, False)):
+        seen = {page.run(f"{half}({side})") for page in pages}
+        assert (len(seen) == 1) == same, side
+    drawn = pages[0].run("""(() => {
+        const g = document.getElementById('scene').getContext('2d');
+        const found = [];
+        g.fillText = (text) => found.push(text);
+        window.dispatchEvent(new Event('resize'));
+        delete g.fillText;
+        return found;
+    })()""")
+    one = data["trajectories"][0]
+    errors = [re.sub(r"e-0*", "e-", f"{run['hand'][40]:.1e}") for run in (one, beside)]
+    latencies = [one["latency"], beside["latency"]]
+    names = [text for text in drawn if "clocks" in text]
+    assert names == [
+        f"{name}, {latency} clocks, hand error {error}"
+        for name, latency, error in zip(("lean", "paper"), latencies, errors, strict=True)
+    ]
+
+
+def test_a_click_on_the_other_plots_goes_there(both, browser):
+    page = browser((both / "report.html").as_uri() + "#target=0")
+    for plot in ("#hand2", "#angles2"):
+        page.press("Home")
+        page.click(plot)
+        assert abs(page.run(AT) - 99 * across(page, plot)) < 2, plot
+    x, y = page.middle("#pipeline2")
+    width = page.run("document.getElementById('pipeline2').clientWidth")
+    clocks = latency("paper", 32) + 20  # 20 results are out
+    left = x - width / 2 + 66 + (width - 80) * clocks / (clocks + 80)
+    page.drag((left, y), (left, y))
+    assert page.run(AT) in range(18, 23)
+
+
+def test_files_of_both_are_named(both, browser):
+    page = browser((both / "report.html").as_uri() + "#target=0")
+    links = page.run("[...document.querySelectorAll('#files a')].map((a) => [a.textContent, a.href])")
+    kinds = [("results (CSV)", "results.csv"), ("results (NumPy)", "results.npz"), ("score (JSON)", "score.json")]
+    expected = [(f"{name}: {kind}", both / name / file) for name in ("lean", "paper") for kind, file in kinds]
+    assert [(text, Path(href.removeprefix("file://"))) for text, href in links] == expected
+    assert all(path.is_file() for _, path in expected)
+
+
+def test_one_datapath_is_not_two(written, browser):
+    page = browser(written + "#target=0")
+    assert page.run("[...document.querySelectorAll('.both')].every((e) => !e.offsetHeight)")
+    assert page.run("document.documentElement.dataset.both") == "false"
+
+
+def test_no_names_of_files_at_the_foot(written, browser):
+    page = browser(f"{written}#trajectory={next(iter(trajectories.TRAJECTORIES))}&target=0")
+    foot = page.run("document.querySelector('footer').textContent")
+    assert not any(ending in foot for ending in (".csv", ".npz", ".json", ".bvh"))
+    shown = page.run("[...document.querySelectorAll('#files a')].map((a) => [a.textContent, a.download, a.href])")
+    assert [text for text, _, _ in shown] == ["results (CSV)", "results (NumPy)", "score (JSON)"]
+    assert all(Path(href.removeprefix("file://")).is_file() for _, _, href in shown)
