@@ -23,12 +23,14 @@ TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
 TAKES_formal   := ONLY
 TAKES_fpga     := DATAPATH WIDTH
+TAKES_table6   := TARGETS SEED
 $(foreach target,setup docs test-browser,$(eval TAKES_$(target) := SIM))
 GOALS := $(or $(MAKECMDGOALS),help)
 # From another folder, by make -f, with paths as seen from there: what runs the core. The rest works on the checkout.
 ifneq ($(and $(HERE),$(filter-out help setup run follow report soak,$(GOALS))),)
 $(error make $(GOALS) works in its own folder: make -C $(HERE) $(GOALS))
 endif
+$(if $(wildcard $(if $(HERE),$(HERE)scripts/setup,.)),,$(error make -f takes no path with spaces: use make -C))
 GIVEN := $(foreach v,$(.VARIABLES),$(if $(filter command,$(origin $v)),$v))
 TAKEN := $(sort $(foreach goal,$(GOALS),$(TAKES_$(goal))))
 WRONG := $(filter-out PYTHON $(TAKEN),$(GIVEN))
@@ -51,6 +53,8 @@ unexport CORES
 OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS SEED FROM KEEP AGAIN ONLY
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
+# The user's are of another Python.
+unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
 job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
@@ -62,10 +66,10 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
+	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
 
 setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
 	@$(SETUP) $(sort icarus $(SIM))
@@ -98,11 +102,13 @@ test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behaviou
 
 test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
 	@$(SETUP) $(SIM) chromium
-	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_report.py
+	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_*.py
 
-docs: ## write scores.md, latency.md and the generated headers
+docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.pages.gen_headers
+	@exec $(VENV) -m scripts.pages.gen_registers
+	@exec $(VENV) -m scripts.pages.memory --sim $(SIM)
 	@exec $(VENV) -m scripts.pages.gen_docs --sim $(SIM)
 
 derive: ## the paper's equations from its geometry, the lean ones from them: derivation.md, lean.md
@@ -129,6 +135,10 @@ figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: 
 bench: ## simulated targets per second, both simulators in one run
 	@$(SETUP) icarus verilator
 	@exec $(VENV) -m scripts.bench
+
+table6: ## table 6 of the paper again: C, numpy, numba, JAX and the core on the same targets: table6.md [TARGETS= SEED=]
+	@$(SETUP) icarus table6
+	@exec $(VENV) -m scripts.table6 $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED")
 
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
@@ -173,9 +183,10 @@ fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write requirements.lock and requirements-fpga.lock again (needs uv)
+lock: ## write requirements.lock and those of fpga and table6 again (needs uv)
 	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
+	$(compile) --constraint requirements.lock --output-file requirements-table6.lock requirements-table6.in
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

@@ -13,7 +13,8 @@ module ik_axis #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer TAG_W = 8,   // width of the tag
     parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's
-    parameter integer DIGIT = 0    // the paper's dividers and roots: 1 made of rows, 0 behavioural
+    parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
+    parameter integer MIN_W = 16   // least W; less only for the test of every target there is
 ) (
     input  wire               clk,
     input  wire               rst,  // synchronous, active high: forgets all targets
@@ -55,12 +56,17 @@ module ik_axis #(
 
   // ---- the datapath ----
 
+  localparam LEGAL = W >= MIN_W && W <= 32;
+
   wire core_valid;
   wire [TAG_W-1:0] core_tag;
   wire [7:0] core_flags;
   wire [6*W-1:0] core_data;
   generate
-    if (LEAN != 0) begin : g_lean
+    if (!LEGAL) begin : g_illegal
+      ik_axis_needs_W_of_16_to_32 u_stop ();
+    end
+    if (LEGAL && LEAN != 0) begin : g_lean
       ik_lean #(
           .W    (W),
           .TAG_W(TAG_W)
@@ -75,7 +81,8 @@ module ik_axis #(
           .out_flags(core_flags),
           .out_data (core_data)
       );
-    end else begin : g_paper
+    end
+    if (LEGAL && LEAN == 0) begin : g_paper
       ik_paper #(
           .W    (W),
           .TAG_W(TAG_W),

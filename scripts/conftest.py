@@ -5,11 +5,15 @@ from pathlib import Path
 
 import pytest
 
+from scripts import console
+
 
 @pytest.fixture
 def command(tmp_path, monkeypatch, capsys):
     """Calls a main() in an empty folder: (exit status, stdout lines, stderr lines)."""
     monkeypatch.chdir(tmp_path)
+    # what a busy machine takes seconds for says so, which is no matter of these tests
+    monkeypatch.setattr(console.Meter, "beat", lambda meter: None)
 
     def command(main, *arguments):
         status = main(list(arguments))

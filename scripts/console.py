@@ -12,6 +12,7 @@ import contextlib
 import functools
 import math
 import os
+import re
 import signal
 import sys
 import threading
@@ -35,6 +36,9 @@ from tb.sim.simulate import DATAPATHS, SimulationError
 PLAIN_COLUMNS = 120
 """Width of a table when it does not go to a terminal."""
 
+EVERY = 5.0
+"""Seconds between lines of progress where there is no terminal."""
+
 
 class InputError(Exception):
     """Input that cannot be used; the text is one line for the user."""
@@ -50,10 +54,11 @@ class Parser(argparse.ArgumentParser):
     """
 
     def __init__(self, command: str, description: str, passes: str = "all is well", fails: str = "a check fails"):
+        ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
         super().__init__(
             prog=f"python -m scripts.{command}",
             description=description,
-            epilog=f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, 130 interrupted, 143 terminated, 129 hung up.",
+            epilog=f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}.",
             allow_abbrev=False,
         )
 
@@ -64,11 +69,14 @@ class Parser(argparse.ArgumentParser):
         """An option that takes one of a few words."""
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
-    def core(self, sim: str = SIMULATORS[0], datapath: str = DATAPATHS[0], width: int = WIDTHS[-1]) -> None:
-        """The options that say which core is simulated by what."""
+    def core(
+        self, sim: str = SIMULATORS[0], datapath: str = DATAPATHS[0], width: int = WIDTHS[-1],
+        datapaths: Sequence[str] = DATAPATHS,
+    ) -> None:  # fmt: skip
+        """The options that say which core is simulated by what; datapaths: those that --datapath takes."""
         default = "(default: %(default)s)"
         self.choice("--sim", "simulator", SIMULATORS, sim, f"the simulator {default}")
-        self.choice("--datapath", "datapath", DATAPATHS, datapath, f"which dataflow of the core to run {default}")
+        self.choice("--datapath", "datapath", datapaths, datapath, f"which dataflow of the core to run {default}")
         about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
         self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
 
@@ -163,6 +171,7 @@ SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SI
 @contextlib.contextmanager
 def stoppable() -> Iterator[None]:
     """SIGNALS become :class:`Stopped`, but for those that are ignored; the first one only: its way out is not stopped.
+    Those that make alone got count, too.
 
     Within another such block, or not in the main thread, it does nothing.
     """
@@ -181,16 +190,42 @@ def stoppable() -> Iterator[None]:
         for number, handler in before.items():
             if handler is not signal.SIG_IGN:
                 signal.signal(number, stop)
-        yield
+        with _repeated(_heed_make, 0.5) if _unheeded(os.getppid()) is not None else contextlib.nullcontext():
+            yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def exit_status(name: str, work: Callable[[], int]) -> int:
-    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 128 + signal."""
+def _unheeded(process: int) -> list[int] | None:
+    """Those of SIGNALS that `process`, if it is a make, has got or ignores: it handles each once. None of others."""
     try:
-        with stoppable():
+        status = Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return None
+    if not re.match(r"Name:\tg?make\n", status):
+        return None
+    handled = int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16)
+    return [number for number in SIGNALS if not handled >> (number - 1) & 1]
+
+
+def _heed_make() -> None:
+    """GNU make hands on SIGTERM only: after SIGHUP or SIGINT, which a terminal sends to all, it waits for its commands.
+
+    So we ask it: what it has got becomes ours, where we do not ignore it either, and SIGTERM when it is gone.
+    """
+    got = _unheeded(os.getppid())
+    for number in [signal.SIGTERM] if got is None else got:
+        signal.pthread_kill(threading.main_thread().ident, number)
+
+
+def exit_status(name: str, work: Callable[[], int]) -> int:
+    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 128 + signal.
+
+    Without a terminal a line every few seconds says how long it is at work, where that does not say more.
+    """
+    try:
+        with stoppable(), contextlib.nullcontext() if Console(stderr=True).is_terminal else progress(name, 0):
             return work()
     except SimulationError as exc:
         print(f"{name}: {exc}", file=sys.stderr)
@@ -294,12 +329,12 @@ def show(*tables: Table) -> None:
 
 
 class Meter:
-    """How far a command is, on stderr: a bar on a terminal; elsewhere a line every `every` seconds, or nothing.
+    """How far a command is, on stderr: a bar on a terminal; elsewhere a line every `every` seconds.
 
     name: of the command, before each line. total, first: things to do in all, and done before. rate: of this run.
     """
 
-    def __init__(self, name: str, total: int, first: int = 0, every: float | None = None, bar: Progress | None = None):
+    def __init__(self, name: str, total: int, first: int = 0, every: float = EVERY, bar: Progress | None = None):
         self.name, self.total, self.first, self.every, self.bar = name, total, first, every, bar
         self.done, self.what, self.lock = first, "", threading.Lock()
         self.begin = self.said = time.monotonic()
@@ -319,7 +354,7 @@ class Meter:
         """Say how far it is if that is due, whether or not anything was done since."""
         with self.lock:
             now = time.monotonic()
-            if self.every is None or now - self.said < self.every:
+            if now - self.said < self.every:
                 return
             self.said = now
         of = f"{now - self.begin:.0f} s so far"
@@ -337,36 +372,48 @@ class Meter:
 
 
 @contextlib.contextmanager
-def _beating(meter: Meter) -> Iterator[Meter]:
-    """A meter that says how far it is also while nothing gets done: a compiler works, say."""
+def _repeated(call: Callable[[], None], seconds: float) -> Iterator[None]:
+    """Calls it every so many seconds from a thread of its own."""
     over = threading.Event()
 
-    def beat() -> None:
-        while not over.wait(meter.every / 5):
-            meter.beat()
+    def repeat() -> None:
+        while not over.wait(seconds):
+            call()
 
-    thread = threading.Thread(target=beat, daemon=True)
-    if meter.every is not None:
-        thread.start()
+    thread = threading.Thread(target=repeat, daemon=True)
+    thread.start()
     try:
-        yield meter
+        yield
     finally:
         over.set()
-        if meter.every is not None:
-            thread.join()
+        thread.join()
+
+
+_speaking: list[Meter] = []
+"""The meters without a terminal, each within the one before: the last one speaks."""
 
 
 @contextlib.contextmanager
-def progress(name: str, total: int, first: int = 0, every: float | None = None) -> Iterator[Meter]:
-    """A `Meter` that is called with the number of things done."""
+def progress(name: str, total: int, first: int = 0, every: float = EVERY) -> Iterator[Meter]:
+    """A `Meter` that is called with the number of things done, and speaks also while nothing gets done: a compiler
+    works, say."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        with _beating(Meter(name, total, first, every)) as meter:
-            yield meter
+        meter = Meter(name, total, first, every)
+        if _speaking:
+            meter.said = _speaking[-1].said
+        _speaking.append(meter)
+        try:
+            with _repeated(lambda: _speaking[-1] is meter and meter.beat(), every / 5):
+                yield meter
+        finally:
+            _speaking.pop()
+            if _speaking:
+                _speaking[-1].said = meter.said
         return
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]:.0f}/s"),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
     with Progress(*columns, console=console, transient=True, speed_estimate_period=120) as bar:
-        yield Meter(name, total, first, every, bar)
+        yield Meter(name, total, first, bar=bar)

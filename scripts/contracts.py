@@ -19,7 +19,7 @@ from tb.sim.env import ROOT, environment
 LONGEST = 500
 """Lines of a file that is written by hand."""
 
-GENERATED = ("docs/generated/*", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh", "*.lock")
+GENERATED = ("docs/generated/*", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh", "*/ik_regs.*", "*.lock")
 """Files that a command writes."""
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"

@@ -205,7 +205,7 @@ def run(cases: Sequence[Case], jobs: int) -> list[Result]:
     with ThreadPoolExecutor(jobs) as pool:
         try:
             programs = _programs(cases, pool)
-            with progress("exhaustive", sum(case.vectors for case in cases), every=30) as meter:
+            with progress("exhaustive", sum(case.vectors for case in cases)) as meter:
                 watch = Watch(meter)
                 for case, path in zip(cases, programs, strict=True):
                     result = check(case, path, pool, watch.so_far)

@@ -23,14 +23,11 @@ from pathlib import Path
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, Parser, command, output, progress, whole, whole_file, writing
-from scripts.recording import Recording, column, differences, model_bits, read, write_aligned
-from scripts.run import Prepared, parser_of, prepare
-from scripts.waves import Mark, write_aligned_save_file, write_save_file
+from scripts.console import InputError, Parser, command, output, progress, whole, whole_file
+from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
+from scripts.trajectory import Prepared, parser_of, prepare
 from tb.sim.difference import Difference, hexadecimal, value
 from tb.sim.simulate import Job, SimulationError, simulate
-
-VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 
 
 def _parser() -> Parser:
@@ -61,8 +58,7 @@ def chosen(arguments: argparse.Namespace) -> Prepared:
 def _place(arguments: argparse.Namespace) -> Iterator[Path]:
     """The folder of the waves: --out, or one that goes again."""
     if arguments.waves:
-        files = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
-        with output(arguments.out, [arguments.out / name for name in files]):
+        with output(arguments.out, [arguments.out / name for name in WAVES]):
             yield arguments.out.absolute()
     else:
         with tempfile.TemporaryDirectory(prefix="ik_") as folder:
@@ -144,13 +140,14 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
 def _simulate(arguments: argparse.Namespace, item: Prepared, vcd: Path) -> None:
     total = len(item.words)
     with progress(f"{arguments.sim}, {total} targets", total) as meter, whole_file(vcd) as unfinished:
+        meter(0, "compiling and starting")
         simulate(
             [Job(item.targets.name, item.words)],
             simulator=arguments.sim,
             datapath=arguments.datapath,
             width=arguments.width,
             waves=unfinished,
-            progress=(lambda done, _: meter(done)) if meter.bar else None,
+            progress=lambda done, _: meter(done),
             cores=arguments.cores,
         )
 
@@ -169,7 +166,7 @@ def main(words: Sequence[str] | None) -> int:
             raise SimulationError(f"{len(recording.admitted)} of {len(item.words)} targets were admitted")
         found = list(differences(recording, nodes))
         if arguments.waves:
-            write_waves(place, recording, arguments, nodes, found)
+            write_waves(place / VCD, recording, found, datapath, width, nodes)
 
     admitted, last = recording.admitted[target], column(recording, nodes, target)
     print(
@@ -183,27 +180,9 @@ def main(words: Sequence[str] | None) -> int:
     if found and found[0].target != target:
         print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
     if arguments.waves:
-        for name in (VCD, ALIGNED):
-            for suffix in (".vcd", ".gtkw"):
-                print(f"wrote {arguments.out / Path(name).with_suffix(suffix)}")
+        for name in WAVES:
+            print(f"wrote {arguments.out / name}")
     return 1 if ours else 0
-
-
-def write_waves(
-    place: Path, recording: Recording, arguments: argparse.Namespace, nodes: Sequence[Node], found: Sequence[Difference]
-) -> None:
-    """Writes the aligned VCD beside the ordinary one, and the save files of both with the first difference marked."""
-    vcd, aligned = place / VCD, place / ALIGNED
-    datapath, width = arguments.datapath, arguments.width
-    first = found[0] if found else None
-    with writing():
-        write_aligned(aligned, recording, datapath, nodes, {each.target for each in found})
-        for path, clock, write in (
-            (vcd, first.clock if first else 0, write_save_file),
-            (aligned, column(recording, nodes, first.target) if first else 0, write_aligned_save_file),
-        ):
-            mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
-            write(path, datapath, width, path.with_suffix(".gtkw"), mark)
 
 
 if __name__ == "__main__":

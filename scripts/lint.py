@@ -23,8 +23,20 @@ from tb.sim.sources import LIST, includes, sources
 
 # parameter: values it is linted at. A module is linted at every combination of those it has.
 PARAMETER_SETS = {"W": (32, 18)}
+# of engines of memory: narrow and wide buses, addresses and bursts
+BUSES = [{"ADDR_W": a, "DATA_W": d, "LOG2_BURST": b} for a, d, b in ((32, 64, 3), (64, 32, 5), (12, 128, 1))]
 # module: sets of its own, where the table above is not enough or not legal for it
 MODULE_SETS = {
+    "ik_axi": [
+        {"W": 32},
+        {"W": 18, "DATA_W": 32, "ADDR_W": 64, "LOG2_BURST": 5},
+        {"W": 18, "LEAN": 0, "DIGIT": 1, "DATA_W": 128, "ADDR_W": 12, "LOG2_BURST": 1},
+    ],
+    "ik_axi_job": [{"ADDR_W": a, "DATA_W": d} for a, d in ((32, 64), (64, 32), (12, 128))],
+    "ik_axi_read": BUSES,
+    "ik_axi_write": BUSES,
+    "ik_axi_result": [{"W": w, "DATA_W": d} for w, d in ((32, 64), (18, 32), (16, 128))],
+    "ik_axi_target": [{"W": w} for w in (32, 31, 18, 16)],
     "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "LEAN": 0, "DIGIT": 1}],
     "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}],
     "ik_div_digit": [

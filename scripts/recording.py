@@ -11,12 +11,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from vcd.reader import TokenKind, tokenize
 from vcd.writer import VCDWriter
 
+from model.dataflow import fixed
 from model.dataflow.nodes import Node
-from scripts.waves import TOP, place
+from scripts.console import whole_file, writing
+from scripts.waves import TOP, Mark, place, write_aligned_save_file, write_save_file
 from tb.sim.difference import Difference
+
+VCD, ALIGNED = "waves.vcd", "aligned.vcd"
+WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
+"""What :func:`write_waves` leaves in a folder: two recordings and their save files."""
 
 HANDSHAKE = (("rst",), ("s_axis_tvalid",), ("s_axis_tready",))
 NUMBER, DIFFERS = "target", "differs"
@@ -161,3 +168,28 @@ def _line(writer: VCDWriter, path: tuple[str, ...], bits: int):
 def _blank(writer: VCDWriter, now: int, lines) -> None:
     for line in lines:
         writer.change(line, now, "x")
+
+
+def write_waves(
+    vcd: Path, recording: Recording, found: Sequence[Difference], datapath: str, width: int, nodes: Sequence[Node]
+) -> None:
+    """Writes the aligned VCD beside the ordinary one, and the save files of both with the first difference marked."""
+    aligned = vcd.with_name(ALIGNED)
+    first = found[0] if found else None
+    with writing():
+        with whole_file(aligned) as unfinished:
+            write_aligned(unfinished, recording, datapath, nodes, {each.target for each in found})
+        for path, clock, write in (
+            (vcd, first.clock if first else 0, write_save_file),
+            (aligned, column(recording, nodes, first.target) if first else 0, write_aligned_save_file),
+        ):
+            mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
+            with whole_file(path.with_suffix(".gtkw")) as unfinished:
+                write(path, datapath, width, unfinished, mark)
+
+
+def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:
+    """The same for the recording of one trajectory, of targets (N, 6)."""
+    nodes = list(fixed.run(words, width, datapath).bits.nodes.values())
+    recording = read(vcd, datapath, nodes)
+    write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes)

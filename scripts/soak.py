@@ -24,27 +24,19 @@ import contextlib
 import math
 import multiprocessing
 import os
-import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-from rich import box
-from rich.table import Table
 
-from model.bounds import tolerances
 from model.dataflow.nodes import WIDTHS
 from model.targets.files import write_atomically
-from model.targets.flags import expected_flags, names
-from model.targets.observed import edges
-from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from model.targets.words import FIELDS
 from scripts.console import (
     InputError,
@@ -58,177 +50,13 @@ from scripts.console import (
     whole,
     writing,
 )
+from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
-from tb.sim import every_node
-from tb.sim.simulate import DATAPATHS, Job, Run, SimulationError, simulate
+from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
+from tb.sim.simulate import DATAPATHS, SimulationError
 
-CHUNK = 20000
 TARGETS = 1_000_000
-EVERY = 5  # seconds between lines of progress where there is no terminal
 SEED = 1
-
-CANDIDATES = 1000
-"""Targets of a chunk, those with the largest hand errors, that are ranked: the paper's by a prediction."""
-
-
-# -- targets ---------------------------------------------------------------------------------------------------------
-
-
-def chunk(number: int, width: int, seed: int, count: int = CHUNK) -> np.ndarray:
-    """The `number`-th chunk of targets, shuffled: half near singular poses and in the other `REGIONS`, an eighth
-    each clamped, at the edges of formats and of extreme words, every corner, the rest anywhere in reach."""
-    own = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
-    named = np.array(list(corners(width).values()), dtype=np.int64)
-    parts = [region(name, count // 2 // len(REGIONS), width, own) for name in REGIONS]
-    parts += [make(count // 8, width, own) for make in (unreachable, edges, extremes)]
-    parts.append(named[: count // 8])
-    parts.append(random_reachable(count - sum(map(len, parts)), width, own))
-    return np.random.default_rng((own, width)).permutation(np.concatenate(parts))
-
-
-# -- judging -----------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Hard:
-    """A target in reach with its number in the sequence, its errors, and what its hand error is held against."""
-
-    target: int
-    words: list[int]
-    hand_error: float
-    tolerance: float
-    norm_error: float
-
-
-@dataclass
-class Found:
-    """What some targets gave: how many there are, in reach, above their prediction; the largest errors, the hardest
-    targets by either measure."""
-
-    targets: int = 0
-    reachable: int = 0
-    above: int = 0
-    hand_error_max: float = 0.0
-    norm_error_max: float = 0.0
-    by_hand: list[Hard] = field(default_factory=list)
-    by_norm: list[Hard] = field(default_factory=list)
-
-    def __add__(self, other: Found) -> Found:
-        return Found(
-            self.targets + other.targets,
-            self.reachable + other.reachable,
-            self.above + other.above,
-            max(self.hand_error_max, other.hand_error_max),
-            max(self.norm_error_max, other.norm_error_max),
-            _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
-            _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
-        )
-
-
-def _first(of: list[Hard], measure: Callable[[Hard], float]) -> list[Hard]:
-    once = {tuple(hard.words): hard for hard in sorted(of, key=lambda hard: -hard.target)}
-    return sorted(once.values(), key=lambda hard: (-measure(hard), hard.target))[: hardest.KEPT]
-
-
-@dataclass(frozen=True)
-class Failure:
-    """What is wrong: lines for the user, and the rows of the targets (K,), the first one's or the worst one's first."""
-
-    lines: list[str]
-    rows: list[int]
-
-
-@dataclass(frozen=True)
-class Core:
-    """What is simulated: simulator, datapath, word length, and the native program, which Verilator makes."""
-
-    sim: str
-    datapath: str
-    width: int
-    program: Path | None = None
-
-    @classmethod
-    def built(cls, sim: str, datapath: str, width: int) -> Core:
-        with progress("soak", 1, every=EVERY) as meter:
-            meter(0, "compiling")
-            program = every_node.program(datapath, width) if sim == "verilator" else None
-        return cls(sim, datapath, width, program)
-
-    def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
-        """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""
-        frames = list(every_node.answered(words, self.width, self.datapath))
-        if self.program:
-            run = every_node.compare(self.program, frames, self.width, self.datapath)
-        else:
-            (run,) = simulate([Job("soak", words)], simulator=self.sim, datapath=self.datapath, width=self.width)
-        return run, *(np.concatenate([getattr(answer, part) for _, answer in frames]) for part in ("results", "flags"))
-
-    def __str__(self) -> str:
-        return f"{self.datapath} datapath, {self.width} bits, {self.sim}"
-
-
-def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found, list[Failure], np.ndarray]:
-    """Run targets: what they give, what fails, and the hand errors (N,), nan out of reach.
-
-    numbers (N,): of the targets in their sequence. Raises SimulationError, for lost results too.
-    """
-    run, results, flags = core.run(words)
-    if run.results.shape != words.shape or run.flags.shape != (len(words),):
-        raise SimulationError(f"{len(words)} targets were sent, {len(run.results)} results came back")
-    hand, norm = hardest.errors(words, run.results, core.width)
-    reachable = np.flatnonzero(~np.isnan(hand))
-    candidates = reachable[np.argsort(-hand[reachable], kind="stable")][:CANDIDATES]
-    tolerance = np.full(len(words), np.inf)
-    tolerance[candidates] = tolerances.yardstick(words[candidates], core.width, core.datapath)
-    above = candidates[hand[candidates] > tolerance[candidates]]
-    judged = tolerances.hand(core.width, core.datapath) is not None
-
-    failures = []
-    differs = (run.results != results).any(axis=1) | (run.flags != flags)
-    if run.bit_mismatches or differs.any():
-        failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
-    wrong = np.flatnonzero(run.flags != (owed := expected_flags(words, core.width)))
-    if len(wrong):
-        n = int(wrong[0])
-        text = f"flags {names(int(run.flags[n]))} instead of {names(int(owed[n]))} ({len(wrong)} targets)"
-        failures.append(Failure([text], wrong.tolist()))
-    for what, error, most, rows in (
-        ("hand error / reach", hand, tolerance, above if judged else above[:0]),
-        ("abs(norm^2 - 1)", norm, np.full(len(words), tolerances.norm(core.width)),
-         np.flatnonzero(~(norm <= tolerances.norm(core.width)))),
-    ):  # fmt: skip
-        if len(rows):
-            worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
-            n = worst[0]
-            text = f"{what} {error[n]:.3e} is above its tolerance {most[n]:.3e} ({len(rows)} targets)"
-            failures.append(Failure([text], worst))
-
-    by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: hardest.KEPT]
-    missing = by_norm[np.isinf(tolerance[by_norm])]
-    tolerance[missing] = tolerances.yardstick(words[missing], core.width, core.datapath)
-
-    def hard(rows) -> list[Hard]:
-        return [
-            Hard(int(numbers[n]), words[n].tolist(), float(hand[n]), float(tolerance[n]), float(norm[n]))
-            for n in rows.tolist()
-        ]
-
-    by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: hardest.KEPT]
-    largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
-    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm))
-    return Found() + found, failures, hand
-
-
-_TARGET = re.compile(r"(?<= of target )\d+")
-
-
-def _bits_failure(run: Run, differing: list[int], numbers: Sequence[int]) -> Failure:
-    """The message with numbers of the sequence in the place of those of the run."""
-    lines = [f"{run.bit_mismatches} bits differ from the bit-true model, results of {len(differing)} targets"]
-    first = run.first_mismatch or ""
-    named = [int(n) for n in _TARGET.findall(first)[:1]]
-    lines += _TARGET.sub(lambda match: str(numbers[int(match[0])]), first).splitlines()
-    return Failure(lines, list(dict.fromkeys(named + differing)))
 
 
 def tell(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]) -> list[int]:
@@ -293,6 +121,12 @@ def _worker() -> None:
     signal.signal(signal.SIGTERM, end)
 
 
+def _built(sim: str, datapath: str, width: int) -> Core:
+    with progress("soak", 1) as meter:
+        meter(0, "compiling")
+        return Core.built(sim, datapath, width)
+
+
 def piece(core: Core, seed: int, end: int, number: int) -> tuple[np.ndarray, Found, list[Failure], np.ndarray]:
     """Chunk `number` as far as target `end`: its words, and what :func:`judge` says."""
     start = number * CHUNK
@@ -332,13 +166,13 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
     chunks = range(arguments.from_, -(-end // CHUNK))
     found, number = Found(), arguments.from_
     try:
-        core = Core.built(arguments.sim, arguments.datapath, arguments.width)
+        core = _built(arguments.sim, arguments.datapath, arguments.width)
         what = f"{core}, seed {arguments.seed}"
         print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         work = partial(piece, core, arguments.seed, end)
         with (
             _spread(min(arguments.jobs, len(chunks))) as spread,
-            progress("soak", arguments.targets, every=EVERY) as meter,
+            progress("soak", arguments.targets) as meter,
         ):
             for words, more, failures, hand in spread(work, chunks):  # noqa: B007
                 if failures:
@@ -358,7 +192,7 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
         _write(failing, [_row(arguments, words[n], hand[n], numbers[n]) for n in rows])
         print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
         return 1
-    show(_summary(what, core, found, meter.rate), _table(found))
+    show(table_of_soak(what, core, found, meter.rate), table_of_hardest(found))
     hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
     rows = [_row(arguments, hard.words, hard.hand_error, hard.target) for hard in hards]
     for file, before in earlier.items():
@@ -394,7 +228,7 @@ def _again(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.again}: no targets")
     status = 0
     for (datapath, width), group in hardest.groups(rows).items():
-        core = Core.built(arguments.sim, datapath, width)
+        core = _built(arguments.sim, datapath, width)
         words = hardest.array(group)
         found, failures, _ = judge(core, words, range(len(words)))
         tell(failures, words, lambda n, group=group: group[n].found)
@@ -404,45 +238,6 @@ def _again(arguments: argparse.Namespace) -> int:
             f"{'FAIL' if failures else 'pass'}"
         )
     return status
-
-
-# -- tables ------------------------------------------------------------------------------------------------------------
-
-
-def _summary(what: str, core: Core, found: Found, rate: float) -> Table:
-    """The figures of all targets; only those that pass are counted, so no bit differs."""
-    most = tolerances.hand(core.width, core.datapath)
-    ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
-    table = Table(title=f"soak: {what}", box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("figure")
-    table.add_column("measured", justify="right")
-    table.add_column("tolerance", justify="right")
-    for row in (
-        ("targets", str(found.targets)),
-        ("of them in reach", str(found.reachable)),
-        ("bits that differ from the bit-true model", "0", "0"),
-        ("hand error / reach, largest", f"{found.hand_error_max:.2e}",
-         "not asked" if most is None else f"{most:.2e}"),
-        (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
-        *([] if most else [("targets seen above their prediction", str(found.above))]),
-        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{tolerances.norm(core.width):.2e}"),
-        ("targets a second, build excluded", f"{rate:.0f}"),
-    ):  # fmt: skip
-        table.add_row(*row)
-    return table
-
-
-def _table(found: Found) -> Table:
-    """The hardest targets: first by hand error beside its tolerance, then by norm error."""
-    table = Table(title="the hardest targets", box=box.SIMPLE_HEAD, title_justify="left", padding=(0, 1, 0, 0))
-    for heading in ("target", "hand", "/ tol.", "norm", *FIELDS):
-        table.add_column(heading, justify="right")
-    for hards in (found.by_hand, found.by_norm):
-        for hard in hards:
-            figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
-            table.add_row(str(hard.target), *figures, *map(str, hard.words))
-        table.add_section()
-    return table
 
 
 @command("soak")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make run` prints of its scores: the figures of a trajectory, what was asked, and whether it was reached."""
+"""What `make run` prints of its scores: the figures of a trajectory, what was asked, and whether it was reached; and
+what `make soak` prints of all targets and of the hardest."""
 
 from __future__ import annotations
 
@@ -11,8 +12,11 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from model.bounds import tolerances
 from model.targets import flags as flag_bits
 from model.targets.scoring import Score
+from model.targets.words import FIELDS
+from tb.core.random_targets import Core, Found
 
 NOT_ASKED = "not asked"
 
@@ -131,3 +135,39 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
         for failure in result.failures:
             print(f"{name}: {result.trajectory} fails: {failure}", file=sys.stderr)
     return 0 if all(result.passed for result in scores) else 1
+
+
+def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
+    """The figures of all targets; only those that pass are counted, so no bit differs."""
+    most = tolerances.hand(core.width, core.datapath)
+    ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
+    table = Table(title=f"soak: {what}", box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("figure")
+    table.add_column("measured", justify="right")
+    table.add_column("tolerance", justify="right")
+    for row in (
+        ("targets", str(found.targets)),
+        ("of them in reach", str(found.reachable)),
+        ("bits that differ from the bit-true model", "0", "0"),
+        ("hand error / reach, largest", f"{found.hand_error_max:.2e}",
+         "not asked" if most is None else f"{most:.2e}"),
+        (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
+        *([] if most else [("targets seen above their prediction", str(found.above))]),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{tolerances.norm(core.width):.2e}"),
+        ("targets a second, build excluded", f"{rate:.0f}"),
+    ):  # fmt: skip
+        table.add_row(*row)
+    return table
+
+
+def table_of_hardest(found: Found) -> Table:
+    """The hardest targets: first by hand error beside its tolerance, then by norm error."""
+    table = Table(title="the hardest targets", box=box.SIMPLE_HEAD, title_justify="left", padding=(0, 1, 0, 0))
+    for heading in ("target", "hand", "/ tol.", "norm", *FIELDS):
+        table.add_column(heading, justify="right")
+    for hards in (found.by_hand, found.by_norm):
+        for hard in hards:
+            figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
+            table.add_row(str(hard.target), *figures, *map(str, hard.words))
+        table.add_section()
+    return table

@@ -8,6 +8,7 @@ the torso, whose outward-and-up axis no hand comes near.
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Sequence
@@ -110,15 +111,51 @@ def read(path: Path) -> Clip:
             bvh = pybvh.read_bvh_file(path)
     except OSError as error:
         raise ClipError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ClipError(f"{path}: no BVH clip: not text") from None
     except (ValueError, IndexError, KeyError) as error:
+        if not path.stat().st_size:
+            raise ClipError(f"{path}: the file is empty") from None
+        if wrong := _wrong_number(path):
+            raise ClipError(f"{path}: {wrong}") from None
         text = " ".join(str(error).replace(f" in {path}", "").replace(f" in file {path}", "").split())
         raise ClipError(f"{path}: no BVH clip: {text}") from None
-    clip = Clip(path, bvh)
-    wrong = ~(np.isfinite(bvh.joint_angles).all(axis=2) & np.isfinite(bvh.root_pos).all(axis=1)[:, None])
-    if wrong.any():
-        frame, joint = np.argwhere(wrong)[0]
-        raise ClipError(f"{path}: frame {frame}, joint {bvh.joint_names[joint]}: not a finite number")
-    return clip
+    if not all(np.isfinite(part).all() for part in (bvh.joint_angles, bvh.root_pos, bvh.rest_pose_positions())):
+        raise ClipError(f"{path}: {_wrong_number(path)}")
+    return Clip(path, bvh)
+
+
+def _wrong_number(path: Path) -> str:
+    """The first line with something else than the finite numbers it should hold: line, joint, word; or nothing."""
+    joint, channels, frames = "", [], False
+    for line, words in enumerate(map(str.split, path.read_text(errors="replace").splitlines()), 1):
+        numbers, of = words[1:], []  # and the joints that they are of
+        match words:
+            case ["ROOT" | "JOINT", *name]:
+                joint = f", joint {' '.join(name)}"
+            case ["OFFSET", *_]:
+                of = [joint] * 3
+            case ["CHANNELS", _, *kinds]:
+                channels += [joint] * len(kinds)
+            case ["Frames:", *_]:
+                of = [""]
+            case ["Frame", "Time:", *numbers]:
+                of, frames = [""], True
+            case [_, *_] if frames:
+                numbers, of = words, channels
+        for where, word in zip(of, numbers, strict=False):
+            if not _is_finite(word):
+                return f"line {line}{where}: {word!r} is not a finite number"
+        if of and len(numbers) != len(of):
+            return f"line {line}: {len(numbers)} numbers, not {len(of)}"
+    return ""
+
+
+def _is_finite(word: str) -> bool:
+    try:
+        return math.isfinite(float(word))
+    except ValueError:
+        return False
 
 
 # -- which joints ------------------------------------------------------------------------------------------------------
@@ -131,7 +168,7 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -
     """
     sides = SIDES if which == "both" else (which,)
     if joints is not None and which == "both":
-        raise ClipError(f"{clip.path}: joints {','.join(joints)} are those of one arm: say which, left or right")
+        raise ClipError(f"{clip.path}: joints {','.join(joints)} are those of one arm: ARM= says which, left or right")
     found = {side: _named(clip, joints) if joints is not None else _known(clip, side) for side in sides}
     other = {side: found.get(side) or _known(clip, side, must=False) for side in SIDES}
     common = [set(clip.ancestors(three[0])) for three in other.values() if three]
@@ -175,7 +212,7 @@ def _known(clip: Clip, side: str, must: bool = True) -> tuple[int, int, int] | N
         if upper is not None and (hand := next(below, None)) is not None:
             return upper, fore, hand
     if must:
-        raise ClipError(f"{clip.path}: no {side} arm is known by name; name its three of the joints {', '.join(names)}")
+        raise ClipError(f"{clip.path}: no {side} arm is known by name; JOINTS= names its three of {', '.join(names)}")
     return None
 
 

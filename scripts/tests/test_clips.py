@@ -68,10 +68,11 @@ def test_constant_angle_is_the_mean_of_the_clip(cli):
 def test_an_arm_by_the_names_of_its_joints(cli):
     figure.write(Path("t.bvh"), "own")
     status, _, err = cli()
-    assert status == 2 and err[0].startswith("run: t.bvh: no left arm is known by name; name its three of the joints")
+    assert status == 2 and err[0].startswith("run: t.bvh: no left arm is known by name; JOINTS= names its three of")
     assert cli("--arm", "right", "--joints", ",".join(figure.joints("own", "right")))[0] == 0
     assert {row["arm"] for row in rows()} == {"right"}
-    assert cli("--joints", "a,b,c")[2] == ["run: t.bvh: joints a,b,c are those of one arm: say which, left or right"]
+    said = "run: t.bvh: joints a,b,c are those of one arm: ARM= says which, left or right"
+    assert cli("--joints", "a,b,c")[2] == [said]
 
 
 def test_a_straight_arm_stays_straight(cli):

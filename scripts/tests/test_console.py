@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """scripts/console.py: what no command's own test looks at."""
 
+import contextlib
 import io
 import re
 import signal
@@ -113,12 +114,35 @@ def test_output_that_came_to_nothing(tmp_path):
     assert (tmp_path / "old/a/b/file").exists()
 
 
-def test_without_a_terminal_and_interval_nothing_but_lines_of_the_command(clock, capsys):
-    with progress("some", 10) as meter:
-        clock[0] += 100
-        meter(5)
-        meter.line("some: target 3 is wrong")
-    assert capsys.readouterr().err == "some: target 3 is wrong\n"
+def test_the_inner_of_two_meters_speaks_and_none_twice(clock, capsys):
+    """A command says how long it works where nothing in it says more."""
+    with progress("some", 0, every=5) as outer:
+        clock[0] += 4
+        with progress("inner", 10, every=5) as inner:
+            clock[0] += 2
+            inner(1)
+        outer.beat()
+        clock[0] += 5
+        outer.beat()
+        inner.line("some: target 3 is wrong")
+    said = ["inner: 1 of 10 done, 0/s, 18 s left", "some: 11 s so far", "some: target 3 is wrong"]
+    assert capsys.readouterr().err.splitlines() == said
+
+
+def test_an_outer_meter_is_silent_while_an_inner_one_is_there(monkeypatch):
+    beats = []
+    monkeypatch.setattr(Meter, "beat", lambda meter: beats.append(meter.name))
+    with progress("some", 0, every=0.05), progress("inner", 1, every=0.05):
+        beats.clear()
+        threading.Event().wait(0.2)
+        within = set(beats)
+    assert within == {"inner"}
+
+
+def test_every_command_says_that_it_is_at_work(monkeypatch):
+    monkeypatch.setattr(console, "progress", lambda name, total: contextlib.nullcontext(said.append(name)))
+    said = []
+    assert exit_status("some", lambda: 3) == 3 and said == ["some"]
 
 
 def test_on_a_terminal_a_bar_with_the_same_figures(clock):

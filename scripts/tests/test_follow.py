@@ -14,8 +14,8 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.targets import trajectories
 from model.targets.words import to_words
-from scripts import follow, recording, waves
-from tb.sim.env import simulator
+from scripts import follow, recording, run, waves
+from tb.sim.env import SIMULATORS, simulator
 from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
@@ -220,6 +220,19 @@ def test_without_a_difference_nothing_is_marked(command, monkeypatch):
     assert marker(Path("o/waves.gtkw")) == marker(Path("o/aligned.gtkw")) == (-1, [])
 
 
+def test_a_disk_that_fills_up_leaves_no_half_waves(command, monkeypatch):
+    Simulator(monkeypatch)
+
+    def full(*_):
+        raise OSError(28, "No space left on device", "aligned.vcd")
+
+    monkeypatch.setattr(recording, "_blank", full)
+    assert command(follow.main, "--target", "0", "--waves", "--out", "o") == (
+        2, [], ["follow: cannot write 'aligned.vcd': No space left on device"]
+    )  # fmt: skip
+    assert [path.name for path in Path("o").iterdir()] == ["waves.vcd"]
+
+
 def test_x_is_a_difference(tmp_path, command, monkeypatch):
     """A node that is X where it should be known; leading places are left out in a VCD."""
     words = np.stack([reach()[0]] * 3)
@@ -272,9 +285,9 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     assert marked[0] == "w_1" and set(marked) <= {"w_1", "w_n", "w_q", "qs_w"}
     read = recording.read(Path("o/waves.vcd"), "lean", nodes)
     found = list(recording.differences(read, nodes))
-    (run,) = runs
-    assert run.bit_mismatches == sum(each.bits() for each in found)
-    assert run.first_mismatch.splitlines()[0] == f"first difference: {found[0]}"
+    (ran,) = runs
+    assert ran.bit_mismatches == sum(each.bits() for each in found)
+    assert ran.first_mismatch.splitlines()[0] == f"first difference: {found[0]}"
     wrong = {(each.node.name, each.target) for each in found}
     check_aligned(Path("o/aligned.vcd"), nodes, 100, read.admitted, wrong)
     at, red = marker(Path("o/aligned.gtkw"))
@@ -283,10 +296,32 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
 
 
 @pytest.mark.sim
-def test_the_rtl_as_it_is(command):
+@pytest.mark.parametrize("main, more", [(follow.main, ("--target", "99")), (run.main, ())], ids=["follow", "run"])
+def test_the_rtl_as_it_is(command, main, more):
     """Every node of the target equals the model, and so does every column."""
-    words = "--target", "99", "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
-    status, out, err = command(follow.main, *words)
-    assert (status, err) == (0, []) and not any(line.startswith("!") for line in out)
+    words = *more, "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
+    status, out, err = command(main, *words)
+    assert status == 0 and not any(line.startswith("!") for line in out)
+    assert main is run.main or err == []
     nodes = nodes_of(reach(WIDTH), width=WIDTH)
     check_aligned(Path("o/aligned.vcd"), nodes, 100, recording.read(Path("o/waves.vcd"), "lean", nodes).admitted)
+
+
+if simulator() == "verilator":
+    # Under Icarus it would need Verilator, too.
+
+    @pytest.mark.sim
+    @pytest.mark.cost(20)
+    @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
+    def test_both_simulators_give_the_same(command, datapath):
+        """Listing with clocks, aligned VCD, and save files, which name every scope and signal: to the byte."""
+        options = "--target", "42", "--waves", "--datapath", datapath, "--width", str(WIDTH)
+        outs = []
+        for sim in SIMULATORS:
+            status, out, err = command(follow.main, *options, "--sim", sim, "--out", sim)
+            assert (status, err) == (0, [])
+            outs.append([line.replace(sim, "SIM") for line in out])
+        assert outs[0] == outs[1]
+        for name in ("aligned.vcd", "aligned.gtkw", "waves.gtkw"):
+            one, other = (Path(sim, name).read_bytes() for sim in SIMULATORS)
+            assert one == other, name

@@ -20,7 +20,8 @@ from model.reference.equations import solve_clamped
 from model.targets import trajectories
 from model.targets.flags import expected_flags
 from model.targets.words import FIELDS, RESULT_FIELDS, from_words
-from scripts import run
+from scripts import results, run
+from scripts.recording import WAVES
 from tb.sim.simulate import Run, SimulationError
 
 
@@ -54,6 +55,7 @@ def simulator(monkeypatch):
     fake = FakeSimulator()
     monkeypatch.setattr(run, "simulate", fake.simulate)
     monkeypatch.setattr(run, "write_save_file", lambda vcd, datapath, width, path: path.touch())
+    monkeypatch.setattr(run, "align", lambda vcd, *_: [vcd.with_name(name.name).touch() for name in WAVES])
     monkeypatch.setattr(run, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
     return fake
 
@@ -94,13 +96,20 @@ def test_options_reach_the_simulator(cli, simulator, files):
     assert (status, err) == (0, [])
     (call,) = simulator.calls
     assert (call["simulator"], call["width"], call["cores"]) == ("verilator", 24, "digit")
-    assert files() == ["o/results.csv", "o/results.npz", "o/score.json", "o/waves.gtkw", "o/waves.vcd"]
+    names = ["aligned.gtkw", "aligned.vcd", "results.csv", "results.npz", "score.json", "waves.gtkw", "waves.vcd"]
+    assert files() == [f"o/{name}" for name in names]
     assert [(item["simulator"], item["width"]) for item in scores("o/score.json")] == [("verilator", 24)]
 
 
 def test_the_paths_of_waves_are_printed(cli):
     _, out, _ = cli("--waves")
+    assert out[-4:] == [f"wrote build/run/{name}.{kind}" for name in ("waves", "aligned") for kind in ("vcd", "gtkw")]
+
+
+def test_of_many_trajectories_nothing_is_aligned(cli, files):
+    _, out, _ = cli("--waves", "--trajectory", "all")
     assert out[-2:] == ["wrote build/run/waves.vcd", "wrote build/run/waves.gtkw"]
+    assert not any("aligned" in name for name in files())
 
 
 def test_all_trajectories_get_a_line_and_a_file_each(cli, simulator, files):
@@ -326,6 +335,15 @@ def test_out_without_permission(cli, simulator):
     assert_refused(outcome, simulator, "--out", "'locked'", "Permission denied")
 
 
+@pytest.mark.parametrize("name", ["t.csv", "t.bvh"])
+def test_a_file_that_may_not_be_read(cli, simulator, name):
+    Path.cwd().chmod(0o755)
+    Path(name).touch(mode=0o200)
+    with not_root():
+        outcome = cli("--trajectory", name)
+    assert_refused(outcome, simulator, f"{name}: cannot be read: Permission denied")
+
+
 def test_out_where_a_folder_has_the_name_of_a_result(cli, simulator, files):
     Path("o", "score.json").mkdir(parents=True)
     assert_refused(cli("--out", "o"), simulator, "--out", "'o/score.json' is a folder")
@@ -336,7 +354,7 @@ def test_out_that_fills_up(cli, monkeypatch):
     def full(path, *args):
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr(run, "write_score_json", full)
+    monkeypatch.setattr(results, "write_score_json", full)
     status, _, err = cli()
     assert (status, err) == (2, ["run: cannot write 'build/run/score.json': No space left on device"])
 

@@ -15,7 +15,7 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.targets.flags import UNREACHABLE, expected_flags
 from scripts import soak
-from tb.core import hardest
+from tb.core import hardest, random_targets
 from tb.sim import every_node
 from tb.sim.simulate import Run, SimulationError
 
@@ -48,10 +48,10 @@ class FakeCore:
 def simulator(monkeypatch, tmp_path):
     """The fake in the place of the simulation, chunks of 400, a regression list of its own."""
     fake = FakeCore()
-    monkeypatch.setattr(soak.Core, "run", lambda core, words: fake.run(core, words))
+    monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
     monkeypatch.setattr(every_node, "program", lambda datapath, width: None)
     monkeypatch.setattr(soak, "CHUNK", 400)
-    monkeypatch.setattr(soak.chunk, "__defaults__", (400,))
+    monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
     return fake
 

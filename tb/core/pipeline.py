@@ -138,7 +138,8 @@ class Pipeline:
         for values in self.scoreboard.expected.values():
             del values[dropped:]
         self.dut.rst.value = 0
-        await RisingEdge(self.dut.clk)
+        # What is sent at a rising edge, the driver sees at once in one simulator and a clock later in the other.
+        await FallingEdge(self.dut.clk)
 
     def announce(self, words: np.ndarray) -> None:
         """Computes what the model answers to further targets; they must then be sent in this order."""

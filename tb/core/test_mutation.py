@@ -16,10 +16,8 @@ WIDTH = 18  # all constants are expressions of the width; short words build fast
 TARGETS = 20
 CLAMPED = 3  # number of a target without an elbow; the others are within reach
 
-FIRST_ADMITTED = {"icarus": 6, "verilator": 7}[simulator()]
-"""Clock, counted from the start of the simulation, in which ``tb/core/run_targets.py`` gets its first target admitted.
-
-The stream source of cocotbext-axi notices the end of reset one clock later under Verilator."""
+FIRST_ADMITTED = 6
+"""Clock, from the start of the simulation, in which ``tb/core/run_targets.py`` gets its first target admitted."""
 
 
 MUTANTS = [  # the node that is the first to be wrong, in the first target

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow import fixed
-from model.dataflow.nodes import Node
+from model.dataflow.nodes import WIDTHS, Node
 from model.targets.words import FIELDS
 from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment
@@ -62,7 +62,9 @@ module {TOP} (
     output wire [{32 * words - 1}:0] nodes
 );
   wire [{len(lanes) * width - 1}:0] answer;
-  ik_axis #(.W({width}), .TAG_W(8), .LEAN({int(datapath == "lean")}), .DIGIT({digit})) u_axis (
+  ik_axis #(
+      .W({width}), .MIN_W({min(width, WIDTHS[0])}), .TAG_W(8), .LEAN({int(datapath == "lean")}), .DIGIT({digit})
+  ) u_axis (
       .clk(clk), .rst(rst),
       .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(answer), .m_axis_tuser({{out_flags, out_tag}}), .m_axis_tvalid(out_valid), .m_axis_tready(1'b1)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow import datapaths
+from model.dataflow.nodes import WIDTHS
 from tb.sim import every_node
 from tb.sim.children import full, naming, started
 from tb.sim.env import ROOT
@@ -102,11 +103,11 @@ def _child(
     """In a process of its own: cocotb-test changes signal handlers and the logging of its process."""
     from tb.sim.runner import simulate as run_cocotb
 
-    place = Path(folder)
+    place, w = Path(folder), int(width)
     run_cocotb(
         "ik_axis",
         "tb.core.run_targets",
-        parameters={"W": int(width), "LEAN": int(datapath == "lean")},
+        parameters={"W": w, "LEAN": int(datapath == "lean"), **({} if w in WIDTHS else {"MIN_W": w})},
         sim=simulator,
         env={
             "IK_JOBS": str(place / "jobs.npz"),

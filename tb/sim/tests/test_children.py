@@ -40,7 +40,7 @@ def test_the_whole_group_ends_and_its_temporary_files_are_where_we_said(tmp_path
 
 def test_who_does_not_listen_is_made_to(tmp_path, monkeypatch):
     monkeypatch.setattr(children, "GRACE", 0.1)
-    deaf = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); signal.pause()"
+    deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(20)"
     with children.started([sys.executable, "-c", deaf], tmp_path, stdout=subprocess.PIPE) as process:
         process.stdout.readline()
     assert process.returncode == -signal.SIGKILL
@@ -65,7 +65,8 @@ def test_a_signal_to_the_command_ends_the_simulator(tmp_path, number):
 import signal, sys
 from scripts import run
 from tb.sim import simulate
-signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGINT, signal.default_int_handler)  # these may be ignored here, as under nohup
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 right = simulate.started
 simulate.started = lambda command, *a, **k: right([sys.executable, "-c", {stand_in!r}], *a, **k)
 sys.exit(run.main(["--out", {str(tmp_path / "a/out")!r}, "--waves"]))

@@ -8,19 +8,19 @@ from model.reference.equations import solve_clamped
 from model.targets.flags import UNREACHABLE, expected_flags
 from model.targets.stimuli import corners
 from model.targets.words import from_words
-from scripts import soak
+from tb.core.random_targets import chunk
 
 
 def test_a_chunk_depends_on_its_number_and_seed_only():
-    first = soak.chunk(3, 32, 1)
-    assert (first == soak.chunk(3, 32, 1)).all() and first.shape == (20000, 6)
-    assert not np.array_equal(first, soak.chunk(4, 32, 1)) and not np.array_equal(first, soak.chunk(3, 32, 2))
+    first = chunk(3, 32, 1)
+    assert (first == chunk(3, 32, 1)).all() and first.shape == (20000, 6)
+    assert not np.array_equal(first, chunk(4, 32, 1)) and not np.array_equal(first, chunk(3, 32, 2))
     assert len(np.unique(first, axis=0)) > 19000
 
 
 @pytest.mark.parametrize("width", [16, 17, 18, 24, 32])
 def test_chunks_at_other_word_lengths(width):
-    words = soak.chunk(0, width, 1)
+    words = chunk(0, width, 1)
     assert words.shape == (20000, 6)
     assert (words >= -(1 << (width - 1))).all() and (words < 1 << (width - 1)).all()
 
@@ -28,7 +28,7 @@ def test_chunks_at_other_word_lengths(width):
 def test_a_chunk_has_all_kinds():
     """Also its first tenth, as a soak of few targets has it: the neighbourhoods of singular poses, down to where words
     end, unequal arms, clamped targets; and the corners somewhere."""
-    whole = soak.chunk(0, 32, 1)
+    whole = chunk(0, 32, 1)
     assert set(corners(32).values()) <= set(map(tuple, whole.tolist()))
     words = whole[:2000]
     flags = expected_flags(words, 32)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run writes: results.csv and results.npz of each trajectory, score.json, and of a clip the clip again."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pybvh
+
+from model.motion import clip as clips
+from model.motion import gltf
+from model.targets.files import write_atomically
+from model.targets.scoring import Score, write_results_csv, write_results_npz, write_score_json
+from model.targets.words import result_values
+from scripts.console import writing
+from scripts.trajectory import Prepared
+from tb.sim.simulate import Run
+
+CLIP_KINDS = ("bvh", "glb")
+
+
+def result_paths(out: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Where `write_results` writes the results.csv of each trajectory."""
+    many = len(prepared) > 1
+    return [out / item.targets.name / "results.csv" if many else out / "results.csv" for item in prepared]
+
+
+def written(out: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """All that `write_results` writes."""
+    tables = result_paths(out, prepared)
+    clip = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    return [*tables, *(path.with_suffix(".npz") for path in tables), *clip, out / "score.json"]
+
+
+def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
+    """How far the elbows are from those of the clip, (N,), in parts of the reach."""
+    elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
+    ours = np.ldexp(result.each.elbow, -result.scale_exponent)
+    return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
+
+
+def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
+    """The clip with its arms turned by the core's quaternions."""
+    values = result_values(ran.results, width)
+    qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
+    arms = len(item.moves)
+    return clips.turned(item.clip, [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)])
+
+
+def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
+    """The same as the contents of files of CLIP_KINDS."""
+    bvh = turned(item, ran, width)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "clip.bvh"
+        bvh.write(path)
+        return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
+
+
+def write_results(out: Path, prepared: Sequence[Prepared], done: Sequence[tuple[Run, Score]]) -> None:
+    """Write results.csv and results.npz of every trajectory, score.json, and of a clip the clip again."""
+    with writing():
+        for path, item, (ran, result) in zip(result_paths(out, prepared), prepared, done, strict=True):
+            targets = item.targets
+            if item.clip:
+                targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
+                for kind, content in turned_clip(item, ran, result.width).items():
+                    write_atomically(path.with_name(f"clip.{kind}"), content)
+            write_results_csv(path, targets, ran.results, ran.flags, result)
+            write_results_npz(path.with_suffix(".npz"), targets, ran.results, ran.flags, result)
+        write_score_json(out / "score.json", [result for _, result in done])

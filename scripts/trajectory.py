@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a command that runs the core is asked to run: its options, and the targets of --trajectory as words.
+
+All of it is checked before anything is simulated.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from model.motion import clip as clips
+from model.motion.axes import to_z
+from model.motion.clip import SIDES, TORSO, Clip, Motion
+from model.motion.pose import hanging
+from model.targets import trajectories
+from model.targets.files import read_csv
+from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
+from scripts.console import InputError, Parser, accuracy, arm_length, folder_name, reference_axis, swivel_angle
+from tb.sim.env import CORES
+from tb.sim.simulate import DATAPATHS
+
+ALL = "all"
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A trajectory that is ready to run: its targets and the words (N, 6) that `to_words` made of them."""
+
+    targets: Targets
+    words: np.ndarray
+    exponent: int
+    clip: Clip | None = None
+    moves: tuple[Motion, ...] = ()
+
+
+# -- the options -----------------------------------------------------------------------------------
+
+
+def parser_of(
+    command: str, description: str, *, out: str, written: str,
+    passes: str = "all trajectories pass", fails: str = "one fails", datapaths: Sequence[str] = DATAPATHS,
+) -> Parser:  # fmt: skip
+    """The parser of a command that runs trajectories, with the options that all of them have.
+
+    out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`;
+    datapaths: as of `Parser.core`.
+    """
+    parser = Parser(command, description, passes=passes, fails=fails)
+    about = (
+        "a built-in trajectory (see --list), all of them, a CSV file with a header: x,y,z and optionally phi (rad), "
+        "d1, d2, in any unit of length, or a BVH clip of motion capture (default: %(default)s)"
+    )
+    parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
+    about = f"folder for {written}, made if need be (default: %(default)s)"
+    parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
+    parser.core(datapaths=datapaths)
+    parser.choice(
+        "--cores", "cores", CORES, CORES[0],
+        "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
+        "the results are the same (default: %(default)s)",
+    )  # fmt: skip
+    about = (
+        "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
+        "targets; it should point where no wrist goes; torso, of a clip: outward and up (default: z; of a clip: torso)"
+    )
+    parser.add_argument("--axis", type=reference_axis, metavar="AXIS", help=about)
+    parser.choice("--arm", "arm", ("both", *SIDES), None, "of a clip: which arms (default: both)")
+    about = "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known"
+    parser.add_argument("--joints", type=lambda text: text.split(","), metavar="UPPER,FORE,HAND", help=about)
+    only_csv = "only with a CSV file, for rows of a file without that column"
+    for option, kind, unit, what, default in (
+        ("--d1", arm_length, "LENGTH", "upper arm", DEFAULT_D1),
+        ("--d2", arm_length, "LENGTH", "forearm", DEFAULT_D2),
+    ):
+        parser.add_argument(option, type=kind, metavar=unit, help=f"{what}, {only_csv} (default: {default})")
+    about = (
+        "swivel angle: of rows of a CSV file without that column (default: the elbow hangs down); of a clip: its own, "
+        "the mean of its own, or one number (default: clip)"
+    )
+    parser.add_argument("--phi", type=swivel_angle, metavar="RAD|clip|constant", help=about)
+    about = (
+        "accuracy asked for: the largest hand error / reach of any target (default: the table of "
+        "model/bounds/tolerances.py, which asks nothing of the paper datapath near singular poses or below 32 bits)"
+    )
+    parser.add_argument("--bar", type=accuracy, metavar="ERROR", help=about)
+    return parser
+
+
+# -- the targets -----------------------------------------------------------------------------------
+
+
+BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
+
+GOES_WITH = {"d1": (CSV,), "d2": (CSV,), "phi": (CSV, CLIP), "arm": (CLIP,), "joints": (CLIP,)}
+"""Options that not every kind of trajectory takes."""
+
+OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
+
+
+def _kind(name: str) -> str:
+    """What --trajectory names. Raises InputError."""
+    if name == ALL or name in trajectories.TRAJECTORIES:
+        return BUILT_IN
+    if name.lower().endswith(".bvh"):
+        return CLIP
+    if name.lower().endswith(".csv") or os.sep in name or os.path.exists(name):
+        return CSV
+    valid = ", ".join((ALL, *trajectories.TRAJECTORIES))
+    raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
+
+
+def _load(arguments: argparse.Namespace) -> list[Prepared]:
+    """The targets that --trajectory asks for, and their words of --width bits. Raises InputError or TargetError."""
+    name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
+    kind = _kind(name)
+    for option, kinds in GOES_WITH.items():
+        if getattr(arguments, option) is not None and kind not in kinds:
+            goes = " or a ".join(kinds)
+            raise InputError(f"argument --{option}: goes with a {goes}, not with a {kind} ({name})")
+    if kind == CLIP:
+        return [_of_clip(arguments)]
+    for option, word in OF_CLIPS:
+        if getattr(arguments, option) == word:
+            raise InputError(f"argument --{option}: {word} goes with a {CLIP}, not with a {kind} ({name})")
+    if kind == CSV:
+        phi = hanging(axis) if arguments.phi is None else arguments.phi
+        found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+    else:
+        found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == ALL else [name])]
+    frame = None if axis == "z" else to_z(axis)
+    return [Prepared(each, *to_words(each, width)) for each in (replace(one, frame=frame) for one in found)]
+
+
+def _of_clip(arguments: argparse.Namespace) -> Prepared:
+    """The arms of a clip as one stream. Raises TargetError."""
+    clip = clips.read(Path(arguments.trajectory))
+    arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
+    moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
+    own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
+    phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
+    targets = clips.targets(clip, moves, phi, arguments.width)
+    return Prepared(targets, *to_words(targets, arguments.width), clip, moves)
+
+
+def prepare(arguments: argparse.Namespace) -> list[Prepared]:
+    """The trajectories of --trajectory as words of --width bits. Raises InputError or TargetError."""
+    prepared = _load(arguments)
+    for item in prepared:
+        for doubt in doubts(item.targets):
+            print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
+    return prepared
+
+
+def doubts(targets: Targets) -> Iterator[str]:
+    """What looks like another unit than is meant, a line each."""
+    if targets.path is None:  # ours are meant
+        return
+    distance = np.linalg.norm(targets.position, axis=1)
+    out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
+    if 2 * out > len(targets):
+        arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
+        yield (
+            f"{out} of {len(targets)} targets are out of reach of {arms}; "
+            "are x, y, z, d1 and d2 in one unit of length? D1= and D2= give another arm"
+        )
+    turns = float(np.abs(targets.phi).max())
+    if turns > 2 * np.pi:
+        yield f"phi goes as far as {turns:g}; it is in radians, are these degrees?"

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random targets of all kinds in chunks, and the judge of what the RTL makes of them: the soak, without its command.
+
+Bits, flags and norms are judged at every target, the hand error where `model.bounds.tolerances` has a figure for it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from model.bounds import tolerances
+from model.targets.flags import expected_flags, names
+from model.targets.observed import edges
+from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
+from tb.core import hardest
+from tb.sim import every_node
+from tb.sim.simulate import Job, Run, SimulationError, simulate
+
+CHUNK = 20000
+"""Targets of a chunk."""
+
+CANDIDATES = 1000
+"""Targets of a chunk, those with the largest hand errors, that are ranked: the paper's by a prediction."""
+
+
+def chunk(number: int, width: int, seed: int, count: int = CHUNK) -> np.ndarray:
+    """The `number`-th chunk of targets, shuffled: half near singular poses and in the other `REGIONS`, an eighth
+    each clamped, at the edges of formats and of extreme words, every corner, the rest anywhere in reach."""
+    own = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
+    named = np.array(list(corners(width).values()), dtype=np.int64)
+    parts = [region(name, count // 2 // len(REGIONS), width, own) for name in REGIONS]
+    parts += [make(count // 8, width, own) for make in (unreachable, edges, extremes)]
+    parts.append(named[: count // 8])
+    parts.append(random_reachable(count - sum(map(len, parts)), width, own))
+    return np.random.default_rng((own, width)).permutation(np.concatenate(parts))
+
+
+@dataclass(frozen=True)
+class Hard:
+    """A target in reach with its number in the sequence, its errors, and what its hand error is held against."""
+
+    target: int
+    words: list[int]
+    hand_error: float
+    tolerance: float
+    norm_error: float
+
+
+@dataclass
+class Found:
+    """What some targets gave: how many there are, in reach, above their prediction; the largest errors, the hardest
+    targets by either measure."""
+
+    targets: int = 0
+    reachable: int = 0
+    above: int = 0
+    hand_error_max: float = 0.0
+    norm_error_max: float = 0.0
+    by_hand: list[Hard] = field(default_factory=list)
+    by_norm: list[Hard] = field(default_factory=list)
+
+    def __add__(self, other: Found) -> Found:
+        return Found(
+            self.targets + other.targets,
+            self.reachable + other.reachable,
+            self.above + other.above,
+            max(self.hand_error_max, other.hand_error_max),
+            max(self.norm_error_max, other.norm_error_max),
+            _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
+            _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
+        )
+
+
+def _first(of: list[Hard], measure: Callable[[Hard], float]) -> list[Hard]:
+    once = {tuple(hard.words): hard for hard in sorted(of, key=lambda hard: -hard.target)}
+    return sorted(once.values(), key=lambda hard: (-measure(hard), hard.target))[: hardest.KEPT]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What is wrong: lines for the user, and the rows of the targets (K,), the first one's or the worst one's first."""
+
+    lines: list[str]
+    rows: list[int]
+
+
+@dataclass(frozen=True)
+class Core:
+    """What is simulated: simulator, datapath, word length, and the native program, which Verilator makes."""
+
+    sim: str
+    datapath: str
+    width: int
+    program: Path | None = None
+
+    @classmethod
+    def built(cls, sim: str, datapath: str, width: int) -> Core:
+        return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
+
+    def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
+        """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""
+        frames = list(every_node.answered(words, self.width, self.datapath))
+        if self.program:
+            run = every_node.compare(self.program, frames, self.width, self.datapath)
+        else:
+            (run,) = simulate([Job("soak", words)], simulator=self.sim, datapath=self.datapath, width=self.width)
+        return run, *(np.concatenate([getattr(answer, part) for _, answer in frames]) for part in ("results", "flags"))
+
+    def __str__(self) -> str:
+        return f"{self.datapath} datapath, {self.width} bits, {self.sim}"
+
+
+def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found, list[Failure], np.ndarray]:
+    """Run targets: what they give, what fails, and the hand errors (N,), nan out of reach.
+
+    numbers (N,): of the targets in their sequence. Raises SimulationError, for lost results too.
+    """
+    run, results, flags = core.run(words)
+    if run.results.shape != words.shape or run.flags.shape != (len(words),):
+        raise SimulationError(f"{len(words)} targets were sent, {len(run.results)} results came back")
+    hand, norm = hardest.errors(words, run.results, core.width)
+    reachable = np.flatnonzero(~np.isnan(hand))
+    candidates = reachable[np.argsort(-hand[reachable], kind="stable")][:CANDIDATES]
+    tolerance = np.full(len(words), np.inf)
+    tolerance[candidates] = tolerances.yardstick(words[candidates], core.width, core.datapath)
+    above = candidates[hand[candidates] > tolerance[candidates]]
+    judged = tolerances.hand(core.width, core.datapath) is not None
+
+    failures = []
+    differs = (run.results != results).any(axis=1) | (run.flags != flags)
+    if run.bit_mismatches or differs.any():
+        failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
+    wrong = np.flatnonzero(run.flags != (owed := expected_flags(words, core.width)))
+    if len(wrong):
+        n = int(wrong[0])
+        text = f"flags {names(int(run.flags[n]))} instead of {names(int(owed[n]))} ({len(wrong)} targets)"
+        failures.append(Failure([text], wrong.tolist()))
+    for what, error, most, rows in (
+        ("hand error / reach", hand, tolerance, above if judged else above[:0]),
+        ("abs(norm^2 - 1)", norm, np.full(len(words), tolerances.norm(core.width)),
+         np.flatnonzero(~(norm <= tolerances.norm(core.width)))),
+    ):  # fmt: skip
+        if len(rows):
+            worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
+            n = worst[0]
+            text = f"{what} {error[n]:.3e} is above its tolerance {most[n]:.3e} ({len(rows)} targets)"
+            failures.append(Failure([text], worst))
+
+    by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: hardest.KEPT]
+    missing = by_norm[np.isinf(tolerance[by_norm])]
+    tolerance[missing] = tolerances.yardstick(words[missing], core.width, core.datapath)
+
+    def hard(rows) -> list[Hard]:
+        return [
+            Hard(int(numbers[n]), words[n].tolist(), float(hand[n]), float(tolerance[n]), float(norm[n]))
+            for n in rows.tolist()
+        ]
+
+    by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: hardest.KEPT]
+    largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
+    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm))
+    return Found() + found, failures, hand
+
+
+_TARGET = re.compile(r"(?<= of target )\d+")
+
+
+def _bits_failure(run: Run, differing: list[int], numbers: Sequence[int]) -> Failure:
+    """The message with numbers of the sequence in the place of those of the run."""
+    lines = [f"{run.bit_mismatches} bits differ from the bit-true model, results of {len(differing)} targets"]
+    first = run.first_mismatch or ""
+    named = [int(n) for n in _TARGET.findall(first)[:1]]
+    lines += _TARGET.sub(lambda match: str(numbers[int(match[0])]), first).splitlines()
+    return Failure(lines, list(dict.fromkeys(named + differing)))
