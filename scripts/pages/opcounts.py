@@ -18,12 +18,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import sympy
 
 from model.dataflow.nodes import FormatError
 from model.dataflow.paper import SECTIONS, paper
 from model.reference.printed import PRINTED, symbol
+from scripts.pages.comparison import latency
 from scripts.pages.counts import WIDTH, operations
 from scripts.pages.render import render, table
 from tb.sim.env import GENERATED, ROOT, environment
@@ -144,21 +146,40 @@ def lines_with_19() -> dict[str, sympy.Expr]:
     return result
 
 
+def savings() -> dict[str, tuple[Ops, Ops, str]]:
+    """What of (12) and (13) has changed with (19): its operations before and after, and what section 4.2 says of it."""
+    before, after, lines = printed_lines("(12)", "(13)"), printed_lines("(19)"), lines_with_19()
+    six = {n: e for n, e in before.items() if n[-1] in "45"}
+    elbow = [n for n in before if n.startswith("p_e_")]
+
+    def of(*names: str) -> tuple[Ops, Ops]:
+        return tuple(total(each[n].doit() for n in names) for each in (before, lines))
+
+    return {
+        "PP_m4, PP_m5 to PP_m^+, PP_m^-": (total(six.values()), total(after.values()), "the same number"),
+        "the same, common subexpressions": (shared(six), shared(after), "1 + and 2 x fewer"),
+        "inf_pp": (*of("inf_pp"), "an addition fewer each time"),
+        "tmp_1": (*of("tmp1"), "3 + and 3 x fewer"),
+        "p_e": (*of(*elbow), "an addition fewer each time"),
+    }
+
+
 # -- the elaborated RTL ----------------------------------------------------------------------------------------------
 
 
-def elaborate(root: Path = ROOT, width: int = WIDTH) -> list[dict]:
-    """The modules of ``ik_paper`` as Verilator has elaborated them, the top first.
+def elaborate(root: Path = ROOT, top: str = "ik_paper", **parameters: int) -> list[dict]:
+    """The modules of a datapath as Verilator has elaborated them, the top first.
 
     RuntimeError with Verilator's own message when the sources do not elaborate.
     """
     with tempfile.TemporaryDirectory() as folder:
         command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
-        command += ["--top-module", "ik_paper", f"-GW={width}", "-Wno-fatal", "-Wno-lint"]
+        command += ["--top-module", top, *(f"-G{k}={v}" for k, v in ({"W": WIDTH} | parameters).items())]
+        command += ["-Wno-fatal", "-Wno-lint"]
         command += [f"-I{folder}" for folder in includes(root)] + [str(p) for p in sources(root)]
         done = subprocess.run(command, env=environment(), capture_output=True, text=True)
         if done.returncode:
-            raise RuntimeError(f"ik_paper does not elaborate:\n{done.stderr}")
+            raise RuntimeError(f"{top} does not elaborate:\n{done.stderr}")
         return json.loads((Path(folder) / "top.tree.json").read_text())["modulesp"]
 
 
@@ -220,6 +241,40 @@ def rtl_counts(root: Path = ROOT) -> dict[str, Counter]:
     return {s: counts.get(s, Counter()) for s in SECTIONS}
 
 
+def operators(modules: list[dict]) -> Counter:
+    """The ``add`` and ``mul`` that all instances below the top do in every clock: not those of constants, of functions
+    and of initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation for
+    each of its parts: what stands in one place of one generate block is one operator."""
+    by_address = {m["addr"]: m for m in modules}
+    kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
+
+    def inside(tree: Any, block: tuple[str, ...], found: dict[tuple, str], cells: list[str]) -> None:
+        if isinstance(tree, list):
+            for child in tree:
+                inside(child, block, found, cells)
+            return
+        kind = tree.get("type")
+        if kind in ("FUNC", "INITIAL"):
+            return
+        if kind == "CELL":
+            cells.append(tree["modp"])
+        if kind == "GENBLOCK":
+            block = (*block, tree["name"])
+        if kind in kinds and any(side["type"] != "CONST" for side in tree["lhsp"] + tree["rhsp"]):
+            found[(*block, tree["loc"])] = kinds[kind]
+        for name, child in tree.items():
+            if isinstance(child, list) and name not in ("lsbp", "bitp"):  # which are indices
+                inside(child, block, found, cells)
+
+    def of(module: dict) -> Counter:
+        found: dict[tuple, str] = {}
+        cells: list[str] = []
+        inside(module["stmtsp"], (), found, cells)
+        return sum((of(by_address[cell]) for cell in cells), Counter(found.values()))
+
+    return of(modules[0])
+
+
 def rtl_ops(c: Counter) -> Ops:
     """A section's instances as operations."""
     return Ops(
@@ -252,6 +307,15 @@ def _bullet(text: str) -> str:
     return "\n".join(lines)
 
 
+def operators_at_once() -> dict[str, dict[str, int]]:
+    """Datapath, with dividers and roots made of rows -> its operators and its clocks."""
+    found = {}
+    for datapath, top in (("paper", "ik_paper"), ("lean", "ik_lean")):
+        digit = {"DIGIT": 1} if datapath == "paper" else {}
+        found[datapath] = {**operators(elaborate(top=top, **digit)), "clocks": latency(datapath, WIDTH)}
+    return found
+
+
 def page(rtl: dict[str, Counter]) -> str:
     """operations.md."""
     lines, lines_19 = printed_lines(), lines_with_19()
@@ -279,6 +343,10 @@ def page(rtl: dict[str, Counter]) -> str:
         ),
         equations={k: total(PRINTED[k].values()) for k in PRINTED},
         bullet=_bullet,
+        savings=savings(),
+        at_once=(at_once := operators_at_once()),
+        together={datapath: found["add"] + found["mul"] for datapath, found in at_once.items()},
+        width=WIDTH,
     )
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 4: the rules of counting, the elaborated RTL against the dataflow, and the page."""
 
+import json
 import shutil
 
 import pytest
@@ -8,6 +9,7 @@ import sympy
 
 from model.dataflow.paper import paper
 from model.reference.printed import PRINTED, symbol
+from scripts.fpga.measure import FIGURES
 from scripts.pages import opcounts
 from scripts.pages.counts import operations
 from scripts.pages.opcounts import Ops, count
@@ -124,6 +126,18 @@ def test_rtl_that_does_not_elaborate_says_why(tmp_path):
     edit(root, "rtl/paper/ik_elbow_q.v", "endmodule", "ik_missing u_missing ();\nendmodule")
     with pytest.raises(RuntimeError, match="ik_missing"):
         opcounts.rtl_counts(root)
+
+
+def test_operators_at_once(tmp_path):
+    """One that is assigned to several words is one, tables and indices have none; a row more or less counts."""
+    for top, expected in (("ik_div_row", {"add": 1}), ("ik_lzc", {"add": 3}), ("ik_exact", {"add": 4, "mul": 4})):
+        assert opcounts.operators(opcounts.elaborate(top=top)) == expected
+    root = copy_of_rtl(tmp_path)
+    digit = {"top": "ik_paper", "DIGIT": 1}
+    before = opcounts.operators(opcounts.elaborate(root, **digit))
+    assert before["mul"] == json.loads(FIGURES.read_text())["runs"]["paper-W32-DIGIT1-xc2vp"]["cells"]["multipliers"]
+    edit(root, "rtl/paper/ik_to_elbow.v", "{1'b0, d_e_q} + {1'b0, abs_z}", "{1'b0, d_e_q} ^ {1'b0, abs_z}")
+    assert before - opcounts.operators(opcounts.elaborate(root, **digit)) == {"add": 1}
 
 
 def test_page_is_up_to_date(rtl):
