@@ -70,13 +70,15 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
-        self, sim: str = SIMULATORS[0], datapath: str = DATAPATHS[0], width: int = WIDTHS[-1],
+        self, sim: str = SIMULATORS[0], datapath: str | None = DATAPATHS[0], width: int = WIDTHS[-1],
         datapaths: Sequence[str] = DATAPATHS,
     ) -> None:  # fmt: skip
-        """The options that say which core is simulated by what; datapaths: those that --datapath takes."""
+        """The options that say which core is simulated by what; datapaths: those that --datapath takes; no datapath as
+        the default: all of the paper's scenario, otherwise the first."""
         default = "(default: %(default)s)"
         self.choice("--sim", "simulator", SIMULATORS, sim, f"the simulator {default}")
-        self.choice("--datapath", "datapath", datapaths, datapath, f"which dataflow of the core to run {default}")
+        which = default if datapath else f"(default: {datapaths[-1]} of the paper's scenario, otherwise {datapaths[0]})"
+        self.choice("--datapath", "datapath", datapaths, datapath, f"which dataflow of the core to run {which}")
         about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
         self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
 
@@ -261,7 +263,7 @@ def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
     are new and empty. Raises InputError when that cannot work.
     """
     folders = list(dict.fromkeys([out, *(path.parent for path in paths)]))
-    new = [one for one in dict.fromkeys(p for f in folders for p in (f, *f.parents)) if not one.exists()]
+    new = [one for one in dict.fromkeys(p for f in folders for p in (f, *f.parents)) if not os.path.exists(one)]
     try:
         _check_out(folders, paths)
         yield

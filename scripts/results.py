@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,20 +20,26 @@ from scripts.console import writing
 from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
+SCORES = "score.json"
 CLIP_KINDS = ("bvh", "glb")
 
 
-def result_paths(out: Path, prepared: Sequence[Prepared]) -> list[Path]:
+def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
     """Where `write_results` writes the results.csv of each trajectory."""
     many = len(prepared) > 1
-    return [out / item.targets.name / "results.csv" if many else out / "results.csv" for item in prepared]
+    return [folder / item.targets.name / "results.csv" if many else folder / "results.csv" for item in prepared]
 
 
-def written(out: Path, prepared: Sequence[Prepared]) -> list[Path]:
+def of_datapath(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """All that `write_results` writes for one datapath."""
+    tables = result_paths(folder, prepared)
+    clip = [folder / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
+
+
+def written(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared]) -> list[Path]:
     """All that `write_results` writes."""
-    tables = result_paths(out, prepared)
-    clip = [out / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
-    return [*tables, *(path.with_suffix(".npz") for path in tables), *clip, out / "score.json"]
+    return [*(path for folder in folders for path in of_datapath(folder, prepared)), out / SCORES]
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
@@ -60,15 +66,23 @@ def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
         return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
 
 
-def write_results(out: Path, prepared: Sequence[Prepared], done: Sequence[tuple[Run, Score]]) -> None:
-    """Write results.csv and results.npz of every trajectory, score.json, and of a clip the clip again."""
+def write_results(
+    out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Sequence[Sequence[tuple[Run, Score]]]
+) -> None:
+    """Write results.csv and results.npz of every trajectory and of a clip the clip again, for each datapath in its
+    folder, and the score.json of all."""
     with writing():
-        for path, item, (ran, result) in zip(result_paths(out, prepared), prepared, done, strict=True):
-            targets = item.targets
-            if item.clip:
-                targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
-                for kind, content in turned_clip(item, ran, result.width).items():
-                    write_atomically(path.with_name(f"clip.{kind}"), content)
-            write_results_csv(path, targets, ran.results, ran.flags, result)
-            write_results_npz(path.with_suffix(".npz"), targets, ran.results, ran.flags, result)
-        write_score_json(out / "score.json", [result for _, result in done])
+        for folder, ran in zip(folders, done, strict=True):
+            _write_datapath(folder, prepared, ran)
+        write_score_json(out / SCORES, [result for ran in done for _, result in ran])
+
+
+def _write_datapath(folder: Path, prepared: Sequence[Prepared], done: Sequence[tuple[Run, Score]]) -> None:
+    for path, item, (ran, result) in zip(result_paths(folder, prepared), prepared, done, strict=True):
+        targets = item.targets
+        if item.clip:
+            targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
+            for kind, content in turned_clip(item, ran, result.width).items():
+                write_atomically(path.with_name(f"clip.{kind}"), content)
+        write_results_csv(path, targets, ran.results, ran.flags, result)
+        write_results_npz(path.with_suffix(".npz"), targets, ran.results, ran.flags, result)

@@ -3,7 +3,10 @@
 
     python -m scripts.run [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
 
-Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table.
+Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without a
+trajectory and a datapath it runs both datapaths on the paper's scenario, with the results in OUT/lean and OUT/paper,
+and prints them beside tables 5 and 6 of the paper.
+
 Exit status: 0 if every trajectory passes, 1 if one fails or the simulation breaks off, 2 for input that
 cannot be used (one line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
@@ -13,24 +16,25 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 
 from model.bounds.predict import hand_bar
 from model.targets import trajectories
 from model.targets.scoring import Score, score
+from scripts.beside import table_beside_the_paper
 from scripts.console import Parser, command, output, progress, show, whole_file, writing
 from scripts.recording import ALIGNED, VCD, WAVES, align
-from scripts.results import write_results, written
+from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import Prepared, parser_of, prepare
+from scripts.trajectory import Prepared, datapaths, parser_of, prepare
 from scripts.waves import write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 
 def _parser() -> Parser:
     about = "Run trajectories through the core in a simulator and score them."
-    parser = parser_of("run", about, out="build/run", written="results.csv and score.json")
+    parser = parser_of("run", about, out="build/run", written="results.csv and score.json", datapath=None, both=True)
     about = f"also write OUT/{VCD}, of one trajectory OUT/{ALIGNED}, too, and GTKWave save files"
     parser.add_argument("--waves", action="store_true", help=about)
     parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
@@ -38,18 +42,19 @@ def _parser() -> Parser:
 
 
 def run_and_score(
-    arguments: argparse.Namespace, prepared: Sequence[Prepared], waves: Path | None = None, predict: bool = True
+    arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None,
+    predict: bool = True,
 ) -> list[tuple[Run, Score]]:
-    """Run all trajectories in one simulation and score them, in their order, beside the errors that are predicted
-    if `predict` says so. Raises SimulationError."""
+    """Run all trajectories through a datapath in one simulation and score them, in their order, beside the errors that
+    are predicted if `predict` says so. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     total = sum(len(job.words) for job in jobs)
-    with progress(f"{arguments.sim}, {total} targets", total) as meter:
+    with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
         meter(0, "compiling and starting")
         runs = simulate(
             jobs,
             simulator=arguments.sim,
-            datapath=arguments.datapath,
+            datapath=datapath,
             width=arguments.width,
             waves=waves,
             progress=lambda done, _: meter(done),
@@ -58,10 +63,10 @@ def run_and_score(
     scores = [
         score(
             item.targets, item.words, item.exponent, run.results, run.flags,
-            width=arguments.width, datapath=arguments.datapath, simulator=arguments.sim,
+            width=arguments.width, datapath=datapath, simulator=arguments.sim,
             latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
             bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
-            predicted=hand_bar(item.words, arguments.width, arguments.datapath) if predict else None,
+            predicted=hand_bar(item.words, arguments.width, datapath) if predict else None,
             bar=arguments.bar,
         )
         for item, run in zip(prepared, runs, strict=True)
@@ -69,33 +74,54 @@ def run_and_score(
     return list(zip(runs, scores, strict=True))
 
 
+def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
+    """The table of each datapath; of both on one trajectory, one table beside the paper's."""
+    if len(done) > 1 and len(done[0]) == 1:
+        show(table_beside_the_paper([(result, ran.flags) for ((ran, result),) in reversed(done)]))
+        return
+    for ran in done:
+        runs, scores = zip(*ran, strict=True)
+        show(table_of_many(scores) if len(ran) > 1 else table_of_one(scores[0], runs[0].flags))
+
+
+def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str) -> list[Path]:
+    """What is made of a recording: its save file, and of one trajectory the recording with a target in a column."""
+    vcd = (folder / VCD).absolute()
+    if len(prepared) == 1:
+        align(vcd, prepared[0].words, width, datapath)
+        return [folder / name for name in WAVES]
+    with writing():
+        write_save_file(vcd, datapath, width, vcd.with_suffix(".gtkw"))
+    return [folder / name for name in WAVES if name.stem == vcd.stem]
+
+
 def _run(arguments: argparse.Namespace) -> int:
     """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
-    width, out = arguments.width, arguments.out
+    out = arguments.out
     prepared = prepare(arguments)
-    many = len(prepared) > 1
-    waves = (out / VCD).absolute() if arguments.waves else None
+    folders = datapaths(arguments)
     # A prediction takes longer than everything else of a long file.
     predict = sum(len(item.words) for item in prepared) < LONG
-    with output(out, written(out, prepared)), whole_file(waves) if waves else nullcontext() as unfinished:
-        done = run_and_score(arguments, prepared, unfinished, predict)
-        write_results(out, prepared, done)
+    with output(out, written(out, folders.values(), prepared)), ExitStack() as recordings:
+        done = []
+        for datapath, folder in folders.items():
+            vcd = recordings.enter_context(whole_file((folder / VCD).absolute())) if arguments.waves else None
+            done.append(run_and_score(arguments, datapath, prepared, vcd, predict))
+        write_results(out, folders.values(), prepared, done)
 
-    runs, scores = zip(*done, strict=True)
-    show(table_of_many(scores) if many else table_of_one(scores[0], runs[0].flags))
-    count = f" ({len(prepared)} files)" if many else ""
-    tables = [f"{out / '*' / name if many else out / name}{count}" for name in ("results.csv", "results.npz")]
-    told = [*tables, *(path for path in written(out, prepared) if path.suffix not in (".csv", ".npz"))]
-    if waves and many:
-        with writing():
-            write_save_file(waves, arguments.datapath, width, waves.with_suffix(".gtkw"))
-        told += [out / name for name in WAVES if name.stem == waves.stem]
-    elif waves:
-        align(waves, prepared[0].words, width, arguments.datapath)
-        told += [out / name for name in WAVES]
+    _show(done)
+    many = len(prepared) > 1
+    told: list[Path | str] = []
+    for folder in folders.values():
+        tables = [folder / "*" / name if many else folder / name for name in ("results.csv", "results.npz")]
+        told += [f"{path} ({len(prepared)} files)" if many else path for path in tables]
+        told += [path for path in of_datapath(folder, prepared) if path.suffix not in (".csv", ".npz")]
+    told.append(out / SCORES)
+    for datapath, folder in folders.items() if arguments.waves else ():
+        told += _waves(folder, prepared, arguments.width, datapath)
     for path in told:
         print(f"wrote {path}")
-    return verdict("run", scores)
+    return verdict("run", [result for ran in done for _, result in ran])
 
 
 @command("run")

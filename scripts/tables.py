@@ -20,6 +20,8 @@ from tb.core.random_targets import Core, Found
 
 NOT_ASKED = "not asked"
 
+LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
+
 EXPLAINED = (
     "asked: what the error must not exceed, by the table of tolerances or BAR=; predicted: what the roundings can do "
     "at these poses; it explains an error and is no limit, so it may be above or below what is asked"
@@ -36,6 +38,11 @@ def _asked(bar: float | None) -> str:
 
 def _verdict(result: Score) -> str:
     return "[green]pass[/]" if result.passed else "[bold red]FAIL[/]"
+
+
+def outcome(result: Score) -> str:
+    """Whether it passes, and why."""
+    return f"{_verdict(result)}{escape(result.outcome[4:])}"
 
 
 def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
@@ -70,9 +77,9 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
     return [
         *rows,
         ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
-        ("latency (clocks)", str(result.latency_cycles)),
-        ("clocks for all targets", str(result.total_cycles)),
-        ("results per clock while they flow", f"{result.results_per_cycle:.3f}"),
+        (LATENCY, str(result.latency_cycles)),
+        (CLOCKS, str(result.total_cycles)),
+        (RATE, f"{result.results_per_cycle:.3f}"),
         ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0"),
     ]
 
@@ -82,7 +89,7 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
     table = Table(
         title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
         f"{result.width} bits, {result.simulator}",
-        caption=f"{_verdict(result)}{escape(result.outcome[4:])}\n{EXPLAINED}",
+        caption=f"{outcome(result)}\n{EXPLAINED}",
         box=box.SIMPLE_HEAD,
         title_justify="left",
         caption_justify="left",
@@ -130,10 +137,13 @@ def table_of_many(scores: Sequence[Score]) -> Table:
 
 
 def verdict(name: str, scores: Sequence[Score]) -> int:
-    """Say on stderr, for the command `name`, what fails; the exit status 0 or 1."""
+    """Say on stderr, for the command `name`, what fails, and of which datapath if there are several; the exit status 0
+    or 1."""
+    several = len({result.datapath for result in scores}) > 1
     for result in scores:
+        of = f", {result.datapath} datapath" if several else ""
         for failure in result.failures:
-            print(f"{name}: {result.trajectory} fails: {failure}", file=sys.stderr)
+            print(f"{name}{of}: {result.trajectory} fails: {failure}", file=sys.stderr)
     return 0 if all(result.passed for result in scores) else 1
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,6 +28,9 @@ from tb.sim.simulate import DATAPATHS
 
 ALL = "all"
 
+BOTH = "both"
+"""Of --datapath: each in a simulation of its own, on the same targets."""
+
 
 @dataclass(frozen=True)
 class Prepared:
@@ -45,12 +48,13 @@ class Prepared:
 
 def parser_of(
     command: str, description: str, *, out: str, written: str,
-    passes: str = "all trajectories pass", fails: str = "one fails", datapaths: Sequence[str] = DATAPATHS,
+    passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DATAPATHS[0],
+    both: bool = False,
 ) -> Parser:  # fmt: skip
     """The parser of a command that runs trajectories, with the options that all of them have.
 
-    out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`;
-    datapaths: as of `Parser.core`.
+    out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`; datapath:
+    the default, None if it depends on the trajectory (`datapaths`); both: whether --datapath takes BOTH.
     """
     parser = Parser(command, description, passes=passes, fails=fails)
     about = (
@@ -60,7 +64,7 @@ def parser_of(
     parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
-    parser.core(datapaths=datapaths)
+    parser.core(datapath=datapath, datapaths=(*DATAPATHS, BOTH) if both else DATAPATHS)
     parser.choice(
         "--cores", "cores", CORES, CORES[0],
         "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
@@ -91,6 +95,14 @@ def parser_of(
     )
     parser.add_argument("--bar", type=accuracy, metavar="ERROR", help=about)
     return parser
+
+
+def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
+    """The datapaths that --datapath asks for, and the folder of the results of each. Without it both run on the paper's
+    scenario, as the front page compares them, and the first on anything else."""
+    scenario = arguments.trajectory == trajectories.DEFAULT
+    chosen = arguments.datapath or (BOTH if scenario else DATAPATHS[0])
+    return {each: arguments.out / each for each in DATAPATHS} if chosen == BOTH else {chosen: arguments.out}
 
 
 # -- the targets -----------------------------------------------------------------------------------

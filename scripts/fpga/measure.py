@@ -22,14 +22,13 @@ from pathlib import Path
 
 from model.targets.stimuli import region
 from scripts.console import Parser, command, one_of, word_length
-from scripts.fpga.page import AIM_MHZ, BROKEN_DOWN, DEVICE, PARAMETERS, SECTIONS, TOPS, comparison, page
+from scripts.fpga.page import AIM_MHZ, BROKEN_DOWN, DEVICE, FIGURES, PARAMETERS, SECTIONS, TOPS, comparison, page
 from scripts.fpga.report import HOLDS, KINDS
 from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
 from scripts.pages.comparison import Errors, latency
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.sources import closure, digest
 
-FIGURES = GENERATED / "fpga.json"
 PAGE = GENERATED / "fpga.md"
 
 WIDTHS = {"lean": (18, 24, 32), "paper": (32,)}

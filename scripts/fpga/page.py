@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+from scripts import published
 from scripts.fpga.report import HOLDS, KINDS, MULTIPLIER_NS
 from scripts.pages.render import render, table
+from tb.sim.env import GENERATED
+
+FIGURES = GENERATED / "fpga.json"
 
 DEVICE = "ECP5-85k, speed grade 8"
 
@@ -24,11 +28,11 @@ BROKEN_DOWN = (32, 18)
 """Widths whose logic is counted module by module."""
 
 PAPER_TABLE = {
-    "LUT4 on xc2vp": "~30000",
-    "clock (MHz)": "100",
-    "latency (clocks)": "~550",
-    "latency (ns)": "5500",
-    "100 targets (us)": "6",
+    "LUT4 on xc2vp": f"~{published.LUTS} ({published.of_chip(published.LUTS)})",
+    "clock (MHz)": f"{published.MHZ}",
+    "latency (clocks)": f"~{published.LATENCY}",
+    "latency (ns)": f"{1000 * published.LATENCY / published.MHZ:.0f}",
+    "100 targets (us)": f"{published.ALL_US:.0f}",
     "results a clock": "1",
 }
 """Tables 5 and 6 of the paper: the Virtex-II Pro 2VP70, Xilinx ISE and Core Generator."""
@@ -50,7 +54,12 @@ def slowest(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> 
     return min(run["mhz"] for _, run in found) if len(found) == len(modules) else None
 
 
-def _synth(data: dict, datapath: str, width: int, family: str, kind: str = "") -> dict | None:
+def clock(data: dict, datapath: str, width: int) -> float | None:
+    """MHz of a datapath: placed whole where the device holds it, otherwise of its slowest module."""
+    return slowest(data, datapath, width, (TOPS[datapath],)) or slowest(data, datapath, width, SECTIONS[datapath])
+
+
+def synthesized(data: dict, datapath: str, width: int, family: str, kind: str = "") -> dict | None:
     starts = f"{TOPS[datapath].removeprefix('ik_')}-W{width}-"
     ends = f"-{family}{'-' + kind if kind else ''}"
     return next((r for n, r in data["runs"].items() if n.startswith(starts) and n.endswith(ends)), None)
@@ -71,12 +80,13 @@ def comparison(data: dict) -> str:
         "ecp5": ("LUT4 on ECP5", None, "MULT18X18D", "DP16KD", "flip-flops", "CCU2C"),
     }
     for family, (lut, shift, multiplier, memory, flops, carry) in words.items():
-        got = [_synth(data, d, w, family) for d, w in columns]
+        got = [synthesized(data, d, w, family) for d, w in columns]
 
         def of(kind, got=got):
             return [r["cells"][kind] if r else None for r in got]
 
-        put(lut, of("LUT"))
+        luts = of("LUT")
+        put(lut, [n and f"{n} ({published.of_chip(n)})" for n in luts] if family == "xc2vp" else luts)
         if shift:
             put(f"{shift} ({family})", of("shift"))
         put(f"{flops} ({family})", of("FF"))
@@ -85,8 +95,7 @@ def comparison(data: dict) -> str:
         put(memory, of("RAM"))
     designs = [data["designs"][f"{d}-{w}"] for d, w in columns]
     alone = [slowest(data, d, w, SECTIONS[d]) for d, w in columns]
-    one = [slowest(data, d, w, (TOPS[d],)) for d, w in columns]
-    mhz = [whole or modules for whole, modules in zip(one, alone, strict=True)]
+    mhz = [clock(data, d, w) for d, w in columns]
     put("clock (MHz)", [m and f"{m:.0f}" for m in mhz])
     put("placed", [d.get("placed") for d in designs])
     put("slowest of its modules alone (MHz)", [m and f"{m:.0f}" for m in alone])
@@ -101,7 +110,7 @@ def comparison(data: dict) -> str:
 
 def breakdown(data: dict, datapath: str, width: int) -> dict | None:
     """Where the logic of a datapath is: tables by section and by module; None where it was not counted."""
-    tree = _synth(data, datapath, width, "xc2vp", "tree")
+    tree = synthesized(data, datapath, width, "xc2vp", "tree")
     if not tree:
         return None
     names = ["LUT4", "of them SRL16", "flip-flops", "carry", "MUXF", "MULT18X18", "RAMB16"]
@@ -111,7 +120,7 @@ def breakdown(data: dict, datapath: str, width: int) -> dict | None:
     modules = sorted(tree["modules"].items(), key=lambda item: -item[1]["LUT"])
     rows = [[f"`{n}`", c["instances"], *(c[k] for k in KINDS)] for n, c in modules if any(c[k] for k in KINDS)]
     rows.append(["all", "", *(sum(c[k] for _, c in modules) for k in KINDS)])
-    flat = _synth(data, datapath, width, "xc2vp")
+    flat = synthesized(data, datapath, width, "xc2vp")
     return {
         "datapath": datapath,
         "width": width,
@@ -150,6 +159,9 @@ def page(data: dict) -> str:
         rtl="; ".join(f"{d} as of commit `{c}`, sources `{h}`" for d, c, h in measured),
         comparison=comparison(data),
         device=DEVICE,
+        chip=published.CHIP,
+        chip_luts=published.CHIP_LUTS,
+        chip_multipliers=published.CHIP_MULTIPLIERS,
         multipliers=HOLDS["MULT18X18D"],
         multiplier_ns=MULTIPLIER_NS,
         multiplier_mhz=f"{1000 / MULTIPLIER_NS:.0f}",

@@ -14,7 +14,6 @@ Exit status: as `scripts.run`; a page is written also when a trajectory fails, a
 
 from __future__ import annotations
 
-import argparse
 import html
 import json
 import re
@@ -33,17 +32,14 @@ from model.targets.words import from_words, result_values
 from scripts.console import command, output, writing
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
-from scripts.results import elbow_errors, result_paths, write_results, written
+from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
 from scripts.run import run_and_score
 from scripts.tables import figures, verdict
-from scripts.trajectory import Prepared, parser_of, prepare
-from tb.sim.simulate import DATAPATHS, Run
+from scripts.trajectory import Prepared, datapaths, parser_of, prepare
+from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
 SCRIPTS = ("canvas", "arm", "figure", "paper", "plots", "overview", "report")
-
-BOTH = "both"
-"""Of --datapath: each in a simulation of its own, on the same targets."""
 
 DIGITS = 7
 """Digits of the figures in the page: enough to draw, and to read."""
@@ -133,12 +129,12 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
     links: dict[str, list[str]] = {item.targets.name: [] for item in prepared}
     names = []
     for folder in folders:
-        names += [path.relative_to(out).as_posix() for path in written(folder, prepared)]
+        names += [path.relative_to(out).as_posix() for path in of_datapath(folder, prepared)]
         for name, path in zip(links, result_paths(folder, prepared), strict=True):
             table = path.relative_to(out).as_posix()
             links[name] += [table, f"{table.removesuffix('csv')}npz"]
     known = {name for each in links.values() for name in each}
-    return links | {"": [name for name in names if name not in known]}
+    return links | {"": [*(name for name in names if name not in known), SCORES]}
 
 
 def script() -> str:
@@ -167,24 +163,18 @@ def page(
 def main(arguments: Sequence[str] | None) -> int:
     """Run, score and write the page; the exit status."""
     about = "Run trajectories through the core in a simulator and write a page that shows them."
-    datapaths: tuple[str, ...] = (*DATAPATHS, BOTH)
-    parser = parser_of("report", about, out="build/report", written="report.html", datapaths=datapaths)
+    parser = parser_of("report", about, out="build/report", written="report.html", both=True)
     parsed = parser.parse_args(arguments)
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
-    datapaths = DATAPATHS if parsed.datapath == BOTH else (parsed.datapath,)
-    folders = [parsed.out / each for each in datapaths] if parsed.datapath == BOTH else [parsed.out]
-    with output(parsed.out, [path, *(file for folder in folders for file in written(folder, prepared))]):
-        done = [
-            run_and_score(argparse.Namespace(**(vars(parsed) | {"datapath": each})), prepared) for each in datapaths
-        ]
+    folders = datapaths(parsed)
+    with output(parsed.out, [path, *written(parsed.out, folders.values(), prepared)]):
+        done = [run_and_score(parsed, datapath, prepared) for datapath in folders]
         shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
-        links = _links(parsed.out, folders, prepared)
-        text = page(shown, links, datapath=" and ".join(datapaths), width=parsed.width, simulator=parsed.sim)
+        links = _links(parsed.out, list(folders.values()), prepared)
+        text = page(shown, links, datapath=" and ".join(folders), width=parsed.width, simulator=parsed.sim)
         with writing():
             write_atomically(path, text)
-        for folder, each in zip(folders, done, strict=True):
-            write_results(folder, prepared, each)
+        write_results(parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
-    names = [f"report, {each} datapath" if parsed.datapath == BOTH else "report" for each in datapaths]
-    return max(verdict(name, [result for _, result in each]) for name, each in zip(names, done, strict=True))
+    return verdict("report", [result for ran in done for _, result in ran])

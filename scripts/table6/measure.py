@@ -26,7 +26,7 @@ from model.targets.stimuli import random_reachable
 from model.targets.trajectories import STEPS, make
 from model.targets.words import Targets, from_words
 from scripts.console import InputError, Parser, command
-from scripts.fpga.measure import FIGURES as FPGA
+from scripts.fpga.page import FIGURES as FPGA
 from scripts.table6 import hardware
 from scripts.table6.compiled import FLAGS, Software, compiler_version
 from scripts.table6.contenders import Bound, Contender, columns, in_c, in_jax, in_numba, in_numpy

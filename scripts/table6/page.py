@@ -6,17 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from scripts.fpga.page import SECTIONS, TOPS, slowest
+from scripts import published
+from scripts.fpga.page import clock
 from scripts.pages.render import error, render
 from scripts.table6 import limits
 
-BATCH = 100
-"""Targets of the paper's table."""
-
-PAPER_SOFTWARE_US = 860.0
 QUOTED = (
-    ("the paper, software on its CPU", PAPER_SOFTWARE_US, None),
-    ("the paper, pipeline at 100 MHz", 6.0, 5000.0),
+    ("the paper, software on its CPU", published.SOFTWARE_US, None),
+    ("the paper, pipeline at 100 MHz", published.ALL_US, 1000 * published.FIRST_US),
     ("the same group later, 363 stages at 100 MHz", 4.63, 3630.0),
 )
 """What, us for 100 targets, ns until the first answer: table 6 of the paper; 363 stages and 100 MHz of its authors'
@@ -28,8 +25,7 @@ BUSY = 0.3
 
 def mhz(fpga: dict, datapath: str, width: int) -> float:
     """The clock of a datapath, as on the page of `make fpga`."""
-    whole = slowest(fpga, datapath, width, (TOPS[datapath],))
-    found = whole or slowest(fpga, datapath, width, SECTIONS[datapath])
+    found = clock(fpga, datapath, width)
     if found is None:
         raise ValueError(f"fpga.json has no clock of {datapath}, W = {width}")
     return found
@@ -56,7 +52,7 @@ def compared(one: float, other: float) -> str:
 
 def _quoted() -> Iterator[list[str]]:
     for name, total, _ in QUOTED:
-        yield ["quoted", name, number(total), ratio(PAPER_SOFTWARE_US / total), "-", "-", "-", "-"]
+        yield ["quoted", name, number(total), ratio(published.SOFTWARE_US / total), "-", "-", "-", "-"]
 
 
 def _software(figures: dict) -> Iterator[list[str]]:
@@ -65,10 +61,10 @@ def _software(figures: dict) -> Iterator[list[str]]:
             yield [row["group"], row["name"], row["lacks"], "-", "-", "-", "-", "-"]
             continue
         reach, random = row["reach"], row["random"]
-        total = reach["ns"] * BATCH / 1000
+        total = reach["ns"] * published.TARGETS / 1000
         ns = number(random["ns"])
         yield [
-            row["group"], row["name"], number(total), ratio(PAPER_SOFTWARE_US / total),
+            row["group"], row["name"], number(total), ratio(published.SOFTWARE_US / total),
             ns if random["targets"] == figures["targets"] else f"{ns} ({random['targets']} targets)",
             error(reach["error"]), error(random["error"]), reach["unanswered"] + random["unanswered"],
         ]  # fmt: skip
@@ -80,7 +76,7 @@ def _hardware(figures: dict, fpga: dict) -> Iterator[list[str]]:
         total = row["last"] / clock
         yield [
             "this core", f"`{row['datapath']}`, W = {row['width']}, {clock:.0f} MHz, {row['path']}", number(total),
-            ratio(PAPER_SOFTWARE_US / total), number(1000 / clock), error(row["reach_error"]),
+            ratio(published.SOFTWARE_US / total), number(1000 / clock), error(row["reach_error"]),
             error(row["random_error"]), 0,
         ]  # fmt: skip
 
@@ -174,7 +170,7 @@ def page(figures: dict, fpga: dict) -> str:
         busy=figures["machine"]["load"] > BUSY * figures["machine"]["cores"],
         rows=[*_quoted(), *_software(figures), *_hardware(figures, fpga)],
         waits=list(_waits(figures, fpga)),
-        batch=BATCH,
+        batch=published.TARGETS,
         paths=sorted({row["path"] for row in figures["hardware"]}),
         lean=lean,
         paper=paper,
@@ -182,7 +178,7 @@ def page(figures: dict, fpga: dict) -> str:
         chain=named(figures, "c-lean-double-chain"),
         scalar=named(figures, "c-paper-double-batch"),
         paper_vector=named(figures, "c-paper-double-vector"),
-        paper_ratio=ratio(PAPER_SOFTWARE_US / QUOTED[1][1]),
+        paper_ratio=ratio(published.SOFTWARE_US / QUOTED[1][1]),
         fastest=fastest(figures, "c-"),
         c_unanswered=[r for r in figures["software"] if r["key"].startswith("c-") and r["random"]["unanswered"]],
         gpu=[r for r in figures["software"] if r["key"].startswith("jax-gpu") and "lacks" not in r],

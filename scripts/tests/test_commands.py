@@ -68,7 +68,7 @@ SAMPLE = [
     ("--seed x", "--seed", f"'x' {WHOLE} 0"),
 ]
 MISTAKES = {
-    "run": CORE + TRAJECTORIES + [("--out o", "--out", "'o/results.csv' is a folder")],
+    "run": CORE + TRAJECTORIES + [("--out o", "--out", "'o/score.json' is a folder")],
     "report": CORE + TRAJECTORIES + [
         ("--waves", "unrecognized arguments: --waves"), ("--out o", "--out", "'o/report.html' is a folder"),
     ],
@@ -111,7 +111,7 @@ def test_a_mistake_is_one_line_and_status_2(command, files, monkeypatch, tmp_pat
         monkeypatch.setattr(module, "simulate", lambda *_, **__: pytest.fail("simulates"))
     monkeypatch.setattr(soak.Core, "built", lambda *_: pytest.fail("simulates"))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
-    for folder in ("folder", "o/results.csv", "o/report.html", "o/hardest.csv"):
+    for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
         Path(folder).mkdir(parents=True)
     Path("file").touch()
     Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")

@@ -21,6 +21,7 @@ from model.targets import trajectories
 from model.targets.flags import expected_flags
 from model.targets.words import FIELDS, RESULT_FIELDS, from_words
 from scripts import results, run
+from scripts.fpga.page import FIGURES, clock
 from scripts.recording import WAVES
 from tb.sim.simulate import Run, SimulationError
 
@@ -72,14 +73,64 @@ def scores(path="build/run/score.json"):
 # -- what it does ----------------------------------------------------------------------------------
 
 
-def test_default_run(cli, simulator, files):
+def test_the_paper_scenario_by_both_datapaths(cli, simulator, files):
+    """Plain `make run`: two simulations, results of each in a folder of its own, one score.json, the paper beside."""
     status, out, err = cli()
+    assert (status, err) == (0, [])
+    names = [f"build/run/{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")]
+    assert files() == [*names, "build/run/score.json"]
+    assert out[-5:] == [f"wrote {name}" for name in files()]
+    assert [call["datapath"] for call in simulator.calls] == ["lean", "paper"]
+    assert all([job.name for job in call["jobs"]] == ["reach"] for call in simulator.calls)
+    assert [(item["datapath"], item["targets"], item["passed"]) for item in scores()] == [
+        ("lean", 100, True), ("paper", 100, True),
+    ]  # fmt: skip
+    table = {line[:41].strip(): line[41:].split() for line in out if line.startswith(" ")}
+    assert table["figure"] == ["the", "paper", "paper", "lean"]
+    assert table["latency (clocks)"] == ["~550", "363", "363"]
+    runs = json.loads(FIGURES.read_text())["runs"]
+    cells = [runs[f"{name}-xc2vp"]["cells"] for name in ("paper-W32-DIGIT1", "lean-W32")]
+    assert table["LUT4"] == ["~30000", *(str(each["LUT"]) for each in cells)]
+    assert table["of the 2VP70's"][:2] == ["45%", "45%"]
+    assert table["18x18 multipliers"] == ["-", *(str(each["multipliers"]) for each in cells)]
+    mhz = [clock(json.loads(FIGURES.read_text()), datapath, 32) for datapath in ("paper", "lean")]
+    assert table["until the first result (us)"] == ["5", *(f"{363 / each:.2f}" for each in mhz)]
+    assert table["until the last (us)"] == ["6", *(f"{463 / each:.2f}" for each in mhz)]
+    assert table["times the paper's software"] == ["143", *(f"{860 * each / 463:.0f}" for each in mhz)]
+    assert table["bits that differ from the bit-true model"] == ["-", "0", "0"]
+    assert max(map(len, out)) <= 79
+
+
+def test_what_fpga_has_not_measured_is_left_open(cli):
+    """And times for another number of targets are those of as many in the paper."""
+    Path("t.csv").write_text("x,y,z\n" + "0.3,0.1,-0.2\n" * 50, encoding="utf-8")
+    _, out, _ = cli("--width", "20", "--datapath", "both", "--trajectory", "t.csv")
+    table = {line[:41].strip(): line[41:].split() for line in out if line.startswith(" ")}
+    for name in ("18x18 multipliers", "clock (MHz)", "until the last (us)", "times the paper's software"):
+        assert table[name][1:] == ["-", "-"], name
+    assert table["until the last (us)"][0] == "5.5" and table["times the paper's software"][0] == "78"
+
+
+def test_one_of_both_that_fails_is_named(cli, simulator):
+    def spoil(runs):
+        if simulator.calls[-1]["datapath"] == "paper":
+            runs[0].bit_mismatches, runs[0].first_mismatch = 5, "target 3, node c4"
+
+    simulator.spoil = spoil
+    status, out, err = cli()
+    assert status == 1
+    assert err == ["run, paper datapath: reach fails: 5 bits differ from the bit-true model; target 3, node c4"]
+    assert any(line.startswith("paper: FAIL") for line in out) and any(line.startswith("lean: pass") for line in out)
+    assert [item["passed"] for item in scores()] == [True, False]
+
+
+def test_one_datapath(cli, simulator, files):
+    status, out, err = cli("--datapath", "lean")
     assert (status, err) == (0, [])
     names = ["results.csv", "results.npz", "score.json"]
     assert files() == [f"build/run/{name}" for name in names]
     assert out[-3:] == [f"wrote build/run/{name}" for name in names]
     (call,) = simulator.calls
-    assert [job.name for job in call["jobs"]] == ["reach"]
     assert (call["simulator"], call["datapath"], call["width"]) == ("icarus", "lean", 32)
     assert call["cores"] == "behavioural"
     (score,) = scores()
@@ -88,6 +139,11 @@ def test_default_run(cli, simulator, files):
     assert hand.split()[-3:] == [f"{score['hand_error_max']:.1e}", "2e-08", "6.0e-08"]
     assert any(line.startswith("pass: within 2e-08 of the reach, as asked; ") for line in out)
     assert any(line.split()[-2:] == ["target", str(score["hand_error_target"])] for line in out)
+
+
+def test_other_trajectories_run_on_the_lean_datapath(cli, simulator):
+    assert cli("--trajectory", "circle")[0] == 0
+    assert [call["datapath"] for call in simulator.calls] == ["lean"]
 
 
 def test_options_reach_the_simulator(cli, simulator, files):
@@ -101,9 +157,12 @@ def test_options_reach_the_simulator(cli, simulator, files):
     assert [(item["simulator"], item["width"]) for item in scores("o/score.json")] == [("verilator", 24)]
 
 
-def test_the_paths_of_waves_are_printed(cli):
+def test_the_paths_of_waves_are_printed(cli, files):
     _, out, _ = cli("--waves")
-    assert out[-4:] == [f"wrote build/run/{name}.{kind}" for name in ("waves", "aligned") for kind in ("vcd", "gtkw")]
+    names = [f"{name}.{kind}" for name in ("waves", "aligned") for kind in ("vcd", "gtkw")]
+    paths = [f"build/run/{datapath}/{name}" for datapath in ("lean", "paper") for name in names]
+    assert out[-8:] == [f"wrote {path}" for path in paths]
+    assert set(paths) < set(files())
 
 
 def test_of_many_trajectories_nothing_is_aligned(cli, files):
@@ -228,7 +287,7 @@ def test_progress_on_a_terminal_goes_to_stderr(cli, simulator, monkeypatch):
     simulator.spoil = spoil
     status, _, err = cli()
     assert status == 0 and callable(seen[0])
-    assert "icarus, 100 targets" in "".join(err)
+    assert "icarus, lean datapath, 100 targets" in "".join(err)
 
 
 # -- trajectories that fail ------------------------------------------------------------------------
@@ -253,7 +312,7 @@ def test_a_failure_names_the_bar_and_by_how_much(cli, simulator):
 def test_an_accuracy_of_ones_own_fails_honestly(cli):
     status, out, err = cli("--bar", "1e-12")
     assert status == 1 and "times its bar 1e-12" in err[0]
-    assert any(line.startswith("FAIL: 1e-12 of the reach was asked for, ") for line in out)
+    assert sum(": FAIL: 1e-12 of the reach was asked for, " in line for line in out) == 2
     assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
 
 
@@ -408,5 +467,5 @@ def test_what_was_there_stays_when_a_run_breaks_off(cli, simulator, files):
         raise SimulationError("vvp: killed")
 
     simulator.spoil = spoil
-    assert cli("--out", "o", "--waves")[::2] == (1, ["run: vvp: killed"])
+    assert cli("--out", "o", "--waves", "--datapath", "lean")[::2] == (1, ["run: vvp: killed"])
     assert files() == ["o/waves.vcd"] and Path("o/waves.vcd").read_text(encoding="utf-8") == "old"

@@ -9,7 +9,7 @@ import sympy
 
 from model.dataflow.paper import paper
 from model.reference.printed import PRINTED, symbol
-from scripts.fpga.measure import FIGURES
+from scripts.fpga.page import FIGURES
 from scripts.pages import opcounts
 from scripts.pages.counts import operations
 from scripts.pages.opcounts import Ops, count

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables 5 and 6 of the paper, and what its chip holds."""
+
+LUTS = 30_000
+MHZ = 100
+LATENCY = 550
+"""Clocks."""
+
+TARGETS = 100
+FIRST_US = 5.0
+ALL_US = 6.0
+"""The pipeline, until the first result and until that of the last target."""
+SOFTWARE_US = 860.0
+
+CHIP = "2VP70"
+CHIP_LUTS = 66_176
+CHIP_MULTIPLIERS = 328
+"""Virtex-II Pro 2VP70: 33088 slices of two LUT4 each, 18x18 multipliers (Xilinx DS083)."""
+
+
+def of_chip(luts: int) -> str:
+    """Their part of the chip's LUTs."""
+    return f"{luts / CHIP_LUTS:.0%}"
