@@ -22,7 +22,19 @@ from pathlib import Path
 
 from model.targets.stimuli import region
 from scripts.console import Parser, command, one_of, word_length
-from scripts.fpga.page import AIM_MHZ, BROKEN_DOWN, DEVICE, FIGURES, PARAMETERS, SECTIONS, TOPS, comparison, page
+from scripts.fpga.page import (
+    AIM_MHZ,
+    BROKEN_DOWN,
+    DEVICE,
+    FIGURES,
+    MEMORY,
+    MEMORY_TOP,
+    PARAMETERS,
+    SECTIONS,
+    TOPS,
+    comparison,
+    page,
+)
 from scripts.fpga.report import HOLDS, KINDS
 from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
 from scripts.pages.comparison import Errors, latency
@@ -41,14 +53,20 @@ SEEDS = range(1, 5)
 """Of placements, tried until the aim is reached."""
 
 
+ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
+"""In the place of the datapath, where only what is around it is measured."""
+
+
 def rtl_digest(datapath: str) -> str:
-    """Of the code of a datapath."""
-    return digest(closure(TOPS[datapath]))
+    """Of the code of a datapath, or of `memory`, all of ``ik_axi``."""
+    return digest(closure(TOPS.get(datapath, MEMORY_TOP)))
 
 
 def recorded() -> dict[str, str]:
     """Design, as in lean-32: the digest of the code that the checked-in figures are of."""
-    return {f"RTL of {name}": design["rtl"] for name, design in json.loads(FIGURES.read_text())["designs"].items()}
+    data = json.loads(FIGURES.read_text())
+    designs = data["designs"] | ({"memory": data["memory"]} if "memory" in data else {})
+    return {f"RTL of {name}": design["rtl"] for name, design in designs.items()}
 
 
 def present() -> dict[str, str]:
@@ -95,7 +113,7 @@ class Figures:
         for part in ("tools", "commands", "designs", "runs"):
             self.data[part] = dict(sorted(self.data[part].items()))
         # a line a run: a diff shows which ones are new
-        lines = [f' "{k}": {json.dumps(self.data[k])},' for k in ("tools", "commands")]
+        lines = [f' "{k}": {json.dumps(self.data[k])},' for k in ("tools", "commands", "memory") if k in self.data]
         tried = ",\n".join(f"  {json.dumps(row)}" for row in self.data.get("tried", []))
         lines += [' "tried": [', *([tried] if tried else []), " ],"]
         for part, end in (("designs", ","), ("runs", "")):
@@ -135,58 +153,78 @@ def describe(datapath: str, width: int) -> dict:
     }
 
 
-def measure(figures: Figures, datapaths: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """All runs of datapaths and widths; what was left out, a line each.  Figures are written after every run."""
-    left_out = []
+class Measurement:
+    """Runs whose figures are written after each; ``left_out``: what was not done in time, a line each."""
 
-    def attempt(run):
+    def __init__(self, figures: Figures):
+        self.figures = figures
+        self.left_out: list[str] = []
+
+    def _attempt(self, run: Run) -> dict | None:
         try:
             return run.done()
         except TimeOutError as error:
             say(str(error))
             return None
 
-    def result(run):
-        done = attempt(run)
+    def synthesis(self, run: Run) -> dict | None:
+        done = self._attempt(run)
         if not done:
-            left_out.append(f"{run.name}: not done in time")
+            self.left_out.append(f"{run.name}: not done in time")
         else:
-            figures.add(run.name, done)
-            figures.write()
+            self.figures.add(run.name, done)
+            self.figures.write()
         return done
 
-    def best_placement(datapath, width, module):
-        """The quickest of the seeds tried, with the clocks of all of them."""
-        first, tried = placement(datapath, width, module), []
+    def placement(self, first: Run, aim: float) -> bool:
+        """The quickest of the seeds that are tried until the aim is reached, with the clocks of all of them."""
+        tried = []
         for seed in SEEDS:
-            done = attempt(replace(first, seed=seed))
+            done = self._attempt(replace(first, seed=seed))
             if done:
                 tried.append({**done, "seed": seed})
-                if done["mhz"] >= AIM_MHZ[datapath]:
+                if done["mhz"] >= aim:
                     break
         if tried:
             best = max(tried, key=lambda done: done["mhz"])
-            figures.add(first.title, {**best, "tried": [done["mhz"] for done in tried]})
-            figures.write()
+            self.figures.add(first.title, {**best, "tried": [done["mhz"] for done in tried]})
+            self.figures.write()
         else:
-            left_out.append(f"{first.title}: no placement in time")
+            self.left_out.append(f"{first.title}: no placement in time")
         return bool(tried)
 
-    chosen = [(d, w) for d in datapaths or TOPS for w in sorted(widths or WIDTHS[d])]
+
+def measure(figures: Figures, datapaths: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """All runs of datapaths and widths; what was left out, a line each."""
+    on = Measurement(figures)
+    chosen = [(d, w) for d in datapaths for w in sorted(widths or WIDTHS[d])]
     for datapath, width in chosen:
         figures.design(datapath, width).update(describe(datapath, width))
         for family in FAMILIES:
-            result(synthesis(datapath, width, family))
+            on.synthesis(synthesis(datapath, width, family))
             if family == "xc2vp" and width in BROKEN_DOWN:
-                result(synthesis(datapath, width, family, "tree"))
+                on.synthesis(synthesis(datapath, width, family, "tree"))
     for datapath, width in chosen:
-        synthesized = result(synthesis(datapath, width, "ecp5"))
-        holds = synthesized and fits(synthesized["cells"]) and best_placement(datapath, width, TOPS[datapath])
+        synthesized, aim = on.synthesis(synthesis(datapath, width, "ecp5")), AIM_MHZ[datapath]
+        holds = synthesized and fits(synthesized["cells"])
+        holds = holds and on.placement(placement(datapath, width, TOPS[datapath]), aim)
         figures.design(datapath, width)["placed"] = "whole" if holds else "by module"
         for module in SECTIONS[datapath]:
-            best_placement(datapath, width, module)
+            on.placement(placement(datapath, width, module), aim)
         figures.write()
-    return left_out
+    return on.left_out
+
+
+def measure_memory(figures: Figures) -> list[str]:
+    """All runs of ``ik_axi``, around an echo and with the lean datapath; what was left out, a line each."""
+    on = Measurement(figures)
+    figures.data["memory"] = {"rtl": rtl_digest("memory"), "commit": commit()}
+    for width, echo in MEMORY:
+        run = Run("synth", "ecp5", MEMORY_TOP, {"W": width}, instead=ECHO if echo else ())
+        cells = [on.synthesis(replace(run, family=family)) for family in FAMILIES]
+        if cells[-1] and fits(cells[-1]["cells"]):
+            on.placement(replace(run, kind="place"), AIM_MHZ["lean"])
+    return on.left_out
 
 
 # -- command line ----------------------------------------------------------------------------------------------------
@@ -209,7 +247,8 @@ def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("fpga", __doc__.splitlines()[0], fails="a run was not done in time")
     parser.add_argument("--quick", action="store_true", help="one small width, in a few minutes; writes no page")
     each = {"action": "append", "default": []}
-    parser.add_argument("--datapath", type=one_of("datapath", tuple(TOPS)), help="only this one", **each)
+    about = "only this one, or only the core from memory to memory"
+    parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, "memory")), help=about, **each)
     parser.add_argument("--width", type=word_length, metavar="BITS", help="only this word length, 16 to 32", **each)
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
     options = parser.parse_args(arguments)
@@ -220,6 +259,8 @@ def main(arguments: Sequence[str] | None) -> int:
         program(tool)
     if options.quick:
         return quick((options.width or [QUICK_WIDTH])[0])
-    left_out = measure(Figures(), options.datapath, options.width)
+    chosen = options.datapath or [*TOPS, "memory"]
+    left_out = measure(Figures(), [each for each in chosen if each != "memory"], options.width)
+    left_out += measure_memory(Figures()) if "memory" in chosen else []
     print("\n".join([comparison(json.loads(FIGURES.read_text())), *left_out]))
     return 1 if left_out else 0

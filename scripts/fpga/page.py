@@ -21,6 +21,10 @@ SECTIONS = {
     "paper": ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist"),
 }
 
+MEMORY_TOP = "ik_axi"
+MEMORY = ((32, True), (18, False), (32, False))
+"""Word length, and whether an echo stands in the place of the lean datapath."""
+
 AIM_MHZ = {"lean": 180, "paper": 150}
 """A placement starts from a seed, and clocks differ by a tenth: the next seed is tried until this is reached."""
 
@@ -108,6 +112,27 @@ def comparison(data: dict) -> str:
     return table(head, [[label, *cells] for label, cells in rows.items()])
 
 
+def memory(data: dict) -> str:
+    """The table of ``ik_axi``; empty where nothing was measured."""
+    rows = []
+    for width, echo in MEMORY:
+        name = "-".join(["axi", f"W{width}", *(["echo"] if echo else [])])
+        of = {family: data["runs"].get(f"{name}-{family}", {}).get("cells") for family in ("xc2vp", "xc7", "ecp5")}
+        if not all(of.values()):
+            continue
+        placed = data["runs"].get(f"{name}-ecp5-place", {})
+        seeds = [f"{mhz:.0f}" for mhz in placed.get("tried", [])]
+        rows.append([
+            f"W = {width}, " + ("an echo in the place of the datapath" if echo else "`lean`"),
+            *(of[family]["LUT"] for family in of), *(of[family]["FF"] for family in of),
+            of["ecp5"]["RAM"], of["ecp5"]["multipliers"],
+            f"{placed['mhz']:.0f}" if placed else "-", ", ".join(seeds) or "-",
+        ])  # fmt: skip
+    head = ["`ik_axi`, 64 bits of data", "LUT4 on xc2vp", "LUT6 on xc7", "LUT4 on ECP5"]
+    head += ["flip-flops: xc2vp", "xc7", "ECP5", "DP16KD", "MULT18X18D", "MHz on ECP5", "seeds"]
+    return table(head, rows) if rows else ""
+
+
 def breakdown(data: dict, datapath: str, width: int) -> dict | None:
     """Where the logic of a datapath is: tables by section and by module; None where it was not counted."""
     tree = synthesized(data, datapath, width, "xc2vp", "tree")
@@ -167,6 +192,8 @@ def page(data: dict) -> str:
         multiplier_mhz=f"{1000 / MULTIPLIER_NS:.0f}",
         aim=AIM_MHZ,
         critical=critical(data),
+        memory=memory(data),
+        memory_commit=data.get("memory", {}).get("commit"),
         tried=table(["change", "measured on", "before", "after"], tried, left=4) if tried else "",
         parts=[part for part in parts if part],
         commands=data["commands"],

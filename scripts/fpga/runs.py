@@ -121,11 +121,15 @@ class Run:
     top: str
     values: dict = field(hash=False)
     seed: int = 1
+    instead: tuple[Path, ...] = ()
+    """Files in the places of those of their names."""
 
     @property
     def title(self) -> str:
         """What is built, for which family."""
-        parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items()), self.family]
+        parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items())]
+        parts += ["echo"] if self.instead else []
+        parts.append(self.family)
         return "-".join(parts + ([self.kind] if self.kind != "synth" else []))
 
     @property
@@ -135,7 +139,7 @@ class Run:
 
     def files(self) -> list[Path]:
         """The module's own first."""
-        return closure(self.top)
+        return closure(self.top, instead=self.instead)
 
     def script(self) -> str:
         """For Yosys."""

@@ -51,9 +51,10 @@ def headers(root: Path = ROOT) -> list[Path]:
     return [path for folder in includes(root) for path in sorted(folder.glob("*.vh"))]
 
 
-def closure(top: str, root: Path = ROOT) -> list[Path]:
-    """The files of module ``top`` and of all that it instantiates or includes, its own first."""
-    known = {path.name: path for path in [*sources(root), *headers(root)]}
+def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = ()) -> list[Path]:
+    """The files of module ``top`` and of all that it instantiates or includes, its own first; a file of ``instead`` is
+    taken in the place of the one of its name."""
+    known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
     wanted, found = [f"{top}.v"], {}
     while wanted:
         name = wanted.pop(0)

@@ -274,6 +274,30 @@ def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tm
     assert [line.split("-")[0] for line in left_out] == [name.removeprefix("ik_") for name in modules]
 
 
+def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, tmp_path):
+    ran = []
+
+    def done(run):
+        ran.append((run.name, {path.parent.name for path in run.files() if path.name == "ik_lean.v"}))
+        held = run.values["W"] == 18 or run.instead
+        if run.kind == "place":
+            return {"mhz": 170.0 + run.seed}
+        return {"cells": dict.fromkeys(report.KINDS, 1 if held else 200)}
+
+    monkeypatch.setattr(runs.Run, "done", done)
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")
+    figures = fpga.Figures(tmp_path / "fpga.json")
+    assert fpga.measure_memory(figures) == []
+    assert {name for name, lean in ran if lean == {"axi"}} == {name for name, _ in ran if "-echo-" in name}
+    assert all(lean == {"lean"} for name, lean in ran if "-echo-" not in name)
+    rows = page.memory(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]
+    assert [row.split(" | ")[0] for row in rows] == [
+        "| W = 32, an echo in the place of the datapath", "| W = 18, `lean`", "| W = 32, `lean`",
+    ]  # fmt: skip
+    assert [row.split(" | ")[9] for row in rows] == ["174", "174", "-"]
+    assert rows[0].endswith("| 171, 172, 173, 174 |")
+
+
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):
     with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
         runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
