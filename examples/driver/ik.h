@@ -52,8 +52,8 @@ enum {
     IK_CODES
 };
 
-// Memory that both sides see, 32 bytes a record. The core asks for an address that is a multiple of 32; with a cache, at
-// and size are multiples of its lines.
+// Memory that both sides see, 32 bytes a record. The core asks for an address that is a multiple of 32; with a cache,
+// at and size are multiples of its lines.
 typedef struct {
     uint32_t *at;     // for the CPU
     uint64_t address; // for the core
