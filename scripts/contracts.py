@@ -23,7 +23,8 @@ GENERATED = ("docs/generated/*", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_lat
 """Files that a command writes."""
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
-SOURCES = (".py", ".v", ".vh", ".vlt", ".f", ".cpp", ".js", ".css", ".html", ".j2", ".sby", ".toml", "Makefile", "run")
+SOURCES = (".py", ".v", ".vh", ".vlt", ".f", ".c", ".h", ".cpp", ".sby", ".js", ".css", ".html", ".j2", ".toml")
+SOURCES += ("Makefile", "run")
 """How the names of files end that say their licence."""
 
 ROOMS = ("model", "tb", "scripts")

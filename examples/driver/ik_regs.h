@@ -75,15 +75,28 @@
 #define IK_WRITE_STALLS 0x44u // Write stalls
 
 // IK_STATUS_CODE
-#define IK_CODE_NONE 0 // No error.
-#define IK_CODE_SOURCE_MISALIGNED 1 // The source is not a multiple of 32.
-#define IK_CODE_DESTINATION_MISALIGNED 2 // The destination is not a multiple of 32.
-#define IK_CODE_SOURCE_BEYOND 3 // The source ends beyond the address space.
-#define IK_CODE_DESTINATION_BEYOND 4 // The destination ends beyond the address space.
-#define IK_CODE_OVERLAP 5 // The areas overlap.
-#define IK_CODE_READ_SLVERR 6 // SLVERR on a read.
-#define IK_CODE_READ_DECERR 7 // DECERR on a read.
-#define IK_CODE_WRITE_SLVERR 8 // SLVERR on a write.
-#define IK_CODE_WRITE_DECERR 9 // DECERR on a write.
+#define IK_CODE_NONE 0
+#define IK_CODE_SOURCE_MISALIGNED 1
+#define IK_CODE_DESTINATION_MISALIGNED 2
+#define IK_CODE_SOURCE_BEYOND 3
+#define IK_CODE_DESTINATION_BEYOND 4
+#define IK_CODE_OVERLAP 5
+#define IK_CODE_READ_SLVERR 6
+#define IK_CODE_READ_DECERR 7
+#define IK_CODE_WRITE_SLVERR 8
+#define IK_CODE_WRITE_DECERR 9
+
+// what they mean, as the beginning of an array
+#define IK_CODE_TEXTS \
+    [IK_CODE_NONE] = "No error.", \
+    [IK_CODE_SOURCE_MISALIGNED] = "The source is not a multiple of 32.", \
+    [IK_CODE_DESTINATION_MISALIGNED] = "The destination is not a multiple of 32.", \
+    [IK_CODE_SOURCE_BEYOND] = "The source ends beyond the address space.", \
+    [IK_CODE_DESTINATION_BEYOND] = "The destination ends beyond the address space.", \
+    [IK_CODE_OVERLAP] = "The areas overlap.", \
+    [IK_CODE_READ_SLVERR] = "SLVERR on a read.", \
+    [IK_CODE_READ_DECERR] = "DECERR on a read.", \
+    [IK_CODE_WRITE_SLVERR] = "SLVERR on a write.", \
+    [IK_CODE_WRITE_DECERR] = "DECERR on a write."
 
 #endif

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """docs/integration.md, followed word for word; the FuseSoC core has the files of rtl/ik_axis.f and rtl/ik_axi.f."""
 
+import ctypes
 import re
 import shutil
 import subprocess
@@ -9,11 +10,12 @@ import pytest
 import yaml
 
 from model.motion.pose import solve
+from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
 from tb.sim.runner import MAKE_ARGS
 from tb.sim.sources import headers, includes, sources
 
-PAGE = (ROOT / "docs" / "integration.md").read_text(encoding="utf-8")
+PAGE, FROM_C = (ROOT / "docs" / "integration.md").read_text(encoding="utf-8").split("## From C\n")
 BLOCKS = re.findall(r"(?:^    \S.*\n)+", PAGE, re.MULTILINE)
 COMMANDS = [line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags)", line)]
 (PRINTED,) = ([line.strip() for line in block.splitlines()] for block in BLOCKS if "Qs = " in block)
@@ -82,6 +84,14 @@ def test_yosys(do, command):
 def test_vhdl(do, command):
     needs("ghdl")
     do(command)
+
+
+def test_from_c(tmp_path):
+    """The example and the driver, as strictly as the driver alone; together they lack nothing."""
+    needs("cc")
+    example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
+    library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")
+    assert ctypes.CDLL(str(library)).reach
 
 
 def test_every_command_of_the_page_is_run():

@@ -47,9 +47,9 @@ class Machine:
         self.lite = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axi"), dut.clk, dut.rst)
         self.reader = Reader(AxiReadBus.from_prefix(dut, "m_axi"), dut.clk, dut.rst, self.memory, latency)
         self.writer = Writer(AxiWriteBus.from_prefix(dut, "m_axi"), dut.clk, dut.rst, self.memory, latency)
-        self._answers(pool, seed)
+        self._pool(pool, seed)
 
-    def _answers(self, count: int, seed: int) -> None:
+    def _pool(self, count: int, seed: int) -> None:
         """A pool of targets, each at 32 bits, and what the model of ik_axis says to them."""
         numbers = np.random.default_rng(seed)
         words = mixed(count, 32, seed)
@@ -58,12 +58,15 @@ class Machine:
         words = np.clip(words, -(2**31), 2**31 - 1)
         tags = numbers.integers(0, 1 << 32, count)
         self.records = target_records(words, tags)
-        kept, self.tags = core_words(self.records, self.width)
+        self.results, self.flags, self.tags = self.answers(self.records)
+
+    def answers(self, records: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Results, flags and tags that the model has for target records."""
+        kept, tags = core_words(records, self.width)
         if os.environ.get("IK_AXI_CORE") == "echo":  # tb/axi/ik_lean.v
-            self.results, self.flags = np.roll(kept, 1, axis=1), kept[:, 0] & 0xFF
-        else:
-            answer = fixed.run(kept, self.width, self.datapath)
-            self.results, self.flags = answer.results, answer.flags
+            return np.roll(kept, 1, axis=1), kept[:, 0] & 0xFF, tags
+        answer = fixed.run(kept, self.width, self.datapath)
+        return answer.results, answer.flags, tags
 
     @property
     def pool(self) -> int:

@@ -1,0 +1,269 @@
+// Words of lengths Q2.30, half to even, saturated; of phi one turn = 2^32, half to even, wrapped. Results exact.
+// SPDX-License-Identifier: Apache-2.0
+#include "ik.h"
+
+#include <float.h>
+#include <limits.h>
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "records are little endian"
+#endif
+typedef char ik_needs_double_of_64_bits[DBL_MANT_DIG == 53 && sizeof(double) == 8 ? 1 : -1];
+
+enum { WORDS = 8, FRACTION = 30, HEADROOM = 4 }; // of a record; of a length; low bits that scaling may give up
+
+static const double TURN = 6.283185307179586;
+
+static uint32_t get(const ik_core *core, uint32_t offset) {
+    return core->bus.read(core->bus.user, offset);
+}
+
+static void set(const ik_core *core, uint32_t offset, uint32_t value) {
+    core->bus.write(core->bus.user, offset, value);
+}
+
+static uint32_t field(uint32_t value, uint32_t mask, unsigned shift) {
+    return (value & mask) >> shift;
+}
+
+// ---- numbers: a double is digits * 2^exponent ----
+
+typedef struct {
+    uint64_t digits;
+    int exponent;
+    bool negative;
+} parts;
+
+static parts parts_of(double value) {
+    const union {
+        double value;
+        uint64_t bits;
+    } is = {value};
+    const uint64_t one = UINT64_C(1) << 52;
+    const int biased = (int)(is.bits >> 52 & 0x7ff);
+    const uint64_t digits = (is.bits & (one - 1)) | (biased ? one : 0);
+    return (parts){digits, (biased ? biased : 1) - 1075, is.bits >> 63 != 0};
+}
+
+static bool finite(double value) {
+    return parts_of(value).exponent < 0x7ff - 1075;
+}
+
+// The greatest e with value * 2^e in [-2, 2).
+static int fits(double value) {
+    const parts is = parts_of(value);
+    if (is.digits == 0) return INT_MAX;
+    int top = is.exponent + 53; // |value| < 2^top
+    for (uint64_t digits = is.digits; !(digits >> 52); digits <<= 1) top--;
+    const bool power = (is.digits & (is.digits - 1)) == 0;
+    return (is.negative && power ? 2 : 1) - top;
+}
+
+// value * 2^e, half to even, modulo 2^64.
+static uint64_t rounded(double value, int e) {
+    const parts is = parts_of(value);
+    const int up = is.exponent + e;
+    uint64_t word = 0;
+    if (up >= 0) {
+        word = up < 64 ? is.digits << up : 0;
+    } else if (up > -64) {
+        const uint64_t rest = is.digits << (64 + up); // its binary point is at the left
+        const uint64_t half = UINT64_C(1) << 63;
+        word = is.digits >> -up;
+        word += rest > half || (rest == half && (word & 1));
+    }
+    return is.negative ? 0 - word : word;
+}
+
+static uint32_t length_word(double value, int exponent) {
+    const uint64_t word = rounded(value, exponent + FRACTION);
+    return (uint32_t)word - (word == UINT64_C(1) << 31); // within half an ulp of +2
+}
+
+static ik_real value_of(uint32_t word) {
+    return (ik_real)((double)word / (1 << FRACTION) - (word >> 31 ? 4.0 : 0.0));
+}
+
+// ---- targets and results in memory ----
+
+// The exponent of the scaling, the greatest at which every reach is in [0, 2) and, if that costs at most HEADROOM bits,
+// every coordinate in [-2, 2).
+static ik_code scale(ik_core *core, const ik_target *targets, size_t n, int *exponent) {
+    int longest = INT_MAX, furthest = INT_MAX;
+    size_t far = 0, shortest = 0;
+    double least = DBL_MAX;
+    for (size_t k = 0; k < n; k++) {
+        const ik_target *t = &targets[k];
+        core->bad = k;
+        if (!(finite(t->x) && finite(t->y) && finite(t->z) && finite(t->phi) && finite(t->d1) && finite(t->d2)))
+            return IK_NOT_FINITE;
+        if (!(t->d1 > 0 && t->d2 > 0)) return IK_NOT_AN_ARM;
+        const double reach = (double)t->d1 + t->d2, d = t->d1 < t->d2 ? t->d1 : t->d2;
+        if (!finite(reach)) return IK_TOO_FAR_OUT;
+        if (fits(reach) < longest) longest = fits(reach);
+        const double position[3] = {t->x, t->y, t->z};
+        for (int i = 0; i < 3; i++) {
+            if (fits(position[i]) >= furthest) continue;
+            furthest = fits(position[i]);
+            far = k;
+        }
+        if (d >= least) continue;
+        least = d;
+        shortest = k;
+    }
+    core->bad = far;
+    if (furthest < longest - HEADROOM) return IK_TOO_FAR_OUT;
+    *exponent = furthest < longest ? furthest : longest;
+    core->bad = shortest;
+    const uint32_t ulp = UINT32_C(1) << (32 - core->width);
+    if (length_word(least, *exponent) < ulp - ulp / 2) return IK_TOO_SHORT; // the core rounds half up
+    core->bad = 0;
+    return IK_OK;
+}
+
+static void put_target(uint32_t *record, const ik_target *t, int exponent) {
+    record[0] = length_word(t->x, exponent);
+    record[1] = length_word(t->y, exponent);
+    record[2] = length_word(t->z, exponent);
+    record[3] = (uint32_t)rounded(t->phi / TURN, 32);
+    record[4] = length_word(t->d1, exponent);
+    record[5] = length_word(t->d2, exponent);
+    record[6] = t->tag;
+    record[7] = 0;
+}
+
+static void take_result(ik_result *r, const uint32_t *record) {
+    for (int i = 0; i < 4; i++) r->qs[i] = value_of(record[i]);
+    for (int i = 0; i < 2; i++) r->qe[i] = value_of(record[4 + i]);
+    r->tag = record[6] & 0xffffffu;
+    r->flags = (uint8_t)(record[6] >> 24);
+}
+
+// ---- a job ----
+
+// A soft reset, and the time that the bus needs to complete what was begun.
+static ik_code give_up(ik_core *core, ik_code code) {
+    set(core, IK_CONTROL, IK_CONTROL_SOFT_RESET);
+    for (uint32_t left = core->bus.polls; get(core, IK_STATUS) & IK_STATUS_BUSY;)
+        if (core->bus.polls && !--left) return IK_TIMEOUT;
+    return code;
+}
+
+static ik_code ended(ik_core *core) {
+    const ik_bus *bus = &core->bus;
+    for (uint32_t left = bus->polls; !core->events;) {
+        if (core->aborted) return give_up(core, IK_ABORTED);
+        if (bus->wait) {
+            if (!bus->wait(bus->user)) return give_up(core, IK_TIMEOUT);
+        } else if (!ik_irq(core) && bus->polls && !--left) {
+            return give_up(core, IK_TIMEOUT);
+        }
+    }
+    if (core->events & IK_IRQ_STATUS_REFUSED) return IK_BUSY;
+    if (!(core->events & IK_IRQ_STATUS_ERROR)) return IK_OK;
+    const uint32_t code = field(get(core, IK_STATUS), IK_STATUS_CODE, IK_STATUS_CODE_SHIFT);
+    core->error_address = (uint64_t)get(core, IK_ERROR_HI) << 32 | get(core, IK_ERROR_LO);
+    return (ik_code)code;
+}
+
+static ik_code run(ik_core *core, const ik_target *targets, ik_result *results, uint32_t n, int exponent) {
+    const ik_bus *bus = &core->bus;
+    const ik_area *from = &bus->source, *to = &bus->destination;
+    if (get(core, IK_STATUS) & IK_STATUS_BUSY) return IK_BUSY;
+    for (uint32_t k = 0; k < n; k++) {
+        put_target(from->at + (size_t)k * WORDS, targets + k, exponent);
+        to->at[(size_t)k * WORDS + 7] = ~k; // where the core writes k
+    }
+    if (bus->flush) {
+        bus->flush(bus->user, from->at, (size_t)n * WORDS * 4);
+        bus->flush(bus->user, to->at, (size_t)n * WORDS * 4);
+    }
+    set(core, IK_IRQ_STATUS, IK_IRQ_STATUS_DONE | IK_IRQ_STATUS_ERROR | IK_IRQ_STATUS_REFUSED);
+    core->events = 0;
+    set(core, IK_COUNT, n);
+    set(core, IK_SOURCE_LO, (uint32_t)from->address);
+    set(core, IK_SOURCE_HI, (uint32_t)(from->address >> 32));
+    set(core, IK_DESTINATION_LO, (uint32_t)to->address);
+    set(core, IK_DESTINATION_HI, (uint32_t)(to->address >> 32));
+    set(core, IK_CONTROL, IK_CONTROL_START);
+    const ik_code code = ended(core);
+    if (code == IK_BUSY) return code;
+    const uint32_t written = code ? get(core, IK_WRITTEN) : n;
+    if (bus->invalidate) bus->invalidate(bus->user, to->at, (size_t)n * WORDS * 4);
+    for (uint32_t k = 0; k < n && k < written; k++, core->written++) {
+        if (to->at[(size_t)k * WORDS + 7] != k) return IK_LOST;
+        take_result(results + k, to->at + (size_t)k * WORDS);
+    }
+    return code;
+}
+
+// ---- interface ----
+
+ik_code ik_init(ik_core *core, const ik_bus *bus) {
+    if (!core) return IK_NULL;
+    *core = (ik_core){.width = 0};
+    if (!bus || !bus->read || !bus->write || !bus->source.at || !bus->destination.at || !bus->records) return IK_NULL;
+    core->bus = *bus;
+    const uint32_t id = get(core, IK_ID);
+    if (field(id, IK_ID_MAGIC, IK_ID_MAGIC_SHIFT) != IK_ID_MAGIC_RESET) return IK_NO_CORE;
+    if (field(id, IK_ID_MAJOR, IK_ID_MAJOR_SHIFT) != IK_ID_MAJOR_RESET) return IK_VERSION;
+    const ik_code code = give_up(core, IK_OK);
+    if (code) return code;
+    const uint32_t all = IK_IRQ_ENABLE_DONE | IK_IRQ_ENABLE_ERROR | IK_IRQ_ENABLE_REFUSED;
+    set(core, IK_IRQ_ENABLE, bus->wait ? all : 0);
+    const uint32_t config = get(core, IK_CONFIG);
+    core->data_width = field(config, IK_CONFIG_DATA_WIDTH, IK_CONFIG_DATA_WIDTH_SHIFT);
+    core->addr_width = field(config, IK_CONFIG_ADDR_WIDTH, IK_CONFIG_ADDR_WIDTH_SHIFT);
+    core->lean = (config & IK_CONFIG_LEAN) != 0;
+    core->latency = field(get(core, IK_PIPELINE), IK_PIPELINE_LATENCY, IK_PIPELINE_LATENCY_SHIFT);
+    core->width = field(config, IK_CONFIG_WIDTH, IK_CONFIG_WIDTH_SHIFT);
+    return IK_OK;
+}
+
+ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n) {
+    if (!core || !targets || !results) return IK_NULL;
+    if (!core->width) return IK_NO_CORE;
+    core->written = core->bad = 0;
+    core->error_address = 0;
+    core->aborted = false;
+    if (!n) return IK_NO_TARGETS;
+    int exponent = 0;
+    ik_code code = scale(core, targets, n, &exponent);
+    while (!code && core->written < n) {
+        const size_t done = core->written, left = n - done;
+        const uint32_t part = left < core->bus.records ? (uint32_t)left : core->bus.records;
+        code = run(core, targets + done, results + done, part, exponent);
+    }
+    return code;
+}
+
+bool ik_irq(ik_core *core) {
+    const uint32_t seen = get(core, IK_IRQ_STATUS);
+    if (!seen) return false;
+    set(core, IK_IRQ_STATUS, seen);
+    core->events |= seen;
+    return true;
+}
+
+void ik_abort(ik_core *core) {
+    core->aborted = true;
+}
+
+const char *ik_error_text(ik_code code) {
+    static const char *const texts[IK_CODES] = {
+        IK_CODE_TEXTS,
+        [IK_NULL] = "A pointer is null, or a buffer has no record.",
+        [IK_NO_CORE] = "No core answers at this address, or ik_init has not succeeded.",
+        [IK_VERSION] = "The core has another register map.",
+        [IK_NO_TARGETS] = "There are no targets.",
+        [IK_NOT_FINITE] = "A target is not finite.",
+        [IK_NOT_AN_ARM] = "An arm length is not positive.",
+        [IK_TOO_FAR_OUT] = "A target is too far out for the longest arm, or an arm is beyond double.",
+        [IK_TOO_SHORT] = "An arm length is too short beside the longest arm.",
+        [IK_BUSY] = "Another job runs.",
+        [IK_TIMEOUT] = "The job did not end in time.",
+        [IK_ABORTED] = "The job was aborted.",
+        [IK_LOST] = "A result is not where the CPU looks: bus address of a buffer, cache.",
+    };
+    return code >= 0 && code < IK_CODES && texts[code] ? texts[code] : "A code that the driver does not know.";
+}

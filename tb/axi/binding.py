@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C driver, examples/driver, as a library: compiled, loaded, called; what it asks of its platform is Python's."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from model.targets.words import FIELDS
+from tb.axi.ik_regs import CODES as HARDWARE
+from tb.sim.env import ROOT
+
+SOURCE = ROOT / "examples" / "driver"
+
+FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
+
+
+def _codes() -> dict[str, int]:
+    """Name -> number of every code: the hardware's, and the driver's from the enumeration in ik.h."""
+    listed = re.findall(r"^    IK_(\w+)( = 16)?, ", (SOURCE / "ik.h").read_text(encoding="utf-8"), re.MULTILINE)
+    first = next(k for k, (_, number) in enumerate(listed) if number)
+    return HARDWARE | {name.lower(): 16 + k for k, (name, _) in enumerate(listed[first:])}
+
+
+CODES = _codes()
+NAMES = {number: name for name, number in CODES.items()}
+
+REALS = {"double": np.float64, "float": np.float32}
+
+
+def compiled(folder: Path, *options: str, text: str = "") -> Path:
+    """ik.c as a shared object, or ``text`` in its place."""
+    library, source = folder / "ik.so", SOURCE / "ik.c"
+    if text:
+        source = folder / "ik.c"
+        source.write_text(text)
+    command = ["cc", *FLAGS, f"-I{SOURCE}", *options, "-shared", "-fPIC", "-o", str(library), str(source)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    return library
+
+
+READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
+WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
+CACHE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t)
+WAIT = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
+
+
+class Area(ctypes.Structure):
+    _fields_ = [("at", ctypes.c_void_p), ("address", ctypes.c_uint64)]
+
+
+class Bus(ctypes.Structure):
+    _fields_ = [
+        ("user", ctypes.c_void_p),
+        ("read", READ),
+        ("write", WRITE),
+        ("source", Area),
+        ("destination", Area),
+        ("records", ctypes.c_uint32),
+        ("flush", CACHE),
+        ("invalidate", CACHE),
+        ("wait", WAIT),
+        ("polls", ctypes.c_uint32),
+    ]
+
+
+class Core(ctypes.Structure):
+    _fields_ = [
+        ("bus", Bus),
+        *((name, ctypes.c_uint32) for name in ("width", "data_width", "addr_width", "latency")),
+        ("lean", ctypes.c_bool),
+        ("written", ctypes.c_size_t),
+        ("bad", ctypes.c_size_t),
+        ("error_address", ctypes.c_uint64),
+        ("events", ctypes.c_uint32),
+        ("aborted", ctypes.c_bool),
+    ]
+
+
+class Platform(Protocol):
+    """What the driver calls; the last three only where `Driver` is told so."""
+
+    def read(self, offset: int) -> int: ...
+    def write(self, offset: int, value: int) -> None: ...
+    def flush(self, at: int, size: int) -> None: ...
+    def invalidate(self, at: int, size: int) -> None: ...
+    def wait(self) -> bool: ...
+
+
+class Driver:
+    """A core's handle. An area: where the CPU sees it, and its address on the bus."""
+
+    def __init__(self, library: Path, platform: Platform, source: tuple[int, int], destination: tuple[int, int],
+                 records: int, cache: bool = False, interrupt: bool = False, polls: int = 0,
+                 real: str = "double") -> None:  # fmt: skip
+        self.library = ctypes.CDLL(str(library))
+        self.library.ik_error_text.restype = ctypes.c_char_p
+        self.raised: list[BaseException] = []
+        self.bus = Bus(
+            read=READ(self._guarded(platform.read)), write=WRITE(self._guarded(platform.write)), source=Area(*source),
+            destination=Area(*destination), records=records, polls=polls,
+        )  # fmt: skip
+        if cache:
+            self.bus.flush = CACHE(self._guarded(platform.flush))
+            self.bus.invalidate = CACHE(self._guarded(platform.invalidate))
+        if interrupt:
+            self.bus.wait = WAIT(self._guarded(platform.wait))
+        self.core = Core()
+        self.target_type = np.dtype([*((name, REALS[real]) for name in FIELDS), ("tag", np.uint32)], align=True)
+        result = [("qs", REALS[real], 4), ("qe", REALS[real], 2), ("tag", np.uint32), ("flags", np.uint8)]
+        self.result_type = np.dtype(result, align=True)
+
+    def _guarded(self, function: Callable) -> Callable:
+        """A callback of ctypes cannot raise: the caller of the library does it."""
+
+        def call(_user, *arguments):
+            try:
+                return function(*arguments)
+            except BaseException as error:
+                self.raised.append(error)
+                return 0
+
+        return call
+
+    def call(self, name: str, *arguments) -> int:
+        code = getattr(self.library, name)(ctypes.byref(self.core), *arguments)
+        if self.raised:
+            raise self.raised.pop(0)
+        return code
+
+    def start_up(self) -> str:
+        """ik_init; the code's name."""
+        return NAMES[self.call("ik_init", ctypes.byref(self.bus))]
+
+    def targets(self, columns: dict[str, np.ndarray], tags: np.ndarray) -> np.ndarray:
+        found = np.zeros(len(tags), self.target_type)
+        for name, values in {**columns, "tag": tags}.items():
+            found[name] = values
+        return found
+
+    def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
+        """ik_solve; the code's name, and as many results as the driver says that there are. It touches no others."""
+        results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
+        code = self.call("ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))
+        good = self.core.written * self.result_type.itemsize
+        assert (results[good:] == 0xA5).all(), "results that are not written were touched"
+        return NAMES[code], results[:good].view(self.result_type)
+
+    def text(self, code: int) -> str:
+        return self.library.ik_error_text(code).decode()

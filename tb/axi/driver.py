@@ -1,0 +1,349 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C driver on ``ik_axi``: its own object code, the file IK_DRIVER, in a thread; every access to a register takes
+its clocks in the simulation.
+
+Targets in memory are the words of the model, results the model's values, exactly; each error of the hardware is a code,
+and the next call works.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from pathlib import Path
+
+import cocotb
+import numpy as np
+from cocotb.task import bridge, resume
+from cocotb.triggers import ClockCycles, RisingEdge
+from cocotbext.axi import AxiResp
+
+from model.targets.records import BYTES, target_records
+from model.targets.words import FIELDS, Targets, result_values, to_words
+from tb.axi.binding import Driver
+from tb.axi.ik_regs import OFFSETS
+from tb.axi.machine import CHANNELS, Machine, started
+from tb.axi.memory import PAGE
+
+LIBRARY = Path(os.environ["IK_DRIVER"])
+
+RECORDS = 24
+"""Of the buffers."""
+
+SIZE = RECORDS * BYTES
+
+PATIENCE = 4000
+"""Clocks in which an interrupt has to come."""
+
+ARMS = {"metres": (0.33, 0.27), "millimetre": (330.0, 270.0), "small": (1.1e-3, 0.9e-3), "large": (1e6, 1.4e6)}
+
+
+def areas(machine: Machine) -> tuple[int, int]:
+    """Of targets and of results; beyond 32 bits where addresses are."""
+    base = (3 << 36) * (machine.addr_width > 37)
+    return base + 0x41000 - 5 * BYTES, base + 0x82000 - 2 * BYTES
+
+
+class Platform:
+    """The buffers, and the callbacks of the driver: polling on coherent memory, or interrupts with a cache in between.
+
+    The cache writes what it has dirty of the results back when it likes, which is when a job is over.
+    """
+
+    def __init__(self, machine: Machine, interrupt: bool, polls: int = 2000,
+                 places: tuple[int, int] | None = None) -> None:  # fmt: skip
+        self.machine, self.interrupt = machine, interrupt
+        self.buffers: dict[int, ctypes.Array] = {}  # address on the bus -> what the CPU sees
+        self.clean: dict[int, bytes] = {}  # what the cache last had in common with memory
+        self.jobs: list[bytes] = []  # target records of each
+        self.naps = 0
+        self.running = False  # a job that the driver has started
+        self.woken = False  # by who aborts
+        self.race = False  # somebody starts a job just before the driver does
+        self.source, self.destination = places or areas(machine)
+        seen = [(self._place(address), address) for address in (self.source, self.destination)]
+        self.driver = Driver(LIBRARY, self, *seen, RECORDS, cache=interrupt, interrupt=interrupt, polls=polls)
+
+    def _place(self, address: int) -> int:
+        if self.interrupt:
+            self.buffers[address] = ctypes.create_string_buffer(b"\xa5" * SIZE, SIZE)
+            self.clean[address] = b""
+            return ctypes.addressof(self.buffers[address])
+        memory, first = self.machine.memory, address // PAGE
+        pages = range(first, (address + SIZE - 1) // PAGE + 1)
+        held = memory.peek(first * PAGE, len(pages) * PAGE)
+        buffer = ctypes.create_string_buffer(held, len(held))
+        self.buffers[address] = buffer
+        for k, page in enumerate(pages):  # the same bytes for both
+            memory.pages[page] = memoryview(buffer).cast("B")[k * PAGE : (k + 1) * PAGE]
+        return ctypes.addressof(buffer) + address % PAGE
+
+    # ---- callbacks ---------------------------------------------------------------------------------------------------
+
+    @resume
+    async def _read(self, offset: int) -> int:
+        answer = await self.machine.lite.read(offset, 4)
+        assert answer.resp == AxiResp.OKAY, f"read of {offset:#x}: {answer.resp}"
+        return int.from_bytes(answer.data, "little")
+
+    def read(self, offset: int) -> int:
+        return self._read(offset)
+
+    @resume
+    async def _write(self, offset: int, value: int) -> None:
+        answer = await self.machine.lite.write(offset, value.to_bytes(4, "little"))
+        assert answer.resp == AxiResp.OKAY, f"write to {offset:#x}: {answer.resp}"
+
+    def write(self, offset: int, value: int) -> None:
+        memory = self.machine.memory
+        if offset == OFFSETS["COUNT"]:
+            memory.readable = (self.source, self.source + value * BYTES)
+            memory.writable = (self.destination, self.destination + value * BYTES)
+        if (offset, value) == (OFFSETS["CONTROL"], 1):
+            self.machine.monitor.failed.clear()
+            self.running = True
+            self.jobs.append(memory.peek(self.source, memory.readable[1] - self.source))
+            if self.race:
+                self._write(offset, value)
+        if offset == OFFSETS["IRQ_STATUS"] and self.interrupt and self.running:
+            self.running = False
+            self._evict()
+        self._write(offset, value)
+
+    def _evict(self) -> None:
+        at, clean = self.destination, self.clean[self.destination]
+        dirty = self.buffers[at].raw
+        for k in range(0, SIZE, BYTES):
+            if dirty[k : k + BYTES] != clean[k : k + BYTES]:
+                self.machine.memory.poke(at + k, dirty[k : k + BYTES])
+        self.clean[at] = dirty
+
+    def _bus_address(self, at: int) -> int:
+        return next(address for address, buffer in self.buffers.items() if ctypes.addressof(buffer) == at)
+
+    def flush(self, at: int, size: int) -> None:
+        address, data = self._bus_address(at), ctypes.string_at(at, size)
+        self.machine.memory.poke(address, data)
+        self.clean[address] = data + self.clean[address][size:]
+
+    def invalidate(self, at: int, size: int) -> None:
+        address = self._bus_address(at)
+        data = self.machine.memory.peek(address, size)
+        ctypes.memmove(at, data, size)
+        self.clean[address] = data + self.clean[address][size:]
+
+    @resume
+    async def _interrupted(self) -> bool:
+        for _ in range(PATIENCE):
+            if self.machine.dut.irq.value == 1 or self.woken:
+                return True
+            await RisingEdge(self.machine.dut.clk)
+        return False
+
+    @resume
+    async def _low(self) -> None:
+        await ClockCycles(self.machine.dut.clk, 4)
+        assert self.machine.dut.irq.value == 0, "the handler has not acknowledged"
+
+    def wait(self) -> bool:
+        """Every second time it wakes for nothing."""
+        self.naps += 1
+        if self.naps % 2:
+            return True
+        if not self._interrupted():
+            return False
+        if self.woken:
+            self.woken = False
+            return True
+        assert self.driver.library.ik_irq(ctypes.byref(self.driver.core)) & 1, "not ours"
+        self._low()
+        assert not self.driver.library.ik_irq(ctypes.byref(self.driver.core)) & 1, "an interrupt of another"
+        return True
+
+    # ---- calls -------------------------------------------------------------------------------------------------------
+
+    async def start_up(self) -> None:
+        assert await bridge(self.driver.start_up)() == "none"
+
+    def targets(self, count: int, arm: str = "metres") -> np.ndarray:
+        """In reach and beyond, phi of many turns."""
+        numbers = np.random.default_rng(self.machine.random.randrange(1 << 32))
+        d1, d2 = ARMS[arm]
+        columns = dict(zip("xyz", numbers.uniform(-0.8, 0.8, (3, count)) * (d1 + d2), strict=True))
+        columns |= {"phi": numbers.normal(0, 100, count), "d1": np.full(count, d1)}
+        columns["d2"] = d2 * numbers.uniform(0.5, 1, count)
+        return self.driver.targets(columns, numbers.integers(0, 1 << 32, count))
+
+    async def call(self, targets: np.ndarray, code: str = "none", written: int | None = None, address: int = 0) -> None:
+        """A call that ends with this code; words of its targets and all results that it has are the model's."""
+        self.jobs.clear()
+        written = (len(targets) if code == "none" else 0) if written is None else written
+        machine, core = self.machine, self.driver.core
+        got, results = await bridge(self.driver.solve)(targets)
+        said = f"{got} with {core.written} of {len(targets)}, {core.error_address:#x}; {machine.memory.errors[:1]}"
+        assert (got, core.written, core.error_address) == (code, written, address), said
+        words, _ = to_words(Targets(name="test", **{name: targets[name] for name in FIELDS}), 32)
+        records = target_records(words, targets["tag"])
+        placed = b"".join(self.jobs)
+        assert not written or placed == records[: max(len(placed), written * BYTES)], "words of targets"
+        answers, flags, tags = machine.answers(records)
+        values = result_values(answers, machine.width)[:written]
+        assert (results["qs"] == values[:, :4]).all() and (results["qe"] == values[:, 4:]).all(), "values"
+        assert (results["flags"] == flags[:written]).all() and (results["tag"] == tags[:written]).all(), "flags, tags"
+
+    async def good_call(self, count: int = 5) -> None:
+        self.machine.memory.faults.clear()
+        await self.call(self.targets(count))
+
+
+async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
+    platform = Platform(await started(dut, seed=seed, pool=8), interrupt, **options)
+    await platform.start_up()
+    return platform
+
+
+MODES = cocotb.parametrize(interrupt=[False, True])
+
+
+@cocotb.test()
+async def who_is_there(dut):
+    """What ik_init says is so; it ends a job of whoever was here before."""
+    machine = await started(dut, pool=60)
+    machine.place(0x10000, 0, 60)
+    await machine.write("IRQ_ENABLE", 7)
+    await machine.start(0x10000, 0x20000, 60)
+    platform = Platform(machine, interrupt=False)
+    await platform.start_up()
+    core = platform.driver.core
+    assert (core.width, core.data_width, core.addr_width) == (machine.width, machine.data_width, machine.addr_width)
+    assert (core.latency, core.lean) == (int(dut.LATENCY.value), machine.datapath == "lean")
+    assert await machine.read("IRQ_ENABLE") == 0 and await machine.read("STATUS") == 0
+    await platform.good_call()
+    assert dut.irq.value == 0
+    machine.check()
+
+
+@cocotb.test()
+@MODES
+@cocotb.parametrize(arm=list(ARMS))
+async def solves(dut, interrupt, arm):
+    """Calls of less than a buffer, of one and of several; arms of any unit."""
+    platform = await ready(dut, interrupt)
+    if arm == "large":
+        platform.machine.stall(*CHANNELS)
+    for count in (1, RECORDS, 2 * RECORDS + 3):
+        await platform.call(platform.targets(count, arm))
+        assert len(platform.jobs) == -(-count // RECORDS)
+    platform.machine.check()
+
+
+@cocotb.test()
+@MODES
+@cocotb.parametrize(on=["read", "write"])
+@cocotb.parametrize(answer=["slverr", "decerr"])
+async def error_on_the_bus(dut, interrupt, on, answer):
+    """In the second job of a call: what was written before it is there."""
+    platform = await ready(dut, interrupt)
+    machine = platform.machine
+    for bad in (0, RECORDS - 2):
+        area = platform.source if on == "read" else platform.destination
+        place = address = area + bad * BYTES
+        if on == "write":  # a burst as a whole
+            address = max(area, place - place % (machine.whole * BYTES))
+        second = cocotb.start_soon(fault_in_second_job(platform, place, AxiResp[answer.upper()]))
+        written = RECORDS + (address - area) // BYTES
+        await platform.call(platform.targets(2 * RECORDS + 3), f"{on}_{answer}", written, address)
+        second.cancel()
+        await platform.good_call()
+    machine.check()
+
+
+async def fault_in_second_job(platform: Platform, place: int, answer: AxiResp) -> None:
+    while len(platform.jobs) < 2:
+        await RisingEdge(platform.machine.dut.clk)
+    platform.machine.memory.faults = {place: answer}
+
+
+@cocotb.test()
+@MODES
+async def refused_areas(dut, interrupt):
+    """Buffers that the core does not take, each told by its code; no access."""
+    machine = await started(dut, pool=8)
+    source, destination = areas(machine)
+    beyond = (1 << machine.addr_width) - 4 * BYTES
+    cases = [
+        (source + 4, destination, "source_misaligned"),
+        (source, destination + 16, "destination_misaligned"),
+        (beyond, destination, "source_beyond"),
+        (source, beyond, "destination_beyond"),
+        (source, source + 4 * BYTES, "overlap"),
+    ]
+    for places in cases:
+        platform = Platform(machine, interrupt, places=places[:2])
+        await platform.start_up()
+        await platform.call(platform.targets(5), places[2], 0, places[0] if "source" in places[2] else places[1])
+    assert not (machine.monitor.bursts_read or machine.monitor.bursts_written), "an access of a job that was refused"
+    platform = Platform(machine, interrupt)
+    await platform.start_up()
+    await platform.good_call()
+    machine.check()
+
+
+@cocotb.test()
+@MODES
+async def busy(dut, interrupt):
+    """A job of somebody else runs: it is left alone, and nothing is written; also where it began just before ours."""
+    platform = await ready(dut, interrupt)
+    machine = platform.machine
+    machine.stall("r", "w")
+    other = (0x10000, 0x10000 + 8 * BYTES)
+    machine.place(other[0], 0, 8)
+    await machine.start(*other, 8)
+    await platform.call(platform.targets(5), "busy")
+    assert not platform.jobs and (await machine.ended())["done"] == 1
+    machine.compare(other[1], 0, 8)
+    await platform.good_call()
+    platform.race = True
+    await platform.call(platform.targets(5), "busy")
+    platform.race = False
+    await machine.ended()
+    await platform.good_call()
+    machine.check()
+
+
+@cocotb.test()
+@MODES
+async def aborted(dut, interrupt):
+    """From elsewhere, in the middle of a call: a soft reset, and the bus is quiet behind it."""
+    platform = await ready(dut, interrupt, seed=3)
+    machine = platform.machine
+    machine.reader.ar_channel.pause = True  # so that no job ends
+
+    async def elsewhere():
+        await ClockCycles(dut.clk, 700)
+        platform.driver.library.ik_abort(ctypes.byref(platform.driver.core))
+        platform.woken = True
+        machine.reader.ar_channel.pause = False
+
+    task = cocotb.start_soon(elsewhere())
+    await platform.call(platform.targets(2 * RECORDS), "aborted")
+    await task
+    assert machine.monitor.quiet() and await machine.read("STATUS") == 0 and len(platform.jobs) == 1
+    await platform.good_call(2 * RECORDS)
+    machine.check()
+
+
+@cocotb.test()
+@MODES
+async def memory_hangs(dut, interrupt):
+    """No end in time: the call ends, those behind it say that the core is busy until the memory answers."""
+    platform = await ready(dut, interrupt, polls=30)
+    machine = platform.machine
+    machine.reader.r_channel.pause = True
+    await platform.call(platform.targets(5), "timeout")
+    assert (await machine.fields("STATUS"))["busy"] == 1
+    await platform.call(platform.targets(5), "busy")
+    machine.reader.r_channel.pause = False
+    assert not any((await machine.ended()).values()), "it was not aborted"
+    await platform.good_call()
+    machine.check()
