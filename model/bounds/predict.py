@@ -13,6 +13,7 @@ import numpy as np
 from ..dataflow import fixed
 from ..dataflow.nodes import Node
 from ..dataflow.reals import Real
+from ..targets.words import ARMS
 
 
 def rounded_nodes(bits: fixed.Bits) -> list[Node]:
@@ -32,14 +33,22 @@ def hand_bar(words: np.ndarray, width: int, datapath: str = "paper") -> np.ndarr
     root or a limited cosine is at its end, first order says little: there :data:`CORNERS` random sets of ends are
     tried as well.  The rounding of the input words is added, half an ulp each.
     """
-    bits = fixed.run(words, width, datapath).bits
+    return bar(fixed.run(words, width, datapath).bits, HAND)
+
+
+ELBOW, HAND = 0, 1
+"""What :func:`bar` is of."""
+
+
+def bar(bits: fixed.Bits, point: int) -> np.ndarray:
+    """:func:`hand_bar` of the targets that ``bits`` was run with, or the same of the elbow."""
     nodes = rounded_nodes(bits)
-    length = 2.0 ** (2 - width)
-    d1, d2 = words[:, 4] * length, words[:, 5] * length
-    count = len(words)
+    length = 2.0 ** (2 - bits.width)
+    d1, d2 = (bits.nodes[name].value * length for name in ARMS)
+    count = len(d1)
 
     def hand(moves: dict[str, np.ndarray]) -> np.ndarray:
-        return Real(bits, moves).hand(d1, d2)
+        return Real(bits, moves).points(d1, d2)[point]
 
     ends = {}
     for node in nodes:

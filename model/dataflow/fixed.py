@@ -159,9 +159,13 @@ class Answer:
 
 def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
     """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
-    bits = Bits(width, datapath)
+    return answer(words, Bits(width, datapath))
+
+
+def answer(words: np.ndarray, bits: Bits) -> Answer:
+    """The same in a domain that has not been run yet."""
     columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
-    DATAPATHS[datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
+    DATAPATHS[bits.datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
     value = {k: n.value for k, n in bits.nodes.items()}
     # The lean datapath has nothing that saturates.
     flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)

@@ -84,7 +84,11 @@ class Real(Domain):
         half = phi.value * (np.pi / 2)
         return tuple(self._moved(n, v, fmt) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
 
-    def hand(self, d1, d2) -> np.ndarray:
-        """The wrist (N, 3) of an arm d1, d2 in the pose found."""
+    def points(self, d1, d2) -> tuple[np.ndarray, np.ndarray]:
+        """Elbow and wrist (N, 3) of an arm d1, d2 in the pose found."""
         q = np.stack([self.nodes[k].value for k in RESULT_FIELDS], axis=1)
-        return forward(q[:, :4], q[:, 4:], d1, d2)[1]
+        return forward(q[:, :4], q[:, 4:], d1, d2)
+
+    def hand(self, d1, d2) -> np.ndarray:
+        """The wrist."""
+        return self.points(d1, d2)[1]

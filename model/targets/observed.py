@@ -3,19 +3,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..bounds.tolerances import REGULAR_DISTANCE
 from ..dataflow import fixed
-from ..dataflow.nodes import Node
+from ..dataflow.nodes import WIDTHS, Node
 from ..dataflow.reals import Real
 from ..reference.kinematics import forward
+from . import trajectories
 from .flags import UNREACHABLE, expected_flags
 from .scoring import singular_distance
 from .stimuli import random_reachable, unreachable
-from .words import Targets, from_words, result_values
+from .words import DEFAULT_D1, DEFAULT_D2, Targets, from_words, result_values, scale_exponent
 
 CHUNK = 20000
 """Targets that are looked at together."""
@@ -56,15 +58,29 @@ def chunk(number: int, count: int, width: int, seed: int) -> np.ndarray:
     return np.concatenate(parts)
 
 
-def regular_poses(count: int, seed: int) -> Targets:
-    """Poses at least 0.2 rad off every singular one: arms with d1 + d2 = 1.9 and shares of 30 to 70 %."""
+REACH = 1.9
+"""d1 + d2 of the arms of random regular poses, in the core's unit: nearly as long as its words hold."""
+
+
+def default_arm() -> tuple[float, float]:
+    """d1 and d2 of the default arm in the core's unit, scaled as its targets are; at all word lengths the same."""
+    exponent = scale_exponent(trajectories.make(trajectories.DEFAULT), WIDTHS[-1])
+    return math.ldexp(DEFAULT_D1, exponent), math.ldexp(DEFAULT_D2, exponent)
+
+
+def regular_poses(count: int, seed: int, arm: tuple[float, float] | None = None) -> Targets:
+    """Poses at least 0.2 rad off every singular one: of an ``arm`` d1, d2, or of arms of :data:`REACH` and shares of 30
+    to 70 %."""
     random = np.random.default_rng((seed, 6))
     columns = np.zeros((6, 0))
     while columns.shape[1] < count:
-        d1 = 1.9 * random.uniform(0.3, 0.7, 2 * count)
-        d2 = 1.9 - d1
+        if arm:
+            d1, d2 = (np.full(2 * count, length) for length in arm)
+        else:
+            d1 = REACH * random.uniform(0.3, 0.7, 2 * count)
+            d2 = REACH - d1
         p = random.normal(size=(3, 2 * count))
-        p *= random.uniform(np.abs(d1 - d2), 1.9) / np.linalg.norm(p, axis=0)
+        p *= random.uniform(np.abs(d1 - d2), d1 + d2) / np.linalg.norm(p, axis=0)
         rows = np.vstack([p, random.uniform(-np.pi, np.pi, 2 * count), d1, d2])
         far = singular_distance(Targets("regular", *rows)) >= REGULAR_DISTANCE
         columns = np.hstack([columns, rows[:, far]])

@@ -114,15 +114,20 @@ def call(command: list[str], folder: Path, log: str, label: str, limit: float = 
 
 @dataclass(frozen=True)
 class Run:
-    """One tool run, or two: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place."""
+    """One tool run, or two: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place.
+
+    ``root`` holds another copy of the RTL, ``instead`` files for the places of those of their names; ``limit`` is in
+    seconds.
+    """
 
     kind: str
     family: str
     top: str
     values: dict = field(hash=False)
     seed: int = 1
+    root: Path = ROOT
     instead: tuple[Path, ...] = ()
-    """Files in the places of those of their names."""
+    limit: float = LIMIT
 
     @property
     def title(self) -> str:
@@ -139,7 +144,7 @@ class Run:
 
     def files(self) -> list[Path]:
         """The module's own first."""
-        return closure(self.top, instead=self.instead)
+        return closure(self.top, self.root, self.instead)
 
     def script(self) -> str:
         """For Yosys."""
@@ -191,7 +196,8 @@ class Run:
         figures = {"rtl": digest(self.files())}
         if not (folder / "stat.json").exists() or (self.kind == "place" and not netlist.exists()):
             (folder / "stat.json").unlink(missing_ok=True)
-            seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, "yosys.log", self.name)
+            command = [program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
+            seconds = call(command, folder, "yosys.log", self.name, self.limit)
             figures["synthesis_s"] = round(seconds)
         stat = json.loads((folder / "stat.json").read_text())
         figures["cells"] = counted(stat, self.family)

@@ -21,7 +21,17 @@ from model.dataflow import fixed
 from model.dataflow.facts import Rule
 from model.dataflow.nodes import WIDTHS, FormatError, Node
 from model.dataflow.reals import Real
-from model.targets.observed import Observed, hand_errors, monte_carlo, regular_poses, shown, words_of
+from model.targets.observed import (
+    REACH,
+    Observed,
+    default_arm,
+    hand_errors,
+    monte_carlo,
+    regular_poses,
+    shown,
+    words_of,
+)
+from model.targets.words import DEFAULT_D1, DEFAULT_D2
 from scripts.console import Parser, command, progress
 from scripts.pages.render import error, render, svg
 from scripts.pages.tables import table
@@ -84,14 +94,17 @@ def shares(moved: dict[str, np.ndarray], nodes: dict[str, Node]) -> dict[str, fl
 
 
 def curve(seed: int, count: int, step=lambda done: None) -> dict[int, tuple[float, ...]]:
-    """Word length -> hand error at regular poses: median, 99 %, largest; and the bounds proved: median, largest."""
-    poses = regular_poses(count, seed)
+    """Word length -> hand error at regular poses: median, 99 %, largest; the bounds proved: median, largest; and the
+    first three of the default arm."""
+    poses, own = regular_poses(count, seed), regular_poses(count, seed, default_arm())
     result = {}
     for width in WIDTHS:
-        error = hand_errors(width, poses)
         bound = affine.hand_bound(words_of(poses, width), width)
-        figures = np.median(error), np.quantile(error, 0.99), error.max(), np.median(bound), bound.max()
-        result[width] = tuple(map(float, figures))
+        all_arms, default = (
+            (np.median(error), np.quantile(error, 0.99), error.max())
+            for error in (hand_errors(width, poses), hand_errors(width, own))
+        )
+        result[width] = tuple(map(float, (*all_arms, np.median(bound), bound.max(), *default)))
         step(len(result))
     return result
 
@@ -147,6 +160,9 @@ def page(measured: Measured, targets: int, seed: int) -> str:
         sensitivity_poses=SENSITIVITY_POSES,
         aim=AIM,
         errors=measured.errors,
+        reach=REACH,
+        default_arm=default_arm(),
+        default_reach=DEFAULT_D1 + DEFAULT_D2,
         figure=lambda value: error(value) if np.isfinite(value) else "none",
         dominating=list(shares(measured.moved, nodes).items())[:DOMINATING],
         nodes=nodes,
