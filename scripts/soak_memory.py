@@ -3,10 +3,10 @@
 
     python -m scripts.soak_memory [--jobs N] [--seed S] [--from PIECE] [--sim icarus|verilator] [--processes N]
 
-Jobs of random size and alignment, half without pauses and half with random ones on the channels of AXI; every result in
-memory is compared with the model of ik_axis, a monitor holds the rules of AXI in every clock. Jobs come in pieces, a
-simulation each. A piece is a function of seed and number: --from resumes at any, and takes the parameters of
-tb/axi/instances.py in turn, first those with the datapaths, then those with an echo in their place.
+Jobs of random size and alignment, with and without random pauses on the channels of AXI; every result in memory is
+compared with the model of ik_axis, a monitor holds the rules of AXI in every clock. Jobs come in pieces, a simulation
+each. A piece is a function of seed and number: --from resumes at any, and takes the parameters of tb/axi/instances.py
+in turn, first those with the datapaths, then those with an echo in their place.
 
 It stops at the first piece in which a test fails, and names seed and piece.
 
