@@ -19,6 +19,7 @@ TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS D1 D2 PHI BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
 TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN
+TAKES_soak-memory := SIM JOBS SEED FROM
 TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
 TAKES_formal   := ONLY
@@ -50,7 +51,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS SEED FROM KEEP AGAIN ONLY
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS SEED FROM KEEP AGAIN ONLY
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python.
@@ -66,7 +67,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 soak exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -151,6 +152,11 @@ soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPA
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
 	  $(call given,FROM,--from="$$CGA_FROM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
+
+soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece SIM=]
+	@$(SETUP) $(soak_sim)
+	@exec $(VENV) -m scripts.soak_memory --sim $(soak_sim) $(call given,JOBS,--jobs="$$CGA_JOBS") \
+	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
 	@$(SETUP) verilator

@@ -135,7 +135,7 @@ def piece(core: Core, seed: int, end: int, number: int) -> tuple[np.ndarray, Fou
 
 
 @contextlib.contextmanager
-def _spread(jobs: int) -> Iterator[Callable]:
+def spread(jobs: int) -> Iterator[Callable]:
     """A `map` that keeps the order; with more than one job, over processes, which end with the block."""
     if jobs == 1:
         yield map
@@ -171,10 +171,10 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
         print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         work = partial(piece, core, arguments.seed, end)
         with (
-            _spread(min(arguments.jobs, len(chunks))) as spread,
+            spread(min(arguments.jobs, len(chunks))) as each,
             progress("soak", arguments.targets) as meter,
         ):
-            for words, more, failures, hand in spread(work, chunks):  # noqa: B007
+            for words, more, failures, hand in each(work, chunks):  # noqa: B007
                 if failures:
                     break
                 number += 1

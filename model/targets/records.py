@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .words import FIELDS
+from .words import FIELDS, RESULT_FIELDS
 
 BYTES = 32
 """Of a record."""
@@ -54,3 +54,9 @@ def result_records(results: np.ndarray, flags: np.ndarray, tags: np.ndarray, wid
     records[:, fields] = flags << TAG_BITS | tags
     records[:, fields + 1] = np.arange(count)
     return (records & 0xFFFFFFFF).astype("<u4").tobytes()
+
+
+def result_words(records: bytes, width: int) -> np.ndarray:
+    """The results (N, 6) of `width` bits in result records."""
+    table = np.frombuffer(records, dtype=WORD).astype(np.int64).reshape(-1, BYTES // 4)
+    return table[:, : len(RESULT_FIELDS)] >> (32 - width)

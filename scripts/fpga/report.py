@@ -24,14 +24,24 @@ _XILINX = {
     "MUXF": {f"MUXF{k}": 1 for k in range(5, 10)},
 }
 _PORTS = (1, 2, 4, 9, 18, 36)
+# memories in LUTs: 16 bits each on xc2vp, 64 on xc7, and as many again for the second port of X1D
+_LUT4_RAM = {f"RAM{depth}X1{port}": depth // 16 * (2 if port == "D" else 1) for depth in (16, 32, 64) for port in "SD"}
+_LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32X1D": 2, "RAM64X1D": 2, "RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
 CELLS = {
     "xc2vp": _XILINX
     | {
+        "LUT": _XILINX["LUT"] | _LUT4_RAM,
         "carry": {"MUXCY": 1},
         "multipliers": {"MULT18X18": 1, "MULT18X18S": 1},
         "RAM": {f"RAMB16_S{a}{b}": 1 for a in _PORTS for b in ("", *(f"_S{k}" for k in _PORTS))},
     },
-    "xc7": _XILINX | {"carry": {"CARRY4": 1}, "multipliers": {"DSP48E1": 1}, "RAM": {"RAMB18E1": 1, "RAMB36E1": 2}},
+    "xc7": _XILINX
+    | {
+        "LUT": _XILINX["LUT"] | _LUT6_RAM,
+        "carry": {"CARRY4": 1},
+        "multipliers": {"DSP48E1": 1},
+        "RAM": {"RAMB18E1": 1, "RAMB36E1": 2},
+    },
     # a CCU2C is two LUTs with a carry; a memory of 16x4 bits takes the LUTs of two slices, and two for writing
     "ecp5": {
         "LUT": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 6},

@@ -14,32 +14,30 @@ from pathlib import Path
 
 from scripts.console import Parser, command
 from scripts.pages.render import render
-from tb.axi.rates import LONG, SHORT
+from tb.axi.instances import apart
+from tb.axi.rates import BATCH, LONG
 from tb.sim.env import GENERATED, ROOT, SIMULATORS
-from tb.sim.runner import simulate
 
 PAGE = GENERATED / "memory.md"
 BUSES = (32, 64, 128)
 
 
-def measured(sim: str) -> dict[int, list[dict]]:
-    """Width of the bus -> a row for each latency, as tb/axi/rates.py writes them."""
-    rows = {}
-    for data_width in BUSES:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "rates.json"
-            parameters = {"DATA_W": data_width}
-            simulate("ik_axi", "tb.axi.rates", parameters=parameters, sim=sim, env={"IK_AXI_RATES": str(path)})
-            rows[data_width] = [json.loads(line) for line in path.read_text().splitlines()]
-    return rows
+def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
+    """A row for each latency, or for one, as tb/axi/rates.py writes them. Raises SimulationError."""
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        path = Path(folder) / "rates.json"
+        env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
+        apart("tb.axi.rates", sim, env, parameters=parameters)
+        return [json.loads(line) for line in path.read_text().splitlines()]
 
 
 @command("pages.memory")
 def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("pages.memory", __doc__.splitlines()[0], fails="a simulation fails")
     parser.choice("--sim", "simulator", SIMULATORS, SIMULATORS[0], "the simulator (default: %(default)s)")
-    rows = measured(parser.parse_args(arguments).sim)
-    PAGE.write_text(render("memory", rows=list(zip(*rows.values(), strict=True)), buses=BUSES, short=SHORT, long=LONG))
+    sim = parser.parse_args(arguments).sim
+    rows = zip(*(measured(sim, {"DATA_W": bus}) for bus in BUSES), strict=True)
+    PAGE.write_text(render("memory", rows=list(rows), buses=BUSES, short=BATCH, long=LONG))
     print(f"wrote {PAGE.relative_to(ROOT)}")
     return 0
 

@@ -1,42 +1,66 @@
 # SPDX-License-Identifier: Apache-2.0
 """The core in table 6: clocks that the RTL counts in simulation, and the error of its answers.
 
-A path through the core is what lies around `ik_axis`: from stream to stream for now. One from memory to memory is a
-row of `PATHS` with what simulates it.
+A path through the core is what lies around the datapath: `ik_axis` from stream to stream, `ik_axi` from memory to
+memory.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from model.dataflow import fixed
 from model.targets.trajectories import make
 from model.targets.words import from_words, result_values, to_words
+from scripts.pages.memory import measured
 from scripts.table6.contenders import hand_errors
+from tb.axi.rates import LATENCIES
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate
 
 WIDTH = 32
 DATAPATHS = ("paper", "lean")
+STREAMS = "stream to stream"
 CHUNK = 20_000
 """Random targets that the bit-true model takes at a time."""
 
 
 def stream_to_stream(datapath: str) -> dict:
-    """The 100 targets of `reach` through the RTL, nobody stalling: clocks to the first answer and to the last, the
-    largest hand error / reach."""
-    targets = make("reach")
-    words, exponent = to_words(targets, WIDTH)
+    """The 100 targets of `reach` through the RTL, nobody stalling: clocks to the first answer and to the last, clocks
+    an answer, the largest hand error / reach."""
+    words, _ = to_words(make("reach"), WIDTH)
     (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=datapath, width=WIDTH)
     if run.bit_mismatches:
         raise SimulationError(f"{datapath}: the RTL differs from the model: {run.first_mismatch}")
-    errors = hand_errors(result_values(run.results, WIDTH), from_words(words, exponent, WIDTH, "reach"))
-    return {"first": run.latency_cycles, "last": run.total_cycles, "reach_error": float(errors.max())}
+    first, last = run.latency_cycles, run.total_cycles
+    return {"first": first, "last": last, "each": (last - first) / len(words), "reach_error": reach_error(run.results)}
 
 
-PATHS: dict[str, Callable[[str], dict]] = {"stream to stream": stream_to_stream}
+def memory_to_memory(datapath: str, bus: int, latency: int) -> dict:
+    """The same by jobs of `ik_axi` from a memory of this latency: the register CLOCKS of a job of one target and of one
+    of all, clocks of R a target in a long job, the error of what lies in memory."""
+    (row,) = measured(SIMULATORS[0], {"LEAN": int(datapath == "lean"), "DATA_W": bus}, latency)
+    told = {name: row[name] for name in ("first", "last", "each")}
+    return {**told, "reach_error": reach_error(np.array(row["results"]))}
+
+
+def reach_error(results: np.ndarray) -> float:
+    """The largest hand error / reach of answers to `reach`."""
+    words, exponent = to_words(make("reach"), WIDTH)
+    return float(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
+
+
+PATHS: dict[str, Callable[[str], dict]] = {
+    STREAMS: stream_to_stream,
+    **{
+        f"memory to memory, {bus} bits, latency {latency}": partial(memory_to_memory, bus=bus, latency=latency)
+        for bus in (64, 128)
+        for latency in (LATENCIES[0], LATENCIES[2])
+    },
+}
 """What lies around the core -> its clocks."""
 
 

@@ -21,17 +21,32 @@ from tb.axi.ik_regs import FIELDS, OFFSETS
 from tb.axi.memory import Memory, Reader, Writer
 from tb.axi.monitor import Monitor
 
+SEED = int(os.environ.get("IK_AXI_SEED", "0"))
+"""Another one gives other jobs, targets and pauses in every test."""
+
 GUARD = 256
 """Bytes on either side of the results that are looked at after a job."""
+
+
+def random_words(count: int, seed: int) -> np.ndarray:
+    """Targets of all kinds, (N, 6), at 32 bits."""
+    words = mixed(count, 32, seed)
+    numbers = np.random.default_rng(seed)
+    words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # bits that are rounded
+    words[5] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # those that saturate and wrap
+    return np.clip(words, -(2**31), 2**31 - 1)
 
 
 class Machine:
     """One in a test: it owns the clock."""
 
-    def __init__(self, dut, seed: int = 1, pool: int = 600, latency: int = 0) -> None:
+    def __init__(
+        self, dut, seed: int = 1, pool: int = 600, latency: int = 0, words: np.ndarray | None = None
+    ) -> None:
         self.dut = dut
         for name in ("cocotb", "cocotb.regression"):
             logging.getLogger(f"{name}.{dut._name}").setLevel(logging.WARNING)
+        seed += 100 * SEED  # tests have seeds below
         self.random = random.Random(seed)
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -47,16 +62,11 @@ class Machine:
         self.lite = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axi"), dut.clk, dut.rst)
         self.reader = Reader(AxiReadBus.from_prefix(dut, "m_axi"), dut.clk, dut.rst, self.memory, latency)
         self.writer = Writer(AxiWriteBus.from_prefix(dut, "m_axi"), dut.clk, dut.rst, self.memory, latency)
-        self._pool(pool, seed)
+        self._pool(random_words(pool, seed) if words is None else words, seed)
 
-    def _pool(self, count: int, seed: int) -> None:
-        """A pool of targets, each at 32 bits, and what the model of ik_axis says to them."""
-        numbers = np.random.default_rng(seed)
-        words = mixed(count, 32, seed)
-        words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # bits that are rounded
-        words[5] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # those that saturate and wrap
-        words = np.clip(words, -(2**31), 2**31 - 1)
-        tags = numbers.integers(0, 1 << 32, count)
+    def _pool(self, words: np.ndarray, seed: int) -> None:
+        """The pool of targets, each at 32 bits, and what the model of ik_axis says to them."""
+        tags = np.random.default_rng(seed + 1).integers(0, 1 << 32, len(words))
         self.records = target_records(words, tags)
         self.results, self.flags, self.tags = self.answers(self.records)
 
@@ -188,7 +198,7 @@ class Machine:
 CHANNELS = ("ar", "r", "aw", "w", "b", "lite")
 
 
-async def started(dut, seed: int = 1, pool: int = 600, latency: int = 0) -> Machine:
-    machine = Machine(dut, seed, pool, latency)
+async def started(dut, seed: int = 1, **options) -> Machine:
+    machine = Machine(dut, seed, **options)
     await machine.reset()
     return machine

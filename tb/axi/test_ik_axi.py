@@ -1,29 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds ``ik_axi`` with several parameters and runs jobs, faults and registers on it.
-
-Most jobs have an echo in the place of the datapath (tb/axi/ik_lean.v): what is around it is the same, and a simulation
-takes a quarter of the time.
-"""
-
-import shutil
-from pathlib import Path
+"""Builds ``ik_axi`` with several parameters and runs jobs, faults and registers on it."""
 
 import pytest
 
+from tb.axi.instances import CORE, ECHO, echoing, named
 from tb.sim.env import simulator
-from tb.sim.mutants import copy_rtl
 from tb.sim.runner import simulate
 
 MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers,tb.axi.rates"
-FEW = "one_record|many_jobs$|stalled=all|latency=0"
-ECHO = Path(__file__).with_name("ik_lean.v")
+FEW = "one_record|many_jobs$|stalled=all|latency=2$"
 
 
-def case(jobs: int, cost: int, slow: bool = True, **parameters: int):
+def case(parameters: dict[str, int], jobs: int, cost: int, slow: bool = True):
     """Parameters, and how many random jobs with them."""
     marks = [pytest.mark.cost(cost), *([pytest.mark.slow] if slow else [])]
-    name = "-".join(f"{k}{v}" for k, v in parameters.items()) or "defaults"
-    return pytest.param(parameters, jobs, marks=marks, id=f"{name}-{jobs}")
+    return pytest.param(parameters, jobs, marks=marks, id=f"{named(parameters)}-{jobs}")
 
 
 def run(modules: str, parameters: dict[str, int], jobs: int, **options) -> None:
@@ -37,26 +28,24 @@ def run(modules: str, parameters: dict[str, int], jobs: int, **options) -> None:
 @pytest.mark.parametrize(
     ("parameters", "jobs"),
     [
-        case(200, 60, slow=False, W=18, ADDR_W=20),
-        case(800, 160),
-        case(200, 80, W=18, DATA_W=128, ADDR_W=64, LOG2_BURST=4),
-        case(200, 80, W=18, DATA_W=32, ADDR_W=40, LOG2_BURST=5),
-        case(150, 80, W=25, DATA_W=128, LOG2_BURST=1),
+        case(ECHO[0], 200, 60, slow=False),
+        case(ECHO[1], 800, 160),
+        case(ECHO[2], 200, 80),
+        case(ECHO[3], 200, 80),
+        case(ECHO[4], 150, 80),
     ],
 )
 def test_around_the_core(tmp_path, parameters, jobs):
-    root = copy_rtl(tmp_path)
-    shutil.copy(ECHO, root / "rtl" / "lean" / "ik_lean.v")
-    run(MODULES, parameters, jobs, env={"IK_AXI_CORE": "echo"}, root=root, name="echo")
+    run(MODULES, parameters, jobs, env={"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
 
 
 @pytest.mark.sim
 @pytest.mark.parametrize(
     ("parameters", "jobs"),
     [
-        case(20, 20, slow=False),
-        case(200, 150, W=18, DATA_W=128),
-        case(60, 100, W=18, LEAN=0, DIGIT=1),
+        case(CORE[0], 20, 20, slow=False),
+        case(CORE[1], 200, 150),
+        case(CORE[2], 60, 100),
     ],
 )
 def test_with_the_core(parameters, jobs):

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bugs that are put into ``ik_axi`` are caught, each by the test that is there for it."""
 
-import shutil
-
 import pytest
 
-from tb.axi.test_ik_axi import ECHO, MODULES
+from tb.axi.instances import echoing
+from tb.axi.test_ik_axi import MODULES
 from tb.sim.env import ROOT, simulator
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.mutants import Bug
 from tb.sim.runner import simulate
 
 TOP, READ, WRITE = "rtl/ik_axi.v", "rtl/axi/ik_axi_read.v", "rtl/axi/ik_axi_write.v"
@@ -80,10 +79,8 @@ def test_bugs_can_be_seeded():
     ids=lambda b: b.what.replace(" ", "_"),
 )
 def test_bug_is_caught(bug, tmp_path):
-    root = copy_rtl(tmp_path, bug)
-    shutil.copy(ECHO, root / "rtl" / "lean" / "ik_lean.v")
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "80", "IK_AXI_FAULTS": "12", "COCOTB_TEST_FILTER": bug.fails}
     parameters = {"W": 18, "LOG2_BURST": 1 if bug.what in SMALL_BURSTS else 3}
-    name = f"bug{BUGS.index(bug)}"
+    echo = {**echoing(tmp_path, bug), "name": f"bug{BUGS.index(bug)}"}
     with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
-        simulate("ik_axi", MODULES, parameters=parameters, env=env, seed=1, root=root, name=name)
+        simulate("ik_axi", MODULES, parameters=parameters, env=env, seed=1, **echo)

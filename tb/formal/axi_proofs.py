@@ -6,8 +6,10 @@ from __future__ import annotations
 from tb.formal.proof import Proof
 from tb.sim.mutants import Bug
 
+TOP = "rtl/ik_axi.v"
 READ = "rtl/axi/ik_axi_read.v"
 WRITE = "rtl/axi/ik_axi_write.v"
+TARGET = "rtl/axi/ik_axi_target.v"
 RESULT = "rtl/axi/ik_axi_result.v"
 REGS = "rtl/axi/ik_axi_regs.v"
 JOB = "rtl/axi/ik_axi_job.v"
@@ -152,9 +154,67 @@ GATES_BUGS = (
     Bug("wlast looks at ready", RESULT, "ends && beat == LAST_BEAT", "ends && m_axi_wready", "independent"),
 )
 
+WHOLE_SAYS = {
+    "f_go": "what the engines assume of each other, here and in the next five: a job starts when nothing is under way",
+    "f_area": "in areas inside the address space",
+    "f_got_some": "no more targets are read than the job has and the core has places for, and none behind the last",
+    "f_ended": "the last target stays the last",
+    "f_leave": "a result leaves only if its target was handed on, and its burst announced",
+    "f_answer": "an answer is for a burst whose records are gone",
+    "never_refused": "ik_axis never refuses a target",
+    "read_inside": "a burst asked for lies inside the source as it was at start",
+    "written_inside": "one announced inside the destination",
+    "wlast_as_announced": "W has a burst announced, and wlast exactly where AW said that it ends",
+    "within_promise": "never more than 8 bursts are under way in a direction",
+    "quiet": "outside of a job that runs, nothing is under way",
+    "some_in_each_burst": "a burst has a record at least",
+    "never_stuck": "while a job runs, at most one clock is nobody's turn: neither the memory's nor that of ik_axis",
+}
+WHOLE_AFTER = {
+    "f_got_some": ["got_is", "read_before", "position", "counts_are", "areas_are", "quiet", "to_write_is",
+                   "place_for_every_record", "counted", "offered", "some_in_each", "core_is", "together"],
+    "f_answer": ["bus_is", "offered_waits", "together"],
+    "read_inside": ["inside_source", "within_4k", "whole_records", "quiet", "bases_are", "counts_are", "areas_are",
+                    "together"],
+    "written_inside": ["inside_destination", "within_4k", "whole_records", "quiet", "bases_are", "counts_are",
+                       "areas_are", "together"],
+}  # fmt: skip
+WHOLE_BUGS = (
+    Bug("ends before the writes", JOB, "if (read_idle && write_idle)", "if (read_idle)", "quiet"),
+    Bug("a place comes back too early", TOP, "leave = result_valid && result_ready", "leave = result_valid", "f_leave"),
+    Bug("twice as many places as the core has", TOP,
+        ".LOG2_PLACES(LOG2_PLACES),\n      .LOG2_BURSTS(LOG2_BURSTS)\n  ) u_read",
+        ".LOG2_PLACES(LOG2_PLACES + 1),\n      .LOG2_BURSTS(LOG2_BURSTS)\n  ) u_read", "f_got_some"),
+    Bug("a target in every clock", TARGET, "target_valid <= record_valid && !rst;", "target_valid <= !rst;",
+        "never_refused"),
+    Bug("results of an aborted job", JOB, "clear = state == ENDS", "clear = 1'b0", "emptied"),
+    Bug("reads where it should write", TOP,
+        ".source       (job_source)", ".source       (job_destination)", "bases_are"),
+    Bug("area not checked", JOB, ": past[0] ? 4'd3", "", "areas_inside"),
+    Bug("the last target is told early", READ, "(left == 0 && due == 0);\n  assign idle", "(left == 0);\n  assign idle",
+        "f_got_some"),
+    Bug("wlast without its beat", RESULT, "ends && beat == LAST_BEAT", "ends", "wlast_as_announced"),
+    Bug("data before their burst", RESULT, "room && allowed;", "room;", "f_leave"),
+    Bug("the end is not told to the writer", TOP, ".ended        (ended),\n      .idle         (write_idle)",
+        ".ended        (1'b0),\n      .idle         (write_idle)", "never_stuck"),
+    Bug("starts again while it runs", JOB, "go = state == DECIDE", "go = state >= DECIDE", "f_go"),
+    Bug("end of the destination not looked at", JOB, ": past[1] ? 4'd4", "", "f_area"),
+    Bug("the end is told between two bursts", READ,
+        "(left == 0 && due == 0);\n  assign idle", "(due == 0);\n  assign idle", "f_ended"),
+    Bug("reads a record too far", READ, "m_axi_araddr <= {next, 5'd0}", "m_axi_araddr <= {next + 1'b1, 5'd0}",
+        "read_inside"),
+    Bug("writes a record too far", WRITE, "m_axi_awaddr <= {next, 5'd0}", "m_axi_awaddr <= {next + 1'b1, 5'd0}",
+        "written_inside"),
+    Bug("a ninth burst", WRITE, "!bursts[LOG2_BURSTS] && (", "(", "within_promise"),
+    Bug("waits for a whole burst", WRITE, "(whole || (ended && ready != 0))", "whole", "never_stuck"),
+    Bug("asks for nothing", READ,
+        "all_left ? left[N-1:0] : to_edge", "all_left ? {N{1'b0}} : to_edge", "some_in_each_burst"),
+)  # fmt: skip
+
 
 def proof(of: str, module: str, says: dict[str, str], bugs: tuple[Bug, ...], width: str) -> Proof:
-    return Proof(f"axi_{of}", "64", module, width, says, bugs)
+    after = WHOLE_AFTER if of == "whole" else {}
+    return Proof(f"axi_{of}", "64", module, width, says, bugs, after=after)
 
 
 BUS = "32-bit addresses, 64-bit data, bursts of 8 records"
@@ -164,5 +224,6 @@ AXI_PROOFS = (
     proof("result", "ik_axi_result", RESULT_SAYS, RESULT_BUGS, "W=32, 64-bit data"),
     proof("regs", "ik_axi_regs", REGS_SAYS, REGS_BUGS, "W=32"),
     proof("job", "ik_axi_job", JOB_SAYS, JOB_BUGS, "32-bit addresses"),
+    proof("whole", "ik_axi", WHOLE_SAYS, WHOLE_BUGS, f"W=32, {BUS}, 64 places"),
     proof("gates", "ik_axi", GATES_SAYS, GATES_BUGS, f"W=32, {BUS}"),
 )

@@ -43,7 +43,7 @@ end
 wire [7:0] f_due = f_sum - (m_axi_arvalid ? {{(8 - N) {1'b0}}, f_newest} : 8'd0);
 wire [P:0] f_inside = {1'b0, f_core} + due;  // asked for, and their results have not left
 
-always @* begin
+always @* if (f_on) begin
   f_go : assume (!go || (stop && !m_axi_arvalid && f_open == 0));
   f_area : assume (!go || {1'b0, source} + {{(R > 32 ? R - 31 : 1) {1'b0}}, count} <= {1'b1, {R{1'b0}}});
   f_leave : assume (!leave || f_core != 0);

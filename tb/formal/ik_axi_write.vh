@@ -49,7 +49,7 @@ always @(posedge clk) begin
 end
 (* anyseq *) wire [31:0] f_next_count;
 
-always @* begin
+always @* if (f_on) begin
   f_go : assume (!go || (stop && !m_axi_awvalid && f_open == 0 && f_waits == 0));
   f_area : assume (!go || {1'b0, destination} + f_next_count <= {1'b1, {R{1'b0}}});
   f_got_some : assume (!got || (!ended && f_got < f_count && {1'b0, ready} + to_send < PLACES));

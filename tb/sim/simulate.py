@@ -68,7 +68,7 @@ def simulate(
         lacking = full(*([waves.parent] if waves else []))  # a simulator may cut a waveform short and not say so
         if process.returncode or lacking or not (place / "results.npz").exists():
             lacking = lacking or full(place, ROOT / "build")
-            raise SimulationError(lacking or _reason(log.read_text(errors="replace"), simulator))
+            raise SimulationError(lacking or reason(log.read_text(errors="replace"), simulator))
         with np.load(place / "results.npz") as written:
             return [
                 Run(
@@ -91,7 +91,7 @@ def _wait(process, file: Path, total: int, progress) -> None:
         progress(total, total)
 
 
-def _reason(log: str, simulator: str) -> str:
+def reason(log: str, simulator: str) -> str:
     """The lines of a log that say what went wrong."""
     telling = [line for line in log.splitlines() if any(w in line for w in ("rror", "FAIL", "assert", "syntax"))]
     return "\n".join([f"the {simulator} simulation failed:", *(telling or log.splitlines())[-12:]])

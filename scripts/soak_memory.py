@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random jobs from memory to memory at length: what `make soak-memory` does.
+
+    python -m scripts.soak_memory [--jobs N] [--seed S] [--from PIECE] [--sim icarus|verilator] [--processes N]
+
+Jobs of random size and alignment, with and without random pauses on the channels of AXI; every result in memory is
+compared with the model of ik_axis, a monitor holds the rules of AXI in every clock. Jobs come in pieces, a simulation
+each. A piece is a function of seed and number: --from resumes at any, and takes the parameters of tb/axi/instances.py
+in turn, first those with the datapaths, then those with an echo in their place.
+
+It stops at the first piece in which a test fails, and names seed and piece.
+
+Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 input that cannot be used (one line on
+stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+
+from scripts.console import Parser, command, progress, whole
+from scripts.soak import spread
+from tb.axi.instances import CORE, ECHO, apart, echoing, named
+from tb.sim.env import ROOT, SIMULATORS
+from tb.sim.simulate import SimulationError
+
+JOBS = 1000
+INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
+PIECE = 100
+"""Jobs of a piece, of those with pauses on one channel too."""
+
+ECHO_PLACE = ROOT / "build" / "soak-memory"
+
+
+def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
+    """What was built, jobs and targets that were right, and what failed."""
+    parameters, echo = INSTANCES[number % len(INSTANCES)]
+    what = f"{'echo' if echo else 'core'} {named(parameters)}"
+    with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:
+        env = {
+            "IK_AXI_SEED": str(seed * 1_000_000 + number + 1),
+            "IK_AXI_JOBS": str(PIECE * 4 // 5),
+            "IK_AXI_DONE": done.name,
+            "COCOTB_TEST_FILTER": "many_jobs",
+        }
+        options = {"root": ECHO_PLACE, "name": "echo"} if echo else {}
+        env |= {"IK_AXI_CORE": "echo"} if echo else {}
+        failed = ""
+        try:
+            apart("tb.axi.ik_axi", sim, env, parameters=parameters, **options)
+        except SimulationError as error:
+            failed = str(error)
+        rows = [[int(word) for word in line.split()] for line in done]
+    return what, sum(jobs for jobs, _ in rows), sum(targets for _, targets in rows), failed
+
+
+@command("soak_memory")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser("soak_memory", "Random jobs through ik_axi, from memory to memory, every result compared.")
+    add = parser.add_argument
+    add("--jobs", type=whole(1), default=JOBS, metavar="N", help="how many at least (default: %(default)s)")
+    add("--seed", type=whole(0), default=1, metavar="S", help="of everything random (default: %(default)s)")
+    add("--from", dest="from_", type=whole(0), default=0, metavar="PIECE", help="begin at this one (default: 0)")
+    parser.choice("--sim", "simulator", SIMULATORS, "verilator", "the simulator (default: %(default)s)")
+    about = "pieces at a time (default: %(default)s)"
+    add("--processes", type=whole(1), default=os.cpu_count(), metavar="N", help=about)
+    options = parser.parse_args(arguments)
+    echoing(ECHO_PLACE)
+    numbers = range(options.from_, options.from_ + -(-options.jobs // PIECE))
+    jobs, targets = Counter(), 0
+    number = options.from_
+    work = partial(piece, options.sim, options.seed)
+    with spread(min(options.processes, len(numbers))) as each, progress("soak_memory", options.jobs) as meter:
+        for number, (what, right, solved, failed) in zip(numbers, each(work, numbers), strict=True):
+            if failed:
+                print(f"soak_memory: seed {options.seed}, piece {number}, {what}:\n{failed}", file=sys.stderr)
+                again = f"--seed {options.seed} --from {number} --jobs 1 --sim {options.sim}"
+                print(f"soak_memory: to run it again: python -m scripts.soak_memory {again}", file=sys.stderr)
+                return 1
+            jobs[what] += right
+            targets += solved
+            meter(jobs.total(), what)
+    for what, right in jobs.items():
+        print(f"{what:48} {right:7d} jobs")
+    print(f"{jobs.total()} jobs, {targets} targets, seed {options.seed}, {options.sim}: all right")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,49 @@
+// Abstract stream core in the place of ik_axis: counts what is inside, answers when it likes; results are left open.
+// SPDX-License-Identifier: Apache-2.0
+//
+// What axis.sby proves of ik_axis, and no more: as many places, ready exactly while one is free, nothing offered while nothing
+// is inside, an offer stands until it is taken. That an offer comes at the latest T+1 clocks after the target is used on paper.
+// Latency: any.
+`default_nettype none
+
+module ik_axis #(
+    parameter integer W     = 32,
+    parameter integer TAG_W = 8,
+    parameter integer LEAN  = 1,
+    parameter integer DIGIT = 0
+) (
+    input  wire               clk,
+    input  wire               rst,
+    input  wire [    6*W-1:0] s_axis_tdata,
+    input  wire [  TAG_W-1:0] s_axis_tuser,
+    input  wire               s_axis_tvalid,
+    output wire               s_axis_tready,
+    output wire [    6*W-1:0] m_axis_tdata,
+    output wire [TAG_W+8-1:0] m_axis_tuser,
+    output wire               m_axis_tvalid,
+    input  wire               m_axis_tready
+);
+
+  localparam integer PLACES = (LEAN != 0) ? 64 : 512;
+
+  (* anyseq *) wire [6*W+TAG_W+7:0] f_any;
+  (* anyseq *) wire f_offer;
+  assign {m_axis_tuser, m_axis_tdata} = f_any;
+
+  reg [9:0] inside;
+  reg offered;
+  assign s_axis_tready = !rst && inside < PLACES;
+  assign m_axis_tvalid = inside != 0 && (offered || f_offer);
+  always @(posedge clk) begin
+    inside  <= rst ? 10'd0 : inside + (s_axis_tvalid && s_axis_tready) - (m_axis_tvalid && m_axis_tready);
+    offered <= !rst && m_axis_tvalid && !m_axis_tready;
+  end
+
+`ifdef IK_COVER
+  // the way through of ik_axi.vh
+  always @* assume (f_offer && f_any == 0);
+`endif
+
+endmodule
+
+`default_nettype wire
