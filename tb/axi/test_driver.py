@@ -6,8 +6,7 @@ import shutil
 import pytest
 
 from tb.axi.binding import compiled
-from tb.axi.test_ik_axi import ECHO
-from tb.sim.mutants import copy_rtl
+from tb.axi.instances import echoing
 from tb.sim.runner import simulate
 
 MODULE = "tb.axi.driver"
@@ -20,8 +19,7 @@ def run(folder, library, tests: str, echo: bool = True, **parameters: int) -> No
     env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests}
     options = {}
     if echo:
-        options = {"root": copy_rtl(folder), "name": "echo"}
-        shutil.copy(ECHO, folder / "rtl" / "lean" / "ik_lean.v")
+        options = echoing(folder)
         env["IK_AXI_CORE"] = "echo"
     simulate("ik_axi", MODULE, parameters=parameters, env=env, seed=1, **options)
 
