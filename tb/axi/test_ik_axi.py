@@ -19,7 +19,7 @@ def case(parameters: dict[str, int], jobs: int, cost: int, slow: bool = True):
 
 def run(modules: str, parameters: dict[str, int], jobs: int, **options) -> None:
     if simulator() == "icarus":  # which takes several times as long
-        jobs = min(jobs, 100)
+        jobs = min(jobs, 40)
     env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(max(8, jobs // 20)), **options.pop("env", {})}
     simulate("ik_axi", modules, parameters=parameters, env=env, seed=1, **options)
 

@@ -120,7 +120,7 @@ def test_model_of_area_is_near_to_what_was_counted():
 @pytest.mark.cost(60)
 def test_rtl_equals_the_model_of_the_same_words(prediction, tmp_path):
     """Results and flags of targets of every kind, with dividers and roots of rows; whole words give other results."""
-    words = mixed(200, search.WIDTH, 3)
+    words = mixed(30, search.WIDTH, 3)
     root = shortened_rtl(tmp_path, prediction.nodes, CUTS)
     (run,) = simulate(
         [Job("shortened", words)], simulator=simulator(), datapath="paper", width=search.WIDTH, root=root,
