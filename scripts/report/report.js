@@ -53,7 +53,7 @@ const KINDS = { csv: "results (CSV)", npz: "results (NumPy)", json: "score (JSON
 
 function link(path) {
   const item = document.createElement("li");
-  const of = state.shown.beside ? `${path.split("/")[0]}: ` : "";
+  const of = state.shown.beside && path.includes("/") ? `${path.split("/")[0]}: ` : "";
   const a = Object.assign(document.createElement("a"), { href: path, textContent: of + KINDS[path.split(".").at(-1)] });
   a.setAttribute("download", "");
   item.append(a);
@@ -78,9 +78,7 @@ function writeTrajectory() {
   if (t.beside) {
     element("joints-note").textContent += ` Dotted: the ${t.beside.datapath} datapath.`;
   }
-  const files = [...FILES[t.name], ...FILES[""]];
-  const ofRun = (run) => files.filter((path) => !t.beside || path.startsWith(`${run.datapath}/`));
-  element("files").replaceChildren(...state.runs.flatMap(ofRun).map(link));
+  element("files").replaceChildren(...[...FILES[t.name], ...FILES[""]].map(link));
   document.querySelectorAll("#cards button").forEach((b) => b.setAttribute("aria-pressed", b.dataset.name === t.name));
   document.documentElement.dataset.both = Boolean(t.beside);
   document.querySelectorAll(".badge.both").forEach((badge) => {

@@ -296,7 +296,9 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("main, more", [(follow.main, ("--target", "99")), (run.main, ("--datapath", "lean"))], ids=["follow", "run"])
+@pytest.mark.parametrize(
+    "main, more", [(follow.main, ("--target", "99")), (run.main, ("--datapath", "lean"))], ids=["follow", "run"]
+)
 def test_the_rtl_as_it_is(command, main, more):
     """Every node of the target equals the model, and so does every column."""
     words = *more, "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
