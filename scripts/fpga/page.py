@@ -112,6 +112,11 @@ def comparison(data: dict) -> str:
     return table(head, [[label, *cells] for label, cells in rows.items()])
 
 
+def memory_clock(data: dict) -> float | None:
+    """MHz of ``ik_axi`` around an echo, as far as it has been placed."""
+    return data["runs"].get("axi-W32-echo-ecp5-place", {}).get("mhz")
+
+
 def memory(data: dict) -> str:
     """The table of ``ik_axi``; empty where nothing was measured."""
     rows = []

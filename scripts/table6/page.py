@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from scripts import published
-from scripts.fpga.page import clock
+from scripts.fpga.page import clock, memory_clock
 from scripts.pages.render import error, render
 from scripts.table6 import limits
 from scripts.table6.hardware import STREAMS
@@ -30,6 +30,12 @@ def mhz(fpga: dict, datapath: str, width: int) -> float:
     if found is None:
         raise ValueError(f"fpga.json has no clock of {datapath}, W = {width}")
     return found
+
+
+def clock_of(fpga: dict, row: dict) -> float:
+    """The clock of a row of the hardware: from memory to memory the slower one of datapath and ``ik_axi``."""
+    datapath = mhz(fpga, row["datapath"], row["width"])
+    return datapath if row["path"] == STREAMS else min(datapath, memory_clock(fpga) or datapath)
 
 
 def number(value: float) -> str:
@@ -73,7 +79,7 @@ def _software(figures: dict) -> Iterator[list[str]]:
 
 def _hardware(figures: dict, fpga: dict) -> Iterator[list[str]]:
     for row in figures["hardware"]:
-        clock = mhz(fpga, row["datapath"], row["width"])
+        clock = clock_of(fpga, row)
         total = row["last"] / clock
         yield [
             "this core", f"`{row['datapath']}`, W = {row['width']}, {clock:.0f} MHz, {row['path']}", number(total),
@@ -102,7 +108,7 @@ def _waits(figures: dict, fpga: dict) -> Iterator[list[str]]:
         if row["key"].startswith("c-") and row["key"].endswith("-chain"):
             yield [f"C, {row['name']}", number(row["reach"]["ns"])]
     for row in figures["hardware"]:
-        clock = mhz(fpga, row["datapath"], row["width"])
+        clock = clock_of(fpga, row)
         yield [f"this core, `{row['datapath']}`, {row['path']}", number(1000 * row["first"] / clock)]
 
 
@@ -171,6 +177,7 @@ def page(figures: dict, fpga: dict) -> str:
         busy=figures["machine"]["load"] > BUSY * figures["machine"]["cores"],
         rows=[*_quoted(), *_software(figures), *_hardware(figures, fpga)],
         waits=list(_waits(figures, fpga)),
+        memory_mhz=memory_clock(fpga),
         batch=published.TARGETS,
         lean=lean,
         paper=paper,
