@@ -100,8 +100,8 @@ class Driver:
     def __init__(self, library: Path, platform: Platform, source: tuple[int, int], destination: tuple[int, int],
                  records: int, cache: bool = False, interrupt: bool = False, polls: int = 0,
                  real: str = "double") -> None:  # fmt: skip
-        self.library = ctypes.CDLL(str(library))
-        self.library.ik_error_text.restype = ctypes.c_char_p
+        self.linked = ctypes.CDLL(str(library))
+        self.linked.ik_error_text.restype = ctypes.c_char_p
         self.raised: list[BaseException] = []
         self.bus = Bus(
             read=READ(self._guarded(platform.read)), write=WRITE(self._guarded(platform.write)), source=Area(*source),
@@ -130,7 +130,7 @@ class Driver:
         return call
 
     def call(self, name: str, *arguments) -> int:
-        code = getattr(self.library, name)(ctypes.byref(self.core), *arguments)
+        code = getattr(self.linked, name)(ctypes.byref(self.core), *arguments)
         if self.raised:
             raise self.raised.pop(0)
         return code
@@ -154,4 +154,4 @@ class Driver:
         return NAMES[code], results[:good].view(self.result_type)
 
     def text(self, code: int) -> str:
-        return self.library.ik_error_text(code).decode()
+        return self.linked.ik_error_text(code).decode()

@@ -155,9 +155,9 @@ class Platform:
         if self.woken:
             self.woken = False
             return True
-        assert self.driver.library.ik_irq(ctypes.byref(self.driver.core)) & 1, "not ours"
+        assert self.driver.linked.ik_irq(ctypes.byref(self.driver.core)) & 1, "not ours"
         self._low()
-        assert not self.driver.library.ik_irq(ctypes.byref(self.driver.core)) & 1, "an interrupt of another"
+        assert not self.driver.linked.ik_irq(ctypes.byref(self.driver.core)) & 1, "an interrupt of another"
         return True
 
     # ---- calls -------------------------------------------------------------------------------------------------------
@@ -321,7 +321,7 @@ async def aborted(dut, interrupt):
 
     async def elsewhere():
         await ClockCycles(dut.clk, 700)
-        platform.driver.library.ik_abort(ctypes.byref(platform.driver.core))
+        platform.driver.linked.ik_abort(ctypes.byref(platform.driver.core))
         platform.woken = True
         machine.reader.ar_channel.pause = False
 

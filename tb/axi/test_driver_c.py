@@ -194,7 +194,7 @@ def test_refused(library):
     assert driver.solve(driver.targets(good, tags)[:0])[0] == "no_targets"
     for arguments in ((None, tags.ctypes), (tags.ctypes, None)):
         assert driver.call("ik_solve", *arguments, ctypes.c_size_t(9)) == CODES["null"]
-    assert driver.library.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
+    assert driver.linked.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
     assert not core.jobs
     bad = {**good, "d1": np.full(9, 2.0**-19)}  # half a word of 18 bits, which the core rounds up
     assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
@@ -217,7 +217,7 @@ def test_start_up(library):
         setattr(driver.bus, name, type(getattr(driver.bus, name))())
         assert driver.start_up() == "null", name
     assert driver.call("ik_init", None) == CODES["null"]
-    assert driver.library.ik_init(None, ctypes.byref(driver.bus)) == CODES["null"]
+    assert driver.linked.ik_init(None, ctypes.byref(driver.bus)) == CODES["null"]
 
 
 def test_result_that_is_not_there(library):
