@@ -25,13 +25,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from model.motion import axes
 from model.motion.axes import Axis
 from model.motion.clip import TORSO
 from model.targets.words import TargetError
 from tb.sim.env import SIMULATORS
-from tb.sim.simulate import DATAPATHS, SimulationError
+from tb.sim.simulate import SimulationError
 
 PLAIN_COLUMNS = 120
 """Width of a table when it does not go to a terminal."""
@@ -65,13 +66,20 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise InputError(message)
 
+    def parse_args(self, args=None, namespace=None) -> argparse.Namespace:
+        parsed = super().parse_args(args, namespace)
+        path, width = (getattr(parsed, name, None) for name in ("datapath", "width"))
+        if width and path in CONFIGURATIONS and width not in CONFIGURATIONS[path].widths:
+            self.error(f"argument --width: the {path} datapath has words of {CONFIGURATIONS[path].widths[0]} bits only")
+        return parsed
+
     def choice(self, option: str, what: str, valid: Sequence[str], default: str | None, about: str) -> None:
         """An option that takes one of a few words."""
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
-        self, sim: str = SIMULATORS[0], datapath: str | None = DATAPATHS[0], width: int = WIDTHS[-1],
-        datapaths: Sequence[str] = DATAPATHS,
+        self, sim: str = SIMULATORS[0], datapath: str | None = next(iter(CONFIGURATIONS)), width: int = WIDTHS[-1],
+        datapaths: Sequence[str] = tuple(CONFIGURATIONS),
     ) -> None:  # fmt: skip
         """The options that say which core is simulated by what; datapaths: those that --datapath takes; no datapath as
         the default: all of the paper's scenario, otherwise the first."""

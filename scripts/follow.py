@@ -21,7 +21,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from scripts.console import InputError, Parser, command, output, progress, whole, whole_file
 from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
@@ -108,7 +108,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
         return f"{mark} {'  '.join(placed)}".rstrip()
 
     yield line(" ", HEADINGS)
-    about = DATAPATHS[datapath].sections
+    about = CONFIGURATIONS[datapath].sections
     title = ""
     for node, row in zip(nodes, rows, strict=True):
         now = "inputs" if node.op == "input" else f"{node.section}: {about[node.section]}"

@@ -37,14 +37,16 @@ MODULE_SETS = {
     "ik_axi_write": BUSES,
     "ik_axi_result": [{"W": w, "DATA_W": d} for w, d in ((32, 64), (18, 32), (16, 128))],
     "ik_axi_target": [{"W": w} for w in (32, 31, 18, 16)],
-    "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "LEAN": 0, "DIGIT": 1}],
-    "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}],
+    "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "LEAN": 0, "DIGIT": 1}, {"W": 32, "LEAN": 0, "SHORT": 1}],
+    "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}, {"DIGIT": 1, "CUT": 8, "CUT_D": 12}],
     "ik_div_digit": [
         {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 34},
         {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 18},
         {"NW": 18, "DW": 18, "SH": 16, "QW": 18, "LAT": 20},
     ],
-    "ik_root": [{"DIGIT": 0}, {"DIGIT": 1}],
+    "ik_sincos": [{"W": 32}, {"W": 18}, {"W": 32, "CUT": 7}],
+    "ik_pick": [{"W": 32}, {"W": 18}, {"W": 32, "CUT": 5}],
+    "ik_root": [{"DIGIT": 0}, {"DIGIT": 1}, {"DIGIT": 1, "CUT": 12}],
     "ik_root_digit": [
         {"NW": 32, "SH": 30, "QW": 32, "LAT": 32},
         {"NW": 33, "SH": 29, "QW": 32, "LAT": 17},
@@ -52,7 +54,10 @@ MODULE_SETS = {
     ],
     "ik_root_row": [{"K": 0}, {"K": 15}, {"K": 30}],
     "ik_even": [{"VW": 64, "MW": 34}, {"VW": 36, "MW": 24}, {"VW": 18, "MW": 24}],
-    "ik_paper": [{"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)],
+    "ik_paper": [
+        *({"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)),
+        *({"W": 32, "DIGIT": digit, "SHORT": 1} for digit in (0, 1)),
+    ],
     "ik_mul3": [{"AW": 35, "BW": 35, "SH": 33, "OW": 35}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
     "ik_rsqrt": [{"F": 31}, {"F": 22}, {"F": 21}, {"F": 19}],
     "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 21}],  # F goes with W

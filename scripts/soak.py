@@ -35,6 +35,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from model.targets.files import write_atomically
 from model.targets.words import FIELDS
@@ -53,7 +54,7 @@ from scripts.console import (
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
 from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
-from tb.sim.simulate import DATAPATHS, SimulationError
+from tb.sim.simulate import SimulationError
 
 TARGETS = 1_000_000
 SEED = 1
@@ -76,7 +77,7 @@ def tell(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]
 # -- the command line --------------------------------------------------------------------------------------------------
 
 
-DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DATAPATHS[0], "width": WIDTHS[-1]}
+DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": next(iter(CONFIGURATIONS)), "width": WIDTHS[-1]}
 NOT_AGAIN = (*DEFAULTS, "keep")
 
 

@@ -149,7 +149,7 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
 
 def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
     """The figures of all targets; only those that pass are counted, so no bit differs."""
-    most = tolerances.hand(core.width, core.datapath)
+    most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
     table = Table(title=f"soak: {what}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("figure")
@@ -163,7 +163,7 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
          "not asked" if most is None else f"{most:.2e}"),
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
         *([] if most else [("targets seen above their prediction", str(found.above))]),
-        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{tolerances.norm(core.width):.2e}"),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),
         ("targets a second, build excluded", f"{rate:.0f}"),
     ):  # fmt: skip
         table.add_row(*row)

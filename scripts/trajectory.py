@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
@@ -24,12 +25,13 @@ from model.targets.files import read_csv
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
 from scripts.console import InputError, Parser, accuracy, arm_length, folder_name, reference_axis, swivel_angle
 from tb.sim.env import CORES
-from tb.sim.simulate import DATAPATHS
 
 ALL = "all"
 
+FIRST = next(iter(DATAPATHS))
+
 BOTH = "both"
-"""Of --datapath: each in a simulation of its own, on the same targets."""
+"""Of --datapath: each dataflow in a simulation of its own, on the same targets."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Prepared:
 
 def parser_of(
     command: str, description: str, *, out: str, written: str,
-    passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DATAPATHS[0],
+    passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = FIRST,
     both: bool = False,
 ) -> Parser:  # fmt: skip
     """The parser of a command that runs trajectories, with the options that all of them have.
@@ -64,7 +66,7 @@ def parser_of(
     parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
-    parser.core(datapath=datapath, datapaths=(*DATAPATHS, BOTH) if both else DATAPATHS)
+    parser.core(datapath=datapath, datapaths=(*CONFIGURATIONS, *([BOTH] if both else [])))
     parser.choice(
         "--cores", "cores", CORES, CORES[0],
         "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
@@ -101,7 +103,7 @@ def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
     """The datapaths that --datapath asks for, and the folder of the results of each. Without it both run on the paper's
     scenario, as the front page compares them, and the first on anything else."""
     scenario = arguments.trajectory == trajectories.DEFAULT
-    chosen = arguments.datapath or (BOTH if scenario else DATAPATHS[0])
+    chosen = arguments.datapath or (BOTH if scenario else FIRST)
     return {each: arguments.out / each for each in DATAPATHS} if chosen == BOTH else {chosen: arguments.out}
 
 

@@ -22,7 +22,7 @@ from vcd.gtkw import GTKWColor, GTKWFlag, GTKWSave
 from vcd.reader import TokenKind, tokenize
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format, Node
 from model.targets.words import FIELDS, RESULT_FIELDS
 
@@ -58,7 +58,7 @@ def signals(vcd: Path) -> dict[tuple[str, ...], str]:
 
 def place(datapath: str, node: Node) -> tuple[str, ...]:
     """Path of a node's signal below ``ik_axis``."""
-    return (f"g_{datapath}", "u_core", *([node.instance] if node.instance else []), node.name)
+    return (f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", *([node.instance] if node.instance else []), node.name)
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark
             for k, name in enumerate(RESULT_FIELDS):
                 save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
             for name in ("in_valid", "out_valid"):
-                save.plain((f"g_{datapath}", "u_core", name))
+                save.plain((f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", name))
         save.sections(datapath, nodes, mark)
 
 
@@ -140,7 +140,7 @@ class _Save:
 
     def sections(self, datapath: str, nodes: Mapping[str, Node], mark: Mark | None) -> None:
         """A group for each section; open is that of the marked node, which is red."""
-        for section, what in DATAPATHS[datapath].sections.items():
+        for section, what in CONFIGURATIONS[datapath].sections.items():
             closed = not mark or nodes[mark.node].section != section
             with self.writer.group(f"{section}: {what}", closed=closed):
                 for node in nodes.values():

@@ -11,7 +11,8 @@ package ik_axis_pkg is
       W     : integer := 32;  -- word length, 16 to 32
       TAG_W : integer := 8;   -- width of the tag
       LEAN  : integer := 1;   -- datapath: 1 the lean one, 0 the paper's
-      DIGIT : integer := 0    -- the paper's dividers and roots: 1 made of rows, for synthesis
+      DIGIT : integer := 0;   -- the paper's dividers and roots: 1 made of rows, for synthesis
+      SHORT : integer := 0    -- the paper's words of W = 32: 1 shorter where that costs little accuracy
     );
     port (
       clk           : in  std_logic;

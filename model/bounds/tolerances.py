@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..dataflow.datapaths import CONFIGURATIONS
 from .predict import hand_bar
 
 LEAN = {32: 2e-8, 27: 1.25e-7, 24: 1e-6, 18: 5e-5, 16: 2.05e-4}
@@ -32,8 +33,8 @@ REGULAR_WIDTH = 32
 """Word length at which a regular trajectory has this fixed tolerance."""
 
 NORM_ULPS = 16
-"""Ulps that abs(norm^2 - 1) of a quaternion may have: its words are rounded, and so are the factors and the length
-that they come from."""
+"""Ulps that abs(norm^2 - 1) of a quaternion may have, of the coarsest of its factors: its words are rounded, and so are
+the factors and the length that they come from."""
 
 
 def lean(width: int) -> float:
@@ -58,6 +59,11 @@ def yardstick(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
     return hand_bar(words, width, datapath) if most is None else np.full(len(words), most)
 
 
-def norm(width: int) -> float:
+FACTORS = ("qe_w", "qe_abs", "l_m", "q12_i", "q12_j", "q12_k", "q3_scalar", "q3_abs")
+"""The quotients and roots that the paper's quaternions are made of: a shortened one has coarser places."""
+
+
+def norm(width: int, datapath: str) -> float:
     """Largest abs(norm^2 - 1) of a quaternion."""
-    return NORM_ULPS * 2.0 ** (2 - width)
+    cuts = CONFIGURATIONS[datapath].cuts
+    return NORM_ULPS * 2.0 ** (2 - width + max(cuts.get(name, 0) for name in FACTORS))

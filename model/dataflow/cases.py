@@ -29,6 +29,7 @@ class Case:
     p: tuple[float, float] = (0.5, SQRT3)
     b: tuple[float, float] = (0.5, SQRT2)
     ulp: float = 0.0  # of the arms
+    elbow: float = 0.0  # the last place of p_e
     tilt: float = 0.0  # sine of the angle between p_w and the plane of the words pi_swivel
     straight: float = 0.0  # how far the words of p_e are from a + t m of the words (model.dataflow.paper.off_length)
     square: float = 0.0  # and their |p_e|^2 from exact arithmetic
@@ -77,7 +78,7 @@ class Case:
         """p_e (p_e - p_w), d1 d2 times a cosine."""
         if self.clamped:
             return 0.0, 0.75
-        most = (self.p_e + 2 * self.ulp) ** 2 if self.long else 0.25 + (self.p_e * self.tilt) ** 2
+        most = (self.p_e + self.elbow) ** 2 if self.long else 0.25 + (self.p_e * self.tilt) ** 2
         return -most, most
 
     @property

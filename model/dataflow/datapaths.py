@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from . import lean, paper
+from . import lean, paper, short
 from .nodes import WIDTHS
 
 
@@ -16,27 +16,43 @@ class Datapath:
     """One dataflow and where its Verilog is.
 
     ``flow(domain, target)`` is the whole of it, ``after_guard(domain, phi)`` what follows the exact decisions.
-    ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with.
+    ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with,
+    ``parameters`` those of ``ik_axis`` that choose it.  ``cuts``: node -> lowest bits of its word that are 0.
     """
 
     name: str
     flow: Callable
     after_guard: Callable
     sections: dict[str, str]
+    parameters: dict[str, int]
     widths: range = WIDTHS
+    cuts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def rtl(self) -> str:
+        """What its Verilog is called by."""
+        return "lean" if self.parameters["LEAN"] else "paper"
 
     @property
     def folder(self) -> Path:
         """Of its Verilog, from the root of the repository."""
-        return Path("rtl") / self.name
+        return Path("rtl") / self.rtl
 
     def module(self, section: str) -> str:
         """The Verilog module of a section."""
-        return f"ik_{section}" if self.name == "paper" else f"ik_{self.name}_{section}"
+        return f"ik_{section}" if self.rtl == "paper" else f"ik_{self.rtl}_{section}"
 
 
 DATAPATHS = {
-    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, lean.WIDTHS),
-    "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS),
+    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, {"LEAN": 1, "SHORT": 0}, lean.WIDTHS),
+    "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"LEAN": 0, "SHORT": 0}),
 }
-"""All of them by name; the first is what a user gets who does not choose."""
+"""The dataflows by name; the first is what a user gets who does not choose."""
+
+SHORT = replace(
+    DATAPATHS["paper"], name="short", parameters={"LEAN": 0, "SHORT": 1}, widths=range(short.WIDTH, short.WIDTH + 1),
+    cuts=short.CUTS,
+)  # fmt: skip
+
+CONFIGURATIONS = {**DATAPATHS, SHORT.name: SHORT}
+"""All that can be run, by the name of its ``DATAPATH=``: the dataflows, and the paper's with shorter words."""

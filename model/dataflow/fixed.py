@@ -7,6 +7,7 @@ is no float in any result: products and sums are exact and rounded once, divisio
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -17,7 +18,7 @@ from ..targets.flags import FLAGS
 from ..targets.words import FIELDS, RESULT_FIELDS
 from . import cores as lean_cores
 from . import trig as lean_trig
-from .datapaths import DATAPATHS
+from .datapaths import CONFIGURATIONS
 from .nodes import Domain, Format, Node, effective_width, wrap
 
 SINCOS_GUARD = 6
@@ -86,8 +87,10 @@ def cordic(phi, width: int):
 class Bits(Domain):
     """Runs the dataflow in integers.  ``overflow`` keeps for every product, sum and quotient where it did not fit."""
 
-    def __init__(self, width: int, datapath: str = "paper") -> None:
-        super().__init__(width, DATAPATHS[datapath].widths)
+    def __init__(self, width: int, datapath: str = "paper", cuts: Mapping[str, int] | None = None) -> None:
+        """``cuts``: others than the datapath's own."""
+        path = CONFIGURATIONS[datapath]
+        super().__init__(width, path.widths, path.cuts if cuts is None else cuts)
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
@@ -115,10 +118,13 @@ class Bits(Domain):
 
     def quotient(self, name, n, d, fmt):
         value, self.overflow[name] = floor_div(n.value, d.value, fmt.frac - n.format.frac + d.format.frac, fmt)
-        return value
+        return self._cut(name, value)
 
     def square_root(self, name, n, fmt):
-        return floor_root(n.value, 2 * fmt.frac - n.format.frac)
+        return self._cut(name, floor_root(n.value, 2 * fmt.frac - n.format.frac))
+
+    def _cut(self, name, value):
+        return value >> self.cut_of(name) << self.cut_of(name)
 
     def product3(self, name, a, b, fmt, scale):
         # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
@@ -144,7 +150,8 @@ class Bits(Domain):
         return np.where(empty, fill, word.value << counts.value)
 
     def cordic(self, names, phi):
-        return cordic(phi.value, self.width)
+        cut = self.cut_of(names[0])
+        return tuple(value << cut for value in cordic(phi.value >> cut, self.width - cut))
 
 
 @dataclass(frozen=True)
@@ -165,7 +172,7 @@ def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
 def answer(words: np.ndarray, bits: Bits) -> Answer:
     """The same in a domain that has not been run yet."""
     columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
-    DATAPATHS[bits.datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
+    CONFIGURATIONS[bits.datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
     value = {k: n.value for k, n in bits.nodes.items()}
     # The lean datapath has nothing that saturates.
     flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)

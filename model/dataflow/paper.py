@@ -267,14 +267,15 @@ ELBOW = Rule(
     "|p_e| <= d1",
     "the elbow is d1 away from the shoulder (with rounded arms at most |k_e| / 2|p_w|)",
     upto(lambda c: c.p_e),
-    upto(lambda c: c.p_e_words + 2 * c.ulp),
+    upto(lambda c: c.p_e_words + c.elbow),
 )
 
 
-def off_length(c: Case, n: dict[str, Node]) -> Case:
+def off_length(c: Case, d: Domain) -> Case:
     """How far p_e is off.  The root of (13) may lose half of its digits, and p_e with it, but across
     |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 at right angles to it) the square undoes
     the root."""
+    n = d.nodes
     t, inf, worst = n["tmp_sqr"], n["inf_pp"].value, 0.0
     if min(inf.low, inf.word[0]) <= 0:
         return c  # the division says so
@@ -283,9 +284,9 @@ def off_length(c: Case, n: dict[str, Node]) -> Case:
             axis, m = "x", max("123", key=lambda k: n[f"pp_{k}_m"].value.error)
         pp = n[f"e_{axis}_pp"]
         num = pp.value.error + t.value.word[1] * n[f"pp_{m}_m"].value.error + pp.format.ulp
-        worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + 2 * c.ulp)
+        worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + c.elbow)
     straight = SQRT3 * worst
-    square = n["tmp1"].value.error + 2 * t.value.word[1] * t.format.ulp
+    square = n["tmp1"].value.error + 2 * t.value.word[1] * d.place("tmp_sqr", t.format)
     return replace(c, straight=straight, square=square / inf.low + 2 * straight * c.p_e * 1.1 + straight**2)
 
 
@@ -346,13 +347,14 @@ def elbow(d: Domain) -> None:
         d.sum(f"e_{axis}_pp", n[f"e_{axis}_{u}"], -n[f"e_{axis}_{v}"], fmt=d.wide(5), within=ELBOW_NUM)
         d.mul(f"e_{axis}_sqr", tmp_sqr, n[f"pp_{m}_m"], d.wide(5))
         d.sum(f"e_{axis}_num", n[f"e_{axis}_pp"], n[f"e_{axis}_sqr"], fmt=d.wide(5), within=ELBOW_NUM)
-        d.learn(lambda c: off_length(c, n))
+        d.learn(lambda c: off_length(c, d))
         d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1), within=ELBOW)
-        # A clamped arm's elbow lies on the line to the target, at half its distance here.
+        # A clamped arm's elbow lies on the line to the target, at half its distance here, in words as short.
+        cut = d.cut_of(f"e_{axis}_quo")
         d.op(
             f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
-            lambda q, t, c, a: np.where(c, np.where(a, -(t >> 2), t >> 2), q),
-            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), JAM,
+            lambda q, t, c, a, cut=cut: np.where(c, np.where(a, -1, 1) * (t >> 2 + cut << cut), q),
+            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), (JAM[0] * 2**cut, JAM[1] * 2**cut),
             exact=f"!clamp_at_e_x_quo ? e_{axis}_quo"
             f" : away_at_e_x_quo ? -(p_w_{axis}_at_e_x_quo >>> 2) : (p_w_{axis}_at_e_x_quo >>> 2)",
         )  # fmt: skip

@@ -19,7 +19,7 @@ def signed(magnitude, sign):
 
 def forearm(c: Case) -> float:
     """|p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded arms do not reach."""
-    return math.sqrt((c.p_e + 2 * c.ulp) ** 2 + c.square) + 2 * c.ulp
+    return math.sqrt((c.p_e + c.elbow) ** 2 + c.square) + 2 * c.ulp
 
 
 FOREARM = Rule("forearm", "|p_e - p_w| = d2 <= 1", used(upto(forearm)), used(upto(forearm)))

@@ -8,7 +8,7 @@ import numpy as np
 from ..reference.kinematics import forward
 from ..targets.words import RESULT_FIELDS
 from . import fixed
-from .datapaths import DATAPATHS
+from .datapaths import CONFIGURATIONS
 from .nodes import Domain, Node
 
 
@@ -20,14 +20,14 @@ class Real(Domain):
     """
 
     def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
-        super().__init__(bits.width, DATAPATHS[bits.datapath].widths)
+        super().__init__(bits.width, CONFIGURATIONS[bits.datapath].widths, bits.cuts)
         self.bits = bits
         self.moves = moves
         for name, node in bits.nodes.items():
             if node.section == "guard":
                 value = np.asarray(node.value * node.format.ulp, float) if node.format.signed else node.value
                 self.nodes[name] = Node(**{**node.__dict__, "value": self._moved(name, value, node.format)})
-        DATAPATHS[bits.datapath].after_guard(self, self.nodes["phi"])
+        CONFIGURATIONS[bits.datapath].after_guard(self, self.nodes["phi"])
 
     def _moved(self, name, value, fmt):
         return value + self.moves[name] * fmt.ulp if name in self.moves else value

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..dataflow import fixed
-from ..dataflow.datapaths import DATAPATHS
+from ..dataflow.datapaths import CONFIGURATIONS
 from ..dataflow.nodes import WIDTHS
 from ..reference import kinematics
 from ..reference.equations import solve_clamped
@@ -35,7 +35,7 @@ Order = Literal["wxyz", "xyzw"]
 
 __all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
 
-DOUBLE = {"lean": solve_lean, "paper": solve_clamped}
+DOUBLE = {"lean": solve_lean, "paper": solve_clamped, "short": solve_clamped}
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,16 +86,17 @@ def solve(
     * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
-    * datapath: "lean" or "paper"
+    * datapath: "lean", "paper", or "short", which is the paper's with shorter words where width is 32
 
     A target out of reach gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
     numbers that are not finite, an unknown width, datapath or order, and (as TargetError, of which it is the base)
     for a target that does not fit the core's format beside the others.
     """
-    if datapath not in DATAPATHS:
-        raise ValueError(f"datapath {datapath!r} is none of {', '.join(DATAPATHS)}")
-    if width is not None and width not in WIDTHS:
-        raise ValueError(f"width {width!r} is not within {WIDTHS[0]} and {WIDTHS[-1]}, and not None")
+    if datapath not in CONFIGURATIONS:
+        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
+    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
+    if width is not None and width not in widths:
+        raise ValueError(f"width {width!r} is not within {widths[0]} and {widths[-1]}, and not None")
     points = np.atleast_2d(np.asarray(points, dtype=np.float64))
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"points have the shape {points.shape}, not (N, 3)")

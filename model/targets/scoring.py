@@ -203,7 +203,7 @@ def score(
     if bar is None:
         bar = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
     worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
-    norm_bar = tolerances.norm(width)
+    norm_bar = tolerances.norm(width, datapath)
     everywhere = np.ones(count, dtype=bool)
 
     failures = [

@@ -12,7 +12,8 @@
 
 module ik_to_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
+    parameter integer SHORT = 0    // 1: shorter words
 ) (
     // Clock
     input  wire                clk,
@@ -30,6 +31,7 @@ module ik_to_elbow #(
 );
 
   `include "ik_paper_nodes.vh"
+  `include "ik_paper_short.vh"
 
   localparam integer WW = W + GUARD;  // a product before its rounding
 
@@ -105,7 +107,7 @@ module ik_to_elbow #(
   ik_sum3 #(.IW(WW), .SH(F_TMP2_X-F_TMP2), .OW(W), .SAT(0)) u_tmp2 (
       .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
   );
-  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_m (
+  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_L_M)) u_l_m (
       .clk(clk), .n({1'b0, tmp2[W-2:0]}), .q(l_m), .neg()  // a sum of squares has no sign
   );
 
@@ -117,13 +119,16 @@ module ik_to_elbow #(
   ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_at_l_m (
       .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
   );
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_i (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
+      .CUT(K_Q12_I), .CUT_D(K_L_M)) u_q12_i (
       .clk(clk), .n(l_m_x_at_l_m), .d(l_m), .q(q12_i), .ovf(ovf_i)
   );
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_j (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
+      .CUT(K_Q12_J), .CUT_D(K_L_M)) u_q12_j (
       .clk(clk), .n(l_m_y_at_l_m), .d(l_m), .q(q12_j), .ovf(ovf_j)
   );
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_k (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
+      .CUT(K_Q12_K), .CUT_D(K_L_M)) u_q12_k (
       .clk(clk), .n(l_m_z_at_l_m), .d(l_m), .q(q12_k), .ovf(ovf_k)
   );
   always @(posedge clk) sat_to_elbow <= ovf_i | ovf_j | ovf_k;

@@ -18,7 +18,10 @@ TILE = 18
 CORDIC_MEMORY = 10
 """Iterations of ``ik_sincos`` that come from a memory."""
 
-CARRIED = {"c4": 1, "h4_p": 1, "h4_m": 1, "h3_p": 1, "h3_m": 1, "qe_i": 1, "q3_k": 1, "m_x": 3, "m_y": 3}
+CARRIED = {
+    **dict.fromkeys(("p_e_x", "p_e_y", "p_e_z", "c4", "h4_p", "h4_m", "h3_p", "h3_m", "qe_i", "q3_k"), 1),
+    **dict.fromkeys(("m_x", "m_y"), 3),
+}
 """Choices that keep the zeros at the end of their first operands, so many of them."""
 
 

@@ -12,8 +12,8 @@ FIGURES = GENERATED / "fpga.json"
 
 DEVICE = "ECP5-85k, speed grade 8"
 
-TOPS = {"lean": "ik_lean", "paper": "ik_paper"}
-PARAMETERS = {"lean": {}, "paper": {"DIGIT": 1}}
+TOPS = {"lean": "ik_lean", "paper": "ik_paper", "short": "ik_paper"}
+PARAMETERS = {"lean": {}, "paper": {"DIGIT": 1}, "short": {"DIGIT": 1, "SHORT": 1}}
 """What a datapath is built with beside its width: the paper's with the dividers and roots that are logic."""
 
 SECTIONS = {
@@ -64,9 +64,8 @@ def clock(data: dict, datapath: str, width: int) -> float | None:
 
 
 def synthesized(data: dict, datapath: str, width: int, family: str, kind: str = "") -> dict | None:
-    starts = f"{TOPS[datapath].removeprefix('ik_')}-W{width}-"
-    ends = f"-{family}{'-' + kind if kind else ''}"
-    return next((r for n, r in data["runs"].items() if n.startswith(starts) and n.endswith(ends)), None)
+    values = [f"{name}{value}" for name, value in {"W": width, **PARAMETERS[datapath]}.items()]
+    return data["runs"].get("-".join([TOPS[datapath].removeprefix("ik_"), *values, family, *([kind] if kind else [])]))
 
 
 def comparison(data: dict) -> str:
@@ -165,7 +164,7 @@ def critical(data: dict) -> str:
     rows = []
     for design in data["designs"]:
         datapath, width = design.split("-")
-        for module, run in place_runs(data, datapath, int(width), (TOPS[datapath], *SECTIONS[datapath])):
+        for module, run in place_runs(data, datapath, int(width), (TOPS[datapath], *SECTIONS.get(datapath, ()))):
             path = run["path"]
             rows.append([
                 f"{datapath} {width}", f"`{module}`", f"{run['mhz']:.0f}", f"`{path['from']}`", f"`{path['to']}`",

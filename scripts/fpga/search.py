@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shorter words for the paper's datapath at W = 32: what each node can lose where accuracy allows it.
+"""Shorter words for the dividers, roots and CORDIC of the paper's datapath at W = 32: the cuts of DATAPATH=short.
 
     python -m scripts.fpga.search [--synthesize] [--page]
 
-A greedy search: of all nodes, the one is cut that wins most LUT4 (scripts/fpga/area.py) for the error that it adds,
-until no cut keeps the predicted errors of hand and elbow within the limit on the regular trajectories. The outcome is
-run in the bit-true model and goes to search.json, from which the page search.md is made. --synthesize has Yosys count,
-for xc2vp, the RTL with the words of search.json (half an hour); --page only makes the page.
+A greedy search: of all quotients, roots, and sine and cosine, the one is cut that wins most LUT4 (scripts/fpga/area.py)
+for the error that it adds, until no cut keeps the predicted errors of hand and elbow within the limit on the regular
+trajectories. The outcome is run in the bit-true model and goes to search.json, from which the page search.md is made;
+what it found is written by hand into model/dataflow/short.py, which a test compares. --synthesize has Yosys count
+single modules for xc2vp; --page only makes the page.
 """
 
 from __future__ import annotations
@@ -16,11 +17,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from model.bounds import predict
-from model.dataflow import fixed
-from model.dataflow.nodes import Node
+from model.bounds import predict, tolerances
+from model.dataflow import fixed, short
+from model.dataflow.nodes import FLOOR, SHORT_CORDIC, Node
 from model.dataflow.reals import Real
-from model.dataflow.shortened import MOST, ROUNDINGS, Shortened
 from model.reference.kinematics import forward
 from model.targets import trajectories
 from model.targets.observed import default_arm, regular_poses, words_of
@@ -28,17 +28,15 @@ from model.targets.stimuli import mixed
 from model.targets.words import from_words, result_values, to_words
 from scripts.console import Parser, command, progress
 from scripts.fpga import area
-from scripts.fpga.runs import LIMIT as LIMIT_S
-from scripts.fpga.runs import Run, TimeOutError, say
-from scripts.fpga.shorten import shortened_rtl
+from scripts.fpga import page as fpga_page
+from scripts.fpga.runs import Run
 from scripts.pages.render import render
-from tb.sim.env import GENERATED, ROOT
+from tb.sim.env import GENERATED
 
 FIGURES = GENERATED / "search.json"
 PAGE = GENERATED / "search.md"
-RTL = ROOT / "build" / "search"
 
-WIDTH = 32
+WIDTH = short.WIDTH
 UNIFORM = 29
 """The least word length of all nodes together that keeps the limit."""
 LIMIT = 1e-6
@@ -48,15 +46,17 @@ ORDER = 24
 POSES, MIXED = 20000, 20000
 """Random regular poses of the default arm, and targets of every kind, that the outcome is run on."""
 
-TOGETHER = {
-    **{f"p_e_{a}": (f"e_{a}_quo", f"p_e_{a}") for a in "xyz"},
-    "sincos": ("sin_h", "cos_h"),
-    "p_w": ("p_w_x", "p_w_y", "p_w_z"),
-    "b": ("b_x", "b_y"),
-    "u": ("u_x", "u_y"),
-    "l_m": ("l_m_x", "l_m_y", "l_m_z"),
-}
-"""Nodes that are cut together: those of one operator, and a quotient with the choice behind it."""
+MOST = 14
+"""Bits that a node can lose: so many leave every shift of a divider and a root a shift to the left."""
+
+TOGETHER = {"sincos": ("sin_h", "cos_h")}
+"""Nodes that are cut together: those of one operator."""
+
+FOLLOWS = {f"e_{a}_quo": f"p_e_{a}" for a in "xyz"}
+"""A quotient, and the choice behind it that rounds as it does."""
+
+ROUNDINGS = {"div": FLOOR, "root": FLOOR, "sincos": SHORT_CORDIC}
+"""Operations whose words are cut, and what they add once they drop places; a choice adds its own."""
 
 
 def regular_words(width: int = WIDTH) -> np.ndarray:
@@ -86,15 +86,11 @@ class Prediction:
         self.whole = {name: self._ends(name, effect, 0) for name, effect in effects.items()}
         self.cut = {name: self._ends(name, effect, 1) for name, effect in effects.items()}
         self.start = sum(self.whole.values())
-        alone = {name: (name,) for name in moving if self.nodes[name].op in ("mul", "sum", "div", "root")}
-        taken = {name for names in TOGETHER.values() for name in names}
-        groups = {name: names for name, names in alone.items() if name not in taken} | TOGETHER
-        # What neither point feels only decides a sign, which a shorter word could get wrong.
-        self.groups = {
-            name: names
-            for name, names in groups.items()
-            if max(np.abs(effects[k]).max() for k in names) * 2**MOST > length
-        }
+        alone = {name: (name,) for name in moving if self.nodes[name].op in ("div", "root")}
+        self.groups = alone | TOGETHER
+        for name, follower in FOLLOWS.items():
+            self.whole[name] = self.whole[name] + self.whole.pop(follower)
+            self.cut[name] = self.cut[name] + self.cut.pop(follower)
 
     def _ends(self, name: str, effect: np.ndarray, cut: int) -> np.ndarray:
         """How far a rounding can push elbow and hand along each axis, either way: (2, N, 6)."""
@@ -157,7 +153,7 @@ def cuts_of(steps: Sequence) -> dict[str, int]:
 
 def predicted(words: np.ndarray, cuts: Mapping[str, int]) -> tuple[float, float]:
     """Largest predicted error / reach of elbow and hand, in full."""
-    bits = fixed.answer(words, Shortened(WIDTH, cuts)).bits
+    bits = fixed.answer(words, fixed.Bits(WIDTH, cuts=cuts)).bits
     return tuple(float(predict.bar(bits, point).max()) for point in (predict.ELBOW, predict.HAND))
 
 
@@ -171,27 +167,29 @@ def kept(words: np.ndarray, steps: list, limit: float = LIMIT) -> list:
 # -- the outcome -----------------------------------------------------------------------------------------------------
 
 
-def hand_errors(answer: fixed.Answer, words: np.ndarray) -> np.ndarray:
-    """Distance of the hand from the target of the words / reach."""
+def errors_of(answer: fixed.Answer, words: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of the hand from the target of the words / reach, and the larger abs(norm^2 - 1) of both quaternions."""
     width = answer.bits.width
     asked, values = from_words(words, 0, width, "asked"), result_values(answer.results, width)
     _, wrist = forward(values[:, :4], values[:, 4:], asked.d1, asked.d2)
-    return np.linalg.norm(wrist - asked.position, axis=1) / asked.reach
+    norm = np.abs(np.stack([(values[:, :4] ** 2).sum(axis=1), (values[:, 4:] ** 2).sum(axis=1)]) - 1).max(axis=0)
+    return np.linalg.norm(wrist - asked.position, axis=1) / asked.reach, norm
 
 
 def observed(cuts: Mapping[str, int]) -> dict:
     """What the bit-true model says of the outcome; beside it the whole words, and the least that all have alike."""
     poses, kinds = regular_poses(POSES, 1, default_arm()), mixed(MIXED, WIDTH, 1)
-    hand = {}
+    hand, norm = {}, {}
     for name, width, own in (("whole", WIDTH, {}), ("uniform", UNIFORM, {}), ("shortened", WIDTH, cuts)):
         hand[name] = []
         for words in (regular_words(width), words_of(poses, width)):
-            errors = hand_errors(fixed.answer(words, Shortened(width, own)), words)
+            errors, norms = errors_of(fixed.answer(words, fixed.Bits(width, cuts=own)), words)
             hand[name] += [float(f"{f(errors):.2g}") for f in (np.median, np.max)]
-    whole, short = fixed.run(kinds, WIDTH), fixed.answer(kinds, Shortened(WIDTH, cuts))
-    limited = {name for name, node in short.bits.nodes.items() if node.facts.limited}
-    beyond = [k for k, mask in short.bits.overflow.items() if k not in limited and np.any(mask)]
-    return {"hand": hand, "flags": int((whole.flags != short.flags).sum()), "beyond": beyond}
+        norm[name] = float(f"{norms.max():.2g}")
+    whole, shorter = fixed.run(kinds, WIDTH), fixed.answer(kinds, fixed.Bits(WIDTH, cuts=cuts))
+    limited = {name for name, node in shorter.bits.nodes.items() if node.facts.limited}
+    beyond = [k for k, mask in shorter.bits.overflow.items() if k not in limited and np.any(mask)]
+    return {"hand": hand, "norm": norm, "flags": int((whole.flags != shorter.flags).sum()), "beyond": beyond}
 
 
 def size(nodes: Mapping[str, Node], cuts: Mapping[str, int]) -> dict[str, float]:
@@ -199,9 +197,8 @@ def size(nodes: Mapping[str, Node], cuts: Mapping[str, int]) -> dict[str, float]
     return {"LUT": sum(area.luts(nodes, cuts).values()), "multipliers": area.multipliers(nodes, cuts)}
 
 
-# -- in truth --------------------------------------------------------------------------------------------------------
+# -- the model of area beside what Yosys counts ----------------------------------------------------------------------
 
-PAPER = {"W": WIDTH, "DIGIT": 1}
 ROWS = {"LAT": 34, "DIGIT": 1}
 ALONE = (
     ("ik_mul", {"AW": 32, "BW": 32, "SH": 22, "OW": 40}, area.product((32, 32))),
@@ -215,47 +212,28 @@ ALONE = (
 )
 """Single modules, their words, and the LUT4 that the model of area gives them."""
 
-LONG = 60 * 60.0
-"""Seconds for the synthesis of a datapath."""
-
-
-def synthesized(nodes: Mapping[str, Node], cuts: Mapping[str, int]) -> dict:
-    """What Yosys counts: single modules, the datapath of uniform words, the shortened one."""
-    alone = [[m, v, model, Run("synth", "xc2vp", m, v).done()["cells"]["LUT"]] for m, v, model in ALONE]
-    designs = {"shortened": Run("synth", "xc2vp", "ik_paper", PAPER, root=shortened_rtl(RTL, nodes, cuts), limit=LONG)}
-    designs["uniform"] = Run("synth", "xc2vp", "ik_paper", PAPER | {"W": UNIFORM})
-    cells: dict[str, dict | None] = {}
-    for name, run in designs.items():
-        try:
-            cells[name] = run.done()["cells"]
-        except TimeOutError as error:
-            say(str(error))
-            cells[name] = None
-    return {"alone": alone, **cells}
+def counted() -> list:
+    """The modules of ALONE: with the LUT4 that the model gives them, and those that Yosys counts."""
+    return [[m, v, model, Run("synth", "xc2vp", m, v).done()["cells"]["LUT"]] for m, v, model in ALONE]
 
 
 # -- the page --------------------------------------------------------------------------------------------------------
 
-SHOWN = 24
-"""Nodes of the page's table; the others are one line."""
 BAR = 0.15
 """Part of the LUT4 that a named configuration has to win."""
 
 
 def page(data: dict) -> str:
     """search.md."""
-    whole = json.loads((GENERATED / "fpga.json").read_text())["runs"]["paper-W32-DIGIT1-xc2vp"]["cells"]
+    fpga = json.loads(fpga_page.FIGURES.read_text())
+    whole, shorter = (fpga_page.synthesized(fpga, name, WIDTH, "xc2vp")["cells"] for name in ("paper", "short"))
     nodes = fixed.run(regular_words()[:1], WIDTH).bits.nodes
     cuts, steps, outcome, sizes = cuts_of(data["steps"]), data["steps"], data["outcome"], data["sizes"]
-    designs = [("whole", whole), *((k, data["synthesized"][k]) for k in ("uniform", "shortened"))]
+    names = ("whole", "uniform", "shortened")
 
     def line(what: str, figures: Sequence, shape="{}") -> list[str]:
         return [what, *(shape.format(v) for v in figures)]
 
-    def won_by(lut: float) -> float:
-        return 1 - lut / whole["LUT"]
-
-    names, hand = [name for name, _ in designs], outcome["hand"]
     rows = [
         line(f"predicted, {point}, largest", [data["predicted"][n][k] for n in names], "{:.1e}")
         for k, point in enumerate(("elbow", "hand"))
@@ -265,82 +243,67 @@ def page(data: dict) -> str:
         for poses in ("regular trajectories", "random regular poses")
         for figure in ("median", "largest")
     ):
-        rows.append(line(what, [hand[n][k] for n in names], "{:.1e}"))
+        rows.append(line(what, [outcome["hand"][n][k] for n in names], "{:.1e}"))
+    rows.append(line("abs(norm^2 - 1), random regular poses, largest", [outcome["norm"][n] for n in names], "{:.1e}"))
     rows.append(line("LUT4 by the model of area", [round(sizes[n]["LUT"]) for n in names]))
     for kind, what in (("LUT", "LUT4 on xc2vp, by Yosys"), ("FF", "flip-flops"), ("multipliers", "MULT18X18")):
-        rows.append(line(what, [cells[kind] if cells else "-" for _, cells in designs]))
-    estimated = {name: (sizes["whole"]["LUT"] - sizes[name]["LUT"]) / whole["LUT"] for name in names}
-    for what, figures in (
-        ("LUT4 won, by the model of area", estimated),
-        ("LUT4 won, by Yosys", {name: won_by(cells["LUT"]) for name, cells in designs if cells}),
-    ):
-        rows.append(line(what, [f"{100 * figures[n]:.1f} %" if n in figures else "-" for n in names]))
+        rows.append([what, whole[kind], "-", shorter[kind]])
+    estimated = [(sizes["whole"]["LUT"] - sizes[n]["LUT"]) / whole["LUT"] for n in names]
+    rows.append(line("LUT4 won, by the model of area", [f"{100 * part:.1f} %" for part in estimated]))
+    won_in_truth = 1 - shorter["LUT"] / whole["LUT"]
+    rows.append(["LUT4 won, by Yosys", "-", "-", f"{100 * won_in_truth:.1f} %"])
     won: dict[str, float] = {}
     for group, _, lut, _ in steps:
         won[group] = won.get(group, 0) + lut
-    ranked = sorted(won, key=lambda group: -won[group])
     lines = []
-    for group in ranked[:SHOWN]:
+    for group in sorted(won, key=lambda group: -won[group]):
         first = TOGETHER.get(group, (group,))[0]
         lines.append([f"`{group}`", nodes[first].equation or "-", cuts[first], f"{won[group]:.0f}"])
-    lines.append([f"{len(ranked) - SHOWN} others", "", "", f"{sum(won[g] for g in ranked[SHOWN:]):.0f}"])
     alone = [
         [f"`{module}`", ", ".join(f"{k} = {v}" for k, v in values.items()), f"{model:.0f}", seen,
          f"{100 * (model / seen - 1):+.0f} %"]
-        for module, values, model, seen in data["synthesized"]["alone"]
+        for module, values, model, seen in data["alone"]
     ]  # fmt: skip
     return render(
         "search", width=WIDTH, uniform=UNIFORM, limit=LIMIT, targets=len(regular_words()), poses=POSES, mixed=MIXED,
-        minutes=round(LIMIT_S / 60), cuts=cuts, steps=steps, outcome=outcome, sizes=sizes, whole=whole, rows=rows,
-        won=lines, alone=alone,
-        verdict=verdict(won_by(data["synthesized"]["shortened"]["LUT"])),
+        cuts=cuts, steps=steps, outcome=outcome, sizes=sizes, whole=whole, rows=rows, lines=lines, alone=alone,
+        won=f"{100 * won_in_truth:.1f}", bar=f"{100 * BAR:.0f}", norm=tolerances.norm(WIDTH, "short"),
     )  # fmt: skip
-
-
-def verdict(won: float) -> str:
-    """What the LUT4 won node by node say of a configuration."""
-    text = f"Node by node {100 * won:.1f} % of the LUT4 are won."
-    if won <= BAR:
-        return f"{text} A configuration of its own was to win more than {100 * BAR:.0f} %: there is none."
-    return (
-        f"{text} That is more than the {100 * BAR:.0f} % asked of a configuration of its own.\n"
-        "The core has none yet: what is counted is a copy of the RTL, `build/search`."
-    )
 
 
 @command("search")
 def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("fpga.search", __doc__.splitlines()[0], fails="a node leaves its format, or flags change")
-    parser.add_argument("--synthesize", action="store_true", help="count the words of search.json with Yosys")
+    parser.add_argument("--synthesize", action="store_true", help="count the modules of the model of area with Yosys")
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
     options = parser.parse_args(arguments)
-    data = json.loads(FIGURES.read_text()) if FIGURES.exists() else {}
+    data = json.loads(FIGURES.read_text())
     if options.synthesize:
-        nodes = fixed.run(regular_words()[:1], WIDTH).bits.nodes
-        data["synthesized"] = synthesized(nodes, cuts_of(data["steps"]))
+        data["alone"] = counted()
     elif not options.page:
         data |= found()
     FIGURES.write_text(written(data))
-    if "synthesized" in data:
-        PAGE.write_text(page(data))
+    PAGE.write_text(page(data))
     print(f"{len(data['steps'])} steps; by the model of area {data['sizes']['shortened']['LUT']:.0f} LUT4 are left of"
           f" {data['sizes']['whole']['LUT']:.0f}")  # fmt: skip
+    if cuts_of(data["steps"]) != short.CUTS:
+        print(f"model/dataflow/short.py has other cuts: {cuts_of(data['steps'])}")
     return 1 if data["outcome"]["flags"] or data["outcome"]["beyond"] else 0
 
 
 def found() -> dict:
-    """A new search, all but what is synthesized."""
+    """A new search, all but what Yosys counts."""
     words = regular_words()
     prediction = Prediction(words)
-    with progress("cuts", 500) as meter:
+    with progress("cuts", 150) as meter:
         steps = kept(words, search(prediction, step=meter))
     cuts, nodes = cuts_of(steps), prediction.nodes
-    short = fixed.run(regular_words(UNIFORM), UNIFORM).bits
-    uniform = tuple(float(predict.bar(short, point).max()) for point in (predict.ELBOW, predict.HAND))
+    alike = fixed.run(regular_words(UNIFORM), UNIFORM).bits
+    uniform = tuple(float(predict.bar(alike, point).max()) for point in (predict.ELBOW, predict.HAND))
     return {
         "steps": [[group, bits, won, float(f"{error:.3g}")] for group, bits, won, error in steps],
         "predicted": {"whole": predicted(words, {}), "uniform": uniform, "shortened": predicted(words, cuts)},
-        "sizes": {"whole": size(nodes, {}), "uniform": size(short.nodes, {}), "shortened": size(nodes, cuts)},
+        "sizes": {"whole": size(nodes, {}), "uniform": size(alike.nodes, {}), "shortened": size(nodes, cuts)},
         "outcome": observed(cuts),
     }
 

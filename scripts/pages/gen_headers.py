@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow import cores as lean_cores
+from model.dataflow import short
 from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
@@ -90,6 +91,16 @@ def nodes_header(datapath: str) -> str:
     outputs = _start(tuple(nodes[n] for n in leave), runs)
     lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
     return "\n".join(lines)
+
+
+def short_header() -> str:
+    """``rtl/paper/ik_paper_short.vh``."""
+    cuts = [f"localparam integer K_{name.upper()} = (SHORT != 0) ? {bits} : 0;" for name, bits in short.CUTS.items()]
+    return f"""{NOTE.format(source="model/dataflow/short.py")}
+// For the body of a module with parameter SHORT. K_<NODE>: lowest bits of the node's word that are 0.
+
+{chr(10).join(cuts)}
+"""
 
 
 def latency_header() -> str:
@@ -210,6 +221,7 @@ endfunction
 
 HEADERS = {
     ROOT / "rtl" / "paper" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
+    ROOT / "rtl" / "paper" / "ik_paper_short.vh": short_header,
     ROOT / "rtl" / "lean" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
     ROOT / "rtl" / "ik_latency.vh": latency_header,
     ROOT / "rtl" / "cores" / "ik_sincos_table.vh": sincos_header,

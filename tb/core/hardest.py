@@ -20,7 +20,7 @@ import numpy as np
 
 from model.bounds import tolerances
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from model.reference.kinematics import forward
 from model.targets.flags import UNREACHABLE, expected_flags
@@ -97,7 +97,7 @@ def _row(cells: list[str]) -> Row:
         raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
     datapath, width, error, found = cells[0], int(cells[1]), cells[-2], cells[-1]
     words = tuple(map(int, cells[2:-2]))
-    if datapath not in DATAPATHS:
+    if datapath not in CONFIGURATIONS:
         raise ValueError(f"unknown datapath {datapath!r}")
     if width not in WIDTHS:
         raise ValueError(f"unknown width {width}")

@@ -18,6 +18,7 @@ from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
 from model.dataflow import fixed
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from model.targets.words import FIELDS, pack, unpack
 from tb.sim.difference import KEPT, Difference, report
@@ -77,6 +78,15 @@ class Scoreboard:
         return report(self.differences, self.nodes, since=since)
 
 
+def configuration(dut) -> str:
+    """The name of what ``ik_axis`` is built as."""
+    return next(
+        name
+        for name, path in CONFIGURATIONS.items()
+        if all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
+    )
+
+
 class Pipeline:
     """``ik_axis`` under test.
 
@@ -88,7 +98,7 @@ class Pipeline:
         self.dut = dut
         self.width = len(dut.s_axis_tdata) // len(FIELDS)
         self.tag_width = len(dut.s_axis_tuser)
-        self.datapath = "lean" if int(dut.LEAN.value) else "paper"
+        self.datapath = configuration(dut)
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -116,7 +126,7 @@ class Pipeline:
 
     def _handle(self, node: Node):
         """The signal of a node."""
-        place = getattr(self.dut, f"g_{self.datapath}").u_core
+        place = getattr(self.dut, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
         if node.instance:
             place = getattr(place, node.instance)
         return getattr(place, node.name)

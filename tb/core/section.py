@@ -16,7 +16,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.targets.stimuli import mixed
 from tb.core.pipeline import Scoreboard
 from tb.core.ports import inputs
@@ -29,7 +29,7 @@ DATAPATH, WIDTH, COUNT = os.environ["IK_DATAPATH"], int(os.environ["IK_WIDTH"]),
 
 
 @cocotb.test()
-@cocotb.parametrize(section=[name for name in DATAPATHS[DATAPATH].sections if name != "results"])
+@cocotb.parametrize(section=[name for name in CONFIGURATIONS[DATAPATH].sections if name != "results"])
 async def every_node_of_the_section(top, section):
     """Targets of every kind, most of them back to back."""
     shell = getattr(top, section)  # of tb/sim/shells.py

@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+from model.dataflow.datapaths import CONFIGURATIONS
 from tb.sim.env import environment
 from tb.sim.runner import simulate
 from tb.sim.sources import includes, sources
@@ -22,7 +23,7 @@ SETS = [
 @pytest.mark.sim
 @pytest.mark.parametrize(("datapath", "width", "tag_width"), SETS)
 def test_streams(datapath, width, tag_width):
-    parameters = {"W": width, "TAG_W": tag_width, "LEAN": int(datapath == "lean")}
+    parameters = {"W": width, "TAG_W": tag_width, **CONFIGURATIONS[datapath].parameters}
     simulate("ik_axis", "tb.core.ik_axis", parameters=parameters, seed=1)
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow import fixed
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
 from model.targets.words import FIELDS
 from tb.sim.difference import Difference, report
@@ -37,7 +38,9 @@ def nodes_of(datapath: str, width: int) -> list[Node]:
 
 def wrapper(datapath: str, width: int, digit: int) -> str:
     """Verilog: ``ik_axis``, fields in lanes of 32 bits, and every node at a multiple of 32 bits of one port."""
-    core = f"u_axis.g_{datapath}.u_core"
+    path = CONFIGURATIONS[datapath]
+    core = f"u_axis.g_{path.rtl}.u_core"
+    chosen = ", ".join(f".{key}({value})" for key, value in path.parameters.items())
     parts, words = [], 0
     for node in nodes_of(datapath, width):
         bits = node.format.width
@@ -63,7 +66,7 @@ module {TOP} (
 );
   wire [{len(lanes) * width - 1}:0] answer;
   ik_axis #(
-      .W({width}), .MIN_W({min(width, WIDTHS[0])}), .TAG_W(8), .LEAN({int(datapath == "lean")}), .DIGIT({digit})
+      .W({width}), .MIN_W({min(width, WIDTHS[0])}), .TAG_W(8), {chosen}, .DIGIT({digit})
   ) u_axis (
       .clk(clk), .rst(rst),
       .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
@@ -82,7 +85,7 @@ def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: 
 
     Raises :class:`SimulationError`.
     """
-    digit = CORES.index(cores(kind)) if datapath == "paper" else 0
+    digit = CORES.index(cores(kind)) if CONFIGURATIONS[datapath].rtl == "paper" else 0
     parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
     try:
         return build(TOP, HARNESS, {}, root=root, name="-".join(parts), wrapper=wrapper(datapath, width, digit))

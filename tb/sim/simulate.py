@@ -12,15 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow import datapaths
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from tb.sim import every_node
 from tb.sim.children import full, naming, started
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
-
-DATAPATHS = tuple(datapaths.DATAPATHS)
-
 
 LONG = 5000
 """From so many targets on Verilator runs them natively: for fewer, building that program takes longer than cocotb."""
@@ -46,8 +43,8 @@ def simulate(
     takes Python out of the loop (:mod:`tb.sim.every_node`), which gives the same; it needs Verilator, writes no waves,
     and is what :data:`LONG` jobs get that say nothing.  Raises :class:`SimulationError`.
     """
-    if datapath not in DATAPATHS:
-        raise ValueError(f"datapath {datapath}: there is {', '.join(DATAPATHS)}")
+    if datapath not in CONFIGURATIONS:
+        raise ValueError(f"datapath {datapath}: there is {', '.join(CONFIGURATIONS)}")
     total = sum(len(job.words) for job in jobs)
     if native is None:
         native = simulator == "verilator" and not waves and total >= LONG
@@ -107,7 +104,7 @@ def _child(
     run_cocotb(
         "ik_axis",
         "tb.core.run_targets",
-        parameters={"W": w, "LEAN": int(datapath == "lean"), **({} if w in WIDTHS else {"MIN_W": w})},
+        parameters={"W": w, **CONFIGURATIONS[datapath].parameters, **({} if w in WIDTHS else {"MIN_W": w})},
         sim=simulator,
         env={
             "IK_JOBS": str(place / "jobs.npz"),

@@ -36,7 +36,8 @@ def test_the_paper():
     assert tolerances.hand(32, "paper") is None
     assert tolerances.hand(31, "paper", regular=True) is None
     assert tolerances.hand(32, "lean", regular=True) == tolerances.hand(32, "lean") == 2e-8
-    assert tolerances.norm(18) == 16 / 2**16
+    assert tolerances.norm(18, "lean") == tolerances.norm(18, "paper") == 16 / 2**16
+    assert tolerances.norm(32, "short") == 2**7 * tolerances.norm(32, "paper")
 
 
 def test_what_errors_are_ranked_by():

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The configuration ``short``: every node equals the bit-true model's with the same words shortened."""
+
+import pytest
+
+from model.dataflow import fixed, short
+from model.targets.stimuli import mixed
+from tb.sim.env import CORES, simulator
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.simulate import Job, simulate
+
+WORDS = mixed(40, short.WIDTH, 3)
+JOBS = [Job("short", WORDS)]
+
+BUGS = [
+    Bug("a bit too many", "rtl/paper/ik_paper_short.vh", "K_Q12_I = (SHORT != 0) ? 7", "K_Q12_I = (SHORT != 0) ? 6"),
+    Bug("divisor cut too far", "rtl/paper/ik_swivel.v",
+        ".CUT(K_PI_SWIVEL_X), .CUT_D(K_L_SW)", ".CUT(K_PI_SWIVEL_X), .CUT_D(K_L_SW + 1)"),
+    Bug("angle a clock early", "rtl/cores/ik_sincos.v", ".N(CUT))", ".N((CUT > 0) ? CUT - 1 : 0))"),
+    Bug("clamped elbow in whole words", "rtl/paper/ik_elbow.v", ".CUT(K_E_X_QUO)) u_p_e_x", ".CUT(0)) u_p_e_x"),
+]  # fmt: skip
+
+
+@pytest.mark.sim
+@pytest.mark.cost(30)
+@pytest.mark.parametrize("kind", CORES)
+def test_every_node_equals_the_model(kind):
+    """Of targets of every kind; whole words give other results."""
+    (run,) = simulate(JOBS, simulator=simulator(), datapath="short", width=short.WIDTH, cores=kind)
+    assert run.bit_mismatches == 0, run.first_mismatch
+    assert (run.results == fixed.run(WORDS, short.WIDTH, "short").results).all()
+    assert (run.results != fixed.run(WORDS, short.WIDTH, "paper").results).any()
+
+
+@pytest.mark.sim
+@pytest.mark.slow
+@pytest.mark.parametrize("bug", BUGS if simulator() == "icarus" else BUGS[:1], ids=lambda bug: bug.what)
+def test_a_wrong_cut_is_found(bug, tmp_path):
+    (run,) = simulate(
+        JOBS, simulator=simulator(), datapath="short", width=short.WIDTH, cores="digit",
+        root=copy_rtl(tmp_path, bug), name=f"short-{BUGS.index(bug)}",
+    )  # fmt: skip
+    assert run.bit_mismatches > 0
