@@ -64,6 +64,7 @@ module ik_axi_write #(
   // ---- W: edges lie where they lie for AW; the last record announced ends a burst too ----
 
   reg [LOG2_BURST-1:0] sending;  // low bits of the next record's address
+  wire [P-1:0] to_send_more = to_send + {{(P - N) {1'b0}}, told};
   assign allowed = to_send != 0;
   assign ends_burst = (&sending) || to_send == {{LOG2_PLACES{1'b0}}, 1'b1};
 
@@ -100,7 +101,7 @@ module ik_axi_write #(
       error     <= 1'b0;
     end else begin
       ready     <= ready + {{LOG2_PLACES{1'b0}}, got} - {{(P - N) {1'b0}}, told};
-      to_send   <= to_send + {{(P - N) {1'b0}}, told} - {{LOG2_PLACES{1'b0}}, leave};
+      to_send   <= leave ? to_send_more - {{LOG2_PLACES{1'b0}}, 1'b1} : to_send_more;
       to_answer <= to_answer + {{(U - N) {1'b0}}, told} - {{(U - N) {1'b0}}, answered};
       bursts    <= bursts + {{LOG2_BURSTS{1'b0}}, tell} - {{LOG2_BURSTS{1'b0}}, m_axi_bvalid};
       if (leave) sending <= sending + 1'b1;

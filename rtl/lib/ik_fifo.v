@@ -19,6 +19,8 @@ module ik_fifo #(
     output reg  [W-1:0] m_data
 );
 
+  // Written and read address are the same only where the FIFO is empty, and what is read is not looked at.
+  (* no_rw_check *)
   reg [W-1:0] mem[0:(1<<LOG2)-1];
   reg [LOG2:0] wr_ptr;  // one bit more than an address tells full from empty
   reg [LOG2:0] rd_ptr;

@@ -11,7 +11,7 @@ from model.targets import trajectories
 from scripts import run
 from scripts.pages import gen_docs
 from tb.sim import simulate
-from tb.sim.env import CORES, cores, simulator
+from tb.sim.env import cores, simulator
 
 pytestmark = [pytest.mark.sim, pytest.mark.cost(120)]
 
@@ -88,19 +88,6 @@ def test_latency_and_rate(outcome):
 def test_the_page_of_scores_is_up_to_date(outcomes):
     page = gen_docs.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
     assert gen_docs.SCORES.read_text() == page, "run `python -m scripts.pages.gen_docs`"
-
-
-if simulator() == "icarus":  # a build for 15 s of simulation takes Verilator a minute
-
-    @pytest.mark.slow
-    def test_both_kinds_of_cores_write_the_same_files(outcomes, tmp_path):
-        out, _ = outcomes["paper"]
-        (other,) = set(CORES) - {cores()}
-        arguments = ["--trajectory", "all", "--datapath", "paper", "--out", str(tmp_path), "--sim", simulator()]
-        assert run.main([*arguments, "--cores", other]) == 0
-        for name in trajectories.TRAJECTORIES:
-            ours, theirs = (folder / name / "results.csv" for folder in (out, tmp_path))
-            assert ours.read_bytes() == theirs.read_bytes(), f"{name}: the cores' results differ"
 
 
 if simulator() == "verilator":

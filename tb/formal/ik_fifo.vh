@@ -71,6 +71,7 @@ always @* if (f_on) begin
   in_order : assert (!(f_due && m_valid) || m_data == f_data);
   nothing_invented : assert (!m_valid || f_inside != 0);
   within_places : assert (f_inside <= PLACES);
+  read_apart : assert (!wr_en || !load || empty || wr_ptr[LOG2-1:0] != rd_ptr[LOG2-1:0]);
   no_deadlock : assert (!f_waited || m_valid);
 end
 

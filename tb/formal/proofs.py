@@ -21,6 +21,7 @@ FIFO_SAYS = {
     "in_order": "the n-th word that leaves is the n-th written, for any n: none lost, doubled or reordered",
     "nothing_invented": "no word is offered while none is inside",
     "within_places": "never more words inside than places",
+    "read_apart": "no word is written and read in one clock: what a memory gives then does not matter",
     "no_deadlock": "with a word inside, one is offered at the latest one clock later, whatever the receiver does",
 }
 FIFO_BUGS = (
@@ -33,6 +34,7 @@ FIFO_BUGS = (
         "if (wr_en) wr_ptr", "if (wr_en && !load) wr_ptr", "somewhere"),
     Bug("read pointer runs on while stalled", FIFO,
         "if (!empty) rd_ptr", "if (!empty && m_ready) rd_ptr", "count_left"),
+    Bug("reads what is not there yet", FIFO, "wire empty = (wr_ptr == rd_ptr)", "wire empty = 1'b0", "read_apart"),
 )  # fmt: skip
 
 AXIS_SAYS = {

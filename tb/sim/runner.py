@@ -33,6 +33,8 @@ VERILATOR_ARGS = [
 ]  # fmt: skip
 RANDOM_START = ["+verilator+rand+reset+2", "+verilator+seed+1"]
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
+UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
+"""A third of the compilation less; nine tenths of such a simulation are Python's anyway."""
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
 """What a waveform leaves out under Verilator; under Icarus ``ik_waves.v`` says it."""
 
@@ -139,7 +141,7 @@ def simulate(
     else:
         options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", str(TRACED)] if waves else [])
         options["timescale"] = None
-        options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS]
+        options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
         options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
     # cocotb-test looks at the ages of sources only, not of what they include
     built = folder / "sim.vvp"
