@@ -10,7 +10,8 @@
 module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
-    parameter integer DIGIT = 0  // of ik_paper alone
+    parameter integer DIGIT = 0,  // of ik_paper alone
+    parameter integer SHORT = 0
 ) (
     input  wire             clk,
     input  wire             rst,
