@@ -25,7 +25,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.motion import axes
 from model.motion.axes import Axis
@@ -68,9 +68,11 @@ class Parser(argparse.ArgumentParser):
 
     def parse_args(self, args=None, namespace=None) -> argparse.Namespace:
         parsed = super().parse_args(args, namespace)
-        path, width = (getattr(parsed, name, None) for name in ("datapath", "width"))
-        if width and path in CONFIGURATIONS and width not in CONFIGURATIONS[path].widths:
-            self.error(f"argument --width: the {path} datapath has words of {CONFIGURATIONS[path].widths[0]} bits only")
+        chosen = (getattr(parsed, name, None) for name in ("datapath", "width"))
+        paths, widths = (value if isinstance(value, list) else [value] for value in chosen)  # some take several
+        for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
+            if any(width and width not in path.widths for width in widths):
+                self.error(f"argument --width: the {path.name} datapath has words of {path.widths[0]} bits only")
         return parsed
 
     def choice(self, option: str, what: str, valid: Sequence[str], default: str | None, about: str) -> None:
@@ -78,7 +80,7 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
-        self, sim: str = SIMULATORS[0], datapath: str | None = next(iter(CONFIGURATIONS)), width: int = WIDTHS[-1],
+        self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1],
         datapaths: Sequence[str] = tuple(CONFIGURATIONS),
     ) -> None:  # fmt: skip
         """The options that say which core is simulated by what; datapaths: those that --datapath takes; no datapath as

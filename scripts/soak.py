@@ -35,7 +35,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.targets.files import write_atomically
 from model.targets.words import FIELDS
@@ -77,7 +77,7 @@ def tell(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]
 # -- the command line --------------------------------------------------------------------------------------------------
 
 
-DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": next(iter(CONFIGURATIONS)), "width": WIDTHS[-1]}
+DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
 NOT_AGAIN = (*DEFAULTS, "keep")
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
 from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
@@ -27,8 +27,6 @@ from scripts.console import InputError, Parser, accuracy, arm_length, folder_nam
 from tb.sim.env import CORES
 
 ALL = "all"
-
-FIRST = next(iter(DATAPATHS))
 
 BOTH = "both"
 """Of --datapath: each dataflow in a simulation of its own, on the same targets."""
@@ -50,7 +48,7 @@ class Prepared:
 
 def parser_of(
     command: str, description: str, *, out: str, written: str,
-    passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = FIRST,
+    passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DEFAULT,
     both: bool = False,
 ) -> Parser:  # fmt: skip
     """The parser of a command that runs trajectories, with the options that all of them have.
@@ -103,7 +101,7 @@ def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
     """The datapaths that --datapath asks for, and the folder of the results of each. Without it both run on the paper's
     scenario, as the front page compares them, and the first on anything else."""
     scenario = arguments.trajectory == trajectories.DEFAULT
-    chosen = arguments.datapath or (BOTH if scenario else FIRST)
+    chosen = arguments.datapath or (BOTH if scenario else DEFAULT)
     return {each: arguments.out / each for each in DATAPATHS} if chosen == BOTH else {chosen: arguments.out}
 
 

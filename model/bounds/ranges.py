@@ -22,7 +22,7 @@ import numpy as np
 
 from ..dataflow.cases import Case, cases
 from ..dataflow.facts import ANYTHING, Given, Rule
-from ..dataflow.nodes import CORDIC, SHORT_CORDIC, Domain, Format, Node
+from ..dataflow.nodes import Domain, Format, Node
 from ..dataflow.paper import paper
 from ..targets.words import ARMS
 
@@ -204,8 +204,7 @@ class Ranges(Domain):
 
     def cordic(self, names, phi):
         fmt = self.word(1)
-        places = SHORT_CORDIC if self.cut_of(names[0]) else CORDIC
-        return tuple(self._rule(name, -1.0, 1.0, places[1] * self.place(names[0], fmt), fmt) for name in names)
+        return tuple(self._rule(name, -1.0, 1.0, self.cordic_error(name)[1] * fmt.ulp, fmt) for name in names)
 
     def apply(self, name, operands, fmt, bits, real):
         if isinstance(self.facts[name].within, Given) or fmt.width == 1:

@@ -47,7 +47,10 @@ DATAPATHS = {
     "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, {"LEAN": 1, "SHORT": 0}, lean.WIDTHS),
     "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"LEAN": 0, "SHORT": 0}),
 }
-"""The dataflows by name; the first is what a user gets who does not choose."""
+"""The dataflows by name."""
+
+DEFAULT = "lean"
+"""What a user gets who does not choose."""
 
 SHORT = replace(
     DATAPATHS["paper"], name="short", parameters={"LEAN": 0, "SHORT": 1}, widths=range(short.WIDTH, short.WIDTH + 1),

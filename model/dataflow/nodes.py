@@ -275,6 +275,10 @@ class Domain(ABC):
         """A rounding at that place, in ulps."""
         return error[0] * 2 ** self.cut_of(name), error[1] * 2 ** self.cut_of(name)
 
+    def cordic_error(self, name: str) -> tuple[float, float]:
+        """What the CORDIC adds to sine and cosine, in ulps."""
+        return self._coarser(name, SHORT_CORDIC if self.cut_of(name) else CORDIC)
+
     # ---- what is known from here on ------------------------------------------------------------------------------
 
     def learn(self, fact: Callable[[Case], Case]) -> None:  # noqa: B027 - of ranges only
@@ -375,7 +379,7 @@ class Domain(ABC):
         """Sine and cosine of phi/2, words with one integer bit."""
         self.facts |= dict.fromkeys(names, Facts(**facts))
         values = zip(names, self.cordic(names, phi), strict=True)
-        error = self._coarser(names[0], SHORT_CORDIC if self.cut_of(names[0]) else CORDIC)
+        error = self.cordic_error(names[0])
         return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=error) for n, v in values)
 
     def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:

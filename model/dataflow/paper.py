@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from .cases import SQRT3, Case
-from .facts import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
+from .facts import COSINE, SUM, Given, Growth, Rule, leading, not_negative, upto, used
 from .nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
 from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
 
@@ -355,7 +355,7 @@ def elbow(d: Domain) -> None:
             f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
             lambda q, t, c, a, cut=cut: np.where(c, np.where(a, -1, 1) * (t >> 2 + cut << cut), q),
             lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), (JAM[0] * 2**cut, JAM[1] * 2**cut),
-            exact=f"!clamp_at_e_x_quo ? e_{axis}_quo"
+            grows=Growth(ulps=2**cut), exact=f"!clamp_at_e_x_quo ? e_{axis}_quo"
             f" : away_at_e_x_quo ? -(p_w_{axis}_at_e_x_quo >>> 2) : (p_w_{axis}_at_e_x_quo >>> 2)",
         )  # fmt: skip
     # (15) needs the length of the upper arm in the scale of p_e.

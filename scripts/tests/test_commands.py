@@ -100,7 +100,11 @@ MISTAKES = {
     "compare": SAMPLE,
     "wordlengths": SAMPLE,
     "formal": [("--only nothing", "argument --only: no proof or node 'nothing'; --list says which there are")],
-    "fpga": [("--width 33", "unknown width '33'"), ("--datapath lean2", "unknown datapath 'lean2'")],
+    "fpga": [
+        ("--width 33", "unknown width '33'"),
+        ("--datapath lean2", "unknown datapath 'lean2'"),
+        ("--datapath lean --datapath short --width 18", "--width: the short datapath has words of 32 bits only"),
+    ],
 }  # fmt: skip
 
 

@@ -50,6 +50,4 @@ def test_around_the_core(tmp_path, parameters, jobs):
 )
 def test_with_the_core(parameters, jobs):
     """The datapaths themselves."""
-    if simulator() == "verilator":  # which takes minutes for dividers and roots of rows
-        parameters = {key: value for key, value in parameters.items() if key != "DIGIT"}
     run("tb.axi.ik_axi,tb.axi.rates", parameters, jobs, env={"COCOTB_TEST_FILTER": FEW})

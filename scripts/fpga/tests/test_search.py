@@ -130,6 +130,15 @@ def test_no_word_leaves_its_format_on_any_input():
     assert ranges.analyse(search.WIDTH, cuts={**short.CUTS, "e_x_quo": 27})[1] != {}
 
 
+def test_a_clamped_elbow_is_off_by_no_more_than_is_said():
+    nodes = fixed.run(mixed(2000, search.WIDTH, 1), search.WIDTH, "short").bits.nodes
+    clamped = nodes["clamp"].value.astype(bool)
+    for axis in "xyz":
+        elbow, target = nodes[f"p_e_{axis}"], nodes[f"p_w_{axis}"]
+        off = np.abs(np.abs(elbow.value * elbow.format.ulp) - np.abs(target.value * target.format.ulp / 2))[clamped]
+        assert elbow.format.ulp < off.max() <= elbow.facts.grows((0.0,), elbow.format.ulp)
+
+
 def test_other_lengths_are_not_shortened():
     with pytest.raises(ValueError, match="^width 31: "):
         fixed.run(mixed(1, 31, 1), 31, "short")
