@@ -13,20 +13,20 @@ from functools import cache
 import mpmath
 import numpy as np
 
-MUL3_CLOCKS = 4
-"""Operands, tile products, middle sum, rounded sum."""
+MUL3_CLOCKS = 3
+"""Tile products, middle sum, rounded sum."""
 
 EVEN_CLOCKS = 3
 """Counts in groups of eight pairs, shift by groups, shift by pairs."""
 
-SEED_FRAC = 21
-"""Up to here the quadratic is the result; with more fraction bits it is the seed of a Newton step."""
+SHORT_FRAC = 22
+"""Up to here ``ik_rsqrt`` has the :data:`SHORT` form, with more fraction bits the :data:`LONG` one."""
 
 
 def rsqrt_clocks(frac: int) -> int:
-    """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, c2 u, slope, slope u, sum; y0^2, tiles,
-    middle sum, residual, product, sum.  The table is read while the mantissa goes into its register."""
-    return 5 if frac <= SEED_FRAC else 11
+    """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, c2 u, slope, slope u, sum; in the long
+    form the sum of the mixed tiles before it.  The table is read while the mantissa goes into its register."""
+    return 5 if frac <= SHORT_FRAC else 6
 
 
 # ---- product of three tiles ------------------------------------------------------------------------------------------
@@ -95,88 +95,129 @@ def even(value, width: int, mantissa_bits: int):
 
 # ---- reciprocal square root ------------------------------------------------------------------------------------------
 
-SEGMENTS = 256
-"""Of [0, 1); the mantissas, in [1/4, 1), use the upper three quarters."""
-
-FIRST = SEGMENTS // 4
-
-U_FRAC = 17
-C0_FRAC, C1_FRAC, C2_FRAC = 28, 24, 27
-C0_BITS, C1_BITS, C2_BITS = 28, 17, 14
-"""The table's unsigned words and their fraction bits: a slope is a factor of 17 bits."""
-
-SEED_BITS = 17
-"""Fraction bits of the Newton step's seed y0, which is less than 1; m y0^2 is a product of words twice as long."""
-
-RESIDUAL_FRAC, RESIDUAL_BITS, RESIDUAL_GUARD = 32, 18, 4
-"""The residual 4 m y0^2 - 1, a signed factor, and the bits behind it that its sum is made with."""
-
 PRECISION = 200
 """Bits that the table and the proof are computed with; 2^-190 changes nothing in either."""
 
 
-def _interpolant(row: int) -> tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]:
-    """c0, c1, c2 of a segment before their rounding: c0 - c1 u + c2 u^2 meets 1/(2 sqrt m) at u = -a, 0, a."""
-    a = mpmath.sqrt(3) / 4
-    left, mid, right = (mpmath.sqrt(SEGMENTS / (row + 0.5 + u)) / 2 for u in (-a, mpmath.mpf(0), a))
-    return mid, (left - right) / (2 * a), (left - 2 * mid + right) / (2 * a * a)
+@dataclass(frozen=True)
+class Form:
+    """How ``ik_rsqrt`` computes 1/(2 sqrt m): in each of ``rows`` segments as a quadratic c0 - u (c1 - c2 u), where u
+    is how far m is from the segment's middle.
+
+    The segments are of equal width in [0, 1), and the table has rows of zeros below 1/4.  Or they are ``split``: one
+    half of them lies in [1/4, 1/2), the other in [1/2, 1), so that they are half as wide where the root is steeper;
+    then the table's c0 goes without its highest bit, a one.
+    """
+
+    rows: int
+    split: bool
+    u_frac: int  # fraction bits of u, u_low of them below its tile
+    u_low: int
+    c_frac: tuple[int, int, int]  # of the table's words, all unsigned
+    c_bits: tuple[int, int, int]  # and their widths
+    slope_frac: int  # of c1 - c2 u, slope_low of them below its tile
+    slope_low: int
+    sum_frac: int  # of what is subtracted from c0
+
+    @property
+    def tiles(self) -> int:
+        """Of slope times u: the tile of the low parts is left out."""
+        return 3 if self.slope_low else 1
+
+    @property
+    def first(self) -> int:
+        """The row that begins at 1/4."""
+        return 0 if self.split else self.rows // 4
+
+    @property
+    def index_bits(self) -> int:
+        """Bits of m that number a segment of the wider ones."""
+        return self.rows.bit_length() - 1
+
+    def segment(self, row: int) -> tuple[mpmath.mpf, mpmath.mpf]:
+        """Its left end and its width."""
+        width = mpmath.mpf(1) / self.rows
+        if not self.split:
+            return row * width, width
+        half = self.rows // 2
+        return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
+
+    def place(self, m, frac: int):
+        """The row of a mantissa, and u."""
+        below = frac + 3 - self.index_bits  # bits of m below the number of its segment
+        row = m >> below
+        if self.split:  # below 1/2 a segment's number has one bit more of m
+            below = below - (row < self.rows // 2)
+            row = np.where(row < self.rows // 2, (m >> below) - self.rows // 2, row)
+        middle = m & (1 << below) - 1
+        u = middle - (1 << below - 1)
+        spare = self.u_frac - frac - 3
+        return row, u << spare if spare >= 0 else u >> -spare
+
+
+SHORT = Form(256, False, 25, 0, (30, 16, 11), (30, 17, 14), 16, 0, 30)
+LONG = Form(1024, True, 34, 6, (34, 23, 12), (33, 24, 15), 25, 9, 36)
+
+
+def form_of(frac: int) -> Form:
+    """The form with ``frac`` fraction bits of the result."""
+    return SHORT if frac <= SHORT_FRAC else LONG
+
+
+def _interpolant(form: Form, row: int) -> tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]:
+    """c0, c1, c2 of a segment before their rounding: the quadratic meets 1/(2 sqrt m) at the three Chebyshev nodes."""
+    left, width = form.segment(row)
+    a = mpmath.sqrt(3) / 4 * width
+    low, mid, high = (1 / mpmath.sqrt(left + width / 2 + u) / 2 for u in (-a, mpmath.mpf(0), a))
+    return mid, (low - high) / (2 * a), (low - 2 * mid + high) / (2 * a * a)
 
 
 @cache
-def rsqrt_rows() -> tuple[tuple[int, int, int], ...]:
+def rsqrt_rows(form: Form) -> tuple[tuple[int, int, int], ...]:
     """The table: c0, c1, c2 of each segment, 0 where no mantissa lies.
 
-    The quadratic in u, the place in the segment from -1/2 to 1/2, goes through the three Chebyshev nodes.  c0 and c1
-    are rounded down: what is subtracted from them is rounded down as well.
+    Each is rounded to nearest; c0 after half of what the rounding of c2 does at the segment's ends has been taken off.
     """
     with mpmath.workprec(PRECISION):
-        rows = [(0, 0, 0)] * FIRST
-        for row in range(FIRST, SEGMENTS):
-            c0, c1, c2 = _interpolant(row)
-            words = c0 * 2**C0_FRAC, c1 * 2**C1_FRAC, c2 * 2**C2_FRAC + 0.5
-            w0, w1, w2 = (int(mpmath.floor(w)) for w in words)
-            rows.append((w0, w1, w2))
+        rows = [(0, 0, 0)] * form.first
+        for row in range(form.first, form.rows):
+            c0, c1, c2 = _interpolant(form, row)
+            _, width = form.segment(row)
+            scales = [mpmath.mpf(2) ** frac for frac in form.c_frac]
+            w2 = mpmath.nint(c2 * scales[2])
+            rows.append(
+                (int(mpmath.nint((c0 - (w2 / scales[2] - c2) * width**2 / 8) * scales[0])),
+                 int(mpmath.nint(c1 * scales[1])), int(w2))
+            )  # fmt: skip
         return tuple(rows)
 
 
-@cache
-def _columns(frac: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The table; c0 with half a place of the result, or of the seed, for its rounding.
+def rounding(form: Form, frac: int) -> int:
+    """What is added to c0, with ``sum_frac`` fraction bits: 3/8 of a place of the result, because a mantissa cut off
+    makes the root too large by up to a quarter, less half of what the tiles lose by their cuts."""
+    return (3 << form.sum_frac - frac - 3) - (form.tiles + 1) // 2
 
-    The seed of row FIRST is rounded down: it has no word for 1.
-    """
-    c0, c1, c2 = np.array(rsqrt_rows(), dtype=np.int64).T
-    half = np.full(SEGMENTS, 1 << (C0_FRAC - (frac if frac <= SEED_FRAC else SEED_BITS) - 1))
-    if frac > SEED_FRAC:
-        half[FIRST] = 0
-    return c0 + half, c1, c2
+
+@cache
+def _columns(form: Form) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The table."""
+    c0, c1, c2 = np.array(rsqrt_rows(form), dtype=np.int64).T
+    return c0, c1, c2
 
 
 def quadratic(m, frac: int):
-    """The quadratic's sum at a mantissa, C0_FRAC fraction bits, with what rounds it to the result or the seed."""
-    rest_bits = frac + 3 - 8
-    row, rest = m >> rest_bits, m & ((1 << rest_bits) - 1)
-    u = (rest >> (rest_bits - U_FRAC) if rest_bits >= U_FRAC else rest << (U_FRAC - rest_bits)) - (1 << (U_FRAC - 1))
-    c0, c1, c2 = (column[row] for column in _columns(frac))
-    slope = c1 - ((c2 * u) >> (C2_FRAC + U_FRAC - C1_FRAC))
-    return c0 - ((slope * u) >> (C1_FRAC + U_FRAC - C0_FRAC))
-
-
-def newton(m, y0, frac: int):
-    """y0 (1 - (4 m y0^2 - 1) / 2), the product rounded to nearest; y0 has SEED_BITS fraction bits."""
-    mask = (1 << SEED_BITS) - 1
-    m, q = m << (2 * SEED_BITS - frac - 3), y0 * y0
-    m_hi, m_lo, q_hi, q_lo = m >> SEED_BITS, m & mask, q >> SEED_BITS, q & mask
-    drop = 4 * SEED_BITS - 2 - RESIDUAL_FRAC - RESIDUAL_GUARD  # bits of the whole product, times 4, below the guard
-    mid = m_hi * q_lo + m_lo * q_hi
-    outer = ((m_hi * q_hi) << (2 * SEED_BITS - drop)) + ((m_lo * q_lo) >> drop) + (1 << (RESIDUAL_GUARD - 1))
-    residual = (outer + (mid >> (drop - SEED_BITS))) >> RESIDUAL_GUARD
-    # The integer part, which is near 1, goes: the rest is a signed word.
-    top = 1 << (RESIDUAL_BITS - 1)
-    residual = ((residual + top) & (2 * top - 1)) - top
-    drop = RESIDUAL_FRAC + SEED_BITS + 1 - frac
-    product = residual * y0
-    return (y0 << (frac - SEED_BITS)) - (product >> drop) - ((product >> (drop - 1)) & 1)
+    """The quadratic at a mantissa, with what rounds it, ``sum_frac`` fraction bits."""
+    form = form_of(frac)
+    row, u = form.place(m, frac)
+    c0, c1, c2 = (column[row] for column in _columns(form))
+    u_hi, u_lo = u >> form.u_low, u & (1 << form.u_low) - 1
+    u_frac = form.u_frac - form.u_low
+    slope = (c1 << form.slope_frac - form.c_frac[1]) - (c2 * u_hi >> form.c_frac[2] + u_frac - form.slope_frac)
+    slope_hi, slope_lo = slope >> form.slope_low, slope & (1 << form.slope_low) - 1
+    drop = form.slope_frac - form.slope_low + u_frac - form.sum_frac
+    mixed = (slope_hi * u_lo >> drop + form.u_low) + (slope_lo * u_hi >> drop + form.slope_low)
+    fall = (slope_hi * u_hi >> drop) + mixed
+    return (c0 << form.sum_frac - form.c_frac[0]) + rounding(form, frac) - fall
 
 
 def rsqrt(m, frac: int):
@@ -185,8 +226,8 @@ def rsqrt(m, frac: int):
     The error is less than one place also where m is a longer mantissa cut off (:func:`rsqrt_error`).
     """
     m = np.asarray(m, dtype=np.int64)
-    y = quadratic(m, frac)
-    return y >> (C0_FRAC - frac) if frac <= SEED_FRAC else newton(m, y >> (C0_FRAC - SEED_BITS), frac)
+    mantissa = m >= 1 << frac + 1
+    return np.where(mantissa, quadratic(np.where(mantissa, m, 1 << frac + 1), frac) >> form_of(frac).sum_frac - frac, 0)
 
 
 # ---- proof of its error ----------------------------------------------------------------------------------------------
@@ -208,94 +249,64 @@ class Interval:
         return max(abs(self.low), abs(self.high))
 
 
-def _steepest(row: int) -> mpmath.mpf:
+def _steepest(form: Form, row: int) -> mpmath.mpf:
     """|d/dm 1/(2 sqrt m)| at the left end of a segment, the largest in it."""
-    return (mpmath.mpf(row) / SEGMENTS) ** mpmath.mpf(-1.5) / 4
+    return form.segment(row)[0] ** mpmath.mpf(-1.5) / 4
 
 
-def _least(row: int) -> mpmath.mpf:
-    """1/(2 sqrt m) at the right end of a segment."""
-    return mpmath.sqrt(mpmath.mpf(SEGMENTS) / (row + 1)) / 2
-
-
-def _interpolation_error(row: int) -> mpmath.mpf:
+def _interpolation_error(form: Form, row: int) -> mpmath.mpf:
     """Largest |c0 - c1 u + c2 u^2 - 1/(2 sqrt m)| in a segment, before the coefficients' rounding.
 
-    It is f3/6 (u + a) u (u - a).  The product is at most 1/32 in magnitude; the third derivative f3, -15/16 m^(-7/2)
-    times the cube of the segment's width, is largest at the left end.
+    It is f3/6 (u + a) u (u - a).  The product is at most 1/32 of the cube of the segment's width; the third derivative
+    f3, -15/16 m^(-7/2), is largest in magnitude at the left end.
     """
-    width = mpmath.mpf(1) / SEGMENTS
-    return mpmath.mpf(15) / 16 * width**3 * (row * width) ** mpmath.mpf(-3.5) / 6 / 32
+    left, width = form.segment(row)
+    return mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5) * width**3 / 6 / 32
 
 
-def _quadratic_error(row: int, frac: int) -> Interval:
-    """The quadratic before its rounding, less 1/(2 sqrt m), for all m of a segment.
+def _quadratic_error(form: Form, row: int, frac: int) -> Interval:
+    """The quadratic, without what rounds it, less 1/(2 sqrt m), for all m of a segment.
 
     * The interpolation (:func:`_interpolation_error`).
     * The coefficients' rounding, as it is: r0 - r1 u + r2 u^2.
-    * The slope is too large by less than one of its places; times u.
-    * The product taken off c0 is too small by less than one place of c0.
+    * The slope is too large by less than one of its places and c2 times a place of u's upper part; times u.
+    * Each tile that is taken off c0 is too small by less than a place of the sum; and the tile left out.
     * The places of m that u does without make 1/(2 sqrt m) smaller.
     """
-    fracs = (C0_FRAC, C1_FRAC, C2_FRAC)
-    words = (mpmath.mpf(word) / 2**bits for word, bits in zip(rsqrt_rows()[row], fracs, strict=True))
-    r0, r1, r2 = (word - c for word, c in zip(words, _interpolant(row), strict=True))
-    aside = _interpolation_error(row) + abs(r1) / 2 + mpmath.mpf(2) ** -C1_FRAC / 2
-    product = mpmath.mpf(2) ** -C0_FRAC
-    without = max(mpmath.mpf(2) ** -(8 + U_FRAC) - mpmath.mpf(2) ** -(frac + 3), 0) * _steepest(row)
-    return Interval(r0 + min(r2, 0) / 4 - aside, r0 + max(r2, 0) / 4 + aside + product + without)
-
-
-def _seed_error(row: int, frac: int) -> Interval:
-    """y0 - 1/(2 sqrt m) for all m of a segment: the quadratic's error, and half a place; one, down, in row FIRST."""
-    half = mpmath.mpf(2) ** -SEED_BITS / 2
-    return _quadratic_error(row, frac) + (Interval(-2 * half, mpmath.mpf(0)) if row == FIRST else Interval(-half, half))
-
-
-def _residual_rounding() -> Interval:
-    """The residual less 4 m y0^2 - 1: rounded half up, after two of the tile sums lost less than a guard bit each."""
-    place = mpmath.mpf(2) ** -RESIDUAL_FRAC
-    return Interval(-place / 2 - 2 * place / 2**RESIDUAL_GUARD, place / 2)
-
-
-def _newton_error(row: int, frac: int) -> Interval:
-    """The Newton step before its rounding, less 1/(2 sqrt m), for all m of a segment.
-
-    With y = 1/(2 sqrt m) and y0 = y (1 + d), the exact step gives y (1 - 3/2 d^2 - 1/2 d^3), never too much; y d^2 is
-    the square of the seed's error over y.  The residual's rounding is multiplied by y0 / 2.
-    """
-    seed, least = _seed_error(row, frac).size, _least(row)
-    step = (mpmath.mpf(3) / 2 + seed / least / 2) * seed**2 / least
-    y0 = min(_least(row - 1) + seed, 1)
-    rounding = _residual_rounding()
-    return Interval(-step - rounding.high * y0 / 2, -rounding.low * y0 / 2)
+    _, width = form.segment(row)
+    words = (mpmath.mpf(word) / 2**bits for word, bits in zip(rsqrt_rows(form)[row], form.c_frac, strict=True))
+    r0, r1, r2 = (word - c for word, c in zip(words, _interpolant(form, row), strict=True))
+    one = mpmath.mpf(1)
+    u_place = one / 2 ** (form.u_frac - form.u_low)
+    c2 = mpmath.mpf(rsqrt_rows(form)[row][2]) / 2 ** form.c_frac[2]
+    slope = one / 2**form.slope_frac + (c2 * u_place if form.u_low else 0)
+    aside = _interpolation_error(form, row) + (abs(r1) + slope) * width / 2
+    left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
+    tiles = form.tiles * one / 2**form.sum_frac + left_out
+    without = max(one / 2**form.u_frac - one / 2 ** (frac + 3), 0) * _steepest(form, row)
+    bend = r2 * width**2 / 4
+    return Interval(r0 + min(bend, 0) - aside, r0 + max(bend, 0) + aside + tiles + without)
 
 
 @cache
 def rsqrt_error(frac: int) -> Interval:
     """What :func:`rsqrt` less 1/(2 sqrt V) is proved to lie in, in places of the result, for all V in [1/4, 1).
 
-    V is any real number that cut off after frac + 3 bits is m.  Segment by segment: the error at m before the result's
-    rounding (:func:`_quadratic_error` or :func:`_newton_error`), half a place for that rounding, and what
+    V is any real number that cut off after frac + 3 bits is m.  Segment by segment: the error at m
+    (:func:`_quadratic_error`), what is added to round the result and less than a place that is cut off it, and what
     1/(2 sqrt V) falls from m to V: the steepest slope times m's last place.
     """
+    form = form_of(frac)
     with mpmath.workprec(PRECISION):
-        before = _quadratic_error if frac <= SEED_FRAC else _newton_error
         place = mpmath.mpf(2) ** -frac
+        added = mpmath.mpf(rounding(form, frac)) / 2**form.sum_frac
         parts = []
-        for row in range(FIRST, SEGMENTS):
-            cut = Interval(mpmath.mpf(0), _steepest(row) * place / 8)
-            parts.append(before(row, frac) + Interval(-place / 2, place / 2) + cut)
+        for row in range(form.first, form.rows):
+            cut = Interval(mpmath.mpf(0), _steepest(form, row) * place / 8)
+            parts.append(_quadratic_error(form, row, frac) + Interval(added - place, added) + cut)
         return Interval(min(p.low for p in parts) / place, max(p.high for p in parts) / place)
 
 
 def rsqrt_error_bound(frac: int) -> float:
     """The largest magnitude in :func:`rsqrt_error`: less than 1, so the result is faithful."""
     return float(rsqrt_error(frac).size)
-
-
-def rsqrt_residual_bound(frac: int) -> float:
-    """Largest magnitude of the Newton step's residual, 2 d + d^2 and its rounding, in its places."""
-    with mpmath.workprec(PRECISION):
-        largest = max(_seed_error(row, frac).size / _least(row) for row in range(FIRST, SEGMENTS))
-        return float((2 * largest + largest**2 + _residual_rounding().size) * 2**RESIDUAL_FRAC)

@@ -10,8 +10,8 @@ Exact part.  Squares, their sums, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K
 2W + 2 bits; their signs are the flags.  Every root takes its argument normalized by an even shift, so its relative
 precision does not depend on how small the argument is.
 
-Formats.  An inner word has F = W + 5 fraction bits, but at least 21 and at most 33, and two integer bits: [-2, 2).  A
-root has at most 31 fraction bits, and 21 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
+Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
+root has at most 31 fraction bits, and 22 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
 1/(2 sqrt(m)), in (1/2, 1]; 0 where m = 0.
 
 Rounding.  ``mul3`` leaves out the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
@@ -52,6 +52,7 @@ SECTIONS = {
 SQUARES = "squares of words in [-2, 2)"
 MANTISSA = Within(0.0, 1.0, "mantissa", below=True)
 INVERSE = Within(0.0, 1.0, "1/(2 sqrt m) with m >= 1/4")  # 0 where m = 0
+LENGTH_INVERSE = Within(0.0, 1.5, "1/(2 sqrt L) with L >= 1/8")
 INVERSES = Within(0.0, 1.0, "products of inverses")
 COORDINATE = Within(-1.0, 1.0, "coordinates are no longer than the vector", below=True)
 CIRCLE = Within(-1.0, 1.0, "a sine or cosine")
@@ -143,7 +144,7 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     L(4).op("z_sq", (z,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
     L(5).op("d_sum_sq", (d_sum,), f.exact, "square", square, within=Within(0.0, 16.0, SQUARES, below=True))
     L(6).op("d_dif_sq", (d_dif,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
-    L(7).op("sum_dif", (d_sum, d_dif), f.exact, "square", times, within=Within(-4.0, 4.0, SQUARES))  # d1^2 - d2^2
+    L(7).op("sum_dif", (d_sum, d_dif), f.exact, "product", times, within=Within(-4.0, 4.0, SQUARES))  # d1^2 - d2^2
     L(3).op("rho_sq", ("x_sq", "y_sq"), f.exact, "wide", plus, within=Within(0.0, 8.0, SQUARES))
     L(4).op("s", ("rho_sq", "z_sq"), f.exact, "wide", plus, within=Within(0.0, 12.0, SQUARES))
     L(5).op("a_far", ("d_sum_sq", "s"), f.exact, "wide", minus, within=Within(0.0, 16.0, SQUARES, below=True))
@@ -251,7 +252,7 @@ def triangle(d: Domain, f: Lean) -> None:
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
     L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
-    inv_law = limited(d, f, "inv_law", LAW)
+    inv_law = limited(d, f, "inv_law", LAW, "mux")
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     L(26).op(
         "n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63,
@@ -311,15 +312,15 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="sc + cs")
     L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="cc + ss")
     L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="sc - cs")
-    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, within=PART)
-    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, within=PART)
-    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, within=PART)
-    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, within=PART)
+    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, far=True, within=PART)
+    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, far=True, within=PART)
+    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, far=True, within=PART)
+    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, far=True, within=PART)
     turned = ((52, "w", "i", "+"), (53, "i", "w", "-"), (54, "j", "k", "-"), (55, "k", "j", "+"))
     for line, unit, other, sign in turned:
         how = plus if sign == "+" else minus
-        L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner, within=PART)
-        L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner, within=PART)
+        L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner, far=True, within=PART)
+        L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner, far=True, within=PART)
         L(line).op(
             f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how,
             within=PART, grows=SUM, exact=f"{unit}_c {sign} {other}_s",
@@ -341,28 +342,28 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
         " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
     )  # fmt: skip
-    inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, within=INVERSE)
+    L(57).rsqrt("inv_q", n["m_q"], f.inner, within=INVERSE)
 
-    # Doubled where the mantissa was taken from four times the length; the k part is not negative.
-    def signed(q, minus, low):
-        return np.where(minus, -1, 1) * (q << np.where(low, 1, 0))
+    # Doubled where the mantissa was taken from four times the length.
+    inv_n = L(57).op(
+        "inv_n", ("inv_q", "low"), f.inner, "mux", lambda v, low: v << np.where(low, 1, 0),
+        lambda v, low: v * np.where(low, 2.0, 1.0), within=LENGTH_INVERSE, grows=Growth((2.0, 0.0), exact=True),
+        exact="low_at_inv_q ? (inv_q <<< 1) : inv_q",
+    )  # fmt: skip
 
-    def signed_real(q, minus, low):
-        return np.where(minus, -q, q) * np.where(low, 2.0, 1.0)
+    # The k part is not negative.
+    def rounded(q, minus):
+        return half_up(np.where(minus, -1, 1) * q, f.drop)
 
     d.at()
     d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
-        L(line).op(
-            f"{unit}_n", (f"{unit}_1", "minus", "low"), f.inner, "mux", signed, signed_real,
-            within=PART, grows=Growth((2.0, 0.0, 0.0), exact=True),
-            exact=f"minus ? -(low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1) : low_at_w_1 ? ({unit}_1 <<< 1) : {unit}_1",
-        )  # fmt: skip
-        L(line).mul3(f"{unit}_q", n[f"{unit}_n"], inv_q, f.inner, scale=1, within=PART)
+        L(line).mul3(f"{unit}_q", n[f"{unit}_1"], inv_n, f.inner, scale=1, within=PART)
         # (18)
+        plus_q, minus_q = (ROUNDED.format(f"{sign} {unit}_q") for sign in "+-")
         L(line).op(
-            f"qs_{unit}", (f"{unit}_q",), f.result, "mux", lambda q: half_up(q, f.drop), lambda q: q, HALF_UP,
-            within=PART, exact=ROUNDED.format(f"+ {unit}_q"),
+            f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, lambda q, minus: np.where(minus, -q, q),
+            HALF_UP, within=PART, exact=f"minus_at_w_q ? {minus_q} : {plus_q}",
         )  # fmt: skip
 
 
@@ -421,11 +422,12 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, within=INVERSE)
 
 
-def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
-    """Wiring: 2, which powers of two can give, becomes the largest inner word: ``name`` from ``name``_raw."""
+def limited(d: Domain, f: Lean, name: str, within: Within, latency: str | None = None) -> Node:
+    """Wiring, or with a register: 2, which powers of two can give, becomes the largest inner word: ``name`` from
+    ``name``_raw."""
     top, most = f.inner.high, "((1 <<< (N - 1)) - 1)"
     return d.op(
-        name, (f"{name}_raw",), f.inner, None, lambda v: np.minimum(v, top), lambda v: v,
+        name, (f"{name}_raw",), f.inner, latency, lambda v: np.minimum(v, top), lambda v: v,
         within=within, limited=TWO, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
     )  # fmt: skip
 

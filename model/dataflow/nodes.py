@@ -30,7 +30,7 @@ import numpy as np
 
 from ..targets.words import FIELDS, LENGTHS
 from .cases import Case
-from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SEED_FRAC, mul3_error, rsqrt_clocks
+from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, mul3_error, rsqrt_clocks
 from .facts import Facts, Within, leading
 from .trig import FRACS, TRIG_CLOCKS
 
@@ -55,8 +55,8 @@ INNER_FRAC = 33
 """Most fraction bits of an inner word of the lean datapath: words of 33 and two integer bits are cut into tiles of
 18 bits and less."""
 
-ROOT_FRACS = 21, 31
-"""Fraction bits of its roots: up to 18 bits a word, where no Newton step is needed, and at most."""
+ROOT_FRACS = 22, 31
+"""Fraction bits of its roots: up to 18 bits a word, where the short form of a root does, and at most."""
 
 
 def effective_width(width: int) -> int:
@@ -67,7 +67,7 @@ def effective_width(width: int) -> int:
 
 def inner_frac(width: int) -> int:
     """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
-    return min(effective_width(width) + 5, INNER_FRAC)
+    return max(min(effective_width(width) + 5, INNER_FRAC), ROOT_FRACS[0])
 
 
 def root_frac(width: int) -> int:
@@ -102,12 +102,14 @@ class Latency:
         "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
         "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
         "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
-        "mul3": (0, MUL3_CLOCKS, "operands, three tile products, tile sums, rounded sum"),
-        "square": (0, 5, "operands, tile products, tile sums, lower half, upper half"),
+        "mul3": (0, MUL3_CLOCKS, "three tile products, tile sums, rounded sum"),
+        "mul3_far": (0, MUL3_CLOCKS + 1, "operands, three tile products, tile sums, rounded sum"),
+        "product": (0, 5, "operands, tile products, tile sums, lower half, upper half"),
+        "square": (0, 4, "operands, tile products, lower half, upper half"),
         "wide": (0, 2, "lower half, upper half"),
         "even": (0, EVEN_CLOCKS, "zero pairs in groups, shift by groups, shift by pairs"),
         "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
-        "rsqrt": (0, 0, "table and two multiplications; beyond 21 fraction bits a Newton step"),
+        "rsqrt": (0, 0, "table and two multiplications, the second in tiles beyond 22 fraction bits"),
         "trig": (0, TRIG_CLOCKS, "table, Taylor series of the rest, addition theorem"),
     }
 
@@ -122,8 +124,8 @@ class Latency:
     def expression(cls, kind: str) -> str:
         """The same as a Verilog expression of ``W`` and ``ROOT_FRAC``."""
         if kind == "rsqrt":
-            short, long = (rsqrt_clocks(SEED_FRAC + k) for k in (0, 1))
-            return f"(ROOT_FRAC > {SEED_FRAC}) ? {long} : {short}"
+            short, long = (rsqrt_clocks(SHORT_FRAC + k) for k in (0, 1))
+            return f"(ROOT_FRAC > {SHORT_FRAC}) ? {long} : {short}"
         bits, besides, _ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
@@ -338,12 +340,14 @@ class Domain(ABC):
         value = self.square_root(name, n, fmt)
         return self.make(name, "root", (n,), fmt, "root", value, error=self._coarser(name, FLOOR))
 
-    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
-        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`)."""
+    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, far: bool = False, **facts) -> Node:
+        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); ``far``: with a register for operands
+        that have a long way to many multipliers."""
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
-        return self.make(name, "mul3", (a, b), fmt, "mul3", value, error=mul3_error(shift, *widths))
+        latency = "mul3_far" if far else "mul3"
+        return self.make(name, "mul3", (a, b), fmt, latency, value, error=mul3_error(shift, *widths))
 
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:

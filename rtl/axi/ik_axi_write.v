@@ -54,17 +54,19 @@ module ik_axi_write #(
   reg [U-1:0] to_answer;  // records announced and not answered
   reg [LOG2_BURSTS:0] bursts;  // announced and not answered
 
-  wire [N-1:0] to_edge = WHOLE - {1'b0, next[LOG2_BURST-1:0]};
+  // The next burst is sized in one clock and announced in a later one. What is left at the end of a job is its last.
+  reg [N-1:0] to_edge;  // records from next to the edge
+  reg [N-1:0] size;
+  reg sized;
   wire whole = ready >= {{(P - N) {1'b0}}, to_edge};
-  wire [N-1:0] size = whole ? to_edge : ready[N-1:0];
-  wire tell = !m_axi_awvalid && !stop && !bursts[LOG2_BURSTS] && (whole || (ended && ready != 0));
+  wire tell = sized && !m_axi_awvalid && !stop && !bursts[LOG2_BURSTS];
   wire [N-1:0] told = tell ? size : {N{1'b0}};
   wire [7:0] size_8 = {{(8 - N) {1'b0}}, size};
 
   // ---- W: edges lie where they lie for AW; the last record announced ends a burst too ----
 
   reg [LOG2_BURST-1:0] sending;  // low bits of the next record's address
-  wire [P-1:0] to_send_more = to_send + {{(P - N) {1'b0}}, told};
+  wire [P-1:0] to_send_less = to_send - {{LOG2_PLACES{1'b0}}, 1'b1};
   assign allowed = to_send != 0;
   assign ends_burst = (&sending) || to_send == {{LOG2_PLACES{1'b0}}, 1'b1};
 
@@ -80,6 +82,11 @@ module ik_axi_write #(
   always @(posedge clk) begin
     if (go) next <= destination;
     else if (tell) next <= next + {{(ADDR_W - 5 - N) {1'b0}}, size};
+    if (go) to_edge <= WHOLE - {1'b0, destination[LOG2_BURST+4:5]};
+    else if (rst || tell) to_edge <= WHOLE;
+    if (!sized) size <= whole ? to_edge : ready[N-1:0];
+    if (rst || go || tell) sized <= 1'b0;
+    else if (!sized) sized <= whole || (ended && ready != 0);
     if (tell) begin
       m_axi_awaddr <= {next, 5'd0};
       m_axi_awlen  <= size_8 * BEATS[7:0] - 8'd1;
@@ -101,7 +108,8 @@ module ik_axi_write #(
       error     <= 1'b0;
     end else begin
       ready     <= ready + {{LOG2_PLACES{1'b0}}, got} - {{(P - N) {1'b0}}, told};
-      to_send   <= leave ? to_send_more - {{LOG2_PLACES{1'b0}}, 1'b1} : to_send_more;
+      // both sums, so that the late leave only chooses
+      to_send   <= leave ? to_send_less + {{(P - N) {1'b0}}, told} : to_send + {{(P - N) {1'b0}}, told};
       to_answer <= to_answer + {{(U - N) {1'b0}}, told} - {{(U - N) {1'b0}}, answered};
       bursts    <= bursts + {{LOG2_BURSTS{1'b0}}, tell} - {{LOG2_BURSTS{1'b0}}, m_axi_bvalid};
       if (leave) sending <= sending + 1'b1;

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The error is below one place of y, also where m is a longer mantissa cut off (model/dataflow/cores.py has the proof).
-// m below 1/4 gives 0. A quadratic c0 - u (c1 - c2 u) in each of 256 segments of [0, 1), u in [-1/2, 1/2) the place in
-// the segment; with F > 21 it gives a seed y0 of 17 bits for one Newton step, y0 (1 - (4 m y0^2 - 1) / 2).
+// m below 1/4 gives 0. A quadratic c0 - u (c1 - c2 u), u how far m is from the middle of its segment: 256 segments of
+// [0, 1) up to F = SHORT_FRAC; beyond, 512 of [1/4, 1/2) and 512 of [1/2, 1), and slope times u in three tiles: that of
+// the low parts is left out. A word's low part, below its tile, has U_LOW or SLOPE_LOW bits.
 // The memory of the table has its address a clock before m is valid: m_next is m before a register.
-// Latency: 5 clocks after m, 11 with F > 21 (LAT_RSQRT): table's output register, c2 u, slope, slope u, sum; y0^2, tile
-// products, middle sum, residual, product, sum. A name ends with the clock after m in which it is valid.
+// Latency: 5 clocks after m, 6 with F > SHORT_FRAC (LAT_RSQRT): table's output register, c2 u, slope, slope u; the sum of
+// the mixed tiles; sum. A name ends with the clock after m in which it is valid.
 `default_nettype none
 
 module ik_rsqrt #(
@@ -14,177 +15,148 @@ module ik_rsqrt #(
 ) (
     input  wire         clk,
     input  wire [F+2:0] m_next,
-    output wire [  F:0] y
+    output reg  [  F:0] y
 );
 
   `include "ik_rsqrt_table.vh"
 
-  localparam integer NEWTON = (F > SEED_FRAC) ? 1 : 0;
-  localparam integer QF = (NEWTON != 0) ? SEED_BITS : F;  // fraction bits of the quadratic's result
-
-  // 0: table, in one memory with two read ports: {c1, c2}, and c0 256 words higher. c0 includes the result's rounding,
-  // but the seed of the first segment is rounded down: it has no word for 1.
-  localparam integer WORD = C1_BITS + C2_BITS;
-  localparam [2*WORD-1:0] HALF = {{(2 * WORD - 1) {1'b0}}, 1'b1} << (WORD + C0_FRAC - QF - 1);
-  (* rom_style = "block", ram_style = "block" *)
-  reg [WORD-1:0] rom[0:511];
-  integer i;
-  initial begin
-    for (i = 0; i < 256; i = i + 1)
-      {rom[256+i], rom[i]} = {{(WORD - C0_BITS) {1'b0}}, rsqrt_row(i)} +
-                             ((NEWTON != 0 && i == 64) ? {(2 * WORD) {1'b0}} : HALF);
-  end
-
-  // The bits of m below the segment's number; with the highest inverted, u + 1/2 becomes u.
-  localparam integer RB = F - 5;
-  reg [F+2:0] m_0;
-  wire [U_FRAC-1:0] place;
   generate
     if (F < 19 || F > 31) begin : g_illegal
       ik_rsqrt_needs_F_from_19_to_31 u_stop ();
     end
-    if (RB < U_FRAC) begin : g_short
-      assign place = {m_0[RB-1:0], {(U_FRAC - RB) {1'b0}}};
-    end else begin : g_long
-      assign place = m_0[RB-1:RB-U_FRAC];
+  endgenerate
+
+  // Added to c0: 3/8 of a place of y, because a mantissa cut off makes the root too large by up to a quarter, less half
+  // of what the tiles lose by their cuts. The bits below c0's words, SPARE, are added later, the rest is in the memory.
+  localparam integer SPARE = SUM_FRAC - C0_FRAC;
+  localparam integer ROUNDING = (3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2;
+  localparam [ROW_BITS-1:0] ADD = {{(ROW_BITS - 32) {1'b0}}, ROUNDING} >> SPARE << (C1_BITS + C2_BITS);
+
+  // 0: table. The long one has no row for m below 1/4, and its c0 no highest bit, a one.
+  localparam integer RB = F + 3 - INDEX_BITS;  // bits of m below the number of its segment
+  reg [F+2:0] m_0;
+  always @(posedge clk) m_0 <= m_next;
+  wire [ROW_BITS-1:0] row_0;
+  wire half_0;  // the segment is half as wide
+  integer i;
+  generate
+    if (LONG) begin : g_long_table
+      (* rom_style = "block", ram_style = "block" *)
+      reg [ROW_BITS-1:0] rom[0:ROWS-1];
+      initial for (i = 0; i < ROWS; i = i + 1) rom[i] = long_row(i) + ADD;
+      wire upper = m_next[F+2];
+      reg [ROW_BITS-1:0] word;
+      always @(posedge clk) word <= rom[{upper, upper ? m_next[F+1:RB] : m_next[F:RB-1]}];
+      assign row_0  = word;
+      assign half_0 = !m_0[F+2];
+    end else begin : g_short_table
+      // one memory with two read ports: {c1, c2}, and c0 256 words higher
+      localparam integer WORD = C1_BITS + C2_BITS;
+      (* rom_style = "block", ram_style = "block" *)
+      reg [WORD-1:0] rom[0:2*ROWS-1];
+      initial begin
+        for (i = 0; i < ROWS; i = i + 1) {rom[ROWS+i], rom[i]} = {{(WORD - C0_BITS) {1'b0}}, short_row(i) + ADD};
+      end
+      reg [WORD-1:0] c0;
+      reg [WORD-1:0] c12;
+      always @(posedge clk) begin
+        c0  <= rom[{1'b1, m_next[F+2:RB]}];
+        c12 <= rom[{1'b0, m_next[F+2:RB]}];
+      end
+      assign row_0  = {c0[C0_BITS-1:0], c12};
+      assign half_0 = 1'b0;
+      wire unused_c0 = &{1'b0, c0};
     end
   endgenerate
 
-  reg [WORD-1:0] c0_0;
-  reg [WORD-1:0] c12_0;
+  // 1: the memory's output register; u is the place in the segment less its middle
+  localparam integer UW = U_FRAC - INDEX_BITS;  // width of u
+  wire [RB+UW-1:0] place_x = {m_0[RB-1:0], {UW{1'b0}}};
+  wire [UW-1:0] place = place_x[RB+UW-1:RB];
+  reg [ROW_BITS-1:0] row_1;
+  reg signed [UW-1:0] u_1;
   always @(posedge clk) begin
-    m_0   <= m_next;
-    c0_0  <= rom[{1'b1, m_next[F+2:RB]}];
-    c12_0 <= rom[{1'b0, m_next[F+2:RB]}];
-  end
-
-  // 1: the memory's output register
-  reg [C0_BITS-1:0] c0_1;
-  reg [WORD-1:0] c12_1;
-  reg signed [U_FRAC-1:0] u_1;
-  always @(posedge clk) begin
-    c0_1  <= c0_0[C0_BITS-1:0];
-    c12_1 <= c12_0;
-    u_1   <= {~place[U_FRAC-1], place[U_FRAC-2:0]};
+    row_1 <= row_0;
+    u_1   <= {~place[half_0?UW-2 : UW-1], half_0 ? ~place[UW-2] : place[UW-2], place[UW-3:0]};
   end
 
   // 2: c2 u
-  localparam integer BW = C2_BITS + U_FRAC;
-  wire signed [C2_BITS:0] c2_1 = {1'b0, c12_1[C2_BITS-1:0]};
+  localparam integer UH = UW - U_LOW;
+  localparam integer BW = C2_BITS + UH;
+  wire signed [C2_BITS:0] c2_1 = {1'b0, row_1[C2_BITS-1:0]};
+  wire signed [UH-1:0] u_hi_1 = u_1[UW-1:U_LOW];
   reg signed [BW-1:0] bend_2;
   reg [C1_BITS-1:0] c1_2;
-  reg signed [U_FRAC-1:0] u_2;
+  reg signed [UW-1:0] u_2;
   always @(posedge clk) begin
-    bend_2 <= c2_1 * u_1;
-    c1_2   <= c12_1[WORD-1:C2_BITS];
+    bend_2 <= c2_1 * u_hi_1;
+    c1_2   <= row_1[C1_BITS+C2_BITS-1:C2_BITS];
     u_2    <= u_1;
   end
 
   // 3: slope, never negative
-  localparam integer DROP_2 = C2_FRAC + U_FRAC - C1_FRAC;
-  wire signed [C1_BITS:0] bend_x = {{(C1_BITS + 1 - BW + DROP_2) {bend_2[BW-1]}}, bend_2[BW-1:DROP_2]};
-  reg signed [C1_BITS:0] slope_3;
-  reg signed [U_FRAC-1:0] u_3;
+  localparam integer BEND_DROP = C2_FRAC + U_FRAC - U_LOW - SLOPE_FRAC;
+  localparam integer SW = C1_BITS + SLOPE_FRAC - C1_FRAC + 1;
+  wire signed [SW-1:0] bend_x = {{(SW - BW + BEND_DROP) {bend_2[BW-1]}}, bend_2[BW-1:BEND_DROP]};
+  wire [SW-1:0] c1_x = {{(SW - C1_BITS) {1'b0}}, c1_2} << (SLOPE_FRAC - C1_FRAC);
+  reg signed [SW-1:0] slope_3;
+  reg signed [UW-1:0] u_3;
   always @(posedge clk) begin
-    slope_3 <= $signed({1'b0, c1_2}) - bend_x;
+    slope_3 <= c1_x - bend_x;
     u_3     <= u_2;
   end
 
-  // 4: slope u
-  localparam integer FW = C1_BITS + U_FRAC;
-  localparam integer DROP_4 = C1_FRAC + U_FRAC - C0_FRAC;
-  reg signed [FW-1:0] fall_4;
-  always @(posedge clk) fall_4 <= slope_3 * u_3;
+  // 4: slope u, the tile of the high parts
+  localparam integer HW = SW - SLOPE_LOW + UH - 1;
+  wire signed [SW-SLOPE_LOW-1:0] slope_hi_3 = slope_3[SW-1:SLOPE_LOW];
+  wire signed [UH-1:0] u_hi_3 = u_3[UW-1:U_LOW];
+  reg signed [HW-1:0] hh_4;
+  always @(posedge clk) hh_4 <= slope_hi_3 * u_hi_3;
 
-  // 5: sum
   wire [C0_BITS-1:0] c0_4;
-  ik_delay #(.W(C0_BITS), .N(3)) u_c0 (.clk(clk), .d(c0_1), .q(c0_4));
-  wire [C0_FRAC:0] fall_x = {{(C0_FRAC + 1 - FW + DROP_4) {fall_4[FW-1]}}, fall_4[FW-1:DROP_4]};
-  wire [C0_FRAC:0] sum = {1'b0, c0_4} - fall_x;
-  reg [QF:0] y_5;
-  always @(posedge clk) y_5 <= sum[C0_FRAC:C0_FRAC-QF];
+  ik_delay #(.W(C0_BITS), .N(3)) u_c0 (.clk(clk), .d(row_1[ROW_BITS-1:C1_BITS+C2_BITS]), .q(c0_4));
 
-  wire unused = &{1'b0, m_0, c0_0, bend_2, fall_4, sum};
-
+  // 5: c0 less it
+  localparam integer DROP = SLOPE_FRAC - SLOPE_LOW + U_FRAC - U_LOW - SUM_FRAC;
+  wire [SUM_FRAC:0] hh_x = {{(SUM_FRAC + 1 - HW + DROP) {hh_4[HW-1]}}, hh_4[HW-1:DROP]};
   generate
-    if (NEWTON == 0) begin : g_quadratic
-      assign y = y_5;
-    end else begin : g_newton
-      localparam integer T = SEED_BITS;  // of y0, and of a tile's sides; m and y0^2 have 2 T fraction bits
-
-      // 6: y0^2; y0 is less than 1
-      wire [T-1:0] y0_5 = y_5[T-1:0];
-      wire signed [T:0] y0_x = {1'b0, y0_5};
-      wire [F+2:0] m_5;
-      ik_delay #(.W(F + 3), .N(5)) u_m (.clk(clk), .d(m_0), .q(m_5));
-      wire [2*T+F+2:0] m_x = {m_5, {(2 * T) {1'b0}}};
-      reg [2*T-1:0] q_6;
-      reg [2*T-1:0] m_6;
+    if (LONG) begin : g_long
+      // the mixed tiles; a low part gets a zero sign bit
+      wire signed [U_LOW:0] u_lo_3 = {1'b0, u_3[U_LOW-1:0]};
+      wire signed [SLOPE_LOW:0] slope_lo_3 = {1'b0, slope_3[SLOPE_LOW-1:0]};
+      localparam integer HLW = SW - SLOPE_LOW + U_LOW;
+      localparam integer LHW = SLOPE_LOW + UH;
+      reg signed [HLW-1:0] hl_4;
+      reg signed [LHW-1:0] lh_4;
       always @(posedge clk) begin
-        q_6 <= y0_x * y0_x;
-        m_6 <= m_x[2*T+F+2:F+3];
+        hl_4 <= slope_hi_3 * u_lo_3;
+        lh_4 <= slope_lo_3 * u_hi_3;
       end
 
-      // 7: tile products, with a zero sign bit; the integer part of the highest goes
-      localparam integer RW = RESIDUAL_BITS + RESIDUAL_GUARD;
-      localparam integer HW = RESIDUAL_BITS;  // the highest tile's last place is the residual's
-      wire signed [T:0] m_hi = {1'b0, m_6[2*T-1:T]};
-      wire signed [T:0] m_lo = {1'b0, m_6[T-1:0]};
-      wire signed [T:0] q_hi = {1'b0, q_6[2*T-1:T]};
-      wire signed [T:0] q_lo = {1'b0, q_6[T-1:0]};
-      reg [HW-1:0] hh_7;
-      reg [2*T-1:0] hl_7;
-      reg [2*T-1:0] lh_7;
-      reg [2*T-1:0] ll_7;
+      localparam integer MW = LHW - DROP - SLOPE_LOW + 1;
+      wire signed [MW-1:0] lh_x = {lh_4[LHW-1], lh_4[LHW-1:DROP+SLOPE_LOW]};
+      wire [MW-1:0] hl_x = {{(MW - HLW + DROP + U_LOW) {1'b0}}, hl_4[HLW-1:DROP+U_LOW]};  // not negative
+      reg signed [MW-1:0] mid_5;
+      reg [SUM_FRAC:0] outer_5;
+      wire mantissa_4;
+      ik_delay #(.W(1), .N(4)) u_mantissa (.clk(clk), .d(|m_0[F+2:F+1]), .q(mantissa_4));
       always @(posedge clk) begin
-        hh_7 <= m_hi * q_hi;
-        hl_7 <= m_hi * q_lo;
-        lh_7 <= m_lo * q_hi;
-        ll_7 <= m_lo * q_lo;
+        mid_5   <= mantissa_4 ? hl_x + lh_x : {MW{1'b0}};
+        outer_5 <= mantissa_4 ? {2'b01, c0_4, ROUNDING[SPARE-1:0]} - hh_x : {(SUM_FRAC + 1) {1'b0}};
       end
 
-      // 8: middle sum; the outer tiles with half a place of the residual
-      localparam integer DROP_8 = 4 * T - 2 - RESIDUAL_FRAC - RESIDUAL_GUARD;  // below the guard bits
-      wire [2*T:0] middle = {1'b0, hl_7} + {1'b0, lh_7};
-      reg [RW-1:0] mid_8;
-      reg [RW-1:0] outer_8;
-      always @(posedge clk) begin
-        mid_8   <= middle[2*T:DROP_8-T];
-        outer_8 <= {hh_7, ll_7[2*T-1:DROP_8]} + {{HW{1'b0}}, 1'b1, {(RESIDUAL_GUARD - 1) {1'b0}}};
-      end
-
-      // 9: residual 4 m y0^2 - 1
-      wire [RW-1:0] residual = outer_8 + mid_8;
-      wire [T-1:0] y0_8;
-      ik_delay #(.W(T), .N(3)) u_y0 (.clk(clk), .d(y0_5), .q(y0_8));
-      reg signed [RESIDUAL_BITS-1:0] e_9;
-      reg signed [T:0] y0_9;
-      always @(posedge clk) begin
-        e_9  <= residual[RW-1:RESIDUAL_GUARD];
-        y0_9 <= {1'b0, y0_8};
-      end
-
-      // 10: product
-      localparam integer PW = RESIDUAL_BITS + T;
-      reg signed [PW-1:0] p_10;
-      reg [T-1:0] y0_10;
-      always @(posedge clk) begin
-        p_10  <= e_9 * y0_9;
-        y0_10 <= y0_9[T-1:0];
-      end
-
-      // 11: sum; the product's rounding bit is borrowed from a place below
-      localparam integer DROP_11 = RESIDUAL_FRAC + T - F;  // leaves that place
-      wire [F+1:0] y0_w = {1'b0, y0_10, {(F + 1 - T) {1'b0}}};
-      wire [F+1:0] p_x = {{(F + 2 - PW + DROP_11) {p_10[PW-1]}}, p_10[PW-1:DROP_11]};
-      wire [F+1:0] difference = y0_w - p_x;
-      reg [F:0] y_11;
-      always @(posedge clk) y_11 <= difference[F+1:1];
-      assign y = y_11;
-
-      wire unused_newton = &{1'b0, y_5[T], m_x, ll_7, middle, residual, p_10, difference[0]};
+      // 6: and less their sum
+      wire [SUM_FRAC:0] sum = outer_5 - {{(SUM_FRAC + 1 - MW) {mid_5[MW-1]}}, mid_5};
+      always @(posedge clk) y <= sum[SUM_FRAC:SUM_FRAC-F];
+      wire unused_long = &{1'b0, hl_4, lh_4, sum};
+    end else begin : g_short
+      wire [SUM_FRAC:0] sum = {1'b0, c0_4} - hh_x;
+      always @(posedge clk) y <= sum[SUM_FRAC:SUM_FRAC-F];
+      wire unused_short = &{1'b0, sum};
     end
   endgenerate
+
+  wire unused = &{1'b0, m_0, place_x, bend_2, hh_4};
 
 endmodule
 

@@ -8,7 +8,7 @@
 
 module ik_lean_direction #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
 ) (
     // Clock
     input  wire                  clk,

@@ -6,17 +6,19 @@
 // LAT_<OPERATION>: clocks of an operation.
 
 localparam integer WX = (W < 16) ? 16 : W;  // the word length that formats follow
-localparam integer FRAC = (WX < 28) ? WX + 5 : 33;  // of an inner word
-localparam integer ROOT_FRAC = (W < 19) ? 21 : ((FRAC < 31) ? FRAC : 31);
+localparam integer FRAC = (WX < 17) ? 22 : (WX < 28) ? WX + 5 : 33;  // of an inner word
+localparam integer ROOT_FRAC = (W < 19) ? 22 : ((FRAC < 31) ? FRAC : 31);
 localparam integer LAT_SUM2 = 2;  // add, round and saturate
 localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
 localparam integer LAT_MUX = 1;  // an exact addition, a choice, a sign change or a comparison
-localparam integer LAT_MUL3 = 4;  // operands, three tile products, tile sums, rounded sum
-localparam integer LAT_SQUARE = 5;  // operands, tile products, tile sums, lower half, upper half
+localparam integer LAT_MUL3 = 3;  // three tile products, tile sums, rounded sum
+localparam integer LAT_MUL3_FAR = 4;  // operands, three tile products, tile sums, rounded sum
+localparam integer LAT_PRODUCT = 5;  // operands, tile products, tile sums, lower half, upper half
+localparam integer LAT_SQUARE = 4;  // operands, tile products, lower half, upper half
 localparam integer LAT_WIDE = 2;  // lower half, upper half
 localparam integer LAT_EVEN = 3;  // zero pairs in groups, shift by groups, shift by pairs
 localparam integer LAT_SHIFT3 = 3;  // barrel shift: by sixteens, by fours, by ones
-localparam integer LAT_RSQRT = (ROOT_FRAC > 21) ? 11 : 5;  // table and two multiplications; beyond 21 fraction bits a Newton step
+localparam integer LAT_RSQRT = (ROOT_FRAC > 22) ? 6 : 5;  // table and two multiplications, the second in tiles beyond 22 fraction bits
 localparam integer LAT_TRIG = 10;  // table, Taylor series of the rest, addition theorem
 
 // exact squares and flags
@@ -36,7 +38,7 @@ localparam integer F_Y_SQ = 2*W - 4, T_Y_SQ = LAT_SQUARE;  // (L3)
 localparam integer F_Z_SQ = 2*W - 4, T_Z_SQ = LAT_SQUARE;  // (L4)
 localparam integer F_D_SUM_SQ = 2*W - 4, T_D_SUM_SQ = T_D_SUM + LAT_SQUARE;  // (L5)
 localparam integer F_D_DIF_SQ = 2*W - 4, T_D_DIF_SQ = T_D_DIF + LAT_SQUARE;  // (L6)
-localparam integer F_SUM_DIF = 2*W - 4, T_SUM_DIF = T_D_SUM + LAT_SQUARE;  // (L7)
+localparam integer F_SUM_DIF = 2*W - 4, T_SUM_DIF = T_D_SUM + LAT_PRODUCT;  // (L7)
 localparam integer F_RHO_SQ = 2*W - 4, T_RHO_SQ = T_X_SQ + LAT_WIDE;  // (L3)
 localparam integer F_S = 2*W - 4, T_S = T_RHO_SQ + LAT_WIDE;  // (L4)
 localparam integer F_A_FAR = 2*W - 4, T_A_FAR = T_S + LAT_WIDE;  // (L5)
@@ -64,7 +66,7 @@ localparam integer F_SIN_EL = FRAC, T_SIN_EL = T_INV_S + LAT_MUL3;  // (L16)
 localparam integer F_ROOT_RHO = FRAC, T_ROOT_RHO = T_INV_RHO + LAT_MUL3;  // (L17)
 localparam integer T_N_EL = T_E_S + LAT_MUX;  // (L18)
 localparam integer F_INV_S_EL = FRAC, T_INV_S_EL = T_INV_S + LAT_SHIFT;  // (L18)
-localparam integer F_COS_EL = FRAC, T_COS_EL = T_ROOT_RHO + LAT_MUL3;  // (L18)
+localparam integer F_COS_EL = FRAC, T_COS_EL = T_INV_S_EL + LAT_MUL3;  // (L18)
 localparam integer F_AZ_SQ = FRAC, T_AZ_SQ = T_U_Y + LAT_MUX;  // (L29)
 localparam integer F_AZ_C = FRAC, T_AZ_C = T_AZ_SQ + LAT_MUX;  // (L32)
 localparam integer F_AZ_S = FRAC, T_AZ_S = T_AZ_SQ + LAT_MUX;  // (L33)
@@ -89,18 +91,18 @@ localparam integer F_ROOT_FAR = FRAC, T_ROOT_FAR = T_INV_FAR + LAT_MUL3;  // (L1
 localparam integer F_ROOT_NEAR = FRAC, T_ROOT_NEAR = T_INV_NEAR + LAT_MUL3;  // (L20)
 localparam integer F_INV_12 = FRAC + 1, T_INV_12 = T_INV_1 + LAT_MUL3;  // (L21)
 localparam integer T_N_FAR = T_E_FAR + LAT_MUX;  // (L22)
-localparam integer F_INV_12_FAR_RAW = FRAC, T_INV_12_FAR_RAW = (T_INV_12 > T_N_FAR ? T_INV_12 : T_N_FAR) + LAT_SHIFT;  // (L22)
+localparam integer F_INV_12_FAR_RAW = FRAC, T_INV_12_FAR_RAW = T_N_FAR + LAT_SHIFT;  // (L22)
 localparam integer F_INV_12_FAR = FRAC, T_INV_12_FAR = T_INV_12_FAR_RAW;  // (L22)
 localparam integer F_ELBOW_W = FRAC, T_ELBOW_W = T_ROOT_FAR + LAT_MUL3;  // (L22)
 localparam integer T_N_NEAR = T_E_NEAR + LAT_MUX;  // (L23)
-localparam integer F_INV_12_NEAR_RAW = FRAC, T_INV_12_NEAR_RAW = (T_INV_12 > T_N_NEAR ? T_INV_12 : T_N_NEAR) + LAT_SHIFT;  // (L23)
+localparam integer F_INV_12_NEAR_RAW = FRAC, T_INV_12_NEAR_RAW = T_N_NEAR + LAT_SHIFT;  // (L23)
 localparam integer F_INV_12_NEAR = FRAC, T_INV_12_NEAR = T_INV_12_NEAR_RAW;  // (L23)
 localparam integer F_ELBOW_I = FRAC, T_ELBOW_I = T_ROOT_NEAR + LAT_MUL3;  // (L23)
 localparam integer F_QE_W = W - 2, T_QE_W = T_ELBOW_W + LAT_MUX;  // (L22)
 localparam integer F_QE_I = W - 2, T_QE_I = T_ELBOW_I + LAT_MUX;  // (L23)
 localparam integer F_INV_11 = FRAC, T_INV_11 = T_INV_1 + LAT_MUL3;  // (L24)
 localparam integer F_INV_LAW_RAW = FRAC, T_INV_LAW_RAW = T_INV_S + LAT_MUL3;  // (L25)
-localparam integer F_INV_LAW = FRAC, T_INV_LAW = T_INV_LAW_RAW;  // (L25)
+localparam integer F_INV_LAW = FRAC, T_INV_LAW = T_INV_LAW_RAW + LAT_MUX;  // (L25)
 localparam integer T_N_LAW = T_E_S + LAT_MUX;  // (L26)
 localparam integer F_K_SCALED = FRAC, T_K_SCALED = T_N_LAW + LAT_SHIFT3;  // (L26)
 localparam integer F_COS_A = FRAC, T_COS_A = T_INV_LAW + LAT_MUL3;  // (L26)
@@ -124,39 +126,36 @@ localparam integer F_C_PLUS = FRAC, T_C_PLUS = T_CC + LAT_MUX;  // (L44)
 localparam integer F_S_PLUS = FRAC, T_S_PLUS = T_SC + LAT_MUX;  // (L45)
 localparam integer F_C_MINUS = FRAC, T_C_MINUS = T_CC + LAT_MUX;  // (L46)
 localparam integer F_S_MINUS = FRAC, T_S_MINUS = T_SC + LAT_MUX;  // (L47)
-localparam integer F_W_0 = FRAC, T_W_0 = T_C_PLUS + LAT_MUL3;  // (L48)
-localparam integer F_I_0 = FRAC, T_I_0 = T_C_MINUS + LAT_MUL3;  // (L49)
-localparam integer F_J_0 = FRAC, T_J_0 = T_S_MINUS + LAT_MUL3;  // (L50)
-localparam integer F_K_0 = FRAC, T_K_0 = T_S_PLUS + LAT_MUL3;  // (L51)
-localparam integer F_W_C = FRAC, T_W_C = T_ARM_C + LAT_MUL3;  // (L52)
-localparam integer F_I_S = FRAC, T_I_S = T_ARM_S + LAT_MUL3;  // (L52)
+localparam integer F_W_0 = FRAC, T_W_0 = T_C_PLUS + LAT_MUL3_FAR;  // (L48)
+localparam integer F_I_0 = FRAC, T_I_0 = T_C_MINUS + LAT_MUL3_FAR;  // (L49)
+localparam integer F_J_0 = FRAC, T_J_0 = T_S_MINUS + LAT_MUL3_FAR;  // (L50)
+localparam integer F_K_0 = FRAC, T_K_0 = T_S_PLUS + LAT_MUL3_FAR;  // (L51)
+localparam integer F_W_C = FRAC, T_W_C = T_ARM_C + LAT_MUL3_FAR;  // (L52)
+localparam integer F_I_S = FRAC, T_I_S = T_ARM_S + LAT_MUL3_FAR;  // (L52)
 localparam integer F_W_1 = FRAC, T_W_1 = T_W_C + LAT_MUX;  // (L52)
-localparam integer F_I_C = FRAC, T_I_C = T_ARM_C + LAT_MUL3;  // (L53)
-localparam integer F_W_S = FRAC, T_W_S = T_ARM_S + LAT_MUL3;  // (L53)
+localparam integer F_I_C = FRAC, T_I_C = T_ARM_C + LAT_MUL3_FAR;  // (L53)
+localparam integer F_W_S = FRAC, T_W_S = T_ARM_S + LAT_MUL3_FAR;  // (L53)
 localparam integer F_I_1 = FRAC, T_I_1 = T_I_C + LAT_MUX;  // (L53)
-localparam integer F_J_C = FRAC, T_J_C = T_ARM_C + LAT_MUL3;  // (L54)
-localparam integer F_K_S = FRAC, T_K_S = T_ARM_S + LAT_MUL3;  // (L54)
+localparam integer F_J_C = FRAC, T_J_C = T_ARM_C + LAT_MUL3_FAR;  // (L54)
+localparam integer F_K_S = FRAC, T_K_S = T_ARM_S + LAT_MUL3_FAR;  // (L54)
 localparam integer F_J_1 = FRAC, T_J_1 = T_J_C + LAT_MUX;  // (L54)
-localparam integer F_K_C = FRAC, T_K_C = T_ARM_C + LAT_MUL3;  // (L55)
-localparam integer F_J_S = FRAC, T_J_S = T_ARM_S + LAT_MUL3;  // (L55)
+localparam integer F_K_C = FRAC, T_K_C = T_ARM_C + LAT_MUL3_FAR;  // (L55)
+localparam integer F_J_S = FRAC, T_J_S = T_ARM_S + LAT_MUL3_FAR;  // (L55)
 localparam integer F_K_1 = FRAC, T_K_1 = T_K_C + LAT_MUX;  // (L55)
 localparam integer F_AZ_TILT_SQ = FRAC, T_AZ_TILT_SQ = T_TILT_SQ + LAT_MUL3;  // (L56)
-localparam integer F_LENGTH_SQ = FRAC, T_LENGTH_SQ = T_AZ_TILT_SQ + LAT_MUL3;  // (L56)
+localparam integer F_LENGTH_SQ = FRAC, T_LENGTH_SQ = T_ARM_SQ + LAT_MUL3;  // (L56)
 localparam integer T_LOW = T_LENGTH_SQ;  // (L57)
 localparam integer T_M_Q = T_LENGTH_SQ + LAT_MUX;  // (L57)
 localparam integer F_INV_Q = FRAC, T_INV_Q = T_M_Q + LAT_RSQRT;  // (L57)
+localparam integer F_INV_N = FRAC, T_INV_N = T_INV_Q + LAT_MUX;  // (L57)
 localparam integer T_MINUS = T_K_1;
-localparam integer F_W_N = FRAC, T_W_N = T_W_1 + LAT_MUX;  // (L58)
-localparam integer F_W_Q = FRAC, T_W_Q = (T_W_N > T_INV_Q ? T_W_N : T_INV_Q) + LAT_MUL3;  // (L58)
+localparam integer F_W_Q = FRAC, T_W_Q = T_INV_N + LAT_MUL3;  // (L58)
 localparam integer F_QS_W = W - 2, T_QS_W = T_W_Q + LAT_MUX;  // (L58)
-localparam integer F_I_N = FRAC, T_I_N = T_I_1 + LAT_MUX;  // (L59)
-localparam integer F_I_Q = FRAC, T_I_Q = (T_I_N > T_INV_Q ? T_I_N : T_INV_Q) + LAT_MUL3;  // (L59)
+localparam integer F_I_Q = FRAC, T_I_Q = T_INV_N + LAT_MUL3;  // (L59)
 localparam integer F_QS_I = W - 2, T_QS_I = T_I_Q + LAT_MUX;  // (L59)
-localparam integer F_J_N = FRAC, T_J_N = T_J_1 + LAT_MUX;  // (L60)
-localparam integer F_J_Q = FRAC, T_J_Q = (T_J_N > T_INV_Q ? T_J_N : T_INV_Q) + LAT_MUL3;  // (L60)
+localparam integer F_J_Q = FRAC, T_J_Q = T_INV_N + LAT_MUL3;  // (L60)
 localparam integer F_QS_J = W - 2, T_QS_J = T_J_Q + LAT_MUX;  // (L60)
-localparam integer F_K_N = FRAC, T_K_N = T_K_1 + LAT_MUX;  // (L61)
-localparam integer F_K_Q = FRAC, T_K_Q = (T_K_N > T_INV_Q ? T_K_N : T_INV_Q) + LAT_MUL3;  // (L61)
+localparam integer F_K_Q = FRAC, T_K_Q = T_INV_N + LAT_MUL3;  // (L61)
 localparam integer F_QS_K = W - 2, T_QS_K = T_K_Q + LAT_MUX;  // (L61)
 
 // All results leave together.

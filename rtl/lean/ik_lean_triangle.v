@@ -7,7 +7,7 @@
 
 module ik_lean_triangle #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
 ) (
     // Clock
     input  wire                  clk,
@@ -151,7 +151,8 @@ module ik_lean_triangle #(
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11)) u_inv_law (
       .clk(clk), .a(inv_11), .b(inv_s), .q(inv_law_raw)
   );
-  wire signed [N-1:0] inv_law = (|inv_law_raw[N:N-1]) ? TOP : inv_law_raw[N-1:0];  // (L25)
+  reg signed [N-1:0] inv_law;  // (L25)
+  always @(posedge clk) inv_law <= (|inv_law_raw[N:N-1]) ? TOP : inv_law_raw[N-1:0];
 
   wire [5:0] e_1_at_e_s;
   reg [5:0] n_law;  // (L26)

@@ -7,7 +7,7 @@
 
 module ik_lean_turn #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
 ) (
     // Clock
     input  wire                clk,
@@ -94,6 +94,7 @@ module ik_lean_turn #(
 
   // ---- (L52)-(L55) and the fourth ----
 
+  localparam integer T_1_IN = T_W_C - LAT_MUL3;
   wire signed [N-1:0] w_c;  // (L52)
   wire signed [N-1:0] w_s;  // (L53)
   wire signed [N-1:0] i_c;  // (L53)
@@ -102,14 +103,30 @@ module ik_lean_turn #(
   wire signed [N-1:0] j_s;  // (L55)
   wire signed [N-1:0] k_c;  // (L55)
   wire signed [N-1:0] k_s;  // (L54)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_w_c (.clk(clk), .a(w_0), .b(arm_c), .q(w_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_w_s (.clk(clk), .a(w_0), .b(arm_s), .q(w_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_i_c (.clk(clk), .a(i_0), .b(arm_c), .q(i_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_i_s (.clk(clk), .a(i_0), .b(arm_s), .q(i_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_j_c (.clk(clk), .a(j_0), .b(arm_c), .q(j_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_j_s (.clk(clk), .a(j_0), .b(arm_s), .q(j_s));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_k_c (.clk(clk), .a(k_0), .b(arm_c), .q(k_c));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_ARM_C-T_W_0)) u_k_s (.clk(clk), .a(k_0), .b(arm_s), .q(k_s));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_w_c (
+      .clk(clk), .a(w_0), .b(arm_c), .q(w_c)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_w_s (
+      .clk(clk), .a(w_0), .b(arm_s), .q(w_s)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_i_c (
+      .clk(clk), .a(i_0), .b(arm_c), .q(i_c)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_i_s (
+      .clk(clk), .a(i_0), .b(arm_s), .q(i_s)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_j_c (
+      .clk(clk), .a(j_0), .b(arm_c), .q(j_c)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_j_s (
+      .clk(clk), .a(j_0), .b(arm_s), .q(j_s)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_k_c (
+      .clk(clk), .a(k_0), .b(arm_c), .q(k_c)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_k_s (
+      .clk(clk), .a(k_0), .b(arm_s), .q(k_s)
+  );
   reg signed [N-1:0] w_1;  // (L52)
   reg signed [N-1:0] i_1;  // (L53)
   reg signed [N-1:0] j_1;  // (L54)
@@ -144,48 +161,33 @@ module ik_lean_turn #(
   wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
   ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .y(y_q));
 
+  wire low_at_inv_q;
+  reg signed [N-1:0] inv_n;  // (L57)
+  ik_delay #(.W(1), .N(T_INV_Q-T_LOW)) u_low_at_inv_q (.clk(clk), .d(low), .q(low_at_inv_q));
+  always @(posedge clk) inv_n <= low_at_inv_q ? (inv_q <<< 1) : inv_q;
+
   // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
 
-  wire low_at_w_1;
-  ik_delay #(.W(1), .N(T_W_1-T_LOW)) u_low_at_w_1 (.clk(clk), .d(low), .q(low_at_w_1));
-  reg signed [N-1:0] w_n;  // (L58)
-  reg signed [N-1:0] i_n;  // (L59)
-  reg signed [N-1:0] j_n;  // (L60)
-  reg signed [N-1:0] k_n;  // (L61)
-  wire minus = k_1[N-1];
-  wire signed [N-1:0] one = {{(N - 1) {1'b0}}, minus};  // -x = ~x + 1, by one carry chain
-  always @(posedge clk) begin
-    w_n <= ((low_at_w_1 ? (w_1 <<< 1) : w_1) ^ {N{minus}}) + one;
-    i_n <= ((low_at_w_1 ? (i_1 <<< 1) : i_1) ^ {N{minus}}) + one;
-    j_n <= ((low_at_w_1 ? (j_1 <<< 1) : j_1) ^ {N{minus}}) + one;
-    k_n <= ((low_at_w_1 ? (k_1 <<< 1) : k_1) ^ {N{minus}}) + one;
-  end
-
-  localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
   wire signed [N-1:0] w_q;  // (L58)
   wire signed [N-1:0] i_q;  // (L59)
   wire signed [N-1:0] j_q;  // (L60)
   wire signed [N-1:0] k_q;  // (L61)
-  localparam integer SH_Q = F_W_N + F_INV_Q - 1 - F_W_Q;
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_w_q (
-      .clk(clk), .a(w_n), .b(inv_q), .q(w_q)
-  );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_i_q (
-      .clk(clk), .a(i_n), .b(inv_q), .q(i_q)
-  );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_j_q (
-      .clk(clk), .a(j_n), .b(inv_q), .q(j_q)
-  );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_N), .DB(T_Q_IN-T_INV_Q)) u_k_q (
-      .clk(clk), .a(k_n), .b(inv_q), .q(k_q)
-  );
+  localparam integer SH_Q = F_W_1 + F_INV_N - 1 - F_W_Q;
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_w_q (.clk(clk), .a(w_1), .b(inv_n), .q(w_q));
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_i_q (.clk(clk), .a(i_1), .b(inv_n), .q(i_q));
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_j_q (.clk(clk), .a(j_1), .b(inv_n), .q(j_q));
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_k_q (.clk(clk), .a(k_1), .b(inv_n), .q(k_q));
 
   localparam integer DROP = F_W_Q - F_QS_W;
-  localparam signed [N-1:0] HALF = {{(N - 1) {1'b0}}, 1'b1} << (DROP - 1);
-  wire signed [N-1:0] w_r = w_q + HALF;
-  wire signed [N-1:0] i_r = i_q + HALF;
-  wire signed [N-1:0] j_r = j_q + HALF;
-  wire signed [N-1:0] k_r = k_q + HALF;
+  wire minus = k_1[N-1];
+  wire minus_at_w_q;
+  ik_delay #(.W(1), .N(T_W_Q-T_W_1)) u_minus_at_w_q (.clk(clk), .d(minus), .q(minus_at_w_q));
+  // half a place; -x = ~x + 1, by one carry chain
+  wire signed [N-1:0] half = {{(N - DROP) {1'b0}}, 1'b1, {(DROP - 2) {1'b0}}, minus_at_w_q};
+  wire signed [N-1:0] w_r = (w_q ^ {N{minus_at_w_q}}) + half;
+  wire signed [N-1:0] i_r = (i_q ^ {N{minus_at_w_q}}) + half;
+  wire signed [N-1:0] j_r = (j_q ^ {N{minus_at_w_q}}) + half;
+  wire signed [N-1:0] k_r = (k_q ^ {N{minus_at_w_q}}) + half;
   always @(posedge clk) begin
     qs_w <= w_r[DROP+:W];
     qs_i <= i_r[DROP+:W];

@@ -3,7 +3,7 @@
 //
 // Four tiles of half words (17x17 bits for W = 33); a square (SQUARE = 1, b is not looked at) needs only three. The sum
 // of the tiles is twice as long as a word, so its two halves are added one after the other.
-// Latency: 5 clocks (LAT_SQUARE).
+// Latency: 5 clocks (LAT_PRODUCT), a square 4 (LAT_SQUARE).
 `default_nettype none
 
 module ik_exact #(
@@ -36,33 +36,38 @@ module ik_exact #(
   reg signed [H+L:0] hl;
   reg signed [2*L+1:0] ll;
   // tile sums: hh and ll do not overlap
-  reg [2*W-1:0] outer;
-  reg signed [H+L:0] inner;  // |a_hi b_lo + a_lo b_hi| < 2^W
+  wire [2*W-1:0] outer;
+  wire signed [H+L:0] inner;  // |a_hi b_lo + a_lo b_hi| < 2^W
   generate
     if (SQUARE != 0) begin : g_square
       always @(posedge clk) begin
-        hh    <= a_hi * a_hi;
-        hl    <= a_hi * a_lo;
-        ll    <= a_lo * a_lo;
-        inner <= hl <<< 1;
+        hh <= a_hi * a_hi;
+        hl <= a_hi * a_lo;
+        ll <= a_lo * a_lo;
       end
+      assign outer = {hh, ll[2*L-1:0]};
+      assign inner = hl <<< 1;
       wire unused = &{1'b0, b};
     end else begin : g_product
       reg signed [W-1:0] b_q;
       wire signed [H-1:0] b_hi = b_q[W-1:L];
       wire signed [L:0] b_lo = {1'b0, b_q[L-1:0]};
       reg signed [H+L:0] lh;
+      reg [2*W-1:0] outer_q;
+      reg signed [H+L:0] inner_q;
       always @(posedge clk) begin
-        b_q   <= b;
-        hh    <= a_hi * b_hi;
-        hl    <= a_hi * b_lo;
-        lh    <= a_lo * b_hi;
-        ll    <= a_lo * b_lo;
-        inner <= hl + lh;
+        b_q     <= b;
+        hh      <= a_hi * b_hi;
+        hl      <= a_hi * b_lo;
+        lh      <= a_lo * b_hi;
+        ll      <= a_lo * b_lo;
+        outer_q <= {hh, ll[2*L-1:0]};
+        inner_q <= hl + lh;
       end
+      assign outer = outer_q;
+      assign inner = inner_q;
     end
   endgenerate
-  always @(posedge clk) outer <= {hh, ll[2*L-1:0]};
   wire unused_ll = &{1'b0, ll[2*L+1:2*L]};  // 0: its factors are not negative
 
   // lower half, upper half

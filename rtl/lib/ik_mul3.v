@@ -7,7 +7,8 @@
 // words are so long that the highest tile ends above these two bits, the free bits below it take a guess at the fourth:
 // the product of the highest two bits of both low parts.
 // Does not saturate: q holds the low OW bits.
-// Latency: 4 clocks (LAT_MUL3): operands, tile products, middle sum, rounded sum; from a DA more, from b DB more.
+// Operands come from registers, which a synthesizer moves into the multipliers.
+// Latency: 3 clocks (LAT_MUL3): tile products, middle sum, rounded sum; from a DA more, from b DB more.
 `default_nettype none
 
 module ik_mul3 #(
@@ -37,28 +38,21 @@ module ik_mul3 #(
     end
   endgenerate
 
-  // operands
   wire signed [AW-1:0] a_in;
   wire signed [BW-1:0] b_in;
   ik_delay #(.W(AW), .N(DA)) u_a (.clk(clk), .d(a), .q(a_in));
   ik_delay #(.W(BW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));
-  reg signed [AW-1:0] a_q;
-  reg signed [BW-1:0] b_q;
-  always @(posedge clk) begin
-    a_q <= a_in;
-    b_q <= b_in;
-  end
 
   // tile products; a low part gets a zero sign bit
-  wire signed [AH-1:0] a_hi = a_q[AW-1:AL];
-  wire signed [BH-1:0] b_hi = b_q[BW-1:BL];
-  wire signed [AL:0] a_lo = {1'b0, a_q[AL-1:0]};
-  wire signed [BL:0] b_lo = {1'b0, b_q[BL-1:0]};
+  wire signed [AH-1:0] a_hi = a_in[AW-1:AL];
+  wire signed [BH-1:0] b_hi = b_in[BW-1:BL];
+  wire signed [AL:0] a_lo = {1'b0, a_in[AL-1:0]};
+  wire signed [BL:0] b_lo = {1'b0, b_in[BL-1:0]};
   reg signed [AH+BH-1:0] hh;
   reg signed [AH+BL-1:0] hl;
   reg signed [AL+BH-1:0] lh;
-  wire [AL:0] a_low = {a_q[AL-1:0], 1'b0};
-  wire [BL:0] b_low = {b_q[BL-1:0], 1'b0};
+  wire [AL:0] a_low = {a_in[AL-1:0], 1'b0};
+  wire [BL:0] b_low = {b_in[BL-1:0], 1'b0};
   wire [3:0] a_two = {2'b00, a_low[AL-:2]};
   wire [1:0] b_two = b_low[BL-:2];
   reg [3:0] ll;

@@ -90,7 +90,7 @@ def operations(datapath: str) -> Counter:
     """How many operations of each kind of table 4 the dataflow makes; not what is inside of one."""
     found = sum(counts.operations(DATAPATHS[datapath].flow).values(), Counter())
     return Counter({
-        "multiplications": found["mul"] + found["mul3"] + found["square"],
+        "multiplications": found["mul"] + found["mul3"] + found["square"] + found["product"],
         "of them exact squares and products of the flags": found["exact"],
         "additions": found["additions"],
         "square roots": found["root"],

@@ -67,8 +67,8 @@ def operations(flow: Callable) -> dict[str, Counter]:
         elif unit in VECTORS and (key := (unit, tuple(o.name for o in node.operands))) in vectors:
             continue
         elif unit in Latency.TABLE:
-            mine[unit] += 1
-            mine["exact"] += node.op == "choose" and unit in ("mul", "square")
+            mine[unit.removesuffix("_far")] += 1
+            mine["exact"] += node.op == "choose" and unit in ("mul", "square", "product")
             if unit in VECTORS:
                 vectors.add(key)
         elif unit:

@@ -67,7 +67,10 @@ def nodes_header(datapath: str) -> str:
         least, most = WIDTHS[0], INNER_FRAC
         short, long = ROOT_FRACS
         lines.append(f"localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow")
-        lines.append(f"localparam integer FRAC = (WX < {most - 5}) ? WX + 5 : {most};  // of an inner word")
+        lines.append(
+            f"localparam integer FRAC = (WX < {short - 5}) ? {short} : (WX < {most - 5}) ? WX + 5 : {most};"
+            "  // of an inner word"
+        )
         lines.append(f"localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});")
     for kind, (_, _, why) in Latency.TABLE.items():
         if kind in used:
@@ -147,25 +150,44 @@ endfunction
 
 def rsqrt_header() -> str:
     """``rtl/cores/ik_rsqrt_table.vh``."""
-    names = ["U_FRAC", *(f"C{k}_{what}" for k in range(3) for what in ("FRAC", "BITS"))]
-    names += ["SEED_FRAC", "SEED_BITS", "RESIDUAL_FRAC", "RESIDUAL_BITS", "RESIDUAL_GUARD"]
-    values = "\n".join(f"localparam integer {name} = {getattr(lean_cores, name)};" for name in names)
-    c0, c1, c2 = (getattr(lean_cores, f"C{k}_BITS") for k in range(3))
-    rows = "\n".join(
-        f"      {i:3d}: rsqrt_row = {{{c0}'d{row[0]}, {c1}'d{row[1]}, {c2}'d{row[2]}}};"
-        for i, row in enumerate(lean_cores.rsqrt_rows())
-        if any(row)
-    )
+    forms = {"short": lean_cores.SHORT, "long": lean_cores.LONG}
+    words = [(f"C{k}_{what.upper()}", f"c_{what}", k) for k in range(3) for what in ("frac", "bits")]
+    names = [(name.upper(), name, None) for name in FORM] + words
+    both = {
+        name: [value if k is None else value[k] for value in (getattr(form, field) for form in forms.values())]
+        for name, field, k in names
+    }
+    values = "\n".join(f"localparam integer {name} = LONG ? {long} : {short};" for name, (short, long) in both.items())
+    functions = "\n".join(rows_function(f"{name}_row", form) for name, form in forms.items())
     return f"""{NOTE.format(source="model/dataflow/cores.py")}
-// For the body of ik_rsqrt: {{c0, c1, c2}} of each segment. <WORD>_BITS: its width, <WORD>_FRAC: its fraction bits.
+// For the body of ik_rsqrt: the numbers of its two forms (model/dataflow/cores.py, Form), and {{c0, c1, c2}} of each
+// segment.
 
+localparam integer SHORT_FRAC = {lean_cores.SHORT_FRAC};
+localparam [0:0] LONG = F > SHORT_FRAC;
 {values}
+localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 
-function [{c0 + c1 + c2 - 1}:0] rsqrt_row(input integer i);
+{functions}"""
+
+
+FORM = ("rows", "index_bits", "u_frac", "u_low", "slope_frac", "slope_low", "sum_frac", "tiles")
+
+
+def rows_function(name: str, form: lean_cores.Form) -> str:
+    """The function that gives a row of the table."""
+    def literals(row: tuple[int, int, int]) -> str:
+        return ", ".join(f"{bits}'d{word % (1 << bits)}" for bits, word in zip(form.c_bits, row, strict=True))
+
+    rows = "\n".join(
+        f"      {i:4d}: {name} = {{{literals(row)}}};" for i, row in enumerate(lean_cores.rsqrt_rows(form)) if any(row)
+    )
+    width = sum(form.c_bits)
+    return f"""function [{width - 1}:0] {name}(input integer i);
   begin
     case (i)
 {rows}
-      default: rsqrt_row = {c0 + c1 + c2}'d0;
+      default: {name} = {width}'d0;
     endcase
   end
 endfunction

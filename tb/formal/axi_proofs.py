@@ -63,14 +63,14 @@ WRITE_BUGS = (
     Bug("takes back AW", WRITE, "else if (m_axi_awready) m_axi_awvalid", "else m_axi_awvalid", "stable"),
     Bug("runs ahead of its count", WRITE, "{1'b0}}, got} - {{(P - N) {1'b0}}, told};", "{1'b0}}, got};", "ready_is"),
     Bug("an address too far", WRITE, "m_axi_awaddr <= {next, 5'd0}", "m_axi_awaddr <= {next + 1'b1, 5'd0}", "offered"),
-    Bug("over an edge", WRITE, "WHOLE - {1'b0, next[LOG2_BURST-1:0]}", "WHOLE", "offered_to_edge"),
-    Bug("announces what is not read", WRITE, "whole ? to_edge : ready[N-1:0]", "to_edge", "ready_is"),
-    Bug("a ninth burst", WRITE, "!bursts[LOG2_BURSTS] && (", "(", "within_promise"),
+    Bug("over an edge", WRITE, "WHOLE - {1'b0, destination[LOG2_BURST+4:5]}", "WHOLE", "edge_is"),
+    Bug("announces what is not read", WRITE, "whole ? to_edge : ready[N-1:0]", "to_edge", "size_is"),
+    Bug("a ninth burst", WRITE, " && !bursts[LOG2_BURSTS];", ";", "within_promise"),
     Bug("announces on while stopped", WRITE, "!stop && !bursts", "!bursts", "none_when_stopped"),
     Bug("forgets the last", WRITE, " || to_send == {{LOG2_PLACES{1'b0}}, 1'b1}", "", "ends_with_burst"),
     Bug("counts a failed burst", WRITE,
         "m_axi_bvalid && !bad && !error", "m_axi_bvalid && !error", "written_is_answered"),
-    Bug("waits for a whole burst", WRITE, "(whole || (ended && ready != 0))", "whole", "told_in_time"),
+    Bug("waits for a whole burst", WRITE, "whole || (ended && ready != 0)", "whole", "waits_sized"),
 )  # fmt: skip
 
 RESULT_SAYS = {
@@ -205,8 +205,8 @@ WHOLE_BUGS = (
         "read_inside"),
     Bug("writes a record too far", WRITE, "m_axi_awaddr <= {next, 5'd0}", "m_axi_awaddr <= {next + 1'b1, 5'd0}",
         "written_inside"),
-    Bug("a ninth burst", WRITE, "!bursts[LOG2_BURSTS] && (", "(", "within_promise"),
-    Bug("waits for a whole burst", WRITE, "(whole || (ended && ready != 0))", "whole", "never_stuck"),
+    Bug("a ninth burst", WRITE, " && !bursts[LOG2_BURSTS];", ";", "within_promise"),
+    Bug("waits for a whole burst", WRITE, "whole || (ended && ready != 0)", "whole", "still_told"),
     Bug("asks for nothing", READ,
         "all_left ? left[N-1:0] : to_edge", "all_left ? {N{1'b0}} : to_edge", "some_in_each_burst"),
 )  # fmt: skip

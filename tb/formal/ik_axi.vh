@@ -9,7 +9,7 @@
 
 wire f_on, f_read_on, f_write_on;
 wire [2:0] f_state;
-wire f_tell, f_ends, f_sized, f_ask, f_taken;
+wire f_tell, f_ends, f_sized, f_w_sized, f_whole, f_ended, f_ask, f_taken;
 wire [2:0] f_beat, f_at;
 wire [LOG2_PLACES:0] f_core, f_due, f_ready, f_to_send;
 wire [9:0] f_inside;
@@ -86,7 +86,8 @@ always @* if (f_on) begin
   bus_behind : assert (f_waits >= f_open && f_waits <= 8);
   offered_waits : assert (!m_axi_awvalid || f_waits != 0);
   bus_next : assert (!m_axi_wvalid || !f_ends || f_w_open == 0 || f_w_oldest == ((f_w_open == 1) ? f_w_newest : 1 << LOG2_BURST));
-  still_sized : assert (!f_running || f_still == 0 || f_sized || f_event || f_owed || stop);
+  still_sized : assert (!f_running || f_still == 0 || f_sized || f_w_sized || f_event || f_owed || stop);
+  still_told : assert (!f_running || f_still == 0 || f_w_sized || f_event || f_owed || stop || !(f_whole || (f_ended && f_ready != 0)));
 end
 
 // ---- cover: a job of one record, written into the registers and answered by a memory that never waits ----

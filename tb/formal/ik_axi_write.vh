@@ -106,11 +106,15 @@ always @* if (f_on) begin
   oldest_fits : assert ((f_open == 0 || {1'b0, sending} + f_oldest <= WHOLE) && (f_waits == 0 || {1'b0, answering} + f_first <= WHOLE));
   next_behind : assert (f_count == 0 || (f_low == f_next_sent && f_low == f_next_answered));
   edge_before : assert (f_count == 0 || f_told == 0 || f_low == 0 || (f_was_ended && ready == 0));
+  edge_fits : assert (to_edge != 0 && to_edge <= WHOLE);
+  edge_is : assert (f_count == 0 || (f_was_ended && ready == 0) || to_edge == WHOLE - {1'b0, f_low});
+  size_is : assert (!sized || (size != 0 && {{(P - N) {1'b0}}, size} <= ready && (size == to_edge || (f_was_ended && size == ready && size < to_edge))));
   position : assert (f_count == 0 || next == f_base + f_told[R-1:0]);
   area : assert (f_count == 0 || {1'b0, f_base} + f_count <= {1'b1, {R{1'b0}}});
   ready_is : assert (f_got - f_told == ready && {1'b0, ready} + to_send <= PLACES);
   offered : assert (!m_axi_awvalid || (f_at == next - f_size && f_told >= f_size));
   offered_to_edge : assert (!m_axi_awvalid || {1'b0, f_at[LOG2_BURST-1:0]} + f_size <= WHOLE);
+  waits_sized : assert (f_waited == 0 || m_axi_awvalid || sized);
   error_is : assert (error == f_bad);
   answered_are_told : assert (f_told >= f_waiting && f_ok <= f_told - f_waiting);
   sent_first : assert (f_waits >= f_open);

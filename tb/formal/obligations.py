@@ -17,7 +17,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from model.dataflow.nodes import Node
+from model.dataflow.nodes import Latency, Node
 from tb.formal import exact_values
 from tb.formal.claims import Claim, Lemma, Question, Row, conjunction, corners, floor_of, inside, integers, spell, word
 from tb.formal.design import CLOCKS, Elaborated, ObligationError, signals
@@ -29,8 +29,8 @@ from tb.formal.unrolled import Unrolled, ask
 NEEDS_RANGES = "guard_bits"
 """The property that holds for operands in their ranges only, except in the operators of :data:`FREE`."""
 
-LATENCY = {"ik_mul": 4, "ik_mul3": 4, "ik_exact": 5}
-"""Clocks from input to output where there are properties on the way: the tiles look back two, the result further."""
+PRODUCTS = {"ik_mul": "mul", "ik_mul3": "mul3", "ik_exact": "product"}
+"""Operator -> its kind. They have properties on the way: the tiles look back less than the latency, the result more."""
 
 FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
 """Operators whose properties all hold for any input."""
@@ -178,7 +178,10 @@ class Design(Elaborated):
             found, wanted = {s.node for s in sources}, {n.name for n in node.operands if n.name}
             if found != wanted:
                 row.problem = f"made of {', '.join(sorted(found))}, in the model of {', '.join(sorted(wanted))}"
-        takes = LATENCY.get(driver.module, CLOCKS.get(driver.module))
+        takes = CLOCKS.get(driver.module)
+        if kind := PRODUCTS.get(driver.module):
+            square = kind == "product" and driver.values["SQUARE"]
+            takes = Latency(self.width)["square" if square else kind]
         takes = driver.values.get("LAT", takes) if driver.module else SECTIONS[driver.section][row.node].clocks
         late = [s for s in sources if self.nodes[s.node].time + s.clocks + takes != node.time]
         if late and not row.problem:

@@ -57,7 +57,7 @@ def bench(W: int, SQUARE: int) -> Tests:
         each(lambda a, b: a * (a if SQUARE else b)),
         extreme_halves,
         equal_or_opposite,
-        latency=Latency(32)["square"],
+        latency=Latency(32)["square" if SQUARE else "product"],
         latencies=[((0, 0) if SQUARE else (1, 2), other) for other in others],  # of either operand and either half
         corners=squared if SQUARE else squared | products,
         good=(low + 1, largest - 1),

@@ -6,6 +6,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.facts import Within
 from model.targets.stimuli import REGIONS, random_reachable, region
 from model.targets.words import FIELDS
 
@@ -32,6 +33,8 @@ class Moved(fixed.Bits):
             if error:  # no decision of the other sign
                 usual = usual & (np.abs(node.value) > 2 * OFF)
             moved = node.value * node.format.ulp if node.format.frac else node.value
+            if isinstance(within := node.facts.within, Within):  # a word beyond, by its rounding, is no real number's
+                usual = usual & (moved >= within.low) & (moved <= within.high)
             exact.append(moved + error * self.random.choice((-1, 1), len(usual)) if error else moved)
         worst = np.abs(np.asarray(value * fmt.ulp - real(*exact), dtype=np.float64))[usual].max(initial=0.0)
         self.seen += 1

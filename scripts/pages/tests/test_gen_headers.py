@@ -45,7 +45,7 @@ def _choice(expression: str) -> str:
         return expression
     condition, rest = expression.split("?", 1)
     yes, no = rest.split(":", 1)
-    return f"({yes}) if ({condition}) else ({no})"
+    return f"({yes}) if ({condition}) else ({_choice(no)})"
 
 
 @pytest.mark.parametrize("datapath", DATAPATHS)

@@ -2,9 +2,7 @@
 // Appended to ik_mul3: its registers hold the products of parts, and the result is their rounded sum, any values that
 // they may have. That the sum fits is left to the integers.
 
-reg signed [AW-1:0] ghost_a_1;
-reg signed [BW-1:0] ghost_b_1;
-reg signed [AW-1:0] ghost_a;  // two clocks ago
+reg signed [AW-1:0] ghost_a;  // a clock ago
 reg signed [BW-1:0] ghost_b;
 wire signed [AH-1:0] ghost_a_hi = ghost_a[AW-1:AL];
 wire signed [BH-1:0] ghost_b_hi = ghost_b[BW-1:BL];
@@ -25,12 +23,10 @@ reg signed [GW-1:0] ghost_1;
 reg signed [GW-1:0] ghost_2;
 reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
 always @(posedge clk) begin
-  ghost_a_1 <= a;
-  ghost_b_1 <= b;
-  ghost_a   <= ghost_a_1;
-  ghost_b   <= ghost_b_1;
-  ghost_1   <= ghost_value;
-  ghost_2   <= ghost_1;
+  ghost_a <= a;
+  ghost_b <= b;
+  ghost_1 <= ghost_value;
+  ghost_2 <= ghost_1;
   if (ghost_age != 2'd2) ghost_age <= ghost_age + 2'd1;
 end
 
