@@ -153,6 +153,7 @@ BUGS: tuple[NodeBug, ...] = (
         "(|inv_12_far_raw[RW-1:N-1])", "(|inv_12_far_raw[RW-1:N])",
     ),
     _seed(
-        "four times", "lean", "inv_n", f"{LEAN}ik_lean_turn.v", "low_at_inv_q ? (inv_q <<< 1)", "low_at_inv_q ? (inv_q <<< 2)",
+        "four times", "lean", "inv_n", f"{LEAN}ik_lean_turn.v",
+        "low_at_inv_q ? (inv_q <<< 1)", "low_at_inv_q ? (inv_q <<< 2)",
     ),
 )  # fmt: skip
