@@ -11,9 +11,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from model.dataflow.fixed import latency
 from model.targets.stimuli import region
 from scripts.console import Parser, command
-from scripts.pages.comparison import BATCH, PAGE, PATHS, PLOT, WIDTH, Measured, latency, page, plot
+from scripts.pages.comparison import BATCH, PAGE, PATHS, PLOT, WIDTH, Measured, page, plot
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate
 

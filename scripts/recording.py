@@ -18,7 +18,7 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from model.dataflow.nodes import Node
 from scripts.console import whole_file, writing
-from scripts.waves import TOP, Mark, place, write_aligned_save_file, write_save_file
+from scripts.save_file import TOP, Mark, place, write_aligned_save_file, write_save_file
 from tb.sim.difference import Difference
 
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"

@@ -26,9 +26,9 @@ from scripts.beside import table_beside_the_paper
 from scripts.console import Parser, command, output, progress, show, whole_file, writing
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
+from scripts.save_file import write_save_file
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import Prepared, datapaths, parser_of, prepare
-from scripts.waves import write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 

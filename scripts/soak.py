@@ -20,58 +20,22 @@ stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import math
-import multiprocessing
 import os
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
-
-import numpy as np
 
 from model.dataflow.datapaths import DEFAULT
 from model.dataflow.nodes import WIDTHS
-from model.targets.files import write_atomically
-from model.targets.words import FIELDS
-from scripts.console import (
-    InputError,
-    Parser,
-    Stopped,
-    command,
-    folder_name,
-    output,
-    progress,
-    show,
-    whole,
-    writing,
-)
+from scripts.chunks import Chunks
+from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
+from scripts.failing import read_rows, row_of, tell, write_rows
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
-from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
-from tb.sim.simulate import SimulationError
+from tb.core.random_targets import CHUNK, Core, judge
 
 TARGETS = 1_000_000
 SEED = 1
-
-
-def tell(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]) -> list[int]:
-    """Say on stderr what fails, with the words of each failure's first target; the rows of all of them in order."""
-    for failure in failures:
-        what, *more = failure.lines
-        n = failure.rows[0] if failure.rows else None
-        print(f"soak: {'somewhere' if n is None else where(n)}: {what}", file=sys.stderr)
-        if n is not None:
-            named = " ".join(f"{name}={word}" for name, word in zip(FIELDS, words[n].tolist(), strict=True))
-            print(f"soak: its words: {named}", file=sys.stderr)
-        for line in more:
-            print(f"soak: {line}", file=sys.stderr)
-    return list(dict.fromkeys(n for failure in failures for n in failure.rows))
 
 
 # -- the command line --------------------------------------------------------------------------------------------------
@@ -111,46 +75,10 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 # -- the run -----------------------------------------------------------------------------------------------------------
 
 
-def _worker() -> None:
-    """A process of its own: Ctrl-C is for the parent, whose SIGTERM is a way out that ends the simulation, too."""
-
-    def end(*_) -> NoReturn:
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        raise SystemExit
-
-    os.setsid()
-    signal.signal(signal.SIGTERM, end)
-
-
 def _built(sim: str, datapath: str, width: int) -> Core:
     with progress("soak", 1) as meter:
         meter(0, "compiling")
         return Core.built(sim, datapath, width)
-
-
-def piece(core: Core, seed: int, end: int, number: int) -> tuple[np.ndarray, Found, list[Failure], np.ndarray]:
-    """Chunk `number` as far as target `end`: its words, and what :func:`judge` says."""
-    start = number * CHUNK
-    words = chunk(number, core.width, seed)[: end - start]
-    return words, *judge(core, words, range(start, start + len(words)))
-
-
-@contextlib.contextmanager
-def spread(jobs: int) -> Iterator[Callable]:
-    """A `map` that keeps the order; with more than one job, over processes, which end with the block."""
-    if jobs == 1:
-        yield map
-        return
-    # Not forked: a progress bar has a thread.
-    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _worker) as pool:
-        try:
-            yield pool.map
-        except BaseException:
-            for process in multiprocessing.active_children():
-                process.terminate()
-            raise
-        finally:
-            pool.shutdown(cancel_futures=True)
 
 
 def _soak(arguments: argparse.Namespace) -> int:
@@ -162,69 +90,39 @@ def _soak(arguments: argparse.Namespace) -> int:
 
 def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) -> int:
     lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
-    earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
-    end = arguments.from_ * CHUNK + arguments.targets
-    chunks = range(arguments.from_, -(-end // CHUNK))
-    found, number = Found(), arguments.from_
-    try:
-        core = _built(arguments.sim, arguments.datapath, arguments.width)
-        what = f"{core}, seed {arguments.seed}"
-        print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
-        work = partial(piece, core, arguments.seed, end)
-        with (
-            spread(min(arguments.jobs, len(chunks))) as each,
-            progress("soak", arguments.targets) as meter,
-        ):
-            for words, more, failures, hand in each(work, chunks):  # noqa: B007
-                if failures:
-                    break
-                number += 1
-                found += more
-                meter(found.targets)
-    except BrokenProcessPool:
-        raise SimulationError(f"a process broke off, in chunk {number} of seed {arguments.seed} or later") from None
-    except Stopped:
-        done = f"{found.targets} targets passed, those before chunk {number}; --from {number} resumes"
-        print(f"soak: stopped; {done}", file=sys.stderr)
-        raise
-    if failures:
-        numbers = range(number * CHUNK, (number + 1) * CHUNK)
-        rows = tell(failures, words, lambda n: f"target {numbers[n]} in chunk {number} of seed {arguments.seed}")
-        _write(failing, [_row(arguments, words[n], hand[n], numbers[n]) for n in rows])
+    earlier = {file: read_rows(file) if file.exists() else [] for file in lists}
+    core = _built(arguments.sim, arguments.datapath, arguments.width)
+    what = f"{core}, seed {arguments.seed}"
+    print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
+    chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets)
+    with progress("soak", arguments.targets) as meter:
+        try:
+            broken = chunks.run(arguments.jobs, meter)
+        except Stopped:
+            done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
+            print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)
+            raise
+    if broken:
+        where = f"in chunk {chunks.number} of seed {arguments.seed}"
+        rows = tell(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
+        found = [f"seed {arguments.seed} target {broken.first + n}" for n in rows]
+        listed = zip(rows, found, strict=True)
+        write_rows(failing, [row_of(core, broken.words[n], broken.hand[n], text) for n, text in listed])
         print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
         return 1
+    found = chunks.found
     show(table_of_soak(what, core, found, meter.rate), table_of_hardest(found))
     hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
-    rows = [_row(arguments, hard.words, hard.hand_error, hard.target) for hard in hards]
+    rows = [row_of(core, h.words, h.hand_error, f"seed {arguments.seed} target {h.target}") for h in hards]
     for file, before in earlier.items():
-        _write(file, hardest.merge(before + rows))
+        write_rows(file, hardest.merge(before + rows))
         print(f"wrote {file}")
     return 0
 
 
-def _write(path: Path, rows: list[hardest.Row]) -> None:
-    with writing():
-        write_atomically(path, hardest.text(rows))
-
-
-def _row(arguments, words, hand_error: float, number: int) -> hardest.Row:
-    error = None if math.isnan(hand_error) else float(hand_error)
-    words = tuple(map(int, words))
-    return hardest.Row(arguments.datapath, arguments.width, words, error, f"seed {arguments.seed} target {number}")
-
-
-def _read_rows(path: Path) -> list[hardest.Row]:
-    try:
-        return hardest.read(path)
-    except ValueError as error:
-        raise InputError(str(error)) from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-
-
 def _again(arguments: argparse.Namespace) -> int:
     """Run the targets of a list; the exit status 0 or 1. Raises what `exit_status` reports."""
-    rows = _read_rows(arguments.again)
+    rows = read_rows(arguments.again)
     if not rows:
         raise InputError(f"{arguments.again}: no targets")
     status = 0

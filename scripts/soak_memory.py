@@ -24,7 +24,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from scripts.console import Parser, command, progress, whole
-from scripts.soak import spread
+from scripts.spread import spread
 from tb.axi.instances import CORE, ECHO, apart, echoing, named
 from tb.sim.env import ROOT, SIMULATORS
 from tb.sim.simulate import SimulationError

@@ -1,194 +1,44 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A GTKWave save file for a VCD of ``ik_axis``: signals in groups, fixed-point words shown as real numbers.
+"""A GTKWave save file for a VCD of ``ik_axis`` that a simulator of your own recorded.
 
     python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
-
-The groups are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`).  A node's label carries
-the equation it belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after it was admitted.
-
-GTKWave shows a fixed-point word through its "fixed point shift", right for words of more than 31 fraction bits since
-3.3.107.  It cannot show a decimal word of more than 64 bits: of those the first 64 bits are shown.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from vcd.gtkw import GTKWColor, GTKWFlag, GTKWSave
-from vcd.reader import TokenKind, tokenize
+from vcd.reader import VCDParseError
 
-from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.dataflow.nodes import Format, Node
-from model.targets.words import FIELDS, RESULT_FIELDS
-
-TOP = "ik_axis"
-SHOWN_BITS = 64
-"""The longest word that GTKWave shows as a decimal number."""
-
-STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
+from scripts.console import InputError, Parser, command, one_of, whole_file, word_length, writing
+from scripts.save_file import write_save_file
 
 
-def signals(vcd: Path) -> dict[tuple[str, ...], str]:
-    """Every signal below ``ik_axis`` in a VCD: its path from there -> the name that GTKWave has for it.
-
-    Simulators put different scopes above the design's top; they are left out of the path.
-    """
-    found: dict[tuple[str, ...], str] = {}
-    scopes: list[str] = []
-    with open(vcd, "rb") as stream:
-        for token in tokenize(stream):
-            if token.kind is TokenKind.SCOPE:
-                scopes.append(token.scope.ident)
-            elif token.kind is TokenKind.UPSCOPE:
-                scopes.pop()
-            elif token.kind is TokenKind.VAR and TOP in scopes:
-                below = scopes[scopes.index(TOP) + 1 :]
-                found[(*below, token.var.reference)] = ".".join([*scopes, token.var.ref_str])
-            elif token.kind is TokenKind.ENDDEFINITIONS:
-                break
-    if not found:
-        raise ValueError(f"{vcd}: no module {TOP} in this VCD")
-    return found
-
-
-def place(datapath: str, node: Node) -> tuple[str, ...]:
-    """Path of a node's signal below ``ik_axis``."""
-    return (f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", *([node.instance] if node.instance else []), node.name)
-
-
-@dataclass(frozen=True)
-class Mark:
-    """What a save file points at: the message, the node that it names, its time and the clock's period (VCD units)."""
-
-    message: str
-    node: str
-    time: int
-    period: int
-
-
-def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
-    """Writes ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
-
-    With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
-    """
-    name_of = signals(vcd)
-    nodes = _nodes(datapath, width)
-    with open(path, "w", encoding="utf-8", newline="\n") as stream:
-        save = _Save(stream, name_of.__getitem__)
-        command = f"python -m scripts.waves VCD {datapath} {width} GTKW"
-        save.open(f"{TOP}, {datapath} datapath, words of {width} bits: {command}", mark)
-        with save.writer.group("streams"):
-            for name in ("clk", "rst", *STREAMS[:3]):
-                save.plain((name,))
-            save.plain(("s_axis_tdata",))
-            for name in FIELDS:
-                label = name if name != "phi" else "phi (half turns)"
-                save.word(place(datapath, nodes[name]), nodes[name].format, label)
-            for name in STREAMS[3:]:
-                save.plain((name,))
-            save.plain(("m_axis_tdata",))
-            for k, name in enumerate(RESULT_FIELDS):
-                save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
-            for name in ("in_valid", "out_valid"):
-                save.plain((f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", name))
-        save.sections(datapath, nodes, mark)
-
-
-def write_aligned_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
-    """The same for an aligned VCD (:func:`scripts.recording.write_aligned`), which has no streams."""
-    nodes = _nodes(datapath, width)
-    with open(path, "w", encoding="utf-8", newline="\n") as stream:
-        save = _Save(stream, signals(vcd).__getitem__)
-        save.open(f"{TOP}, {datapath} datapath, words of {width} bits, aligned: one clock, one target", mark)
-        with save.writer.group("target"):
-            save.plain(("target",), "dec")
-            save.plain(("differs",))
-            for name in FIELDS:
-                label = name if name != "phi" else "phi (half turns)"
-                save.word(place(datapath, nodes[name]), nodes[name].format, label)
-        save.sections(datapath, nodes, mark)
-
-
-def _nodes(datapath: str, width: int) -> dict[str, Node]:
-    return fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
-
-
-class _Save:
-    """Adds traces to a save file by their path below ``ik_axis``."""
-
-    def __init__(self, stream, name_of: Callable[[tuple[str, ...]], str]) -> None:
-        self.stream = stream
-        self.writer = GTKWSave(stream)
-        self.name_of = name_of
-
-    def open(self, comment: str, mark: Mark | None) -> None:
-        """What stands before the traces: the window, and where it opens."""
-        self.writer.comment(comment)
-        if mark:
-            self.writer.comment(f"first difference: {mark.message}")
-            self.writer.timestart(max(0, mark.time - 7 * mark.period))
-        self.writer.size(1600, 1000)
-        self.writer.sst_expanded(False)
-        self.writer.signals_width(640)
-        # about 15 clocks of 10 ns in sight
-        self.writer.zoom_markers(zoom=-15.0, marker=mark.time if mark else -1)
-
-    def sections(self, datapath: str, nodes: Mapping[str, Node], mark: Mark | None) -> None:
-        """A group for each section; open is that of the marked node, which is red."""
-        for section, what in CONFIGURATIONS[datapath].sections.items():
-            closed = not mark or nodes[mark.node].section != section
-            with self.writer.group(f"{section}: {what}", closed=closed):
-                for node in nodes.values():
-                    if node.section == section and node.op != "input":
-                        equation = f" {node.equation}" if node.equation else ""
-                        color = GTKWColor.red if mark and mark.node == node.name else None
-                        label = f"{node.name}{equation} +{node.time}"
-                        self.word(place(datapath, node), node.format, label, color=color)
-
-    def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
-        """A signal as bits: binary if it is one, else as ``shown``."""
-        name = self.name_of(path)
-        self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
-
-    def word(
-        self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None,
-        color: GTKWColor | None = None,
-    ) -> None:  # fmt: skip
-        """A word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
-        if fmt.width == 1:
-            self.writer.trace(self.name_of(path), alias=label, datafmt="bin", color=color)
-            return
-        shown = min(fmt.width, SHOWN_BITS)
-        frac = fmt.frac - (fmt.width - shown)
-        options = {
-            "datafmt": "signed" if fmt.signed else "dec",
-            "extraflags": GTKWFlag.fpdecshift if frac else GTKWFlag.none,
-            "color": color,
-        }
-        if frac:  # pyvcd does not know this line
-            self.stream.write(f"[fpshift_count] {frac}\n")
-        if of is None and shown == fmt.width:
-            self.writer.trace(self.name_of(path), alias=label, **options)
-            return
-        # Some bits of a signal: GTKWave counts them from the left.
-        first = (of or fmt.width) - lowest - fmt.width
-        bits = [(first + k, self.name_of(path)) for k in range(shown)]
-        self.writer.trace_combined(label, bits, **options)
-
-
-def names(save_file: Path) -> Iterator[str]:
-    """The signals that a save file names, in its order, once for every time."""
-    for line in save_file.read_text(encoding="utf-8").splitlines():
-        if line.startswith("#{"):
-            yield from (word.split(")", 1)[1] for word in line.split("} ", 1)[1].split())
-        elif line and line[0] not in "@[*-^":
-            yield line.split("} ", 1)[1] if line.startswith("+{") else line
+@command("waves")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser("waves", __doc__.splitlines()[0], passes="the save file is written", fails="never")
+    add = parser.add_argument
+    add("vcd", type=Path, metavar="WAVES.vcd", help="a recording of ik_axis, by any simulator")
+    add("datapath", type=one_of("datapath", CONFIGURATIONS), metavar="DATAPATH", help="of the recorded core")
+    add("width", type=word_length, metavar="WIDTH", help="its word length, 16 to 32")
+    add("save", type=Path, metavar="SAVE.gtkw", help="what is written")
+    options = parser.parse_args(arguments)
+    try:
+        options.vcd.open("rb").close()
+    except OSError as error:
+        raise InputError(f"{options.vcd}: cannot be read: {error.strerror}") from None
+    try:
+        with writing(), whole_file(options.save) as path:
+            write_save_file(options.vcd, options.datapath, options.width, path)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    except VCDParseError as error:
+        raise InputError(f"{options.vcd}: {error}") from None
+    return 0
 
 
 if __name__ == "__main__":
-    write_save_file(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), Path(sys.argv[4]))
+    sys.exit(main())

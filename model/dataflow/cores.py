@@ -200,7 +200,7 @@ def rounding(form: Form, frac: int) -> int:
 
 @cache
 def _columns(form: Form) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The table."""
+    """The table as arrays."""
     c0, c1, c2 = np.array(rsqrt_rows(form), dtype=np.int64).T
     return c0, c1, c2
 

@@ -24,6 +24,9 @@ from .nodes import Domain, Format, Node, effective_width, wrap
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
 
+FIFO_CLOCKS = 2
+"""What the output FIFO of ``ik_axis`` adds to the latency of a datapath: memory, output register."""
+
 TABLE_BITS = 48
 """Fraction bits of the CORDIC's tables, before they are rounded to the word length in use."""
 
@@ -167,6 +170,12 @@ class Answer:
 def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
     """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
     return answer(words, Bits(width, datapath))
+
+
+def latency(datapath: str, width: int) -> int:
+    """Clocks of ``ik_axis`` from a target in to its result out, when nobody stalls."""
+    nodes = run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
+    return max(node.time for node in nodes.values()) + FIFO_CLOCKS
 
 
 def answer(words: np.ndarray, bits: Bits) -> Answer:

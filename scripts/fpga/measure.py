@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from model.dataflow.fixed import latency
 from model.targets.stimuli import region
 from scripts.console import Parser, command, one_of, word_length
 from scripts.fpga.page import (
@@ -37,7 +38,7 @@ from scripts.fpga.page import (
 )
 from scripts.fpga.report import HOLDS, KINDS
 from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
-from scripts.pages.comparison import Errors, latency
+from scripts.pages.comparison import Errors
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.sources import closure, digest
 

@@ -24,9 +24,6 @@ PAGE = GENERATED / "compare.md"
 PLOT = GENERATED / "compare.svg"
 
 WIDTH = 32
-FIFO_CLOCKS = 2
-"""What the output FIFO of ``ik_axis`` adds to the latency of a datapath."""
-
 BATCH = 100
 """Targets of a trajectory."""
 
@@ -99,12 +96,6 @@ def operations(datapath: str) -> Counter:
     })  # fmt: skip
 
 
-def latency(datapath: str, width: int) -> int:
-    """Clocks of ``ik_axis`` from a target in to its result out, when nobody stalls."""
-    bits = fixed.run(region("anywhere", 1, width, 0), width, datapath).bits
-    return max(node.time for node in bits.nodes.values()) + FIFO_CLOCKS
-
-
 @dataclass
 class Measured:
     """Everything that the page and the picture show.
@@ -133,7 +124,7 @@ class Measured:
             path: {kind: [Errors.of(w, WIDTH, path) for w in rows] for kind, rows in words.items()}
             for path in PATHS
         }
-        clocks = {path: {width: latency(path, width) for width in LATENCY_WIDTHS} for path in PATHS}
+        clocks = {path: {width: fixed.latency(path, width) for width in LATENCY_WIDTHS} for path in PATHS}
         return cls({"paper": paper, "lean": lean[WIDTH]}, lean, near, clocks)
 
 

@@ -14,13 +14,14 @@ from pathlib import Path
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.fixed import FIFO_CLOCKS
 from model.dataflow.nodes import Latency
 from model.targets import trajectories
 from scripts import run
 from scripts.console import Parser, command
 from scripts.pages import arm
 from scripts.pages.flow import design, longest_path, start
-from scripts.pages.pipeline import FIFO_CLOCKS, pipeline_svg
+from scripts.pages.pipeline import pipeline_svg
 from scripts.pages.render import render
 from tb.sim.env import GENERATED, ROOT, SIMULATORS
 

@@ -22,10 +22,10 @@ from typing import Any
 
 import sympy
 
+from model.dataflow.fixed import latency
 from model.dataflow.nodes import FormatError
 from model.dataflow.paper import SECTIONS, paper
 from model.reference.printed import PRINTED, symbol
-from scripts.pages.comparison import latency
 from scripts.pages.counts import WIDTH, operations
 from scripts.pages.render import render, table
 from tb.sim.env import GENERATED, ROOT, environment

@@ -7,12 +7,10 @@ from collections.abc import Iterable
 from itertools import groupby
 
 from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.fixed import FIFO_CLOCKS
 from model.dataflow.nodes import Node
 from scripts.pages.flow import KINDS, WIDTH, design, kind, start
 from scripts.pages.render import render
-
-FIFO_CLOCKS = 2
-"""From the datapath's output to that of `ik_axis`: memory, output register."""
 
 LEFT, DRAWN, RIGHT = 230, 1000, 20
 """Pixels: titles of the sections, all clocks, the rest."""

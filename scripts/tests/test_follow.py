@@ -14,7 +14,9 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.targets import trajectories
 from model.targets.words import to_words
-from scripts import follow, recording, run, waves
+from scripts import follow, recording, run
+from scripts.save_file import names as names_in
+from scripts.save_file import place, signals
 from tb.sim.env import SIMULATORS, simulator
 from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
@@ -111,7 +113,7 @@ def columns(vcd):
 
 def check_aligned(vcd, nodes, targets, first, wrong=()):
     """Every column holds the words of the model for its target; names and scopes are those of the design."""
-    paths = {node.name: ".".join(("ik_axis", *waves.place("lean", node))) for node in nodes}
+    paths = {node.name: ".".join(("ik_axis", *place("lean", node))) for node in nodes}
     shown = columns(vcd)
     last = max(node.time for node in nodes)
     seen, gaps = [], []
@@ -216,8 +218,8 @@ def test_aligned_vcd(command, monkeypatch, sim):
     label = f"w_1 (L52) +{TIMES['w_1']}"
     assert marker(Path("o/waves.gtkw")) == ((admitted[3] + TIMES["w_1"]) * 10_000, [label])
     assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + max(TIMES.values())) * 10_000, [label])
-    known = set(waves.signals(Path("o/aligned.vcd")).values())
-    named = set(waves.names(Path("o/aligned.gtkw")))
+    known = set(signals(Path("o/aligned.vcd")).values())
+    named = set(names_in(Path("o/aligned.gtkw")))
     assert named == known
 
 

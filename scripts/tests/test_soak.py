@@ -14,7 +14,7 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.targets.flags import UNREACHABLE, expected_flags
-from scripts import soak
+from scripts import chunks, failing, soak
 from tb.core import hardest, random_targets
 from tb.sim import every_node
 from tb.sim.simulate import Run, SimulationError
@@ -50,7 +50,7 @@ def simulator(monkeypatch, tmp_path):
     fake = FakeCore()
     monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
     monkeypatch.setattr(every_node, "program", lambda datapath, width: None)
-    monkeypatch.setattr(soak, "CHUNK", 400)
+    monkeypatch.setattr(chunks, "CHUNK", 400)
     monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
     return fake
@@ -317,9 +317,7 @@ def test_failing_targets_run_again(cli, simulator):
     assert np.array_equal(simulator.calls[-1]["words"], [row.words for row in rows])
     words = hardest.array(rows)
     error = np.nanmax(hardest.errors(words, fixed.run(words, 32, "lean").results, 32)[0])
-    assert out == [
-        f"lean datapath, 32 bits, verilator: 2 targets, largest hand error / reach {error:.3e}: pass"
-    ]
+    assert out == [f"lean datapath, 32 bits, verilator: 2 targets, largest hand error / reach {error:.3e}: pass"]
     simulator.spoil = lambda runs: spoil_first(runs[0])
     status, out, err = cli("--again", "build/soak/failing.csv", "--sim", "icarus")
     assert status == 1 and out[0].endswith("FAIL") and err[0].startswith("soak: seed 1 target 405: ")
@@ -385,6 +383,6 @@ def test_a_disk_that_fills_up(cli, monkeypatch):
     def full(path, text):
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr(soak, "write_atomically", full)
+    monkeypatch.setattr(failing, "write_atomically", full)
     status, _, err = cli("--targets", "400")
     assert (status, err) == (2, ["soak: cannot write 'build/soak/hardest.csv': No space left on device"])

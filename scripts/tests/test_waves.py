@@ -8,6 +8,7 @@ from vcd.reader import TokenKind, tokenize
 from model.dataflow import fixed
 from model.targets.stimuli import random_reachable
 from scripts import waves
+from scripts.save_file import names, place, signals, write_save_file
 from tb.sim.env import simulator
 from tb.sim.simulate import Job, simulate
 
@@ -35,7 +36,7 @@ def vcd(words, tmp_path_factory):
 @pytest.fixture(scope="module")
 def save_file(vcd):
     path = vcd.with_suffix(".gtkw")
-    waves.write_save_file(vcd, "paper", WIDTH, path)
+    write_save_file(vcd, "paper", WIDTH, path)
     return path
 
 
@@ -66,7 +67,7 @@ def clocks(vcd, wanted):
 def test_vcd_holds_every_node_at_its_clock(vcd, words):
     """Every node of every target, tmp1 and c3 among them, as the model has it."""
     nodes = fixed.run(words, WIDTH).bits.nodes
-    paths = {name: waves.place("paper", node) for name, node in nodes.items()}
+    paths = {name: place("paper", node) for name, node in nodes.items()}
     assert paths["tmp1"] == ("g_paper", "u_core", "u_elbow", "tmp1")
     assert paths["c3"] == ("g_paper", "u_core", "u_to_wrist", "c3")
     stream = [("clk",), ("rst",), ("s_axis_tvalid",), ("s_axis_tready",)]
@@ -82,16 +83,16 @@ def test_vcd_holds_every_node_at_its_clock(vcd, words):
 def test_vcd_is_small(vcd):
     """Sections and streams are recorded, the insides of delay lines and operators are not."""
     assert vcd.stat().st_size < MOST_BYTES
-    assert not {"line", "mem"} & {path[-1] for path in waves.signals(vcd)}
+    assert not {"line", "mem"} & {path[-1] for path in signals(vcd)}
 
 
 def test_save_file_names_signals_of_the_vcd(vcd, save_file):
     """No name is unknown to the VCD, and no node is left out."""
-    known = waves.signals(vcd)
-    named = set(waves.names(save_file))
+    known = signals(vcd)
+    named = set(names(save_file))
     assert named <= set(known.values())
     for node in fixed.run(random_reachable(1, WIDTH, seed=1), WIDTH).bits.nodes.values():
-        assert known[waves.place("paper", node)] in named, node.name
+        assert known[place("paper", node)] in named, node.name
 
 
 def test_save_file_shows_each_word_in_its_format(vcd, save_file):
@@ -130,7 +131,7 @@ def shown(save_file, name):
 
 def test_save_file_is_the_same_every_time(vcd, save_file, tmp_path):
     """Nothing in it depends on the time, the place or the run."""
-    waves.write_save_file(vcd, "paper", WIDTH, tmp_path / "again.gtkw")
+    write_save_file(vcd, "paper", WIDTH, tmp_path / "again.gtkw")
     assert (tmp_path / "again.gtkw").read_bytes() == save_file.read_bytes()
     assert str(vcd.parent) not in save_file.read_text()
 
@@ -140,4 +141,34 @@ def test_other_vcd_is_refused(tmp_path):
     other = tmp_path / "other.vcd"
     other.write_text("$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n")
     with pytest.raises(ValueError, match="no module ik_axis in this VCD"):
-        waves.write_save_file(other, "paper", WIDTH, tmp_path / "other.gtkw")
+        write_save_file(other, "paper", WIDTH, tmp_path / "other.gtkw")
+
+
+def test_command(vcd, save_file, tmp_path, command):
+    status, out, err = command(waves.main, *map(str, (vcd, "paper", WIDTH, tmp_path / "own.gtkw")))
+    assert (status, out, err) == (0, [], [])
+    assert (tmp_path / "own.gtkw").read_bytes() == save_file.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("datapath", "content", "message"),
+    [
+        ("lean", None, "no ik_axis.g_lean.u_core.x in this VCD"),
+        ("paper", "x y z\n", "own.vcd: 1:2: Expected id code"),
+        ("paper", "", "no module ik_axis in this VCD"),
+        ("peper", None, "unknown datapath 'peper'; valid: lean, paper, short"),
+    ],
+)
+def test_command_refuses(vcd, tmp_path, command, datapath, content, message):
+    file = vcd
+    if content is not None:
+        file = tmp_path / "own.vcd"
+        file.write_text(content)
+    status, out, (err,) = command(waves.main, *map(str, (file, datapath, WIDTH, tmp_path / "own.gtkw")))
+    assert (status, out) == (2, []) and err.startswith("waves: ") and message in err
+    assert not list(tmp_path.glob("*.gtkw"))
+
+
+def test_command_without_a_vcd(tmp_path, command):
+    status, _, err = command(waves.main, *map(str, (tmp_path / "none.vcd", "lean", WIDTH, tmp_path / "own.gtkw")))
+    assert (status, err) == (2, [f"waves: {tmp_path / 'none.vcd'}: cannot be read: No such file or directory"])

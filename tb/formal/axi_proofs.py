@@ -71,6 +71,8 @@ WRITE_BUGS = (
     Bug("counts a failed burst", WRITE,
         "m_axi_bvalid && !bad && !error", "m_axi_bvalid && !error", "written_is_answered"),
     Bug("waits for a whole burst", WRITE, "whole || (ended && ready != 0)", "whole", "waits_sized"),
+    Bug("waits for W", WRITE, " && !bursts[LOG2_BURSTS];", " && !bursts[LOG2_BURSTS] && to_send == 0;",
+        "told_in_time"),
 )  # fmt: skip
 
 RESULT_SAYS = {

@@ -7,8 +7,9 @@ from itertools import combinations
 import pytest
 
 from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.fixed import FIFO_CLOCKS
 from scripts.pages.flow import design, start
-from scripts.pages.pipeline import DRAWN, FIFO_CLOCKS, LEFT, bars, lanes, pipeline_svg
+from scripts.pages.pipeline import DRAWN, LEFT, bars, lanes, pipeline_svg
 
 RECT = re.compile(r'<rect x="([\d.]+)" y="(\d+)" width="([\d.]+)".*<title>([^<]*), clocks (\d+) to (\d+): ([^<]*)<')
 

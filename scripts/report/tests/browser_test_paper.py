@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.dataflow.fixed import latency
 from model.targets import trajectories
-from scripts.pages.comparison import latency
 from scripts.report import page as report
 from scripts.report.tests.browser import AT, FITS, NARROW, STICKING_OUT, WIDE, across, show
 from tb.sim.env import simulator

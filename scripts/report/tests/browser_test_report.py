@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from model.dataflow.fixed import latency
 from model.targets import trajectories
-from scripts.pages.comparison import latency
 from scripts.report import page as report
 from scripts.report.tests.browser import AT, COUNT, FITS, NARROW, PICTURE, STICKING_OUT, WIDE, Page, across, show, stays
 

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.dataflow.fixed import latency
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from model.targets.stimuli import random_reachable
 from model.targets.trajectories import make
 from model.targets.words import RESULT_FIELDS, from_words
 from scripts.fpga.page import FIGURES as FPGA
-from scripts.pages.comparison import latency
 from scripts.table6 import compiled, hardware, limits, measure, others
 from scripts.table6.arrays import lean_of
 from scripts.table6.compiled import EQUATIONS, FLAGS, REALS, WAYS, Software

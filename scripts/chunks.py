@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Chunks of random targets through the core on several processes, in order, until one has a failure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from scripts.spread import spread
+from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
+from tb.sim.simulate import SimulationError
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """What became of a chunk: its first target, its words, what :func:`judge` says of them."""
+
+    first: int
+    words: np.ndarray
+    found: Found
+    failures: list[Failure]
+    hand: np.ndarray
+
+
+def piece(core: Core, seed: int, end: int, number: int) -> Chunk:
+    """Chunk `number` as far as target `end`."""
+    start = number * CHUNK
+    words = chunk(number, core.width, seed)[: end - start]
+    return Chunk(start, words, *judge(core, words, range(start, start + len(words))))
+
+
+class Chunks:
+    """The `targets` from chunk `first` of a seed; found: of those that passed; number: the chunk that is next."""
+
+    def __init__(self, core: Core, seed: int, first: int, targets: int):
+        self.core, self.seed, self.number = core, seed, first
+        self.end = first * CHUNK + targets
+        self.found = Found()
+
+    def run(self, jobs: int, done: Callable[[int], None]) -> Chunk | None:
+        """The first chunk with a failure, if there is one; calls `done` with the number of targets that passed.
+        Raises SimulationError if a simulation breaks off."""
+        numbers = range(self.number, -(-self.end // CHUNK))
+        try:
+            with spread(min(jobs, len(numbers))) as each:
+                for run in each(partial(piece, self.core, self.seed, self.end), numbers):
+                    if run.failures:
+                        return run
+                    self.number += 1
+                    self.found += run.found
+                    done(self.found.targets)
+        except BrokenProcessPool:
+            where = f"in chunk {self.number} of seed {self.seed} or later"
+            raise SimulationError(f"a process broke off, {where}") from None
+        return None
