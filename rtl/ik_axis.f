@@ -21,6 +21,7 @@ paper/ik_to_wrist.v
 cores/ik_div.v
 cores/ik_div_digit.v
 cores/ik_div_row.v
+cores/ik_quadratic.v
 cores/ik_root.v
 cores/ik_root_digit.v
 cores/ik_root_row.v

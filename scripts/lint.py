@@ -60,7 +60,8 @@ MODULE_SETS = {
     ],
     "ik_mul3": [{"AW": 35, "BW": 35, "SH": 33, "OW": 35}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
     "ik_rsqrt": [{"F": 31}, {"F": 22}, {"F": 21}, {"F": 19}],
-    "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 21}],  # F goes with W
+    "ik_quadratic": [{}],
+    "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 23}, {"W": 16, "F": 19}],  # F goes with W
 }
 
 PREFIX = "ik_"

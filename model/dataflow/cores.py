@@ -7,11 +7,12 @@ square root's table is made here, from its defining formula; ``scripts/pages/gen
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import mpmath
 import numpy as np
+
+from .quadratic import PRECISION, Form, Interval, Segment, error, polynomial, words
 
 MUL3_CLOCKS = 3
 """Tile products, middle sum, rounded sum."""
@@ -24,9 +25,9 @@ SHORT_FRAC = 22
 
 
 def rsqrt_clocks(frac: int) -> int:
-    """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, c2 u, slope, slope u, sum; in the long
-    form the sum of the mixed tiles before it.  The table is read while the mantissa goes into its register."""
-    return 5 if frac <= SHORT_FRAC else 6
+    """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, and ``ik_quadratic``.  The table is read
+    while the mantissa goes into its register."""
+    return 1 + form_of(frac).clocks
 
 
 # ---- product of three tiles ------------------------------------------------------------------------------------------
@@ -95,68 +96,9 @@ def even(value, width: int, mantissa_bits: int):
 
 # ---- reciprocal square root ------------------------------------------------------------------------------------------
 
-PRECISION = 200
-"""Bits that the table and the proof are computed with; 2^-190 changes nothing in either."""
-
-
-@dataclass(frozen=True)
-class Form:
-    """How ``ik_rsqrt`` computes 1/(2 sqrt m): in each of ``rows`` segments as a quadratic c0 - u (c1 - c2 u), where u
-    is how far m is from the segment's middle.
-
-    The segments are of equal width in [0, 1), and the table has rows of zeros below 1/4.  Or they are ``split``: one
-    half of them lies in [1/4, 1/2), the other in [1/2, 1), so that they are half as wide where the root is steeper;
-    then the table's c0 goes without its highest bit, a one.
-    """
-
-    rows: int
-    split: bool
-    u_frac: int  # fraction bits of u, u_low of them below its tile
-    u_low: int
-    c_frac: tuple[int, int, int]  # of the table's words, all unsigned
-    c_bits: tuple[int, int, int]  # and their widths
-    slope_frac: int  # of c1 - c2 u, slope_low of them below its tile
-    slope_low: int
-    sum_frac: int  # of what is subtracted from c0
-
-    @property
-    def tiles(self) -> int:
-        """Of slope times u: the tile of the low parts is left out."""
-        return 3 if self.slope_low else 1
-
-    @property
-    def first(self) -> int:
-        """The row that begins at 1/4."""
-        return 0 if self.split else self.rows // 4
-
-    @property
-    def index_bits(self) -> int:
-        """Bits of m that number a segment of the wider ones."""
-        return self.rows.bit_length() - 1
-
-    def segment(self, row: int) -> tuple[mpmath.mpf, mpmath.mpf]:
-        """Its left end and its width."""
-        width = mpmath.mpf(1) / self.rows
-        if not self.split:
-            return row * width, width
-        half = self.rows // 2
-        return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
-
-    def place(self, m, frac: int):
-        """The row of a mantissa, and u."""
-        below = frac + 3 - self.index_bits  # bits of m below the number of its segment
-        row = m >> below
-        if self.split:  # below 1/2 a segment's number has one bit more of m
-            below = below - (row < self.rows // 2)
-            row = np.where(row < self.rows // 2, (m >> below) - self.rows // 2, row)
-        middle = m & (1 << below) - 1
-        u = middle - (1 << below - 1)
-        spare = self.u_frac - frac - 3
-        return row, u << spare if spare >= 0 else u >> -spare
-
-
-SHORT = Form(256, False, 25, 0, (30, 16, 11), (30, 17, 14), 16, 0, 30)
-LONG = Form(1024, True, 34, 6, (34, 23, 12), (33, 24, 15), 25, 9, 36)
+SHORT = Form(2048, 25, 0, (27, 14), (26, 15), 14, 0, 28)
+LONG = Form(1024, 34, 6, (34, 23, 12), (33, 24, 15), 25, 9, 36)
+"""c0 goes without its highest bit, a one."""
 
 
 def form_of(frac: int) -> Form:
@@ -164,32 +106,30 @@ def form_of(frac: int) -> Form:
     return SHORT if frac <= SHORT_FRAC else LONG
 
 
-def _interpolant(form: Form, row: int) -> tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]:
-    """c0, c1, c2 of a segment before their rounding: the quadratic meets 1/(2 sqrt m) at the three Chebyshev nodes."""
-    left, width = form.segment(row)
-    a = mpmath.sqrt(3) / 4 * width
-    low, mid, high = (1 / mpmath.sqrt(left + width / 2 + u) / 2 for u in (-a, mpmath.mpf(0), a))
-    return mid, (low - high) / (2 * a), (low - 2 * mid + high) / (2 * a * a)
+def root(m: mpmath.mpf) -> mpmath.mpf:
+    return 1 / (2 * mpmath.sqrt(m))
+
+
+def segment(form: Form, row: int) -> Segment:
+    """One half of the segments lie in [1/4, 1/2), the other in [1/2, 1): half as wide where the root is steeper."""
+    half, width = form.rows // 2, mpmath.mpf(1) / form.rows
+    return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
+
+
+def place(form: Form, m, frac: int):
+    """The row of a mantissa, and u."""
+    lower = m < 1 << frac + 2
+    below = frac + 3 - form.index_bits - lower  # bits of m below the number of its segment
+    row = (m >> below) - np.where(lower, form.rows // 2, 0)
+    u = (m & (1 << below) - 1) - (1 << below - 1)
+    return row, u << form.u_frac - frac - 3
 
 
 @cache
-def rsqrt_rows(form: Form) -> tuple[tuple[int, int, int], ...]:
-    """The table: c0, c1, c2 of each segment, 0 where no mantissa lies.
-
-    Each is rounded to nearest; c0 after half of what the rounding of c2 does at the segment's ends has been taken off.
-    """
+def rsqrt_rows(form: Form) -> tuple[tuple[int, ...], ...]:
+    """The table."""
     with mpmath.workprec(PRECISION):
-        rows = [(0, 0, 0)] * form.first
-        for row in range(form.first, form.rows):
-            c0, c1, c2 = _interpolant(form, row)
-            _, width = form.segment(row)
-            scales = [mpmath.mpf(2) ** frac for frac in form.c_frac]
-            w2 = mpmath.nint(c2 * scales[2])
-            rows.append(
-                (int(mpmath.nint((c0 - (w2 / scales[2] - c2) * width**2 / 8) * scales[0])),
-                 int(mpmath.nint(c1 * scales[1])), int(w2))
-            )  # fmt: skip
-        return tuple(rows)
+        return tuple(words(form, root, segment(form, row)) for row in range(form.rows))
 
 
 def rounding(form: Form, frac: int) -> int:
@@ -199,25 +139,16 @@ def rounding(form: Form, frac: int) -> int:
 
 
 @cache
-def _columns(form: Form) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The table as arrays."""
-    c0, c1, c2 = np.array(rsqrt_rows(form), dtype=np.int64).T
-    return c0, c1, c2
+def _columns(form: Form) -> np.ndarray:
+    """The table, an array a coefficient."""
+    return np.array(rsqrt_rows(form), dtype=np.int64).T
 
 
 def quadratic(m, frac: int):
-    """The quadratic at a mantissa, with what rounds it, ``sum_frac`` fraction bits."""
+    """The polynomial at a mantissa, without what rounds it, ``sum_frac`` fraction bits."""
     form = form_of(frac)
-    row, u = form.place(m, frac)
-    c0, c1, c2 = (column[row] for column in _columns(form))
-    u_hi, u_lo = u >> form.u_low, u & (1 << form.u_low) - 1
-    u_frac = form.u_frac - form.u_low
-    slope = (c1 << form.slope_frac - form.c_frac[1]) - (c2 * u_hi >> form.c_frac[2] + u_frac - form.slope_frac)
-    slope_hi, slope_lo = slope >> form.slope_low, slope & (1 << form.slope_low) - 1
-    drop = form.slope_frac - form.slope_low + u_frac - form.sum_frac
-    mixed = (slope_hi * u_lo >> drop + form.u_low) + (slope_lo * u_hi >> drop + form.slope_low)
-    fall = (slope_hi * u_hi >> drop) + mixed
-    return (c0 << form.sum_frac - form.c_frac[0]) + rounding(form, frac) - fall
+    row, u = place(form, m, frac)
+    return polynomial(form, _columns(form)[:, row], u, rises=False, bends_up=False)
 
 
 def rsqrt(m, frac: int):
@@ -226,85 +157,50 @@ def rsqrt(m, frac: int):
     The error is less than one place also where m is a longer mantissa cut off (:func:`rsqrt_error`).
     """
     m = np.asarray(m, dtype=np.int64)
+    form = form_of(frac)
     mantissa = m >= 1 << frac + 1
-    return np.where(mantissa, quadratic(np.where(mantissa, m, 1 << frac + 1), frac) >> form_of(frac).sum_frac - frac, 0)
+    y = quadratic(np.where(mantissa, m, 1 << frac + 1), frac) + rounding(form, frac)
+    return np.where(mantissa, y >> form.sum_frac - frac, 0)
 
 
 # ---- proof of its error ----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Interval:
-    """What an error is proved to lie in."""
-
-    low: mpmath.mpf
-    high: mpmath.mpf
-
-    def __add__(self, other: Interval) -> Interval:
-        return Interval(self.low + other.low, self.high + other.high)
-
-    @property
-    def size(self) -> mpmath.mpf:
-        """The largest magnitude."""
-        return max(abs(self.low), abs(self.high))
-
-
 def _steepest(form: Form, row: int) -> mpmath.mpf:
     """|d/dm 1/(2 sqrt m)| at the left end of a segment, the largest in it."""
-    return form.segment(row)[0] ** mpmath.mpf(-1.5) / 4
+    return segment(form, row)[0] ** mpmath.mpf(-1.5) / 4
 
 
-def _interpolation_error(form: Form, row: int) -> mpmath.mpf:
-    """Largest |c0 - c1 u + c2 u^2 - 1/(2 sqrt m)| in a segment, before the coefficients' rounding.
-
-    It is f3/6 (u + a) u (u - a).  The product is at most 1/32 of the cube of the segment's width; the third derivative
-    f3, -15/16 m^(-7/2), is largest in magnitude at the left end.
-    """
-    left, width = form.segment(row)
-    return mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5) * width**3 / 6 / 32
+def _derivative(form: Form, row: int) -> mpmath.mpf:
+    """The largest magnitude of the derivative that decides how good the form is: also at the left end."""
+    left, _ = segment(form, row)
+    if len(form.c_frac) < 3:
+        return mpmath.mpf(3) / 8 * left ** mpmath.mpf(-2.5)
+    return mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5)
 
 
-def _quadratic_error(form: Form, row: int, frac: int) -> Interval:
-    """The quadratic, without what rounds it, less 1/(2 sqrt m), for all m of a segment.
-
-    * The interpolation (:func:`_interpolation_error`).
-    * The coefficients' rounding, as it is: r0 - r1 u + r2 u^2.
-    * The slope is too large by less than one of its places and c2 times a place of u's upper part; times u.
-    * Each tile that is taken off c0 is too small by less than a place of the sum; and the tile left out.
-    * The places of m that u does without make 1/(2 sqrt m) smaller.
-    """
-    _, width = form.segment(row)
-    words = (mpmath.mpf(word) / 2**bits for word, bits in zip(rsqrt_rows(form)[row], form.c_frac, strict=True))
-    r0, r1, r2 = (word - c for word, c in zip(words, _interpolant(form, row), strict=True))
-    one = mpmath.mpf(1)
-    u_place = one / 2 ** (form.u_frac - form.u_low)
-    c2 = mpmath.mpf(rsqrt_rows(form)[row][2]) / 2 ** form.c_frac[2]
-    slope = one / 2**form.slope_frac + (c2 * u_place if form.u_low else 0)
-    aside = _interpolation_error(form, row) + (abs(r1) + slope) * width / 2
-    left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
-    tiles = form.tiles * one / 2**form.sum_frac + left_out
-    without = max(one / 2**form.u_frac - one / 2 ** (frac + 3), 0) * _steepest(form, row)
-    bend = r2 * width**2 / 4
-    return Interval(r0 + min(bend, 0) - aside, r0 + max(bend, 0) + aside + tiles + without)
+def row_error(form: Form, row: int) -> Interval:
+    """:func:`quadratic` less 1/(2 sqrt m) for all m of a segment."""
+    return error(form, root, segment(form, row), _derivative(form, row), rises=False)
 
 
 @cache
 def rsqrt_error(frac: int) -> Interval:
     """What :func:`rsqrt` less 1/(2 sqrt V) is proved to lie in, in places of the result, for all V in [1/4, 1).
 
-    V is any real number that cut off after frac + 3 bits is m.  Segment by segment: the error at m
-    (:func:`_quadratic_error`), what is added to round the result and less than a place that is cut off it, and what
-    1/(2 sqrt V) falls from m to V: the steepest slope times m's last place.
+    V is any real number that cut off after frac + 3 bits is m.  Segment by segment: the error at m (:func:`row_error`),
+    what is added to round the result and less than a place that is cut off it, and what 1/(2 sqrt V) falls from m to V:
+    the steepest slope times m's last place.
     """
     form = form_of(frac)
     with mpmath.workprec(PRECISION):
-        place = mpmath.mpf(2) ** -frac
+        last = mpmath.mpf(2) ** -frac
         added = mpmath.mpf(rounding(form, frac)) / 2**form.sum_frac
         parts = []
-        for row in range(form.first, form.rows):
-            cut = Interval(mpmath.mpf(0), _steepest(form, row) * place / 8)
-            parts.append(_quadratic_error(form, row, frac) + Interval(added - place, added) + cut)
-        return Interval(min(p.low for p in parts) / place, max(p.high for p in parts) / place)
+        for row in range(form.rows):
+            cut = Interval(mpmath.mpf(0), _steepest(form, row) * last / 8)
+            parts.append(row_error(form, row) + Interval(added - last, added) + cut)
+        return Interval(min(p.low for p in parts) / last, max(p.high for p in parts) / last)
 
 
 def rsqrt_error_bound(frac: int) -> float:

@@ -61,6 +61,7 @@ ROOT = Within(0.0, 1.0, "the root of a mantissa")
 HALF_LENGTH = Within(0.5, 1.0, "(1 + |c|)/2")
 HALF_ANGLE = Within(-1.0, 1.0, "half angles: squared length (1 + |c|)/2")
 PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
+PAIR = Within(-1.5, 1.5, "sums of two parts of such, at most the root of 2, and products of them")
 ELBOW_W, ELBOW_I = Within(0.0, 1.0, "a component of Qe"), Within(-1.0, 0.0, "a component of Qe")
 RISES = "e_rho >= e_s, because rho <= |p|"
 RISEN = Within(0.0, 1.0, RISES)
@@ -316,15 +317,24 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, far=True, within=PART)
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, far=True, within=PART)
     L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, far=True, within=PART)
-    turned = ((52, "w", "i", "+"), (53, "i", "w", "-"), (54, "j", "k", "-"), (55, "k", "j", "+"))
-    for line, unit, other, sign in turned:
-        how = plus if sign == "+" else minus
-        L(line).mul3(f"{unit}_c", n[f"{unit}_0"], n["arm_c"], f.inner, far=True, within=PART)
-        L(line).mul3(f"{other}_s", n[f"{other}_0"], n["arm_s"], f.inner, far=True, within=PART)
-        L(line).op(
-            f"{unit}_1", (f"{unit}_c", f"{other}_s"), f.inner, "mux", how, how,
-            within=PART, grows=SUM, exact=f"{unit}_c {sign} {other}_s",
+    # Three products a pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
+    L(52).op("arm_dif", ("arm_c", "arm_s"), f.inner, "mux", minus, minus, within=PAIR, grows=SUM, exact="arm_c - arm_s")
+    L(53).op("arm_sum", ("arm_c", "arm_s"), f.inner, "mux", plus, plus, within=PAIR, grows=SUM, exact="arm_c + arm_s")
+    for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
+        both = first + second
+        parts = f"{first}_0", f"{second}_0"
+        L(min(lines)).op(
+            f"{both}_0", parts, f.inner, "mux", plus, plus, within=PAIR, grows=SUM, exact=" + ".join(parts),
         )  # fmt: skip
+        L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, far=True, within=PAIR)
+        turned = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
+        for unit, other, arm, line in turned:
+            factors = n[f"{other}_0"], n[f"arm_{arm}"]
+            L(line).mul3(f"{other}_{arm}", *factors, f.inner, far=True, after=n[f"{both}_0"], within=PAIR)
+            L(line).op(
+                f"{unit}_1", (f"{both}_c", f"{other}_{arm}"), f.inner, "mux", minus, minus,
+                within=PART, grows=SUM, exact=f"{both}_c - {other}_{arm}",
+            )  # fmt: skip
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
@@ -419,7 +429,7 @@ def truth(mask):
 def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     """e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
     d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa, within=MANTISSA)
-    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, within=INVERSE)
+    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
 
 
 def limited(d: Domain, f: Lean, name: str, within: Within, latency: str | None = None) -> Node:

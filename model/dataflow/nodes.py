@@ -32,7 +32,8 @@ from ..targets.words import FIELDS, LENGTHS
 from .cases import Case
 from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, mul3_error, rsqrt_clocks
 from .facts import Facts, Within, leading
-from .trig import FRACS, TRIG_CLOCKS
+from .trig import FRACS, trig_clocks
+from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
 
 GUARD = 8
 """Extra fraction bits of a product that waits for its sum."""
@@ -104,28 +105,37 @@ class Latency:
         "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
         "mul3": (0, MUL3_CLOCKS, "three tile products, tile sums, rounded sum"),
         "mul3_far": (0, MUL3_CLOCKS + 1, "operands, three tile products, tile sums, rounded sum"),
-        "product": (0, 5, "operands, tile products, tile sums, lower half, upper half"),
-        "square": (0, 4, "operands, tile products, lower half, upper half"),
-        "wide": (0, 2, "lower half, upper half"),
+        "product": (0, 4, "operands, tile products, tile sums, sum"),
+        "square": (0, 3, "operands, tile products, sum"),
+        "wide": (0, 1, "an exact addition of long words"),
         "even": (0, EVEN_CLOCKS, "zero pairs in groups, shift by groups, shift by pairs"),
         "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
-        "rsqrt": (0, 0, "table and two multiplications, the second in tiles beyond 22 fraction bits"),
-        "trig": (0, TRIG_CLOCKS, "table, Taylor series of the rest, addition theorem"),
+        "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
+        "rsqrt_far": (0, 0, "the table's address, and the same; in the short form one register more"),
+        "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
+    }
+
+    # kind -> (the fraction bits that choose its form, up to how many it is short, its clocks at so many)
+    FORMS = {
+        "rsqrt": ("ROOT_FRAC", SHORT_FRAC, rsqrt_clocks),
+        "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac: rsqrt_clocks(frac) + 1 + (frac <= SHORT_FRAC)),
+        "trig": ("FRAC", TRIG_SHORT_FRAC, trig_clocks),
     }
 
     def __getitem__(self, kind: str) -> int:
         """Clocks of operation ``kind``."""
-        if kind == "rsqrt":
-            return rsqrt_clocks(root_frac(self.width))
+        if kind in self.FORMS:
+            frac, _, clocks = self.FORMS[kind]
+            return clocks(root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width))
         bits, besides, _ = self.TABLE[kind]
         return bits * self.width + besides
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """The same as a Verilog expression of ``W`` and ``ROOT_FRAC``."""
-        if kind == "rsqrt":
-            short, long = (rsqrt_clocks(SHORT_FRAC + k) for k in (0, 1))
-            return f"(ROOT_FRAC > {SHORT_FRAC}) ? {long} : {short}"
+        """The same as a Verilog expression of ``W``, ``FRAC`` and ``ROOT_FRAC``."""
+        if kind in cls.FORMS:
+            frac, most, clocks = cls.FORMS[kind]
+            return f"({frac} > {most}) ? {clocks(most + 1)} : {clocks(most)}"
         bits, besides, _ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
@@ -340,14 +350,17 @@ class Domain(ABC):
         value = self.square_root(name, n, fmt)
         return self.make(name, "root", (n,), fmt, "root", value, error=self._coarser(name, FLOOR))
 
-    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, far: bool = False, **facts) -> Node:
+    def mul3(
+        self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, far: bool = False, after: Node | None = None,
+        **facts,
+    ) -> Node:  # fmt: skip
         """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); ``far``: with a register for operands
-        that have a long way to many multipliers."""
+        that have a long way to many multipliers; it waits for ``after``, too."""
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
         latency = "mul3_far" if far else "mul3"
-        return self.make(name, "mul3", (a, b), fmt, latency, value, error=mul3_error(shift, *widths))
+        return self.make(name, "mul3", (a, b), fmt, latency, value, after, mul3_error(shift, *widths))
 
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
@@ -364,11 +377,13 @@ class Domain(ABC):
         self.make(count, "even", (value,), count_fmt, "even", shift)
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
-    def rsqrt(self, name: str, m: Node, fmt: Format, **facts) -> Node:
-        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0."""
+    def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, **facts) -> Node:
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0.  ``far``: with registers before and behind
+        for what has a long way."""
         self.facts[name] = Facts(**facts)
         value = self.reciprocal_root(name, m, fmt)
-        return self.make(name, "rsqrt", (m,), fmt, "rsqrt", value, error=_faithful(fmt, m.format.frac - 3))
+        latency = "rsqrt_far" if far else "rsqrt"
+        return self.make(name, "rsqrt", (m,), fmt, latency, value, error=_faithful(fmt, m.format.frac - 3))
 
     def trig(
         self, names: tuple[str, str], phi: Node, fmt: Format, lines: tuple[int, int], within: tuple[Within, Within]

@@ -13,13 +13,14 @@ localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
 localparam integer LAT_MUX = 1;  // an exact addition, a choice, a sign change or a comparison
 localparam integer LAT_MUL3 = 3;  // three tile products, tile sums, rounded sum
 localparam integer LAT_MUL3_FAR = 4;  // operands, three tile products, tile sums, rounded sum
-localparam integer LAT_PRODUCT = 5;  // operands, tile products, tile sums, lower half, upper half
-localparam integer LAT_SQUARE = 4;  // operands, tile products, lower half, upper half
-localparam integer LAT_WIDE = 2;  // lower half, upper half
+localparam integer LAT_PRODUCT = 4;  // operands, tile products, tile sums, sum
+localparam integer LAT_SQUARE = 3;  // operands, tile products, sum
+localparam integer LAT_WIDE = 1;  // an exact addition of long words
 localparam integer LAT_EVEN = 3;  // zero pairs in groups, shift by groups, shift by pairs
 localparam integer LAT_SHIFT3 = 3;  // barrel shift: by sixteens, by fours, by ones
-localparam integer LAT_RSQRT = (ROOT_FRAC > 22) ? 6 : 5;  // table and two multiplications, the second in tiles beyond 22 fraction bits
-localparam integer LAT_TRIG = 10;  // table, Taylor series of the rest, addition theorem
+localparam integer LAT_RSQRT = (ROOT_FRAC > 22) ? 8 : 4;  // a table and u times a slope; in the long form in tiles, the slope by another product
+localparam integer LAT_RSQRT_FAR = (ROOT_FRAC > 22) ? 9 : 6;  // the table's address, and the same; in the short form one register more
+localparam integer LAT_TRIG = (FRAC > 23) ? 11 : 7;  // magnitude, a table and u times a slope, as for rsqrt, sign
 
 // exact squares and flags
 localparam integer F_X = W - 2, T_X = 0;
@@ -53,10 +54,10 @@ localparam integer T_AWAY = T_TOO_NEAR + LAT_MUX;
 // azimuth and elevation
 localparam integer T_E_RHO = T_RHO_SQ + LAT_EVEN;  // (L8)
 localparam integer T_M_RHO = T_RHO_SQ + LAT_EVEN;  // (L8)
-localparam integer F_INV_RHO = FRAC, T_INV_RHO = T_M_RHO + LAT_RSQRT;  // (L8)
+localparam integer F_INV_RHO = FRAC, T_INV_RHO = T_M_RHO + LAT_RSQRT_FAR;  // (L8)
 localparam integer T_E_S = T_S + LAT_EVEN;  // (L9)
 localparam integer T_M_S = T_S + LAT_EVEN;  // (L9)
-localparam integer F_INV_S = FRAC, T_INV_S = T_M_S + LAT_RSQRT;  // (L9)
+localparam integer F_INV_S = FRAC, T_INV_S = T_M_S + LAT_RSQRT_FAR;  // (L9)
 localparam integer F_X_N = WX, T_X_N = T_E_RHO + LAT_SHIFT;  // (L14)
 localparam integer F_Y_N = WX, T_Y_N = T_E_RHO + LAT_SHIFT;  // (L15)
 localparam integer F_Z_N = WX, T_Z_N = T_E_S + LAT_SHIFT;  // (L16)
@@ -66,7 +67,7 @@ localparam integer F_SIN_EL = FRAC, T_SIN_EL = T_INV_S + LAT_MUL3;  // (L16)
 localparam integer F_ROOT_RHO = FRAC, T_ROOT_RHO = T_INV_RHO + LAT_MUL3;  // (L17)
 localparam integer T_N_EL = T_E_S + LAT_MUX;  // (L18)
 localparam integer F_INV_S_EL = FRAC, T_INV_S_EL = T_INV_S + LAT_SHIFT;  // (L18)
-localparam integer F_COS_EL = FRAC, T_COS_EL = T_INV_S_EL + LAT_MUL3;  // (L18)
+localparam integer F_COS_EL = FRAC, T_COS_EL = T_ROOT_RHO + LAT_MUL3;  // (L18)
 localparam integer F_AZ_SQ = FRAC, T_AZ_SQ = T_U_Y + LAT_MUX;  // (L29)
 localparam integer F_AZ_C = FRAC, T_AZ_C = T_AZ_SQ + LAT_MUX;  // (L32)
 localparam integer F_AZ_S = FRAC, T_AZ_S = T_AZ_SQ + LAT_MUX;  // (L33)
@@ -77,25 +78,25 @@ localparam integer F_TILT_S = FRAC, T_TILT_S = T_COS_EL + LAT_MUX;  // (L35)
 // shoulder angle, elbow
 localparam integer T_E_FAR = T_A_FAR + LAT_EVEN;  // (L10)
 localparam integer T_M_FAR = T_A_FAR + LAT_EVEN;  // (L10)
-localparam integer F_INV_FAR = FRAC, T_INV_FAR = T_M_FAR + LAT_RSQRT;  // (L10)
+localparam integer F_INV_FAR = FRAC, T_INV_FAR = T_M_FAR + LAT_RSQRT_FAR;  // (L10)
 localparam integer T_E_NEAR = T_B_NEAR + LAT_EVEN;  // (L11)
 localparam integer T_M_NEAR = T_B_NEAR + LAT_EVEN;  // (L11)
-localparam integer F_INV_NEAR = FRAC, T_INV_NEAR = T_M_NEAR + LAT_RSQRT;  // (L11)
+localparam integer F_INV_NEAR = FRAC, T_INV_NEAR = T_M_NEAR + LAT_RSQRT_FAR;  // (L11)
 localparam integer T_E_1 = LAT_EVEN;  // (L12)
 localparam integer T_M_1 = LAT_EVEN;  // (L12)
-localparam integer F_INV_1 = FRAC, T_INV_1 = T_M_1 + LAT_RSQRT;  // (L12)
+localparam integer F_INV_1 = FRAC, T_INV_1 = T_M_1 + LAT_RSQRT_FAR;  // (L12)
 localparam integer T_E_2 = LAT_EVEN;  // (L13)
 localparam integer T_M_2 = LAT_EVEN;  // (L13)
-localparam integer F_INV_2 = FRAC, T_INV_2 = T_M_2 + LAT_RSQRT;  // (L13)
+localparam integer F_INV_2 = FRAC, T_INV_2 = T_M_2 + LAT_RSQRT_FAR;  // (L13)
 localparam integer F_ROOT_FAR = FRAC, T_ROOT_FAR = T_INV_FAR + LAT_MUL3;  // (L19)
 localparam integer F_ROOT_NEAR = FRAC, T_ROOT_NEAR = T_INV_NEAR + LAT_MUL3;  // (L20)
 localparam integer F_INV_12 = FRAC + 1, T_INV_12 = T_INV_1 + LAT_MUL3;  // (L21)
 localparam integer T_N_FAR = T_E_FAR + LAT_MUX;  // (L22)
-localparam integer F_INV_12_FAR_RAW = FRAC, T_INV_12_FAR_RAW = T_N_FAR + LAT_SHIFT;  // (L22)
+localparam integer F_INV_12_FAR_RAW = FRAC, T_INV_12_FAR_RAW = T_INV_12 + LAT_SHIFT;  // (L22)
 localparam integer F_INV_12_FAR = FRAC, T_INV_12_FAR = T_INV_12_FAR_RAW;  // (L22)
 localparam integer F_ELBOW_W = FRAC, T_ELBOW_W = T_ROOT_FAR + LAT_MUL3;  // (L22)
 localparam integer T_N_NEAR = T_E_NEAR + LAT_MUX;  // (L23)
-localparam integer F_INV_12_NEAR_RAW = FRAC, T_INV_12_NEAR_RAW = T_N_NEAR + LAT_SHIFT;  // (L23)
+localparam integer F_INV_12_NEAR_RAW = FRAC, T_INV_12_NEAR_RAW = T_INV_12 + LAT_SHIFT;  // (L23)
 localparam integer F_INV_12_NEAR = FRAC, T_INV_12_NEAR = T_INV_12_NEAR_RAW;  // (L23)
 localparam integer F_ELBOW_I = FRAC, T_ELBOW_I = T_ROOT_NEAR + LAT_MUL3;  // (L23)
 localparam integer F_QE_W = W - 2, T_QE_W = T_ELBOW_W + LAT_MUX;  // (L22)
@@ -130,18 +131,20 @@ localparam integer F_W_0 = FRAC, T_W_0 = T_C_PLUS + LAT_MUL3_FAR;  // (L48)
 localparam integer F_I_0 = FRAC, T_I_0 = T_C_MINUS + LAT_MUL3_FAR;  // (L49)
 localparam integer F_J_0 = FRAC, T_J_0 = T_S_MINUS + LAT_MUL3_FAR;  // (L50)
 localparam integer F_K_0 = FRAC, T_K_0 = T_S_PLUS + LAT_MUL3_FAR;  // (L51)
-localparam integer F_W_C = FRAC, T_W_C = T_ARM_C + LAT_MUL3_FAR;  // (L52)
-localparam integer F_I_S = FRAC, T_I_S = T_ARM_S + LAT_MUL3_FAR;  // (L52)
-localparam integer F_W_1 = FRAC, T_W_1 = T_W_C + LAT_MUX;  // (L52)
-localparam integer F_I_C = FRAC, T_I_C = T_ARM_C + LAT_MUL3_FAR;  // (L53)
-localparam integer F_W_S = FRAC, T_W_S = T_ARM_S + LAT_MUL3_FAR;  // (L53)
-localparam integer F_I_1 = FRAC, T_I_1 = T_I_C + LAT_MUX;  // (L53)
-localparam integer F_J_C = FRAC, T_J_C = T_ARM_C + LAT_MUL3_FAR;  // (L54)
-localparam integer F_K_S = FRAC, T_K_S = T_ARM_S + LAT_MUL3_FAR;  // (L54)
-localparam integer F_J_1 = FRAC, T_J_1 = T_J_C + LAT_MUX;  // (L54)
-localparam integer F_K_C = FRAC, T_K_C = T_ARM_C + LAT_MUL3_FAR;  // (L55)
-localparam integer F_J_S = FRAC, T_J_S = T_ARM_S + LAT_MUL3_FAR;  // (L55)
-localparam integer F_K_1 = FRAC, T_K_1 = T_K_C + LAT_MUX;  // (L55)
+localparam integer F_ARM_DIF = FRAC, T_ARM_DIF = T_ARM_C + LAT_MUX;  // (L52)
+localparam integer F_ARM_SUM = FRAC, T_ARM_SUM = T_ARM_C + LAT_MUX;  // (L53)
+localparam integer F_WI_0 = FRAC, T_WI_0 = T_W_0 + LAT_MUX;  // (L52)
+localparam integer F_WI_C = FRAC, T_WI_C = T_WI_0 + LAT_MUL3_FAR;  // (L52)
+localparam integer F_I_DIF = FRAC, T_I_DIF = T_WI_0 + LAT_MUL3_FAR;  // (L52)
+localparam integer F_W_1 = FRAC, T_W_1 = T_WI_C + LAT_MUX;  // (L52)
+localparam integer F_W_SUM = FRAC, T_W_SUM = T_WI_0 + LAT_MUL3_FAR;  // (L53)
+localparam integer F_I_1 = FRAC, T_I_1 = T_WI_C + LAT_MUX;  // (L53)
+localparam integer F_KJ_0 = FRAC, T_KJ_0 = T_K_0 + LAT_MUX;  // (L54)
+localparam integer F_KJ_C = FRAC, T_KJ_C = T_KJ_0 + LAT_MUL3_FAR;  // (L54)
+localparam integer F_J_DIF = FRAC, T_J_DIF = T_KJ_0 + LAT_MUL3_FAR;  // (L55)
+localparam integer F_K_1 = FRAC, T_K_1 = T_KJ_C + LAT_MUX;  // (L55)
+localparam integer F_K_SUM = FRAC, T_K_SUM = T_KJ_0 + LAT_MUL3_FAR;  // (L54)
+localparam integer F_J_1 = FRAC, T_J_1 = T_KJ_C + LAT_MUX;  // (L54)
 localparam integer F_AZ_TILT_SQ = FRAC, T_AZ_TILT_SQ = T_TILT_SQ + LAT_MUL3;  // (L56)
 localparam integer F_LENGTH_SQ = FRAC, T_LENGTH_SQ = T_ARM_SQ + LAT_MUL3;  // (L56)
 localparam integer T_LOW = T_LENGTH_SQ;  // (L57)
@@ -149,13 +152,13 @@ localparam integer T_M_Q = T_LENGTH_SQ + LAT_MUX;  // (L57)
 localparam integer F_INV_Q = FRAC, T_INV_Q = T_M_Q + LAT_RSQRT;  // (L57)
 localparam integer F_INV_N = FRAC, T_INV_N = T_INV_Q + LAT_MUX;  // (L57)
 localparam integer T_MINUS = T_K_1;
-localparam integer F_W_Q = FRAC, T_W_Q = T_INV_N + LAT_MUL3;  // (L58)
+localparam integer F_W_Q = FRAC, T_W_Q = (T_W_1 > T_INV_N ? T_W_1 : T_INV_N) + LAT_MUL3;  // (L58)
 localparam integer F_QS_W = W - 2, T_QS_W = T_W_Q + LAT_MUX;  // (L58)
-localparam integer F_I_Q = FRAC, T_I_Q = T_INV_N + LAT_MUL3;  // (L59)
+localparam integer F_I_Q = FRAC, T_I_Q = (T_I_1 > T_INV_N ? T_I_1 : T_INV_N) + LAT_MUL3;  // (L59)
 localparam integer F_QS_I = W - 2, T_QS_I = T_I_Q + LAT_MUX;  // (L59)
-localparam integer F_J_Q = FRAC, T_J_Q = T_INV_N + LAT_MUL3;  // (L60)
+localparam integer F_J_Q = FRAC, T_J_Q = (T_J_1 > T_INV_N ? T_J_1 : T_INV_N) + LAT_MUL3;  // (L60)
 localparam integer F_QS_J = W - 2, T_QS_J = T_J_Q + LAT_MUX;  // (L60)
-localparam integer F_K_Q = FRAC, T_K_Q = T_INV_N + LAT_MUL3;  // (L61)
+localparam integer F_K_Q = FRAC, T_K_Q = (T_K_1 > T_INV_N ? T_K_1 : T_INV_N) + LAT_MUL3;  // (L61)
 localparam integer F_QS_K = W - 2, T_QS_K = T_K_Q + LAT_MUX;  // (L61)
 
 // All results leave together.

@@ -145,7 +145,7 @@ module ik_lean_triangle #(
 
   wire signed [N-1:0] inv_11;  // (L24)
   wire signed [N:0] inv_law_raw;  // (L25)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N)) u_inv_11 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N), .SQUARE(1)) u_inv_11 (
       .clk(clk), .a(inv_1), .b(inv_1), .q(inv_11)
   );
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11)) u_inv_law (

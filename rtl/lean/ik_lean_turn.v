@@ -92,50 +92,53 @@ module ik_lean_turn #(
       .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
   );
 
-  // ---- (L52)-(L55) and the fourth ----
+  // ---- (L52)-(L55) and the fourth: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s) ----
 
-  localparam integer T_1_IN = T_W_C - LAT_MUL3;
-  wire signed [N-1:0] w_c;  // (L52)
-  wire signed [N-1:0] w_s;  // (L53)
-  wire signed [N-1:0] i_c;  // (L53)
-  wire signed [N-1:0] i_s;  // (L52)
-  wire signed [N-1:0] j_c;  // (L54)
-  wire signed [N-1:0] j_s;  // (L55)
-  wire signed [N-1:0] k_c;  // (L55)
-  wire signed [N-1:0] k_s;  // (L54)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_w_c (
-      .clk(clk), .a(w_0), .b(arm_c), .q(w_c)
+  reg signed [N-1:0] wi_0;  // (L52)
+  reg signed [N-1:0] kj_0;  // (L54)
+  reg signed [N-1:0] arm_dif;  // (L52)
+  reg signed [N-1:0] arm_sum;  // (L53)
+  always @(posedge clk) begin
+    wi_0    <= w_0 + i_0;
+    kj_0    <= k_0 + j_0;
+    arm_dif <= arm_c - arm_s;
+    arm_sum <= arm_c + arm_s;
+  end
+
+  localparam integer T_1_IN = T_WI_C - LAT_MUL3;
+  wire signed [N-1:0] wi_c;  // (L52)
+  wire signed [N-1:0] i_dif;  // (L52)
+  wire signed [N-1:0] w_sum;  // (L53)
+  wire signed [N-1:0] kj_c;  // (L54)
+  wire signed [N-1:0] j_dif;  // (L55)
+  wire signed [N-1:0] k_sum;  // (L54)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C)) u_wi_c (
+      .clk(clk), .a(wi_0), .b(arm_c), .q(wi_c)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_w_s (
-      .clk(clk), .a(w_0), .b(arm_s), .q(w_s)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF)) u_i_dif (
+      .clk(clk), .a(i_0), .b(arm_dif), .q(i_dif)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_i_c (
-      .clk(clk), .a(i_0), .b(arm_c), .q(i_c)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM)) u_w_sum (
+      .clk(clk), .a(w_0), .b(arm_sum), .q(w_sum)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_i_s (
-      .clk(clk), .a(i_0), .b(arm_s), .q(i_s)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_KJ_0), .DB(T_1_IN-T_ARM_C)) u_kj_c (
+      .clk(clk), .a(kj_0), .b(arm_c), .q(kj_c)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_j_c (
-      .clk(clk), .a(j_0), .b(arm_c), .q(j_c)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_J_0), .DB(T_1_IN-T_ARM_DIF)) u_j_dif (
+      .clk(clk), .a(j_0), .b(arm_dif), .q(j_dif)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_j_s (
-      .clk(clk), .a(j_0), .b(arm_s), .q(j_s)
-  );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_k_c (
-      .clk(clk), .a(k_0), .b(arm_c), .q(k_c)
-  );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_C)) u_k_s (
-      .clk(clk), .a(k_0), .b(arm_s), .q(k_s)
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_K_0), .DB(T_1_IN-T_ARM_SUM)) u_k_sum (
+      .clk(clk), .a(k_0), .b(arm_sum), .q(k_sum)
   );
   reg signed [N-1:0] w_1;  // (L52)
   reg signed [N-1:0] i_1;  // (L53)
   reg signed [N-1:0] j_1;  // (L54)
   reg signed [N-1:0] k_1;  // (L55)
   always @(posedge clk) begin
-    w_1 <= w_c + i_s;
-    i_1 <= i_c - w_s;
-    j_1 <= j_c - k_s;
-    k_1 <= k_c + j_s;
+    w_1 <= wi_c - i_dif;
+    i_1 <= wi_c - w_sum;
+    j_1 <= kj_c - k_sum;
+    k_1 <= kj_c - j_dif;
   end
 
   // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; of four times the length below 1/4 ----
@@ -173,10 +176,19 @@ module ik_lean_turn #(
   wire signed [N-1:0] j_q;  // (L60)
   wire signed [N-1:0] k_q;  // (L61)
   localparam integer SH_Q = F_W_1 + F_INV_N - 1 - F_W_Q;
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_w_q (.clk(clk), .a(w_1), .b(inv_n), .q(w_q));
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_i_q (.clk(clk), .a(i_1), .b(inv_n), .q(i_q));
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_j_q (.clk(clk), .a(j_1), .b(inv_n), .q(j_q));
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_INV_N-T_W_1)) u_k_q (.clk(clk), .a(k_1), .b(inv_n), .q(k_q));
+  localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_w_q (
+      .clk(clk), .a(w_1), .b(inv_n), .q(w_q)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_i_q (
+      .clk(clk), .a(i_1), .b(inv_n), .q(i_q)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_j_q (
+      .clk(clk), .a(j_1), .b(inv_n), .q(j_q)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_k_q (
+      .clk(clk), .a(k_1), .b(inv_n), .q(k_q)
+  );
 
   localparam integer DROP = F_W_Q - F_QS_W;
   wire minus = k_1[N-1];

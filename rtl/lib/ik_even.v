@@ -12,7 +12,6 @@ module ik_even #(
     input  wire          clk,
     input  wire [VW-1:0] v,
     output reg  [   5:0] k,
-    output wire [MW-1:0] m_next,  // m a clock earlier, before its register: for the address of a memory
     output reg  [MW-1:0] m
 );
 
@@ -75,9 +74,8 @@ module ik_even #(
 
   // shift by pairs
   wire [KW-1:0] by_pairs = v_2 << {fine_2, 1'b0};
-  assign m_next = by_pairs[KW-1:14];
   always @(posedge clk) begin
-    m <= m_next;
+    m <= by_pairs[KW-1:14];
     k <= {1'b0, group_2, fine_2};
   end
 

@@ -17,7 +17,8 @@ module ik_mul3 #(
     parameter integer SH = 31,  // fraction bits dropped: F(a) + F(b) - F(q)
     parameter integer OW = 33,  // width of q
     parameter integer DA = 0,   // clocks by which a is delayed
-    parameter integer DB = 0    // and b
+    parameter integer DB = 0,   // and b
+    parameter integer SQUARE = 0  // 1: b is a, and two tiles do
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -50,7 +51,7 @@ module ik_mul3 #(
   wire signed [BL:0] b_lo = {1'b0, b_in[BL-1:0]};
   reg signed [AH+BH-1:0] hh;
   reg signed [AH+BL-1:0] hl;
-  reg signed [AL+BH-1:0] lh;
+  wire signed [AL+BH-1:0] lh;
   wire [AL:0] a_low = {a_in[AL-1:0], 1'b0};
   wire [BL:0] b_low = {b_in[BL-1:0], 1'b0};
   wire [3:0] a_two = {2'b00, a_low[AL-:2]};
@@ -59,9 +60,19 @@ module ik_mul3 #(
   always @(posedge clk) begin
     hh <= a_hi * b_hi;
     hl <= a_hi * b_lo;
-    lh <= a_lo * b_hi;
     ll <= (a_two & {4{b_two[0]}}) + ({a_two[2:0], 1'b0} & {4{b_two[1]}});  // logic: too little for a multiplier
   end
+
+  generate
+    if (SQUARE != 0) begin : g_square
+      assign lh = hl;
+      wire unused_lo = &{1'b0, a_lo};
+    end else begin : g_product
+      reg signed [AL+BH-1:0] tile;
+      always @(posedge clk) tile <= a_lo * b_hi;
+      assign lh = tile;
+    end
+  endgenerate
 
   // A sum's carry is a place more below it, of two ones: one carry chain.
 

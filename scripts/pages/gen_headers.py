@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node
+from model.dataflow.quadratic import Form
 from model.targets.words import RESULT_FIELDS
 from tb.sim.env import ROOT
 
@@ -148,97 +150,86 @@ endfunction
 """
 
 
+def table_header(
+    module: str, source: str, most: int, forms: tuple[Form, Form], tables: Sequence[Sequence[tuple]], rounding: str,
+    besides: str,
+) -> str:
+    """The table of a module around ``ik_quadratic``: with up to ``most`` fraction bits F of the result the first form
+    and table, beyond the other; ``rounding`` is what is added to c0, ``besides`` a number that this module needs."""
+    numbers = [numbers_of(form, besides) for form in forms]
+    values = "\n".join(f"localparam integer {k} = LONG ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0])
+    short, long = (rom(form, table) for form, table in zip(forms, tables, strict=True))
+    return f"""{NOTE.format(source=source)}
+// For the body of {module}: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {{c0, c1, c2}} of each
+// segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.
+
+localparam [0:0] LONG = F > {most};
+{values}
+localparam integer INDEX_BITS = LONG ? {forms[1].index_bits} : {forms[0].index_bits};
+localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
+localparam integer SPARE = SUM_FRAC - C0_FRAC;
+localparam integer ROUNDING = {rounding};
+localparam [SPARE-1:0] LOWEST = ROUNDING[SPARE-1:0];
+localparam [ROW_BITS-1:0] ADD = {{{{(ROW_BITS - 32) {{1'b0}}}}, ROUNDING}} >> SPARE << (C1_BITS + C2_BITS);
+
+(* rom_style = "block", ram_style = "block" *)
+reg [ROW_BITS-1:0] rom[0:ROWS-1];
+generate
+  if (LONG) begin : g_long_table
+    initial begin
+{long}
+    end
+  end else begin : g_short_table
+    initial begin
+{short}
+    end
+  end
+endgenerate
+"""
+
+
+def numbers_of(form: Form, besides: str) -> dict[str, int]:
+    """What ``ik_quadratic`` and the module around it need of a form."""
+    c2 = len(form.c_frac) > 2
+    u_frac = form.u_frac - form.u_low
+    return {
+        "ROWS": form.rows, "U_FRAC": form.u_frac, "U_LOW": form.u_low, "C0_FRAC": form.c_frac[0],
+        "C0_BITS": form.c_bits[0], "C1_BITS": form.c_bits[1], "C2_BITS": form.c_bits[2] if c2 else 0,
+        "C1_UP": form.slope_frac - form.c_frac[1],
+        "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1, "SLOPE_LOW": form.slope_low,
+        "SUM_FRAC": form.sum_frac, "DROP": form.slope_frac - form.slope_low + u_frac - form.sum_frac,
+        "BEND_DROP": form.c_frac[2] + u_frac - form.slope_frac if c2 else 0, besides.upper(): getattr(form, besides),
+    }  # fmt: skip
+
+
+def rom(form: Form, table: Sequence[tuple]) -> str:
+    """Its rows, without the bits of c0 above its word."""
+    bits = sum(form.c_bits)
+    lines = []
+    for i, row in enumerate(table):
+        word = 0
+        for size, value in zip(form.c_bits, row, strict=True):
+            word = word << size | value % (1 << size)
+        lines.append(f"      rom[{i}] = {bits}'h{word:0{-(-bits // 4)}x} + ADD;")
+    return "\n".join(lines)
+
+
 def rsqrt_header() -> str:
     """``rtl/cores/ik_rsqrt_table.vh``."""
-    forms = {"short": lean_cores.SHORT, "long": lean_cores.LONG}
-    words = [(f"C{k}_{what.upper()}", f"c_{what}", k) for k in range(3) for what in ("frac", "bits")]
-    names = [(name.upper(), name, None) for name in FORM] + words
-    both = {
-        name: [value if k is None else value[k] for value in (getattr(form, field) for form in forms.values())]
-        for name, field, k in names
-    }
-    values = "\n".join(f"localparam integer {name} = LONG ? {long} : {short};" for name, (short, long) in both.items())
-    functions = "\n".join(rows_function(f"{name}_row", form) for name, form in forms.items())
-    return f"""{NOTE.format(source="model/dataflow/cores.py")}
-// For the body of ik_rsqrt: the numbers of its two forms (model/dataflow/cores.py, Form), and {{c0, c1, c2}} of each
-// segment.
-
-localparam integer SHORT_FRAC = {lean_cores.SHORT_FRAC};
-localparam [0:0] LONG = F > SHORT_FRAC;
-{values}
-localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
-
-{functions}"""
-
-
-FORM = ("rows", "index_bits", "u_frac", "u_low", "slope_frac", "slope_low", "sum_frac", "tiles")
-
-
-def rows_function(name: str, form: lean_cores.Form) -> str:
-    """The function that gives a row of the table."""
-    def literals(row: tuple[int, int, int]) -> str:
-        return ", ".join(f"{bits}'d{word % (1 << bits)}" for bits, word in zip(form.c_bits, row, strict=True))
-
-    rows = "\n".join(
-        f"      {i:4d}: {name} = {{{literals(row)}}};" for i, row in enumerate(lean_cores.rsqrt_rows(form)) if any(row)
-    )
-    width = sum(form.c_bits)
-    return f"""function [{width - 1}:0] {name}(input integer i);
-  begin
-    case (i)
-{rows}
-      default: {name} = {width}'d0;
-    endcase
-  end
-endfunction
-"""
+    forms = lean_cores.SHORT, lean_cores.LONG
+    return table_header(
+        "ik_rsqrt", "model/dataflow/cores.py", lean_cores.SHORT_FRAC, forms, [*map(lean_cores.rsqrt_rows, forms)],
+        "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2", "tiles",
+    )  # fmt: skip
 
 
 def trig_header() -> str:
     """``rtl/cores/ik_trig_table.vh``."""
-    t = lean_trig
-    sines = [f"sine_table[{i}] = {t.TABLE_FRAC}'h{s:09x};" for i, s in enumerate(t.sine_table())]
-    sines = "\n".join("  " + " ".join(sines[i : i + 3]) for i in range(0, len(sines), 3))
-    low_width = t.low_table()[-1].bit_length()
-    lows = "\n".join(f"      {k:2d}: low_arc = {low_width}'d{v};" for k, v in enumerate(t.low_table()))
-    rest_width = max(max(v, ~v).bit_length() for v in t.rest_table()) + 1
-    signs = ("-" if v < 0 else "" for v in t.rest_table())
-    rests = "\n".join(
-        f"      {k:3d}: rest_sine = {sign}{rest_width}'sd{abs(v)};"
-        for k, (sign, v) in enumerate(zip(signs, t.rest_table(), strict=True))
-    )
-    return f"""{NOTE.format(source="model/dataflow/trig.py")}
-// For the body of ik_trig: sin(i/512 quarter turns) with TRIG_FRAC fraction bits, and what sin(delta) is made of.
-
-localparam integer TRIG_GUARD = {t.GUARD};
-localparam integer TRIG_FRAC = {t.TABLE_FRAC};
-localparam integer TRIG_LOW_WIDTH = {low_width};
-localparam integer TRIG_REST_WIDTH = {rest_width};
-localparam signed [17:0] TRIG_COMPLEMENT = 18'sd{t.complement()};  // 2 - pi/2 with {t.COMPLEMENT_FRAC} fraction bits
-
-reg [TRIG_FRAC-1:0] sine_table[0:{t.POINTS - 1}];
-initial begin
-{sines}
-end
-
-// Arc of the fine word's bits below the tile
-function [TRIG_LOW_WIDTH-1:0] low_arc(input [{t.LOW_BITS - 1}:0] k);
-  begin
-    case (k)
-{lows}
-    endcase
-  end
-endfunction
-
-// sin(delta) less (2 - TRIG_COMPLEMENT) fine, by the fine word's upper bits
-function signed [TRIG_REST_WIDTH-1:0] rest_sine(input [{t.REST_INDEX - 1}:0] k);
-  begin
-    case (k)
-{rests}
-    endcase
-  end
-endfunction
-"""
+    forms = lean_trig.SHORT, lean_trig.LONG
+    return table_header(
+        "ik_trig", "model/dataflow/trig.py", lean_trig.SHORT_FRAC, forms, [*map(lean_trig.sine_rows, forms)],
+        "1 << (SUM_FRAC - F - 1)", "clocks",
+    )  # fmt: skip
 
 
 HEADERS = {

@@ -1,0 +1,122 @@
+// Rounds down: y = c0 - u slope, or c0 + u slope with RISES = 1; slope = c1 - c2 u, c1 + c2 u with BENDS_UP = 1, or c1.
+// SPDX-License-Identifier: Apache-2.0
+//
+// One segment of a function from a table (model/dataflow/quadratic.py): u is how far the argument is from its middle.
+// Words above their tiles' low parts have at most 18 bits. Slope times u takes one tile, or three: that of the low parts
+// is left out. c1 and the slope have the same fraction bits, c0 and the sum SUM_FRAC.
+// Latency: 3 clocks, operands, product, sum; with C2W > 0 three more, operands, c2 u, slope; with SLOPE_LOW > 0 one more,
+// the sum of the mixed tiles. A name ends with the clock in which it is valid, counted from that of the slope.
+`default_nettype none
+
+module ik_quadratic #(
+    parameter integer F         = 31,  // fraction bits of y
+    parameter integer SUM_FRAC  = 36,
+    parameter integer UW        = 24,  // width of u
+    parameter integer U_LOW     = 6,   // bits of it below its tile
+    parameter integer SW        = 27,  // width of a slope, signed
+    parameter integer SLOPE_LOW = 9,   // bits of it below its tile
+    parameter integer DROP      = 8,   // fraction bits of the tile of the high parts below those of the sum
+    parameter integer C2W       = 15,  // width of c2; 0: there is none
+    parameter integer BEND_DROP = 15,  // fraction bits of c2 times the high part of u below those of the slope
+    parameter integer RISES     = 0,
+    parameter integer BENDS_UP  = 0
+) (
+    input  wire                        clk,
+    input  wire        [   SUM_FRAC:0] c0,  // a clock later than the others
+    input  wire        [       SW-2:0] c1,
+    input  wire        [C2W-(C2W>0):0] c2,
+    input  wire signed [       UW-1:0] u,
+    output reg         [          F:0] y
+);
+
+  localparam integer UH = UW - U_LOW;
+  localparam integer C0_CLOCKS = (C2W > 0) ? 4 : 1;  // until the product is there
+
+  // ---- slope ----
+
+  wire signed [SW-1:0] slope_0;
+  wire signed [UW-1:0] u_0;
+  generate
+    if (C2W > 0) begin : g_bend
+      localparam integer BW = C2W + UH;
+      reg signed [C2W:0] c2_in;  // operands
+      reg signed [UH-1:0] u_in;
+      reg signed [BW-1:0] bend;
+      wire signed [SW-1:0] bend_x = {{(SW - BW + BEND_DROP) {bend[BW-1]}}, bend[BW-1:BEND_DROP]};
+      wire signed [SW-1:0] c1_at_bend;
+      reg signed [SW-1:0] slope;
+      ik_delay #(.W(SW), .N(2)) u_c1_at_bend (.clk(clk), .d({1'b0, c1}), .q(c1_at_bend));
+      ik_delay #(.W(UW), .N(3)) u_u_0 (.clk(clk), .d(u), .q(u_0));
+      always @(posedge clk) begin
+        c2_in <= {1'b0, c2};
+        u_in  <= u[UW-1:U_LOW];
+        bend  <= c2_in * u_in;
+        slope <= (BENDS_UP != 0) ? c1_at_bend + bend_x : c1_at_bend - bend_x;
+      end
+      assign slope_0 = slope;
+      wire unused_bend = &{1'b0, bend};
+    end else begin : g_straight
+      assign slope_0 = {1'b0, c1};
+      assign u_0 = u;
+      wire unused_c2 = &{1'b0, c2};
+    end
+  endgenerate
+
+  // ---- slope times u: operands, and the tile of the high parts ----
+
+  localparam integer SH = SW - SLOPE_LOW;
+  localparam integer HW = SH + UH - 1;
+  reg signed [SW-1:0] slope_1;
+  reg signed [UW-1:0] u_1;
+  wire signed [SH-1:0] slope_hi_1 = slope_1[SW-1:SLOPE_LOW];
+  wire signed [UH-1:0] u_hi_1 = u_1[UW-1:U_LOW];
+  reg signed [HW-1:0] hh_2;
+  always @(posedge clk) begin
+    slope_1 <= slope_0;
+    u_1     <= u_0;
+    hh_2    <= slope_hi_1 * u_hi_1;
+  end
+
+  // ---- sum ----
+
+  wire [SUM_FRAC:0] c0_2;
+  ik_delay #(.W(SUM_FRAC+1), .N(C0_CLOCKS)) u_c0_2 (.clk(clk), .d(c0), .q(c0_2));
+  wire [SUM_FRAC:0] hh_x = {{(SUM_FRAC + 1 - HW + DROP) {hh_2[HW-1]}}, hh_2[HW-1:DROP]};
+  wire [SUM_FRAC:0] outer = (RISES != 0) ? c0_2 + hh_x : c0_2 - hh_x;
+  wire [SUM_FRAC:0] sum;
+  generate
+    if (SLOPE_LOW > 0) begin : g_tiles
+      // the mixed tiles; a low part gets a zero sign bit
+      localparam integer HLW = SH + U_LOW;
+      localparam integer LHW = SLOPE_LOW + UH;
+      wire signed [U_LOW:0] u_lo_1 = {1'b0, u_1[U_LOW-1:0]};
+      wire signed [SLOPE_LOW:0] slope_lo_1 = {1'b0, slope_1[SLOPE_LOW-1:0]};
+      reg signed [HLW-1:0] hl_2;
+      reg signed [LHW-1:0] lh_2;
+      localparam integer HLC = HLW - DROP - U_LOW;
+      localparam integer LHC = LHW - DROP - SLOPE_LOW;
+      localparam integer MW = ((HLC > LHC) ? HLC : LHC) + 1;
+      wire [MW-1:0] hl_x = {{(MW - HLC) {hl_2[HLW-1]}}, hl_2[HLW-1:DROP+U_LOW]};
+      wire [MW-1:0] lh_x = {{(MW - LHC) {lh_2[LHW-1]}}, lh_2[LHW-1:DROP+SLOPE_LOW]};
+      reg signed [MW-1:0] mid_3;
+      reg [SUM_FRAC:0] outer_3;
+      always @(posedge clk) begin
+        hl_2    <= slope_hi_1 * u_lo_1;
+        lh_2    <= slope_lo_1 * u_hi_1;
+        mid_3   <= hl_x + lh_x;
+        outer_3 <= outer;
+      end
+      wire [SUM_FRAC:0] mid_x = {{(SUM_FRAC + 1 - MW) {mid_3[MW-1]}}, mid_3};
+      assign sum = (RISES != 0) ? outer_3 + mid_x : outer_3 - mid_x;
+      wire unused_tiles = &{1'b0, hl_2, lh_2};
+    end else begin : g_tile
+      assign sum = outer;
+    end
+  endgenerate
+  always @(posedge clk) y <= sum[SUM_FRAC:SUM_FRAC-F];
+
+  wire unused = &{1'b0, hh_2, sum};
+
+endmodule
+
+`default_nettype wire
