@@ -25,6 +25,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .facts import SUM, Growth, Limited, Within
+from .lean_words import down_from_4, half_up, magnitude, minus, plus, scaled_by, square, times, truth
 from .nodes import (
     FLOOR,
     HALF_UP,
@@ -253,7 +254,7 @@ def triangle(d: Domain, f: Lean) -> None:
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
     L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
-    inv_law = limited(d, f, "inv_law", LAW, "mux")
+    inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     L(26).op(
         "n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63,
@@ -288,15 +289,24 @@ def triangle(d: Domain, f: Lean) -> None:
         return np.where(clamp, ~truth(away), c >= 0)
 
     arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
-    large, small = "arm_sq_at_sin_a", "(sin_a >>> 1)"
+    large, small = "arm_sq_at_sin_a", "(clamp_at_sin_a ? 0 : (sin_a >>> 1))"
     half_part(
-        L(36), f, "arm_c", arm, toward, lambda clamp, away: clamp,
-        exact=f"clamp_at_sin_a ? (away_at_sin_a ? 0 : {large}) : sign_at_sin_a ? {small} : {large}",
+        L(36), f, "arm_c", arm, toward, lambda clamp, away: clamp, exact=f"swap_at_sin_a ? {small} : {large}",
     )  # fmt: skip
     half_part(
         L(37), f, "arm_s", arm, lambda *c: ~toward(*c), lambda clamp, away: clamp,
-        exact=f"clamp_at_sin_a ? (away_at_sin_a ? {large} : 0) : sign_at_sin_a ? {large} : {small}",
+        exact=f"swap_at_sin_a ? {large} : {small}",
     )  # fmt: skip
+    # For three products instead of four: c + s, and the difference of the larger part and the smaller.
+    d.op("arm_swap", ("cos_a", "clamp", "away"), d.bit, "mux", lambda *c: ~toward(*c))
+
+    both = ("arm_sq", "sin_a", "clamp")
+    for line, name, how, sign in ((52, "arm_dif", minus, "-"), (53, "arm_sum", plus, "+")):
+        L(line).op(
+            name, both, f.inner, "mux", lambda q, s, clamp, how=how: how(q, np.where(clamp, 0, s >> 1)),
+            lambda q, s, clamp, how=how: how(q, np.where(clamp, 0.0, s / 2)), FLOOR, within=PAIR, grows=SUM,
+            exact=f"{large} {sign} {small}",
+        )  # fmt: skip
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
@@ -318,8 +328,9 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, far=True, within=PART)
     L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, far=True, within=PART)
     # Three products a pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
-    L(52).op("arm_dif", ("arm_c", "arm_s"), f.inner, "mux", minus, minus, within=PAIR, grows=SUM, exact="arm_c - arm_s")
-    L(53).op("arm_sum", ("arm_c", "arm_s"), f.inner, "mux", plus, plus, within=PAIR, grows=SUM, exact="arm_c + arm_s")
+    def turned_by(whole, part, swap):
+        return np.where(swap, whole + part, whole - part)
+
     for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
         both = first + second
         parts = f"{first}_0", f"{second}_0"
@@ -331,10 +342,15 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         for unit, other, arm, line in turned:
             factors = n[f"{other}_0"], n[f"arm_{arm}"]
             L(line).mul3(f"{other}_{arm}", *factors, f.inner, far=True, after=n[f"{both}_0"], within=PAIR)
-            L(line).op(
-                f"{unit}_1", (f"{both}_c", f"{other}_{arm}"), f.inner, "mux", minus, minus,
-                within=PART, grows=SUM, exact=f"{both}_c - {other}_{arm}",
-            )  # fmt: skip
+            terms = f"{both}_c", f"{other}_{arm}"
+            less = " - ".join(terms)
+            if arm == "sum":
+                L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM, exact=less)
+            else:  # the larger part less the smaller is s - c where they are swapped
+                L(line).op(
+                    f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", turned_by, turned_by,
+                    within=PART, grows=SUM, exact=f"swap_at_wi_c ? {' + '.join(terms)} : {less}",
+                )  # fmt: skip
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
@@ -380,64 +396,18 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
 # -- what the sections share -----------------------------------------------------------------------------------------
 
 
-def plus(a, b):
-    return a + b
-
-
-def minus(a, b):
-    return a - b
-
-
-def times(a, b):
-    """The product of integers of any size."""
-    return a.astype(object) * b
-
-
-def square(a):
-    return times(a, a)
-
-
-def half_up(words, drop: int):
-    """Without their last ``drop`` bits, rounded half up."""
-    return (words + (1 << (drop - 1))) >> drop
-
-
-def down_from_4(words, count):
-    """4 words 2^-count."""
-    return (words << 2) >> count
-
-
-def scaled_by(power: int, sign: int) -> Callable:
-    """(v, count) -> v 2^(power + sign count), in double precision."""
-
-    def scaled(v, count):
-        return v * 2.0 ** (power + sign * count)
-
-    return scaled
-
-
-def magnitude(words):
-    """|c|, or one less: the one's complement of what is negative."""
-    return np.where(words < 0, ~words, words)
-
-
-def truth(mask):
-    """A mask that ``~`` negates."""
-    return np.asarray(mask).astype(bool)
-
-
 def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     """e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
     d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa, within=MANTISSA)
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
 
 
-def limited(d: Domain, f: Lean, name: str, within: Within, latency: str | None = None) -> Node:
-    """Wiring, or with a register: 2, which powers of two can give, becomes the largest inner word: ``name`` from
+def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
+    """2, which powers of two can give, becomes the largest inner word: ``name`` from
     ``name``_raw."""
     top, most = f.inner.high, "((1 <<< (N - 1)) - 1)"
     return d.op(
-        name, (f"{name}_raw",), f.inner, latency, lambda v: np.minimum(v, top), lambda v: v,
+        name, (f"{name}_raw",), f.inner, "mux", lambda v: np.minimum(v, top), lambda v: v,
         within=within, limited=TWO, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
     )  # fmt: skip
 

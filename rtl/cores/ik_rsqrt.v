@@ -42,18 +42,19 @@ module ik_rsqrt #(
   wire [RB+UW-1:0] place_x = {m_0[RB-1:0], {UW{1'b0}}};
   wire [UW-1:0] place = place_x[RB+UW-1:RB];
   wire some_0 = |m_0[F+2:F+1];
+  wire signed [UW-1:0] u_0 = m_0[F+2] ? {~place[UW-1], place[UW-2:0]} : {{2{~place[UW-2]}}, place[UW-3:0]};
   reg some_1;
   reg [ROW_BITS-1:0] row_1;
   reg signed [UW-1:0] u_1;
   always @(posedge clk) begin
     some_1 <= some_0;
     row_1  <= row_0;
-    u_1    <= m_0[F+2] ? {~place[UW-1], place[UW-2:0]} : {{2{~place[UW-2]}}, place[UW-3:0]} & {UW{some_0}};
+    u_1    <= some_0 ? u_0 : {UW{1'b0}};
   end
 
   // from 2 on
   reg [SUM_FRAC:0] c0_2;
-  always @(posedge clk) c0_2 <= {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST} & {(SUM_FRAC + 1) {some_1}};
+  always @(posedge clk) c0_2 <= some_1 ? {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST} : {(SUM_FRAC + 1) {1'b0}};
   wire [SLOPE_BITS-1:0] c1_1 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, row_1[C2_BITS+:C1_BITS]} << C1_UP;
   wire [C2_BITS-(C2_BITS>0):0] c2_1 = row_1[C2_BITS-(C2_BITS>0):0];  // one bit, not looked at, if there is no c2
   ik_quadratic #(

@@ -83,12 +83,13 @@ module ik_lean #(
   // ---- angle at the shoulder, elbow quaternion ----
 
   wire signed [W-1:0] qe_w, qe_i;
-  wire signed [N-1:0] arm_sq, arm_c, arm_s;
+  wire arm_swap;
+  wire signed [N-1:0] arm_sq, arm_c, arm_sum, arm_dif;
   ik_lean_triangle #(.W(W), .N(N)) u_triangle (
       .clk(clk),
       .d1(d1), .d2(d2), .a_far(a_far), .b_near(b_near), .k_law(k_law), .e_s(e_s), .inv_s(inv_s),
       .clamp(clamp), .fold(fold), .away(away),
-      .qe_w(qe_w), .qe_i(qe_i), .arm_sq(arm_sq), .arm_c(arm_c), .arm_s(arm_s)
+      .qe_w(qe_w), .qe_i(qe_i), .arm_sq(arm_sq), .arm_swap(arm_swap), .arm_c(arm_c), .arm_sum(arm_sum), .arm_dif(arm_dif)
   );
 
   // ---- shoulder quaternion ----
@@ -97,14 +98,14 @@ module ik_lean #(
   ik_lean_turn #(.W(W), .N(N)) u_turn (
       .clk(clk),
       .phi(phi), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s),
-      .arm_sq(arm_sq), .arm_c(arm_c), .arm_s(arm_s),
+      .arm_sq(arm_sq), .arm_swap(arm_swap), .arm_c(arm_c), .arm_sum(arm_sum), .arm_dif(arm_dif),
       .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
   );
 
   // ---- all results leave together ----
 
   wire signed [W-1:0] qe_w_at_out, qe_i_at_out;
-  ik_delay #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_at_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_at_out, qe_w_at_out}));
+  ik_ring #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_at_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_at_out, qe_w_at_out}));
   assign out_data = {qe_i_at_out, qe_w_at_out, qs_k, qs_j, qs_i, qs_w};
 
   wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out;

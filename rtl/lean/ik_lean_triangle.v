@@ -29,8 +29,10 @@ module ik_lean_triangle #(
     output reg  signed [  W-1:0] qe_i,    // (L23) (14)
     // Angle at the shoulder
     output reg  signed [  N-1:0] arm_sq,  // (L31) T_ARM_SQ
+    output reg                   arm_swap,  // T_ARM_SWAP
     output reg  signed [  N-1:0] arm_c,   // (L36) T_ARM_C
-    output reg  signed [  N-1:0] arm_s    // (L37)
+    output reg  signed [  N-1:0] arm_sum,  // (L53)
+    output reg  signed [  N-1:0] arm_dif  // (L52)
 );
 
   `include "ik_lean_nodes.vh"
@@ -112,8 +114,12 @@ module ik_lean_triangle #(
   );
   // 2, which powers of two can give, becomes the largest word
   localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
-  wire signed [N-1:0] inv_12_far = (|inv_12_far_raw[RW-1:N-1]) ? TOP : inv_12_far_raw[N-1:0];  // (L22)
-  wire signed [N-1:0] inv_12_near = (|inv_12_near_raw[RW-1:N-1]) ? TOP : inv_12_near_raw[N-1:0];  // (L23)
+  reg signed [N-1:0] inv_12_far;  // (L22)
+  reg signed [N-1:0] inv_12_near;  // (L23)
+  always @(posedge clk) begin
+    inv_12_far  <= (|inv_12_far_raw[RW-1:N-1]) ? TOP : inv_12_far_raw[N-1:0];
+    inv_12_near <= (|inv_12_near_raw[RW-1:N-1]) ? TOP : inv_12_near_raw[N-1:0];
+  end
 
   // ---- (L22) (L23) Qe; the clamped elbow is folded (1, 0) or straight (0, -1) ----
 
@@ -193,7 +199,8 @@ module ik_lean_triangle #(
   ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_LAW_AB_IN-T_INV_LAW), .DC(T_INV_LAW_AB_IN-T_N_AB)) u_inv_law_ab (
       .clk(clk), .d({inv_law[N-1], inv_law, 2'b00}), .count(n_ab), .q(inv_law_ab_raw)
   );
-  wire signed [N-1:0] inv_law_ab = (|inv_law_ab_raw[RW-1:N-1]) ? TOP : inv_law_ab_raw[N-1:0];  // (L28)
+  reg signed [N-1:0] inv_law_ab;  // (L28)
+  always @(posedge clk) inv_law_ab <= (|inv_law_ab_raw[RW-1:N-1]) ? TOP : inv_law_ab_raw[N-1:0];
 
   localparam integer T_SIN_A_IN = T_SIN_A - LAT_MUL3;
   wire signed [N-1:0] sin_a;  // (L28)
@@ -205,23 +212,27 @@ module ik_lean_triangle #(
   // ---- (L31) (L36) (L37) arm: the last turns by -a; a clamped arm lies along the line to the target, (1, 0), or away ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
-  wire clamp_at_cos_a, clamp_at_sin_a, away_at_sin_a, sign_at_sin_a;
+  wire clamp_at_cos_a, away_at_cos_a, clamp_at_sin_a, swap_at_sin_a;
   wire signed [N-1:0] arm_sq_at_sin_a;
-  ik_delay #(.W(1), .N(T_COS_A-T_CLAMP)) u_clamp_at_cos_a (.clk(clk), .d(clamp), .q(clamp_at_cos_a));
-  ik_delay #(.W(2), .N(T_SIN_A-T_CLAMP)) u_clamp_at_sin_a (
-      .clk(clk), .d({away, clamp}), .q({away_at_sin_a, clamp_at_sin_a})
+  ik_delay #(.W(2), .N(T_COS_A-T_CLAMP)) u_clamp_at_cos_a (
+      .clk(clk), .d({away, clamp}), .q({away_at_cos_a, clamp_at_cos_a})
   );
-  ik_delay #(.W(1), .N(T_SIN_A-T_COS_A)) u_sign_at_sin_a (.clk(clk), .d(cos_a[N-1]), .q(sign_at_sin_a));
+  ik_delay #(.W(1), .N(T_SIN_A-T_COS_A)) u_clamp_at_sin_a (.clk(clk), .d(clamp_at_cos_a), .q(clamp_at_sin_a));
+  ik_delay #(.W(1), .N(T_SIN_A-T_ARM_SWAP)) u_swap_at_sin_a (.clk(clk), .d(arm_swap), .q(swap_at_sin_a));
   ik_delay #(.W(N), .N(T_SIN_A-T_ARM_SQ)) u_arm_sq_at_sin_a (.clk(clk), .d(arm_sq), .q(arm_sq_at_sin_a));
   wire [N-1:0] sum_arm = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
-  wire big_first = clamp_at_sin_a ? !away_at_sin_a : !sign_at_sin_a;
   wire signed [N-1:0] half_arm = sin_a >>> 1;
   wire signed [N-1:0] small_arm = half_arm & {N{!clamp_at_sin_a}};
+  reg signed [N-1:0] arm_s;  // (L37) the node, watched only
   always @(posedge clk) begin
-    arm_sq  <= clamp_at_cos_a ? ONE : (sum_arm >> 1);
-    arm_c <= big_first ? arm_sq_at_sin_a : small_arm;
-    arm_s <= big_first ? small_arm : arm_sq_at_sin_a;
+    arm_sq   <= clamp_at_cos_a ? ONE : (sum_arm >> 1);
+    arm_swap <= clamp_at_cos_a ? away_at_cos_a : cos_a[N-1];
+    arm_c    <= swap_at_sin_a ? small_arm : arm_sq_at_sin_a;
+    arm_s    <= swap_at_sin_a ? arm_sq_at_sin_a : small_arm;
+    arm_sum  <= arm_sq_at_sin_a + small_arm;
+    arm_dif  <= arm_sq_at_sin_a - small_arm;
   end
+  wire unused_arm_s = &{1'b0, arm_s};
 
 endmodule
 

@@ -22,8 +22,10 @@ module ik_lean_turn #(
     input  wire signed [N-1:0] tilt_s,
     // From triangle
     input  wire signed [N-1:0] arm_sq,   // T_ARM_SQ
+    input  wire                arm_swap,  // T_ARM_SWAP
     input  wire signed [N-1:0] arm_c,    // T_ARM_C
-    input  wire signed [N-1:0] arm_s,
+    input  wire signed [N-1:0] arm_sum,
+    input  wire signed [N-1:0] arm_dif,
     // Results
     output reg  signed [W-1:0] qs_w,     // (L58) (18) T_QS_W
     output reg  signed [W-1:0] qs_i,     // (L59) (18)
@@ -92,17 +94,14 @@ module ik_lean_turn #(
       .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
   );
 
-  // ---- (L52)-(L55) and the fourth: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s) ----
+  // ---- (L52)-(L55) and the fourth: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s); c - s has the
+  // other sign where the parts of arm are swapped ----
 
   reg signed [N-1:0] wi_0;  // (L52)
   reg signed [N-1:0] kj_0;  // (L54)
-  reg signed [N-1:0] arm_dif;  // (L52)
-  reg signed [N-1:0] arm_sum;  // (L53)
   always @(posedge clk) begin
-    wi_0    <= w_0 + i_0;
-    kj_0    <= k_0 + j_0;
-    arm_dif <= arm_c - arm_s;
-    arm_sum <= arm_c + arm_s;
+    wi_0 <= w_0 + i_0;
+    kj_0 <= k_0 + j_0;
   end
 
   localparam integer T_1_IN = T_WI_C - LAT_MUL3;
@@ -134,11 +133,17 @@ module ik_lean_turn #(
   reg signed [N-1:0] i_1;  // (L53)
   reg signed [N-1:0] j_1;  // (L54)
   reg signed [N-1:0] k_1;  // (L55)
+  wire swap_at_wi_c;
+  ik_delay #(.W(1), .N(T_WI_C-T_ARM_SWAP)) u_swap_at_wi_c (.clk(clk), .d(arm_swap), .q(swap_at_wi_c));
+  // add or subtract by one carry chain, whose lowest place gives the carry
+  wire take = !swap_at_wi_c;
+  wire signed [N:0] w_x = {wi_c, 1'b1} + {i_dif ^ {N{take}}, take};
+  wire signed [N:0] k_x = {kj_c, 1'b1} + {j_dif ^ {N{take}}, take};
   always @(posedge clk) begin
-    w_1 <= wi_c - i_dif;
+    w_1 <= w_x[N:1];
     i_1 <= wi_c - w_sum;
     j_1 <= kj_c - k_sum;
-    k_1 <= kj_c - j_dif;
+    k_1 <= k_x[N:1];
   end
 
   // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; of four times the length below 1/4 ----
@@ -206,7 +211,7 @@ module ik_lean_turn #(
     qs_j <= j_r[DROP+:W];
     qs_k <= k_r[DROP+:W];
   end
-  wire unused = &{1'b0, m_q, w_r[DROP-1:0], i_r[DROP-1:0], j_r[DROP-1:0], k_r[DROP-1:0]};
+  wire unused = &{1'b0, m_q, w_x[0], k_x[0], w_r[DROP-1:0], i_r[DROP-1:0], j_r[DROP-1:0], k_r[DROP-1:0]};
 
 endmodule
 
