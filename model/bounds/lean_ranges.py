@@ -89,9 +89,9 @@ class LeanRanges(Domain):
     def even_mantissa(self, count, name, value, width, fmt):
         return Bound(0.0, width / 2 - 1), self._bound(name, fmt.ulp)
 
-    def reciprocal_root(self, name, m, fmt):
+    def reciprocal_root(self, name, m, fmt, twice):
         # 1/(2 sqrt m) is at most 2 times as steep as m is off (m >= 1/4); a mantissa cut off is part of "faithful"
-        return self._bound(name, 0.0 if m.op == "even" else 2 * m.value.error)
+        return self._bound(name, 0.0 if m.op == "even" else (4 if twice else 2) * m.value.error)
 
     def half_sincos(self, names, phi, fmt):
         return tuple(self._bound(name, 0.0) for name in names)

@@ -137,10 +137,11 @@ class Bits(Domain):
     def even_mantissa(self, count, name, value, width, fmt):
         return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
 
-    def reciprocal_root(self, name, m, fmt):
+    def reciprocal_root(self, name, m, fmt, twice):
         # A root has no more fraction bits than its mantissa is made for; an inner word may have more.
         frac = m.format.frac - 3
-        return lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
+        y = lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
+        return y << np.where(twice.value, 1, 0) if twice else y
 
     def half_sincos(self, names, phi, fmt):
         width = effective_width(self.width)  # a shorter angle ends in zeros

@@ -323,10 +323,10 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="sc + cs")
     L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="cc + ss")
     L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="sc - cs")
-    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, far=True, within=PART)
-    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, far=True, within=PART)
-    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, far=True, within=PART)
-    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, far=True, within=PART)
+    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, kind="mul3_spare", within=PART)
+    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_spare", within=PART)
+    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_spare", within=PART)
+    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, kind="mul3_spare", within=PART)
     # Three products a pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
     def turned_by(whole, part, swap):
         return np.where(swap, whole + part, whole - part)
@@ -337,11 +337,11 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         L(min(lines)).op(
             f"{both}_0", parts, f.inner, "mux", plus, plus, within=PAIR, grows=SUM, exact=" + ".join(parts),
         )  # fmt: skip
-        L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, far=True, within=PAIR)
+        L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, kind="mul3_far", within=PAIR)
         turned = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
         for unit, other, arm, line in turned:
             factors = n[f"{other}_0"], n[f"arm_{arm}"]
-            L(line).mul3(f"{other}_{arm}", *factors, f.inner, far=True, after=n[f"{both}_0"], within=PAIR)
+            L(line).mul3(f"{other}_{arm}", *factors, f.inner, kind="mul3_far", after=n[f"{both}_0"], within=PAIR)
             terms = f"{both}_c", f"{other}_{arm}"
             less = " - ".join(terms)
             if arm == "sum":
@@ -368,14 +368,8 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
         " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
     )  # fmt: skip
-    L(57).rsqrt("inv_q", n["m_q"], f.inner, within=INVERSE)
-
     # Doubled where the mantissa was taken from four times the length.
-    inv_n = L(57).op(
-        "inv_n", ("inv_q", "low"), f.inner, "mux", lambda v, low: v << np.where(low, 1, 0),
-        lambda v, low: v * np.where(low, 2.0, 1.0), within=LENGTH_INVERSE, grows=Growth((2.0, 0.0), exact=True),
-        exact="low_at_inv_q ? (inv_q <<< 1) : inv_q",
-    )  # fmt: skip
+    inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
 
     # The k part is not negative.
     def rounded(q, minus):
@@ -384,7 +378,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     d.at()
     d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
-        L(line).mul3(f"{unit}_q", n[f"{unit}_1"], inv_n, f.inner, scale=1, within=PART)
+        L(line).mul3(f"{unit}_q", n[f"{unit}_1"], inv_q, f.inner, scale=1, kind="mul3_far", within=PART)
         # (18)
         plus_q, minus_q = (ROUNDED.format(f"{sign} {unit}_q") for sign in "+-")
         L(line).op(

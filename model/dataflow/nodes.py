@@ -81,8 +81,7 @@ class FormatError(ValueError):
     """A node's format does not go with its operands'; the text names the node."""
 
 
-Value = Any
-"""What a domain computes with: an array over targets, an interval, an affine form."""
+Value = Any  # what a domain computes with: an array over targets, an interval, an affine form
 
 
 @dataclass(frozen=True)
@@ -105,20 +104,22 @@ class Latency:
         "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
         "mul3": (0, MUL3_CLOCKS, "three tile products, tile sums, rounded sum"),
         "mul3_far": (0, MUL3_CLOCKS + 1, "operands, three tile products, tile sums, rounded sum"),
+        "mul3_spare": (0, 0, "as mul3_far where the last root is long and leaves time, else as mul3"),
         "product": (0, 4, "operands, tile products, tile sums, sum"),
         "square": (0, 3, "operands, tile products, sum"),
         "wide": (0, 1, "an exact addition of long words"),
         "even": (0, EVEN_CLOCKS, "zero pairs in groups, shift by groups, shift by pairs"),
         "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
         "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
-        "rsqrt_far": (0, 0, "the table's address, and the same; in the short form one register more"),
+        "rsqrt_far": (0, 0, "the table's address, and the same"),
         "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
     }
 
     # kind -> (the fraction bits that choose its form, up to how many it is short, its clocks at so many)
     FORMS = {
+        "mul3_spare": ("ROOT_FRAC", SHORT_FRAC, lambda frac: MUL3_CLOCKS + (frac > SHORT_FRAC)),
         "rsqrt": ("ROOT_FRAC", SHORT_FRAC, rsqrt_clocks),
-        "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac: rsqrt_clocks(frac) + 1 + (frac <= SHORT_FRAC)),
+        "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac: rsqrt_clocks(frac) + 1),
         "trig": ("FRAC", TRIG_SHORT_FRAC, trig_clocks),
     }
 
@@ -351,16 +352,15 @@ class Domain(ABC):
         return self.make(name, "root", (n,), fmt, "root", value, error=self._coarser(name, FLOOR))
 
     def mul3(
-        self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, far: bool = False, after: Node | None = None,
+        self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, kind: str = "mul3", after: Node | None = None,
         **facts,
     ) -> Node:  # fmt: skip
-        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); ``far``: with a register for operands
-        that have a long way to many multipliers; it waits for ``after``, too."""
+        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); the ``kind`` mul3_far, and where there is
+        time mul3_spare, has a register for operands that have a long way; it waits for ``after``, too."""
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
-        latency = "mul3_far" if far else "mul3"
-        return self.make(name, "mul3", (a, b), fmt, latency, value, after, mul3_error(shift, *widths))
+        return self.make(name, "mul3", (a, b), fmt, kind, value, after, mul3_error(shift, *widths))
 
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
@@ -377,13 +377,14 @@ class Domain(ABC):
         self.make(count, "even", (value,), count_fmt, "even", shift)
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
-    def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, **facts) -> Node:
-        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0.  ``far``: with registers before and behind
-        for what has a long way."""
+    def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, twice: Node | None = None, **facts) -> Node:
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0; that doubled where ``twice``.  ``far``: the
+        table's address has a register of its own."""
         self.facts[name] = Facts(**facts)
-        value = self.reciprocal_root(name, m, fmt)
+        value = self.reciprocal_root(name, m, fmt, twice)
         latency = "rsqrt_far" if far else "rsqrt"
-        return self.make(name, "rsqrt", (m,), fmt, latency, value, error=_faithful(fmt, m.format.frac - 3))
+        low, high = (bound * (1 + (twice is not None)) for bound in _faithful(fmt, m.format.frac - 3))
+        return self.make(name, "rsqrt", (m, twice) if twice else (m,), fmt, latency, value, error=(low, high))
 
     def trig(
         self, names: tuple[str, str], phi: Node, fmt: Format, lines: tuple[int, int], within: tuple[Within, Within]
@@ -468,7 +469,7 @@ class Domain(ABC):
         """The shift ``count`` and the mantissa ``name``."""
         raise NotImplementedError
 
-    def reciprocal_root(self, name: str, m: Node, fmt: Format) -> Value:
+    def reciprocal_root(self, name: str, m: Node, fmt: Format, twice: Node | None) -> Value:
         raise NotImplementedError
 
     def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format) -> tuple[Value, ...]:

@@ -61,9 +61,8 @@ class Form:
 
     @property
     def clocks(self) -> int:
-        """Of ``ik_quadratic``: operands, slope times u, sum; before them operands, c2 u, slope; before the sum that of
-        the mixed tiles."""
-        return 3 + (len(self.c_frac) > 2) * 3 + (self.tiles > 1)
+        """Of ``ik_quadratic``: operands, slope times u, sum, result; before them operands, c2 u, slope."""
+        return 4 + (len(self.c_frac) > 2) * 3
 
 
 def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath.mpf]:

@@ -76,8 +76,9 @@ class Real(Domain):
         exact = value.value / value.format.ulp * 2.0 ** (2 * shift - width)
         return shift, self._moved(name, np.where(mantissa == 0, 0.0, exact), fmt)
 
-    def reciprocal_root(self, name, m, fmt):
+    def reciprocal_root(self, name, m, fmt, twice):
         inverse = 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25))
+        inverse = inverse * np.where(twice.value, 2.0, 1.0) if twice else inverse
         return self._moved(name, np.where(m.value > 0, inverse, 0.0), fmt)
 
     def half_sincos(self, names, phi, fmt):

@@ -4,8 +4,9 @@
 // One segment of a function from a table (model/dataflow/quadratic.py): u is how far the argument is from its middle.
 // Words above their tiles' low parts have at most 18 bits. Slope times u takes one tile, or three: that of the low parts
 // is left out. c1 and the slope have the same fraction bits, c0 and the sum SUM_FRAC.
-// Latency: 3 clocks, operands, product, sum; with C2W > 0 three more, operands, c2 u, slope; with SLOPE_LOW > 0 one more,
-// the sum of the mixed tiles. A name ends with the clock in which it is valid, counted from that of the slope.
+// Latency: 4 clocks: operands, product, with one tile the sum, with three those of the outer and of the mixed ones, result;
+// with C2W > 0 three more: operands, c2 u, slope. A name ends with the clock in which it is valid, counted from that of the
+// slope.
 `default_nettype none
 
 module ik_quadratic #(
@@ -26,6 +27,7 @@ module ik_quadratic #(
     input  wire        [       SW-2:0] c1,
     input  wire        [C2W-(C2W>0):0] c2,
     input  wire signed [       UW-1:0] u,
+    input  wire                        twice,  // 1: y is doubled; a clock before y
     output reg         [          F:0] y
 );
 
@@ -110,10 +112,12 @@ module ik_quadratic #(
       assign sum = (RISES != 0) ? outer_3 + mid_x : outer_3 - mid_x;
       wire unused_tiles = &{1'b0, hl_2, lh_2};
     end else begin : g_tile
-      assign sum = outer;
+      reg [SUM_FRAC:0] sum_3;
+      always @(posedge clk) sum_3 <= outer;
+      assign sum = sum_3;
     end
   endgenerate
-  always @(posedge clk) y <= sum[SUM_FRAC:SUM_FRAC-F];
+  always @(posedge clk) y <= twice ? {sum[SUM_FRAC-1:SUM_FRAC-F], 1'b0} : sum[SUM_FRAC:SUM_FRAC-F];
 
   wire unused = &{1'b0, hh_2, sum};
 

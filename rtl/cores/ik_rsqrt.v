@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The error is below one place of y, also where m is a longer mantissa cut off (model/dataflow/cores.py has the proof).
-// m below 1/4 gives 0. From a table: one half of its segments lie in [1/4, 1/2), the other in [1/2, 1). Up to SHORT_FRAC
+// m below 1/4 gives 0. Doubled, y has a zero below its last place. From a table: one half of its segments lie in [1/4, 1/2), the other in [1/2, 1). Up to SHORT_FRAC
 // fraction bits the function is straight in a segment, beyond a quadratic of it.
 // The memory of the table has its address a clock before m is valid: m_next is m before a register.
-// Latency: 4 clocks after m, 8 with F > SHORT_FRAC (LAT_RSQRT): the table's output register, and ik_quadratic. A name ends
+// Latency: 5 clocks after m, 8 with F > SHORT_FRAC (LAT_RSQRT): the table's output register, and ik_quadratic. A name ends
 // with the clock after m in which it is valid.
 `default_nettype none
 
@@ -14,6 +14,7 @@ module ik_rsqrt #(
 ) (
     input  wire         clk,
     input  wire [F+2:0] m_next,
+    input  wire         twice,   // 1: y is doubled; a clock before y
     output wire [  F:0] y
 );
 
@@ -66,6 +67,7 @@ module ik_rsqrt #(
       .c1 (c1_1[SLOPE_BITS-2:0]),
       .c2 (c2_1),
       .u  (u_1),
+      .twice(twice),
       .y  (y)
   );
 

@@ -4,7 +4,7 @@
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. From a table of the sine of a quarter turn,
 // which the cosine reads from the other end, where u has the other sign. Up to F = 23 the sine is straight in a segment,
 // beyond a quadratic of u. model/dataflow/trig.py has the proof of the bound.
-// Latency: 11 clocks, 7 up to F = 23 (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name ends with
+// Latency: 11 clocks, 8 up to F = 23 (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name ends with
 // the clock in which it is valid.
 `default_nettype none
 
@@ -76,13 +76,13 @@ module ik_trig #(
       .F(F), .SUM_FRAC(SUM_FRAC), .UW(UW), .U_LOW(U_LOW), .SW(SLOPE_BITS), .SLOPE_LOW(SLOPE_LOW), .DROP(DROP), .C2W(C2_BITS),
       .BEND_DROP(BEND_DROP), .RISES(1)
   ) u_sine (
-      .clk(clk), .c0(sine_c0_4), .c1(sine_c1_3[SLOPE_BITS-2:0]), .c2(sine_3[C2_TOP:0]), .u(u_3), .y(sine)
+      .clk(clk), .c0(sine_c0_4), .c1(sine_c1_3[SLOPE_BITS-2:0]), .c2(sine_3[C2_TOP:0]), .u(u_3), .twice(1'b0), .y(sine)
   );
   ik_quadratic #(
       .F(F), .SUM_FRAC(SUM_FRAC), .UW(UW), .U_LOW(U_LOW), .SW(SLOPE_BITS), .SLOPE_LOW(SLOPE_LOW), .DROP(DROP), .C2W(C2_BITS),
       .BEND_DROP(BEND_DROP), .BENDS_UP(1)
   ) u_cosine (
-      .clk(clk), .c0(cosine_c0_4), .c1(cosine_c1_3[SLOPE_BITS-2:0]), .c2(cosine_3[C2_TOP:0]), .u(u_3), .y(cosine)
+      .clk(clk), .c0(cosine_c0_4), .c1(cosine_c1_3[SLOPE_BITS-2:0]), .c2(cosine_3[C2_TOP:0]), .u(u_3), .twice(1'b0), .y(cosine)
   );
 
   // sign

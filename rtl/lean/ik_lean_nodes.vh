@@ -13,14 +13,15 @@ localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
 localparam integer LAT_MUX = 1;  // an exact addition, a choice, a sign change or a comparison
 localparam integer LAT_MUL3 = 3;  // three tile products, tile sums, rounded sum
 localparam integer LAT_MUL3_FAR = 4;  // operands, three tile products, tile sums, rounded sum
+localparam integer LAT_MUL3_SPARE = (ROOT_FRAC > 22) ? 4 : 3;  // as mul3_far where the last root is long and leaves time, else as mul3
 localparam integer LAT_PRODUCT = 4;  // operands, tile products, tile sums, sum
 localparam integer LAT_SQUARE = 3;  // operands, tile products, sum
 localparam integer LAT_WIDE = 1;  // an exact addition of long words
 localparam integer LAT_EVEN = 3;  // zero pairs in groups, shift by groups, shift by pairs
 localparam integer LAT_SHIFT3 = 3;  // barrel shift: by sixteens, by fours, by ones
-localparam integer LAT_RSQRT = (ROOT_FRAC > 22) ? 8 : 4;  // a table and u times a slope; in the long form in tiles, the slope by another product
-localparam integer LAT_RSQRT_FAR = (ROOT_FRAC > 22) ? 9 : 6;  // the table's address, and the same; in the short form one register more
-localparam integer LAT_TRIG = (FRAC > 23) ? 11 : 7;  // magnitude, a table and u times a slope, as for rsqrt, sign
+localparam integer LAT_RSQRT = (ROOT_FRAC > 22) ? 8 : 5;  // a table and u times a slope; in the long form in tiles, the slope by another product
+localparam integer LAT_RSQRT_FAR = (ROOT_FRAC > 22) ? 9 : 6;  // the table's address, and the same
+localparam integer LAT_TRIG = (FRAC > 23) ? 11 : 8;  // magnitude, a table and u times a slope, as for rsqrt, sign
 
 // exact squares and flags
 localparam integer F_X = W - 2, T_X = 0;
@@ -130,10 +131,10 @@ localparam integer F_C_PLUS = FRAC, T_C_PLUS = T_CC + LAT_MUX;  // (L44)
 localparam integer F_S_PLUS = FRAC, T_S_PLUS = T_SC + LAT_MUX;  // (L45)
 localparam integer F_C_MINUS = FRAC, T_C_MINUS = T_CC + LAT_MUX;  // (L46)
 localparam integer F_S_MINUS = FRAC, T_S_MINUS = T_SC + LAT_MUX;  // (L47)
-localparam integer F_W_0 = FRAC, T_W_0 = T_C_PLUS + LAT_MUL3_FAR;  // (L48)
-localparam integer F_I_0 = FRAC, T_I_0 = T_C_MINUS + LAT_MUL3_FAR;  // (L49)
-localparam integer F_J_0 = FRAC, T_J_0 = T_S_MINUS + LAT_MUL3_FAR;  // (L50)
-localparam integer F_K_0 = FRAC, T_K_0 = T_S_PLUS + LAT_MUL3_FAR;  // (L51)
+localparam integer F_W_0 = FRAC, T_W_0 = T_C_PLUS + LAT_MUL3_SPARE;  // (L48)
+localparam integer F_I_0 = FRAC, T_I_0 = T_C_MINUS + LAT_MUL3_SPARE;  // (L49)
+localparam integer F_J_0 = FRAC, T_J_0 = T_S_MINUS + LAT_MUL3_SPARE;  // (L50)
+localparam integer F_K_0 = FRAC, T_K_0 = T_S_PLUS + LAT_MUL3_SPARE;  // (L51)
 localparam integer F_WI_0 = FRAC, T_WI_0 = T_W_0 + LAT_MUX;  // (L52)
 localparam integer F_WI_C = FRAC, T_WI_C = T_WI_0 + LAT_MUL3_FAR;  // (L52)
 localparam integer F_I_DIF = FRAC, T_I_DIF = T_WI_0 + LAT_MUL3_FAR;  // (L52)
@@ -151,15 +152,14 @@ localparam integer F_LENGTH_SQ = FRAC, T_LENGTH_SQ = T_ARM_SQ + LAT_MUL3;  // (L
 localparam integer T_LOW = T_LENGTH_SQ;  // (L57)
 localparam integer T_M_Q = T_LENGTH_SQ + LAT_MUX;  // (L57)
 localparam integer F_INV_Q = FRAC, T_INV_Q = T_M_Q + LAT_RSQRT;  // (L57)
-localparam integer F_INV_N = FRAC, T_INV_N = T_INV_Q + LAT_MUX;  // (L57)
 localparam integer T_MINUS = T_K_1;
-localparam integer F_W_Q = FRAC, T_W_Q = (T_W_1 > T_INV_N ? T_W_1 : T_INV_N) + LAT_MUL3;  // (L58)
+localparam integer F_W_Q = FRAC, T_W_Q = T_INV_Q + LAT_MUL3_FAR;  // (L58)
 localparam integer F_QS_W = W - 2, T_QS_W = T_W_Q + LAT_MUX;  // (L58)
-localparam integer F_I_Q = FRAC, T_I_Q = (T_I_1 > T_INV_N ? T_I_1 : T_INV_N) + LAT_MUL3;  // (L59)
+localparam integer F_I_Q = FRAC, T_I_Q = T_INV_Q + LAT_MUL3_FAR;  // (L59)
 localparam integer F_QS_I = W - 2, T_QS_I = T_I_Q + LAT_MUX;  // (L59)
-localparam integer F_J_Q = FRAC, T_J_Q = (T_J_1 > T_INV_N ? T_J_1 : T_INV_N) + LAT_MUL3;  // (L60)
+localparam integer F_J_Q = FRAC, T_J_Q = T_INV_Q + LAT_MUL3_FAR;  // (L60)
 localparam integer F_QS_J = W - 2, T_QS_J = T_J_Q + LAT_MUX;  // (L60)
-localparam integer F_K_Q = FRAC, T_K_Q = (T_K_1 > T_INV_N ? T_K_1 : T_INV_N) + LAT_MUL3;  // (L61)
+localparam integer F_K_Q = FRAC, T_K_Q = T_INV_Q + LAT_MUL3_FAR;  // (L61)
 localparam integer F_QS_K = W - 2, T_QS_K = T_K_Q + LAT_MUX;  // (L61)
 
 // All results leave together.

@@ -4,7 +4,7 @@
 // A reciprocal square root of full relative precision, however small v is: v 4^e = m 2^VW with m in [1/4, 1), so
 // 1/sqrt v = 2 inv 2^(e - VW/2).
 // Latency: LAT_EVEN for e and m, and LAT_RSQRT_FAR more for inv: m is the address of the table when it has a register of its
-// own, and where R is small, inv has another one, because its sum comes straight from a multiplier and goes to several.
+// own.
 `default_nettype none
 
 module ik_lean_root #(
@@ -22,10 +22,8 @@ module ik_lean_root #(
   ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
 
   wire [R:0] y;
-  wire [R:0] y_inv;
-  ik_rsqrt #(.F(R)) u_rsqrt (.clk(clk), .m_next(m), .y(y));
-  ik_delay #(.W(R+1), .N((R > 22) ? 0 : 1)) u_y_inv (.clk(clk), .d(y), .q(y_inv));
-  wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y_inv};
+  ik_rsqrt #(.F(R)) u_rsqrt (.clk(clk), .m_next(m), .twice(1'b0), .y(y));
+  wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y};
   assign inv = y_x << (N - 2 - R);
 
 endmodule

@@ -167,12 +167,9 @@ module ik_lean_turn #(
   wire [ROOT_FRAC:0] y_q;
   wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
   wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
-  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .y(y_q));
-
-  wire low_at_inv_q;
-  reg signed [N-1:0] inv_n;  // (L57)
-  ik_delay #(.W(1), .N(T_INV_Q-T_LOW)) u_low_at_inv_q (.clk(clk), .d(low), .q(low_at_inv_q));
-  always @(posedge clk) inv_n <= low_at_inv_q ? (inv_q <<< 1) : inv_q;
+  wire low_before_inv_q;
+  ik_delay #(.W(1), .N(T_INV_Q-1-T_LOW)) u_low_before_inv_q (.clk(clk), .d(low), .q(low_before_inv_q));
+  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_before_inv_q), .y(y_q));
 
   // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
 
@@ -180,19 +177,19 @@ module ik_lean_turn #(
   wire signed [N-1:0] i_q;  // (L59)
   wire signed [N-1:0] j_q;  // (L60)
   wire signed [N-1:0] k_q;  // (L61)
-  localparam integer SH_Q = F_W_1 + F_INV_N - 1 - F_W_Q;
+  localparam integer SH_Q = F_W_1 + F_INV_Q - 1 - F_W_Q;
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_w_q (
-      .clk(clk), .a(w_1), .b(inv_n), .q(w_q)
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_w_q (
+      .clk(clk), .a(w_1), .b(inv_q), .q(w_q)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_i_q (
-      .clk(clk), .a(i_1), .b(inv_n), .q(i_q)
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_i_q (
+      .clk(clk), .a(i_1), .b(inv_q), .q(i_q)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_j_q (
-      .clk(clk), .a(j_1), .b(inv_n), .q(j_q)
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_j_q (
+      .clk(clk), .a(j_1), .b(inv_q), .q(j_q)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_N)) u_k_q (
-      .clk(clk), .a(k_1), .b(inv_n), .q(k_q)
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_k_q (
+      .clk(clk), .a(k_1), .b(inv_q), .q(k_q)
   );
 
   localparam integer DROP = F_W_Q - F_QS_W;

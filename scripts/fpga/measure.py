@@ -3,7 +3,7 @@
 
     python -m scripts.fpga [--quick] [--datapath lean|paper|short|memory] [--width BITS] [--page]
 
-Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), for xc7 and for ECP5, and places and routes on
+Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
 an ECP5-85k with nextpnr.  Every run is kept in build/fpga under a hash of its sources, options and tools: a repeated
 command is quick, an interrupted one resumes.  The figures go to fpga.json, from which the page fpga.md is made; --quick
 does one small width and writes neither, --page only makes the page.
@@ -47,7 +47,7 @@ PAGE = GENERATED / "fpga.md"
 WIDTHS = {"lean": (18, 24, 32), "paper": (32,), "short": (32,)}
 """What is measured unless others are asked for."""
 QUICK_WIDTH = 18
-FAMILIES = ("xc2vp", "xc7", "ecp5")
+FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 ONLY_COUNTED = {"short": ("xc2vp",)}
 """Not placed, and synthesized for these families: what is asked is what the shorter words win."""
 FULL = 0.97

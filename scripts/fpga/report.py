@@ -24,7 +24,7 @@ _XILINX = {
     "MUXF": {f"MUXF{k}": 1 for k in range(5, 10)},
 }
 _PORTS = (1, 2, 4, 9, 18, 36)
-# memories in LUTs: 16 bits each on xc2vp, 64 on xc7, and as many again for the second port of X1D
+# memories in LUTs: 16 bits each on xc2vp, 64 on xc7 and xcup, and as many again for the second port of X1D
 _LUT4_RAM = {f"RAM{depth}X1{port}": depth // 16 * (2 if port == "D" else 1) for depth in (16, 32, 64) for port in "SD"}
 _LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32X1D": 2, "RAM64X1D": 2, "RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
 CELLS = {
@@ -41,6 +41,13 @@ CELLS = {
         "carry": {"CARRY4": 1},
         "multipliers": {"DSP48E1": 1},
         "RAM": {"RAMB18E1": 1, "RAMB36E1": 2},
+    },
+    "xcup": _XILINX
+    | {
+        "LUT": _XILINX["LUT"] | _LUT6_RAM,
+        "carry": {"CARRY4": 1},  # two of them are a CARRY8
+        "multipliers": {"DSP48E2": 1},
+        "RAM": {"RAMB18E2": 1, "RAMB36E2": 2},
     },
     # a CCU2C is two LUTs with a carry; a memory of 16x4 bits takes the LUTs of two slices, and two for writing
     "ecp5": {

@@ -155,7 +155,9 @@ class Run:
             lines += [f"chparam -set {k} {v} {self.top}" for k, v in self.values.items()]
         flat = self.kind != "tree"
         if self.family == "ecp5":
-            lines.append(f"synth_ecp5{'' if flat else ' -noflatten'} -top {top}")
+            # a synchronous reset made of data would keep a register out of a multiplier
+            command = f"synth_ecp5{'' if flat else ' -noflatten'} -top {top} -run"
+            lines += [f"{command} begin:map_ffs", "dffunmap -srst-only", "opt_clean", f"{command} map_ffs:"]
         else:
             lines.append(f"scratchpad -set abc9.D {PERIOD_PS}")
             flatten = " -flatten" if flat else ""
@@ -174,9 +176,10 @@ class Run:
             return {SRL16_MAP.name: SRL16_MAP.read_text(encoding="utf-8")}
         return {}
 
-    def key(self) -> str:
+    def key(self, placed: bool = True) -> str:
+        """Of what its figures depend on, or the netlist alone."""
         parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys")]
-        if self.kind == "place":
+        if self.kind == "place" and placed:
             parts += [*PLACE, str(self.seed), PACKER, version("nextpnr-ecp5")]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
@@ -187,29 +190,35 @@ class Run:
         if kept.exists():
             return json.loads(kept.read_text())
         say(f"{self.name} ...")
+        synthesized = BUILD / f"{self.title}-{self.key(placed=False)}"  # of all seeds
+        seconds = self._synthesis(synthesized)
         folder.mkdir(parents=True, exist_ok=True)
-        for path in self.files():
-            (folder / path.name).write_bytes(content(path))
-        for name, text in {**self.extra(), "run.ys": self.script()}.items():
-            (folder / name).write_text(text)
-        netlist = folder / "netlist.json"
-        figures = {"rtl": digest(self.files())}
-        if not (folder / "stat.json").exists() or (self.kind == "place" and not netlist.exists()):
-            (folder / "stat.json").unlink(missing_ok=True)
-            command = [program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
-            seconds = call(command, folder, "yosys.log", self.name, self.limit)
-            figures["synthesis_s"] = round(seconds)
-        stat = json.loads((folder / "stat.json").read_text())
+        figures = {"rtl": digest(self.files()), "synthesis_s": seconds}
+        stat = json.loads((synthesized / "stat.json").read_text())
         figures["cells"] = counted(stat, self.family)
         if self.kind == "tree":
             figures["modules"] = by_module(stat, self.family)
             figures["sections"] = by_section(stat, self.family)
         if self.kind == "place":
-            figures |= self._placed(folder, netlist)
-        for bulky in (netlist, folder / "packed.json"):
-            bulky.unlink(missing_ok=True)
+            figures |= self._placed(folder, synthesized / "netlist.json")
+            (folder / "packed.json").unlink()
         kept.write_text(json.dumps(figures, indent=1) + "\n")
         return figures
+
+    def _synthesis(self, folder: Path) -> int:
+        """Leaves stat.json in a folder, and the netlist of what is placed; the seconds that it took."""
+        told = folder / "seconds.json"
+        if told.exists():
+            return json.loads(told.read_text())
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in self.files():
+            (folder / path.name).write_bytes(content(path))
+        for name, text in {**self.extra(), "run.ys": self.script()}.items():
+            (folder / name).write_text(text)
+        command = [program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
+        seconds = round(call(command, folder, "yosys.log", self.name, self.limit))
+        told.write_text(str(seconds))
+        return seconds
 
     def _placed(self, folder: Path, netlist: Path) -> dict:
         content = json.loads(netlist.read_text())

@@ -36,7 +36,7 @@ FREE = ("ik_even", "ik_norm", "ik_lzc", "ik_half")
 """Operators whose properties all hold for any input."""
 
 ELSEWHERE = {
-    "ik_rsqrt": "faithful, so at most a place off 1/(2 sqrt m): `model/dataflow/cores.py`, `rsqrt_error`",
+    "ik_rsqrt": "faithful, a place off 1/(2 sqrt m) at most, or two, doubled: `model/dataflow/cores.py`, `rsqrt_error`",
     "ik_trig": "error below a place: `model/dataflow/trig.py`, `error_bound`",
     "ik_sincos": "error below two places: counted in `model/dataflow/paper.py`, `CORDIC`; tested, not by a solver",
 }

@@ -153,7 +153,7 @@ BUGS: tuple[NodeBug, ...] = (
         "(|inv_12_far_raw[RW-1:N-1])", "(|inv_12_far_raw[RW-1:N])",
     ),
     _seed(
-        "four times", "lean", "inv_n", f"{LEAN}ik_lean_turn.v",
-        "low_at_inv_q ? (inv_q <<< 1)", "low_at_inv_q ? (inv_q <<< 2)",
+        "half of four times", "lean", "m_q", f"{LEAN}ik_lean_turn.v",
+        "low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}", "low ? {length_sq[FRAC-2:0], {(UP + 1) {1'b0}}}",
     ),
 )  # fmt: skip
