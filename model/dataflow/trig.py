@@ -67,10 +67,10 @@ def half_sincos(phi, width: int, frac: int):
     """
     form = form_of(frac)
     negative = phi < 0
-    a = np.where(negative, ~phi, phi)  # one less than |phi| where it is negative, and u one more
+    a = np.abs(phi)
     below = width - 1 - form.index_bits  # bits of a below the number of its segment
-    row = a >> below
-    u = (a & (1 << below) - 1) - (1 << below - 1) + negative << form.u_frac - width + 1
+    row = np.minimum(a >> below, form.rows - 1)  # a quarter turn is the end of the last
+    u = a - (row << below) - (1 << below - 1) << form.u_frac - width + 1
     half = 1 << form.sum_frac - frac - 1
     columns = _columns(form)
     sin = polynomial(form, columns[:, row], u, rises=True, bends_up=False) + half >> form.sum_frac - frac

@@ -26,38 +26,40 @@ module ik_trig #(
     end
   endgenerate
 
-  // 1: |phi|, of a negative phi one less: that is added to u
-  reg [W-2:0] a_1;
+  // 1: |phi|, whose highest bit says a quarter turn
+  reg [W-1:0] a_1;
   reg minus_1;
   always @(posedge clk) begin
-    a_1     <= phi[W-2:0] ^ {(W - 1) {phi[W-1]}};
+    a_1     <= (phi ^ {W{phi[W-1]}}) + {{(W - 1) {1'b0}}, phi[W-1]};
     minus_1 <= phi[W-1];
   end
 
-  // 2: table
+  // 2: table; the quarter turn is the end of the last segment
   localparam integer RB = W - 1 - INDEX_BITS;  // bits of a below the number of its segment
   reg [ROW_BITS-1:0] sine_2;
   reg [ROW_BITS-1:0] cosine_2;
   reg [RB-1:0] rest_2;
+  reg end_2;
   reg minus_2;
+  wire [INDEX_BITS-1:0] row_1 = a_1[W-2:RB] | {INDEX_BITS{a_1[W-1]}};
   always @(posedge clk) begin
-    sine_2   <= rom[a_1[W-2:RB]];
-    cosine_2 <= rom[~a_1[W-2:RB]];
+    sine_2   <= rom[row_1];
+    cosine_2 <= rom[~row_1];
     rest_2   <= a_1[RB-1:0];
+    end_2    <= a_1[W-1];
     minus_2  <= minus_1;
   end
 
   // 3: the memory's output registers; u is the place in the segment less its middle
-  localparam integer UW = U_FRAC - INDEX_BITS + 1;  // the segment's end, too
+  localparam integer UW = U_FRAC - INDEX_BITS + 1;  // the last segment's end, too
   wire [UW-1:0] place = {{(UW - RB) {1'b0}}, rest_2} << (UW - 1 - RB);
-  wire [UW-1:0] one_more = {{(UW - 1) {1'b0}}, minus_2} << (UW - 1 - RB);
   reg [ROW_BITS-1:0] sine_3;
   reg [ROW_BITS-1:0] cosine_3;
   reg signed [UW-1:0] u_3;
   always @(posedge clk) begin
     sine_3   <= sine_2;
     cosine_3 <= cosine_2;
-    u_3      <= {{2{~place[UW-2]}}, place[UW-3:0]} + one_more;
+    u_3      <= {~place[UW-2] & ~end_2, ~place[UW-2], place[UW-3:0]};
   end
 
   // from 4 on
@@ -93,7 +95,7 @@ module ik_trig #(
     cos_h <= {1'b0, cosine};
   end
 
-  wire unused = &{1'b0, sine_c1_3, cosine_c1_3};
+  wire unused = &{1'b0, sine_c1_3, cosine_c1_3, place[UW-1]};
 
 endmodule
 

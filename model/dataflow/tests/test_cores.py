@@ -10,6 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from model.dataflow import cores as lean_cores
+from model.dataflow import quadratic as quadratic_of
 from model.dataflow.cores import (
     LONG,
     SHORT,
@@ -19,12 +20,16 @@ from model.dataflow.cores import (
     form_of,
     mul3,
     mul3_error,
+    place,
     quadratic,
+    root,
     rounding,
+    row_error,
     rsqrt,
     rsqrt_error,
     rsqrt_error_bound,
     rsqrt_rows,
+    segment,
 )
 
 # ---- product of three tiles ------------------------------------------------------------------------------------------
@@ -209,61 +214,68 @@ def test_rsqrt_below_a_quarter_is_zero(frac):
 @pytest.mark.parametrize("form", FORMS, ids=["short", "long"])
 def test_table_fits_its_words(form):
     rows = rsqrt_rows(form)
-    assert len(rows) == form.rows and not any(map(any, rows[: form.first]))
-    for c0, *rest in rows[form.first :]:
+    assert len(rows) == form.rows
+    for c0, *rest in rows:
         # With all that is ever added to round a result, c0 stays below 1, and its highest bit is a one.
         most = c0 + (rounding(form, min(FRACS[form])) >> form.sum_frac - form.c_frac[0])
         assert c0 >> form.c_frac[0] - 1 == most >> form.c_frac[0] - 1 == 1
-        assert form.c_bits[0] == form.c_frac[0] - form.split
+        assert form.c_bits[0] == form.c_frac[0] - 1
         assert all(0 < word < 1 << bits for word, bits in zip(rest, form.c_bits[1:], strict=True))
     # A slope is never more than the first one at its left end.
-    _, c1, c2 = rows[form.first]
-    _, width = form.segment(form.first)
-    assert c1 / 2 ** form.c_frac[1] + c2 * width / 2 / 2 ** form.c_frac[2] < 2 ** (form.c_bits[1] - form.c_frac[1])
+    _, c1, *c2 = rows[0]
+    _, width = segment(form, 0)
+    bend = c2[0] * width / 2 / 2 ** form.c_frac[2] if c2 else 0
+    assert c1 / 2 ** form.c_frac[1] + bend < 2 ** (form.c_bits[1] - form.c_frac[1])
 
 
 @pytest.mark.parametrize("frac", [21, 31])
 def test_place_is_the_distance_from_the_segments_middle(frac):
     form = form_of(frac)
     m = mantissas(frac)
-    row, u = form.place(m, frac)
-    left, width = np.array([tuple(map(float, form.segment(row))) for row in range(form.rows)]).T
+    row, u = place(form, m, frac)
+    left, width = np.array([tuple(map(float, segment(form, row))) for row in range(form.rows)]).T
     assert (left[row] + width[row] / 2 + u / 2.0**form.u_frac == m / 2.0 ** (frac + 3)).all()
     assert (np.abs(u + 0.5) / 2.0**form.u_frac < width[row] / 2).all()
-    assert set(row.tolist()) == set(range(form.first, form.rows))
+    assert set(row.tolist()) == set(range(form.rows))
+
+
+def value(form, row, u):
+    """The function from the words of a row, before anything is cut off."""
+    c0, c1, *c2 = (word / mpmath.mpf(2) ** frac for word, frac in zip(rsqrt_rows(form)[row], form.c_frac, strict=True))
+    return c0 - c1 * u + (c2[0] * u * u if c2 else 0)
 
 
 @pytest.mark.parametrize("form", FORMS, ids=["short", "long"])
 def test_table_meets_the_root_at_its_nodes(form):
     """To the places of its words; at 100 digits."""
     with mpmath.workdps(100):
-        for row in range(form.first, form.rows):
-            left, width = form.segment(row)
-            places = [mpmath.mpf(2) ** -f for f in form.c_frac]
-            c0, c1, c2 = (c * place for c, place in zip(rsqrt_rows(form)[row], places, strict=True))
-            for u in (0, mpmath.sqrt(3) / 4 * width, -mpmath.sqrt(3) / 4 * width):
-                off = c0 - c1 * u + c2 * u * u - 1 / (2 * mpmath.sqrt(left + width / 2 + u))
-                assert abs(off) <= places[0] / 2 + places[1] / 2 * abs(u) + places[2] / 2 * width**2 / 8
+        halves = [mpmath.mpf(2) ** -f / 2 for f in form.c_frac]
+        for row in range(form.rows):
+            left, width = segment(form, row)
+            a = mpmath.sqrt(len(halves)) / 4 * width
+            for u in (a, -a, *([mpmath.mpf(0)] if len(halves) > 2 else [])):
+                off = value(form, row, u) - root(left + width / 2 + u)
+                assert abs(off) <= halves[0] + halves[1] * abs(u) + (halves[2] * width**2 / 8 if halves[2:] else 0)
 
 
 @pytest.mark.parametrize("frac", [21, 22, 31])
 def test_parts_of_the_proof(frac):
-    """Segment by segment: interpolation where it is worst, next to its bound; then the quadratic within its own."""
+    """Segment by segment: interpolation where it is worst, next to its bound; then the polynomial within its own."""
     form = form_of(frac)
     rng = np.random.default_rng(3)
     with mpmath.workdps(100):
-        for row in range(form.first, form.rows):
-            left, width = form.segment(row)
-            c0, c1, c2 = lean_cores._interpolant(form, row)
-            ends = [width * k / 4 for k in (-2, -1, 1, 2)]
-            off = [c0 - c1 * u + c2 * u * u - 1 / mpmath.sqrt(left + width / 2 + u) / 2 for u in ends]
-            most = max(map(abs, off))
-            assert 0.95 < most / lean_cores._interpolation_error(form, row) <= 1, f"row {row}"
-            bound = lean_cores._quadratic_error(form, row, frac)
+        for row in range(form.rows):
+            left, width = segment(form, row)
+            c = quadratic_of.interpolant(form, root, (left, width))
+            ends = [width * k / 4 for k in (-2, -1, 0, 1, 2)]
+            off = [sum(c[k] * u**k for k in range(len(c))) - root(left + width / 2 + u) for u in ends]
+            derivative = lean_cores._derivative(form, row)
+            most = quadratic_of.interpolation_error(form, (left, width), derivative)
+            assert 0.95 < max(map(abs, off)) / most <= 1, f"row {row}"
+            bound = row_error(form, row)
             first, last = (int((left + part) * 2 ** (frac + 3)) for part in (0, width))
             inside = np.arange(64)
             m = np.concatenate([rng.integers(first, last, 1000), first + inside, last - 1 - inside])
-            assert (form.place(m, frac)[0] == row).all()
-            root = 0.5 / np.sqrt(m / 2.0 ** (frac + 3))
-            off = (quadratic(m, frac) - rounding(form, frac)) / 2.0**form.sum_frac - root
+            assert (place(form, m, frac)[0] == row).all()
+            off = quadratic(m, frac) / 2.0**form.sum_frac - 0.5 / np.sqrt(m / 2.0 ** (frac + 3))
             assert bound.low < off.min() and off.max() < bound.high, f"row {row}: {off.min()} to {off.max()}"
