@@ -298,6 +298,7 @@ def triangle(d: Domain, f: Lean) -> None:
         exact=f"swap_at_sin_a ? {large} : {small}",
     )  # fmt: skip
     # For three products instead of four: c + s, and the difference of the larger part and the smaller.
+    d.at()
     d.op("arm_swap", ("cos_a", "clamp", "away"), d.bit, "mux", lambda *c: ~toward(*c))
 
     both = ("arm_sq", "sin_a", "clamp")

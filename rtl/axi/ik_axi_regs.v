@@ -11,7 +11,7 @@ module ik_axi_regs #(
     parameter integer DIGIT   = 0,
     parameter integer ADDR_W  = 32,
     parameter integer DATA_W  = 64,
-    parameter integer LATENCY = 42,  // clocks of ik_axis
+    parameter integer LATENCY = 44,  // clocks of ik_axis
     parameter integer PLACES  = 64   // records between AR and W, at most
 ) (
     input  wire        clk,

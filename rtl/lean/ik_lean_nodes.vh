@@ -116,7 +116,7 @@ localparam integer F_SIN_A = FRAC, T_SIN_A = T_ROOT_AB + LAT_MUL3;  // (L28)
 localparam integer F_ARM_SQ = FRAC, T_ARM_SQ = T_COS_A + LAT_MUX;  // (L31)
 localparam integer F_ARM_C = FRAC, T_ARM_C = T_SIN_A + LAT_MUX;  // (L36)
 localparam integer F_ARM_S = FRAC, T_ARM_S = T_SIN_A + LAT_MUX;  // (L37)
-localparam integer T_ARM_SWAP = T_COS_A + LAT_MUX;  // (L37)
+localparam integer T_ARM_SWAP = T_COS_A + LAT_MUX;
 localparam integer F_ARM_DIF = FRAC, T_ARM_DIF = T_SIN_A + LAT_MUX;  // (L52)
 localparam integer F_ARM_SUM = FRAC, T_ARM_SUM = T_SIN_A + LAT_MUX;  // (L53)
 

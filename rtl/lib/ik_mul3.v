@@ -18,7 +18,7 @@ module ik_mul3 #(
     parameter integer OW = 33,  // width of q
     parameter integer DA = 0,   // clocks by which a is delayed
     parameter integer DB = 0,   // and b
-    parameter integer SQUARE = 0  // 1: b is a, and two tiles do
+    parameter integer SQUARE = 0  // 1: of a with itself, two tiles; b is not looked at
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -42,7 +42,14 @@ module ik_mul3 #(
   wire signed [AW-1:0] a_in;
   wire signed [BW-1:0] b_in;
   ik_delay #(.W(AW), .N(DA)) u_a (.clk(clk), .d(a), .q(a_in));
-  ik_delay #(.W(BW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));
+  generate
+    if (SQUARE != 0) begin : g_a_twice
+      assign b_in = a_in;
+      wire unused_b = &{1'b0, b};
+    end else begin : g_b
+      ik_delay #(.W(BW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));
+    end
+  endgenerate
 
   // tile products; a low part gets a zero sign bit
   wire signed [AH-1:0] a_hi = a_in[AW-1:AL];

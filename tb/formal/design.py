@@ -20,7 +20,7 @@ from tb.sim.sources import closure, includes
 PROPERTIES = ROOT / "tb" / "formal" / "ranges"
 
 CLOCKS = {
-    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 3, "ik_wide": 2, "ik_even": 3, "ik_norm": 3,
+    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 2, "ik_wide": 1, "ik_even": 3, "ik_norm": 3,
     "ik_lzc": 2, "ik_half": 1, "ik_shift": 2, "ik_shift3": 3,
 }  # fmt: skip
 """Operator -> clocks that its properties look back, which is the depth of the induction."""

@@ -244,7 +244,7 @@ def root(width: int, shift: int) -> Proof:
 PROOFS = (
     fifo(64),
     fifo(512),
-    *axis("lean", 40, 64),
+    *axis("lean", 42, 64),
     *axis("paper", 318, 512),
     Proof("div_row", "31", "ik_div_row", "31-bit divisor", DIV_ROW_SAYS, DIV_ROW_BUGS),
     *(Proof("root_row", k, "ik_root_row", f"{k}-bit root so far", ROOT_ROW_SAYS, ROOT_ROW_BUGS) for k in ("15", "30")),

@@ -111,12 +111,12 @@ BUGS: tuple[NodeBug, ...] = (
     ),
     # ik_exact, ik_wide
     _seed(
-        "no carry into the upper half", "lean", "x_sq", f"{LIB}ik_exact.v",
-        "{{(W - 1) {1'b0}}, carry}", "{W {1'b0}}", "recombined",
+        "no carries", "lean", "x_sq", f"{LIB}ik_exact.v",
+        "outer + (inner_x <<< L)", "outer | (inner_x <<< L)", "recombined",
     ),
     _seed(
-        "no carry into the upper half", "lean", "s", f"{LIB}ik_wide.v",
-        "{{(W - H - 1) {1'b0}}, carry}", "{(W - H) {1'b0}}", "modulo",
+        "no carries", "lean", "s", f"{LIB}ik_wide.v",
+        "a_in - b_in : a_in + b_in", "a_in - b_in : a_in | b_in", "modulo",
     ),
     # counts and shifts
     _seed(

@@ -17,7 +17,7 @@ generate
     assign ghost_middle = hl <<< 1;
   end else begin : g_ghost
     assign ghost_middle = hl + g_product.lh;
-    always @* if (ghost_age == 2'd3) tile_lh : assert (g_product.lh == ghost_a_lo * ghost_b_hi);
+    always @* if (ghost_age == 2'd2) tile_lh : assert (g_product.lh == ghost_a_lo * ghost_b_hi);
   end
 endgenerate
 localparam integer GW = 2 * W + 4;
@@ -25,8 +25,7 @@ wire signed [2*W-1:0] ghost_outer = {hh, ll[2*L-1:0]};
 wire signed [GW-1:0] ghost_inner = ghost_middle;
 reg signed [GW-1:0] ghost_1;
 reg signed [GW-1:0] ghost_2;
-reg signed [GW-1:0] ghost_3;
-reg [1:0] ghost_age = 2'd0;  // clocks, up to 3
+reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
 always @(posedge clk) begin
   ghost_a_1 <= a;
   ghost_b_1 <= b;
@@ -34,14 +33,13 @@ always @(posedge clk) begin
   ghost_b   <= ghost_b_1;
   ghost_1   <= ghost_outer + (ghost_inner <<< L);
   ghost_2   <= ghost_1;
-  ghost_3   <= ghost_2;
-  if (ghost_age != 2'd3) ghost_age <= ghost_age + 2'd1;
+  if (ghost_age != 2'd2) ghost_age <= ghost_age + 2'd1;
 end
 
-always @* if (ghost_age == 2'd3) begin
+always @* if (ghost_age == 2'd2) begin
   tile_hh : assert (hh == ghost_a_hi * ghost_b_hi);
   tile_hl : assert (hl == ghost_a_hi * ghost_b_lo);
   tile_ll : assert (ll == ghost_a_lo * ghost_b_lo);
   // a square has no register between the tiles and their sum
-  recombined : assert (p == $signed((SQUARE != 0) ? ghost_2[2*W-1:0] : ghost_3[2*W-1:0]));
+  recombined : assert (p == $signed((SQUARE != 0) ? ghost_1[2*W-1:0] : ghost_2[2*W-1:0]));
 end

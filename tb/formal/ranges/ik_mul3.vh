@@ -24,7 +24,7 @@ reg signed [GW-1:0] ghost_2;
 reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
 always @(posedge clk) begin
   ghost_a <= a;
-  ghost_b <= b;
+  ghost_b <= (SQUARE != 0) ? a : b;
   ghost_1 <= ghost_value;
   ghost_2 <= ghost_1;
   if (ghost_age != 2'd2) ghost_age <= ghost_age + 2'd1;

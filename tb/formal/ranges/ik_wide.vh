@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_wide: the sum in more bits than it can need, two clocks ago.
+// Appended to ik_wide: the sum in more bits than it can need, a clock ago.
 
 localparam integer GW = W + 4;
 wire signed [GW-1:0] ghost_value = (SUB != 0) ? (a - b) : (a + b);
 reg signed [GW-1:0] ghost_1;
-reg signed [GW-1:0] ghost_2;
-reg [1:0] ghost_age = 2'd0;  // clocks, up to 2
+reg ghost_age = 1'b0;  // clocks, up to 1
 always @(posedge clk) begin
-  ghost_1 <= ghost_value;
-  ghost_2 <= ghost_1;
-  if (ghost_age != 2'd2) ghost_age <= ghost_age + 2'd1;
+  ghost_1   <= ghost_value;
+  ghost_age <= 1'b1;
 end
 
-always @* if (ghost_age == 2'd2) begin
-  guard_bits : assert (ghost_2 == q);
-  modulo : assert (q == $signed(ghost_2[W-1:0]));
+always @* if (ghost_age) begin
+  guard_bits : assert (ghost_1 == q);
+  modulo : assert (q == $signed(ghost_1[W-1:0]));
 end
