@@ -33,8 +33,7 @@ EVERY_ANSWER = {
     # every answer is off by a place: case: file, what is there, what it becomes
     "root_17_behavioural": ("ik_root.v", "({negative, floor & ", "({negative, (floor - 1) & "),
     "rsqrt_19": (
-        "ik_rsqrt.v", "y <= sum[SUM_FRAC:SUM_FRAC-F];\n      wire unused_short",
-        "y <= sum[SUM_FRAC:SUM_FRAC-F] ^ 1;\n      wire unused_short",
+        "ik_quadratic.v", ": sum[SUM_FRAC:SUM_FRAC-F];", ": sum[SUM_FRAC:SUM_FRAC-F] ^ 1;",
     ),
 }
 

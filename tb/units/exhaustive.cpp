@@ -141,6 +141,7 @@ struct Rsqrt {
   template <class Top>
   void drive(Top& top, uint64_t argument) const {
     top.m_next = argument;
+    top.twice = 0;
   }
 
   template <class Top>

@@ -11,48 +11,53 @@ from tb.units.unit import Tests, checks, runs, unsigned
 
 def bench(F: int) -> Tests:
     MW = F + 3
-    words, one = unsigned(MW), 1 << MW
+    words, one, bit = unsigned(MW), 1 << MW, unsigned(1)
     mantissas = words[one // 4 :]
 
-    def reference(m):
-        """The model's words; those of mantissas are less than a place from 2^(F-1) / sqrt(V), V from m to m + 1."""
+    def reference(m, twice):
+        """The model's words; those of mantissas are less than a place from 2^(F-1) / sqrt(V), V from m to m + 1.
+        Doubled as far as the word goes."""
         y = rsqrt(np.array(m), F).tolist()
         square = 1 << 2 * F + MW - 2
         for v, root in zip(m, y, strict=True):
             near = (root - 1) ** 2 * (v + 1) <= square < (root + 1) ** 2 * v
             assert near or v not in mantissas, f"the model is not faithful: {v} -> {root}"
-        return (y,)
+        return ([(root << double) % (2 << F) for root, double in zip(y, twice, strict=True)],)
 
     def segments():
-        """Both ends of each segment, its middle, where u changes its sign, and their neighbours; in any order."""
-        segment = one >> 8
-        places = (0, 1, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
-        words = [start + place for start in range(0, one, segment) for place in places]
-        return random.sample(words, len(words))
+        """Both ends of many segments, their middles, where u changes its sign, and their neighbours; in any order."""
+        segment = one >> 11
+        places = (0, 1, segment // 4, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
+        words = [start + place for start in range(0, one, 7 * segment) for place in places]
+        return [(m, 0) for m in random.sample(words, len(words))]
 
     def random_mantissas():
-        return [random.choice(mantissas) for _ in range(4000)]
+        return [(random.choice(mantissas), random.choice(bit)) for _ in range(4000)]
 
     def any_words():
         """Words below 1/4 among mantissas."""
-        return [random.choice(words) >> random.choice((0, 0, 1, 2, 3, MW // 2)) for _ in range(1000)]
+        some = [random.choice(words) >> random.choice((0, 0, 1, 2, 3, MW // 2)) for _ in range(1000)]
+        return [(m, random.choice(bit)) for m in some]
 
     return checks(
-        {"m_next": words},
+        {"m_next": words, "twice": bit},
         {"y": unsigned(F + 1)},
         reference,
         segments,
         random_mantissas,
         any_words,
-        latency=1 + rsqrt_clocks(F),  # of the mantissa's register, and after it
-        latencies=[(one // 4, one - 1), (one // 2, 0)],
+        latency=1,  # from `twice`, which the mantissa's way to there is ahead of
+        delays={"DM": rsqrt_clocks(F)},
+        latencies=[((one // 4, 0), (one - 1, 0)), ((one // 2, 0), (0, 0)), ((one - 1, 0), (one - 1, 1))],
         corners={
-            "quarter": (one // 4, 1 << F),
-            "largest": (one - 1, 1 << F - 1),
-            "zero": (0, 0),
-            "below_a_quarter": (one // 4 - 1, 0),
+            "quarter": ((one // 4, 0), 1 << F),
+            "largest": ((one - 1, 0), 1 << F - 1),
+            "largest_doubled": ((one - 1, 1), 1 << F),
+            "zero": ((0, 0), 0),
+            "zero_doubled": ((0, 1), 0),
+            "below_a_quarter": ((one // 4 - 1, 0), 0),
         },
-        good=one // 3,
+        good=(one // 3, 0),
     )
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from model.bounds.cordic import sincos_bound
 from model.dataflow import fixed
-from model.dataflow.nodes import Latency
-from model.dataflow.trig import POINTS, TRIG_CLOCKS, error_bound, half_sincos
+from model.dataflow.nodes import Latency, inner_frac
+from model.dataflow.trig import FRACS, error_bound, form_of, half_sincos, trig_clocks
 from tb.units.unit import Tests, checks, corners, runs, signed
 
 QUARTER = math.sqrt(0.5)
@@ -80,7 +80,8 @@ def sincos_bench(W: int) -> Tests:
 
 
 def trig_bench(W: int, F: int) -> Tests:
-    step = 1 << W - 10  # from one table point to the next
+    rows = form_of(F).rows
+    step = (1 << W - 1) // rows  # a segment
     least, largest = -(1 << W - 1), (1 << W - 1) - 1
     small = math.pi / 2**W
 
@@ -99,24 +100,24 @@ def trig_bench(W: int, F: int) -> Tests:
         -(1 << W - 2): (-QUARTER, QUARTER),
     }
 
-    def table_points():
-        """On each, and at the two ends of what belongs to it, for both signs."""
-        ends = (-step // 2, -step // 2 + 1, -1, 0, 1, step // 2 - 1)
-        angles = [k * step + e for k in range(-POINTS, POINTS + 1) for e in ends if k * step + e in signed(W)]
+    def segments():
+        """Ends and middles of many, for both signs."""
+        places = (-1, 0, 1, step // 2 - 1, step // 2)
+        angles = [k * step + e for k in range(-rows, rows + 1, 3) for e in places if k * step + e in signed(W)]
         return random.sample(angles, len(angles))
 
-    def between_table_points():
-        """The last before a table point takes over, the first of the next one, the last point but one."""
-        return [v for phi in (step // 2 - 1, step // 2, largest - step // 2) for v in (5, phi, least // 3, phi, 5)]
+    def from_segment_to_segment():
+        """The last of the first segment, the first of the next one, the last segment."""
+        return [v for phi in (step - 1, step, largest - step // 2) for v in (5, phi, least // 3, phi, 5)]
 
     # 1 stands for cos(pi/2^W), which is 1 - (pi/2^W)^2/2.
     more = math.ldexp(math.pi**2, F - 2 * W - 1)
-    return bench(W, F, model, error_bound(W, F), TRIG_CLOCKS, angles, more, table_points, between_table_points)
+    return bench(W, F, model, error_bound(F), trig_clocks(F), angles, more, segments, from_segment_to_segment)
 
 
 def trig(w: int) -> dict[str, int]:
-    """F goes with W as in the datapath.  Up to F = 21 the core has fewer tiles."""
-    return {"W": w, "F": min(w + 3, 31)}
+    """F goes with W as in the datapath."""
+    return {"W": w, "F": min(inner_frac(w), FRACS[-1])}
 
 
 test_ik_sincos = runs("ik_sincos", sincos_bench, {"W": 32}, more=[{"W": 16}, {"W": 27}])

@@ -263,8 +263,8 @@ def test_the_quickest_of_the_seeds_is_kept(monkeypatch, tmp_path):
 
 
 def test_no_seed_is_tried_after_the_aim_is_reached(monkeypatch, tmp_path):
-    data, _ = measured(monkeypatch, tmp_path, {1: 170.0, 2: 181.0, 3: 190.0})
-    assert data["runs"]["lean-W18-ecp5-place"]["tried"] == [170.0, 181.0]
+    data, _ = measured(monkeypatch, tmp_path, {1: 190.0, 2: 201.0, 3: 210.0})
+    assert data["runs"]["lean-W18-ecp5-place"]["tried"] == [190.0, 201.0]
 
 
 def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tmp_path):
