@@ -183,19 +183,19 @@ def direction(d: Domain, f: Lean) -> None:
     L(18).op(
         "inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR, within=RISEN,
     )  # fmt: skip
-    L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, within=UPPER_HALF)
+    L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
     # azimuth 0 is taken: (1, 1)/2.
     half_length(L(29), f, "az_sq", ("u_y",))
-    az = ("az_sq", "u_y", "u_x", "on_axis")
+    # Its parts do not wait for the squared length.
+    az, length = ("u_y", "u_y", "u_x", "on_axis"), half_of("u_y")
     half_part(
-        L(32), f, "az_c", az, lambda u_y, on_axis: (u_y < 0) | truth(on_axis),
-        exact="(sign_u_y_at_az_sq || on_axis_at_az_sq) ? az_sq : (u_x_at_az_sq >>> 1)",
+        L(32), f, "az_c", az, lambda u_y, on_axis: (u_y < 0) | truth(on_axis), waits=False,
+        exact=f"(u_y < 0 || on_axis_at_u_y) ? ({length}) : (u_x >>> 1)",
     )  # fmt: skip
     half_part(
-        L(33), f, "az_s", az, lambda u_y, on_axis: u_y >= 0,
-        exact="sign_u_y_at_az_sq ? (u_x_at_az_sq >>> 1) : az_sq",
+        L(33), f, "az_s", az, lambda u_y, on_axis: u_y >= 0, waits=False, exact=f"u_y < 0 ? (u_x >>> 1) : ({length})",
     )  # fmt: skip
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, +z is taken: (1, 0).
     half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
@@ -233,7 +233,7 @@ def triangle(d: Domain, f: Lean) -> None:
             within=ARMS_UNIT, grows=Growth((8.0, 0.0)),
         )  # fmt: skip
         limited(d, f, f"inv_12_{side}", ARMS_UNIT)
-        L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, within=ELBOW_W)
+        L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
 
     # The clamped elbow is folded (1, 0) or straight (0, -1).
     one = 1 << (d.width - 2)
@@ -281,7 +281,7 @@ def triangle(d: Domain, f: Lean) -> None:
         within=LAW_UNIT, grows=Growth((4.0, 0.0)),
     )  # fmt: skip
     inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
-    L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, within=UPPER_HALF)
+    L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
     half_length(L(31), f, "arm_sq", ("cos_a", "clamp"))
 
@@ -324,10 +324,10 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="sc + cs")
     L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="cc + ss")
     L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="sc - cs")
-    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, kind="mul3_spare", within=PART)
-    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_spare", within=PART)
-    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_spare", within=PART)
-    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, kind="mul3_spare", within=PART)
+    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, kind="mul3_far", within=PART)
+    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_far", within=PART)
+    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_far", within=PART)
+    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, kind="mul3_far", within=PART)
     # Three products a pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
     def turned_by(whole, part, swap):
         return np.where(swap, whole + part, whole - part)
@@ -411,18 +411,26 @@ def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
 # where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 
 
+def half_word(f: Lean, cosine):
+    """(1 + |c|)/2 of a word."""
+    return ((1 << f.frac) + magnitude(cosine)) >> 1
+
+
+def half_of(cosine: str) -> str:
+    """The same in Verilog."""
+    return f"((1 <<< FRAC) + ({cosine} < 0 ? -1 - {cosine} : {cosine})) >>> 1"
+
+
 def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
     """(1 + |c|)/2 of the first operand; 1 where the second, a mask, says so."""
-    one = 1 << f.frac
-
     def bits(c, unit=False):
-        return np.where(unit, one, (one + magnitude(c)) >> 1)
+        return np.where(unit, 1 << f.frac, half_word(f, c))
 
     def real(c, unit=False):
         return np.where(unit, 1.0, (1 + abs(c)) / 2)
 
     cosine, *mask = operands
-    exact = f"((1 <<< FRAC) + ({cosine} < 0 ? -1 - {cosine} : {cosine})) >>> 1"
+    exact = half_of(cosine)
     if mask:
         exact = f"{mask[0]}_at_{cosine} ? (1 <<< FRAC) : ({exact})"
     d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_LENGTH, exact=exact)
@@ -430,16 +438,19 @@ def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> Non
 
 def half_part(
     d: Domain, f: Lean, name: str, operands: tuple[str, ...], large: Callable, none: Callable | None = None,
-    *, exact: str,
+    *, exact: str, waits: bool = True,
 ) -> None:  # fmt: skip
     """A part of h: the squared length where ``large`` says so of the cosine and the masks, else half the sine, or 0
-    where ``none`` says so of the masks.  ``operands``: squared length, cosine, sine, masks."""
+    where ``none`` says so of the masks.  ``operands``: squared length, cosine, sine, masks; the first is the cosine
+    again where it does not wait for the squared length."""
 
     def bits(g, c, s, *masks):
+        g = g if waits else half_word(f, c)
         small = np.where(none(*masks), 0, s >> 1) if none else s >> 1
         return np.where(large(c, *masks), g, small)
 
     def real(g, c, s, *masks):
+        g = g if waits else (1 + abs(c)) / 2
         small = np.where(none(*masks), 0.0, s / 2) if none else s / 2
         return np.where(large(c, *masks), g, small)
 

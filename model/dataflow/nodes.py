@@ -104,7 +104,6 @@ class Latency:
         "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
         "mul3": (0, MUL3_CLOCKS, "three tile products, tile sums, rounded sum"),
         "mul3_far": (0, MUL3_CLOCKS + 1, "operands, three tile products, tile sums, rounded sum"),
-        "mul3_spare": (0, 0, "as mul3_far where the last root is long and leaves time, else as mul3"),
         "product": (0, 4, "operands, tile products, tile sums, sum"),
         "square": (0, 3, "operands, tile products, sum"),
         "wide": (0, 1, "an exact addition of long words"),
@@ -117,7 +116,6 @@ class Latency:
 
     # kind -> (the fraction bits that choose its form, up to how many it is short, its clocks at so many)
     FORMS = {
-        "mul3_spare": ("ROOT_FRAC", SHORT_FRAC, lambda frac: MUL3_CLOCKS + (frac > SHORT_FRAC)),
         "rsqrt": ("ROOT_FRAC", SHORT_FRAC, rsqrt_clocks),
         "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac: rsqrt_clocks(frac) + 1),
         "trig": ("FRAC", TRIG_SHORT_FRAC, trig_clocks),
@@ -355,8 +353,8 @@ class Domain(ABC):
         self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, kind: str = "mul3", after: Node | None = None,
         **facts,
     ) -> Node:  # fmt: skip
-        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); the ``kind`` mul3_far, and where there is
-        time mul3_spare, has a register for operands that have a long way; it waits for ``after``, too."""
+        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); the ``kind`` mul3_far
+        has a register for operands that have a long way; it waits for ``after``, too."""
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)

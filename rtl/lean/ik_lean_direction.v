@@ -103,19 +103,16 @@ module ik_lean_direction #(
   // ---- (L29) (L32) (L33) az: the first rotation turns by the azimuth and 90 degrees, cosine -u_y, sine u_x ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
-  wire on_axis_at_u_y, on_axis_at_az_sq;
-  wire signed [N-1:0] u_x_at_az_sq;
-  wire sign_u_y_at_az_sq;
+  wire on_axis_at_u_y;
   ik_delay #(.W(1), .N(T_U_Y-T_ON_AXIS)) u_on_axis_at_u_y (.clk(clk), .d(on_axis), .q(on_axis_at_u_y));
-  ik_delay #(.W(N+2), .N(T_AZ_SQ-T_U_Y)) u_u_x_at_az_sq (
-      .clk(clk), .d({on_axis_at_u_y, u_y[N-1], u_x}), .q({on_axis_at_az_sq, sign_u_y_at_az_sq, u_x_at_az_sq})
-  );
   wire [N-1:0] sum_az = ONE + (u_y ^ {N{u_y[N-1]}});  // 1 + |u_y|, by the one's complement
+  wire signed [N-1:0] half_az = sum_az >> 1;
+  wire signed [N-1:0] half_u_x = u_x >>> 1;
   always @(posedge clk) begin
-    az_sq  <= sum_az >> 1;
+    az_sq <= half_az;
     // on the z axis u_x = u_y = 0, and azimuth 0 is taken: (1, 1)/2
-    az_c <= (sign_u_y_at_az_sq || on_axis_at_az_sq) ? az_sq : (u_x_at_az_sq >>> 1);
-    az_s <= sign_u_y_at_az_sq ? (u_x_at_az_sq >>> 1) : az_sq;
+    az_c  <= (u_y[N-1] || on_axis_at_u_y) ? half_az : half_u_x;
+    az_s  <= u_y[N-1] ? half_u_x : half_az;
   end
 
   // ---- (L30) (L34) (L35) tilt: the second turns by the angle between p and the z axis, cosine sin_el, sine cos_el ----

@@ -125,10 +125,13 @@ module ik_lean_triangle #(
 
   wire signed [N-1:0] elbow_w;  // (L22)
   wire signed [N-1:0] elbow_i;  // (L23)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N), .DB(T_ROOT_FAR-T_INV_12_FAR)) u_elbow_w (
+  localparam integer T_ELBOW_IN = T_ELBOW_W - LAT_MUL3;
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
+      .DB(T_ELBOW_IN-T_INV_12_FAR)) u_elbow_w (
       .clk(clk), .a(root_far), .b(inv_12_far), .q(elbow_w)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N), .DB(T_ROOT_FAR-T_INV_12_FAR)) u_elbow_i (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
+      .DB(T_ELBOW_IN-T_INV_12_FAR)) u_elbow_i (
       .clk(clk), .a(root_near), .b(inv_12_near), .q(elbow_i)
   );
 

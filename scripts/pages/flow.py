@@ -21,7 +21,7 @@ KINDS = {
 """Kinds of operations, and their names."""
 
 KIND_OF = {
-    "mul": "mul", "mul3": "mul", "mul3_far": "mul", "mul3_spare": "mul", "square": "mul", "product": "mul",
+    "mul": "mul", "mul3": "mul", "mul3_far": "mul", "square": "mul", "product": "mul",
     "sum2": "add", "sum3": "add", "wide": "add", "div": "div", "root": "root", "rsqrt": "root", "rsqrt_far": "root",
     "sincos": "sincos", "trig": "sincos", "norm": "scale", "lzc": "scale",
     "shift": "scale", "shift3": "scale", "even": "scale", "mux": "choose", None: "choose",
