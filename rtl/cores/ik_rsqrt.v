@@ -14,7 +14,7 @@ module ik_rsqrt #(
 ) (
     input  wire         clk,
     input  wire [F+2:0] m_next,
-    input  wire         twice,   // 1: y is doubled; a clock before y
+    input  wire         twice,   // 1: y is doubled; with m
     output wire [  F:0] y
 );
 
@@ -58,6 +58,8 @@ module ik_rsqrt #(
   always @(posedge clk) c0_2 <= some_1 ? {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST} : {(SUM_FRAC + 1) {1'b0}};
   wire [SLOPE_BITS-1:0] c1_1 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, row_1[C2_BITS+:C1_BITS]} << C1_UP;
   wire [C2_BITS-(C2_BITS>0):0] c2_1 = row_1[C2_BITS-(C2_BITS>0):0];  // one bit, not looked at, if there is no c2
+  wire twice_y;
+  ik_delay #(.W(1), .N(CLOCKS)) u_twice_y (.clk(clk), .d(twice), .q(twice_y));
   ik_quadratic #(
       .F(F), .SUM_FRAC(SUM_FRAC), .UW(UW), .U_LOW(U_LOW), .SW(SLOPE_BITS), .SLOPE_LOW(SLOPE_LOW), .DROP(DROP), .C2W(C2_BITS),
       .BEND_DROP(BEND_DROP)
@@ -67,7 +69,7 @@ module ik_rsqrt #(
       .c1 (c1_1[SLOPE_BITS-2:0]),
       .c2 (c2_1),
       .u  (u_1),
-      .twice(twice),
+      .twice(twice_y),
       .y  (y)
   );
 

@@ -19,6 +19,7 @@ localparam integer SUM_FRAC = LONG ? 36 : 28;
 localparam integer DROP = LONG ? 8 : 11;
 localparam integer BEND_DROP = LONG ? 15 : 0;
 localparam integer TILES = LONG ? 3 : 1;
+localparam integer CLOCKS = LONG ? 7 : 4;
 localparam integer INDEX_BITS = LONG ? 10 : 11;
 localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 localparam integer SPARE = SUM_FRAC - C0_FRAC;

@@ -167,9 +167,9 @@ module ik_lean_turn #(
   wire [ROOT_FRAC:0] y_q;
   wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
   wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
-  wire low_before_inv_q;
-  ik_delay #(.W(1), .N(T_INV_Q-1-T_LOW)) u_low_before_inv_q (.clk(clk), .d(low), .q(low_before_inv_q));
-  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_before_inv_q), .y(y_q));
+  wire low_at_m_q;
+  ik_delay #(.W(1), .N(T_M_Q-T_LOW)) u_low_at_m_q (.clk(clk), .d(low), .q(low_at_m_q));
+  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_at_m_q), .y(y_q));
 
   // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
 

@@ -152,10 +152,10 @@ endfunction
 
 def table_header(
     module: str, source: str, most: int, forms: tuple[Form, Form], tables: Sequence[Sequence[tuple]], rounding: str,
-    besides: str,
+    besides: Sequence[str],
 ) -> str:
     """The table of a module around ``ik_quadratic``: with up to ``most`` fraction bits F of the result the first form
-    and table, beyond the other; ``rounding`` is what is added to c0, ``besides`` a number that this module needs."""
+    and table, beyond the other; ``rounding`` is what is added to c0, ``besides`` numbers that this module needs."""
     numbers = [numbers_of(form, besides) for form in forms]
     values = "\n".join(f"localparam integer {k} = LONG ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0])
     short, long = (rom(form, table) for form, table in zip(forms, tables, strict=True))
@@ -188,7 +188,7 @@ endgenerate
 """
 
 
-def numbers_of(form: Form, besides: str) -> dict[str, int]:
+def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
     """What ``ik_quadratic`` and the module around it need of a form."""
     c2 = len(form.c_frac) > 2
     u_frac = form.u_frac - form.u_low
@@ -198,7 +198,8 @@ def numbers_of(form: Form, besides: str) -> dict[str, int]:
         "C1_UP": form.slope_frac - form.c_frac[1],
         "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1, "SLOPE_LOW": form.slope_low,
         "SUM_FRAC": form.sum_frac, "DROP": form.slope_frac - form.slope_low + u_frac - form.sum_frac,
-        "BEND_DROP": form.c_frac[2] + u_frac - form.slope_frac if c2 else 0, besides.upper(): getattr(form, besides),
+        "BEND_DROP": form.c_frac[2] + u_frac - form.slope_frac if c2 else 0,
+        **{name.upper(): getattr(form, name) for name in besides},
     }  # fmt: skip
 
 
@@ -219,7 +220,7 @@ def rsqrt_header() -> str:
     forms = lean_cores.SHORT, lean_cores.LONG
     return table_header(
         "ik_rsqrt", "model/dataflow/cores.py", lean_cores.SHORT_FRAC, forms, [*map(lean_cores.rsqrt_rows, forms)],
-        "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2", "tiles",
+        "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2", ("tiles", "clocks"),
     )  # fmt: skip
 
 
@@ -228,7 +229,7 @@ def trig_header() -> str:
     forms = lean_trig.SHORT, lean_trig.LONG
     return table_header(
         "ik_trig", "model/dataflow/trig.py", lean_trig.SHORT_FRAC, forms, [*map(lean_trig.sine_rows, forms)],
-        "1 << (SUM_FRAC - F - 1)", "clocks",
+        "1 << (SUM_FRAC - F - 1)", ("clocks",),
     )  # fmt: skip
 
 

@@ -46,8 +46,8 @@ def bench(F: int) -> Tests:
         segments,
         random_mantissas,
         any_words,
-        latency=1,  # from `twice`, which the mantissa's way to there is ahead of
-        delays={"DM": rsqrt_clocks(F)},
+        latency=rsqrt_clocks(F),  # after the mantissa's register, where `twice` comes in
+        delays={"DM": 1},
         latencies=[((one // 4, 0), (one - 1, 0)), ((one // 2, 0), (0, 0)), ((one - 1, 0), (one - 1, 1))],
         corners={
             "quarter": ((one // 4, 0), 1 << F),
