@@ -106,9 +106,9 @@ def test_the_marker_stands_where_the_page_says(said, checkout):
         lines = (checkout / "build" / "follow" / f"{name}.gtkw").read_text(encoding="utf-8").splitlines()
         (at,) = re.findall(says, " ".join(text.split()))
         assert f"*-15.000000 {at}000 " in "\n".join(lines), name
-        assert "+{w_1 (L52) +34} " in lines[lines.index("[color] 1") + 1] + lines[lines.index("[color] 1") + 2]
-        assert sum(bool(re.match(r"\+{(w_c|i_s) \(L52\) \+33} ", line)) for line in lines) == 2
-    assert all(label in text for label in ("`w_1 (L52) +34`", "`w_c` and `i_s` have the label +33"))
+        assert "+{i_1 (L53) +34} " in lines[lines.index("[color] 1") + 1] + lines[lines.index("[color] 1") + 2]
+        assert sum(bool(re.match(r"\+{(wi_c \(L52\)|w_sum \(L53\)) \+33} ", line)) for line in lines) == 2
+    assert all(label in text for label in ("`i_1 (L53) +34`", "`wi_c` and `w_sum` have the label +33"))
 
 
 def test_files_that_the_page_names_exist():

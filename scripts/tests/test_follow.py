@@ -178,16 +178,16 @@ def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
 
 def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
     """Status 1; the first in dataflow order; its operands."""
-    Simulator(monkeypatch, wrong=[("qs_w", 3), ("w_1", 3), ("w_c", 3)])
+    Simulator(monkeypatch, wrong=[("qs_w", 3), ("w_1", 3), ("wi_c", 3)])
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
-    assert [line.split()[4] for line in out if line.startswith("!")] == ["w_c", "w_1", "qs_w"]
+    assert [line.split()[4] for line in out if line.startswith("!")] == ["wi_c", "w_1", "qs_w"]
     told = out[[line.startswith("first difference") for line in out].index(True) :]
     admitted = FIRST + 3 + GAP
-    clock = admitted + TIMES["w_c"]
-    assert told[0].startswith(f"first difference: turn.w_c (L52) of target 3 at clock {clock}: RTL ")
-    assert told[1].strip() == "made of: mul3 w_0, triangle.arm_c; in RTL and model alike"
-    for line, name in zip(told[2:4], ("w_0", "triangle.arm_c"), strict=True):
+    clock = admitted + TIMES["wi_c"]
+    assert told[0].startswith(f"first difference: turn.wi_c (L52) of target 3 at clock {clock}: RTL ")
+    assert told[1].strip() == "made of: mul3 wi_0, triangle.arm_c; in RTL and model alike"
+    for line, name in zip(told[2:4], ("wi_0", "triangle.arm_c"), strict=True):
         (node,) = (node for node in nodes_of(reach()) if node.name == name.split(".")[-1])
         bits = recording.model_bits(node, 3)
         assert line.split()[:-1] == [*f"{name} at clock {admitted + node.time}:".split(), f"{int(bits, 2):09x}"]
@@ -277,7 +277,7 @@ def test_other_vcd_is_refused(tmp_path):
 @pytest.mark.cost(25)
 def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     """Simulated: the node that the scoreboard names, too; the aligned VCD holds the model's words but for it."""
-    bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "w_1 <= w_c + i_s;", "w_1 <= w_c - i_s;")
+    bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "i_1 <= wi_c - w_sum;", "i_1 <= wi_c + w_sum;")
     root = copy_rtl(tmp_path / "copy", bug)
     runs = []
 
@@ -291,7 +291,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     assert status == 1
     nodes = nodes_of(reach(WIDTH), width=WIDTH)
     marked = [line.split()[4] for line in out if line.startswith("!")]
-    assert marked[0] == "w_1" and set(marked) <= {"w_1", "w_q", "qs_w"}
+    assert marked[0] == "i_1" and set(marked) <= {"i_1", "i_q", "qs_i"}
     read = recording.read(Path("o/waves.vcd"), "lean", nodes)
     found = list(recording.differences(read, nodes))
     (ran,) = runs
@@ -300,7 +300,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     wrong = {(each.node.name, each.target) for each in found}
     check_aligned(Path("o/aligned.vcd"), nodes, 100, read.admitted, wrong)
     at, red = marker(Path("o/aligned.gtkw"))
-    assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("w_1 (L52) +")
+    assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("i_1 (L53) +")
     assert marker(Path("o/waves.gtkw"))[0] == found[0].clock * 10_000
 
 
