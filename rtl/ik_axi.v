@@ -14,6 +14,7 @@ module ik_axi #(
     parameter integer W          = 32,  // word length, 16 to 32
     parameter integer LEAN       = 1,   // datapath: 1 the lean one, 0 the paper's
     parameter integer DIGIT      = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
+    parameter integer TILE       = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
     parameter integer ADDR_W     = 32,  // width of an address, 12 to 64
     parameter integer DATA_W     = 64,  // width of the data bus: 32, 64, 128
     parameter integer LOG2_BURST = 3    // log2 of the records of a whole burst, 1 to 5
@@ -271,7 +272,8 @@ module ik_axi #(
       .W    (W),
       .TAG_W(TAG_W),
       .LEAN (LEAN),
-      .DIGIT(DIGIT)
+      .DIGIT(DIGIT),
+      .TILE (TILE)
   ) u_axis (
       .clk          (clk),
       .rst          (rst || clear),

@@ -14,6 +14,7 @@ module ik_axis #(
     parameter integer TAG_W = 8,   // width of the tag
     parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's
     parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
+    parameter integer TILE  = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
     parameter integer SHORT = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
     parameter integer MIN_W = 16   // least W; less only for the test of every target there is
 ) (
@@ -70,7 +71,8 @@ module ik_axis #(
     if (LEGAL && LEAN != 0) begin : g_lean
       ik_lean #(
           .W    (W),
-          .TAG_W(TAG_W)
+          .TAG_W(TAG_W),
+          .TILE (TILE)
       ) u_core (
           .clk      (clk),
           .rst      (rst),

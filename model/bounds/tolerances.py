@@ -47,7 +47,7 @@ def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
 
     ``regular``: all targets keep :data:`REGULAR_DISTANCE`, which a file or trajectory may say of itself.
     """
-    if datapath == "lean":
+    if CONFIGURATIONS[datapath].rtl == "lean":
         return lean(width)
     return REGULAR if regular and width == REGULAR_WIDTH else None
 

@@ -33,19 +33,23 @@ def rsqrt_clocks(frac: int) -> int:
 # ---- product of three tiles ------------------------------------------------------------------------------------------
 
 
-def cuts(a_width: int, b_width: int) -> tuple[int, int]:
-    """Bits below the cut of either operand of :func:`mul3`, at least one: 18 are above it."""
-    return max(a_width - 18, 1), max(b_width - 18, 1)
+TILE = 18
+"""Bits of the longer operand of the multipliers that products are cut for, unless others are asked for."""
 
 
-def mul3(a, b, shift: int, a_width: int, b_width: int):
+def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
+    """Bits below the cut of either operand of :func:`mul3`: ``tile`` of a are above it, and of b no more than 18."""
+    return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
+
+
+def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
     """``ik_mul3``: a b / 2^shift from three tiles, rounded half up; of the tile of the low parts only a guess is taken.
 
     Each tile is cut off two bits below the result's last place; the half place of the rounding is a carry into each of
     the two sums.  Where the highest tile ends above these two bits, the product of the highest two bits of both low
     parts is below it.  Errors: :func:`mul3_error`.
     """
-    a_bits, b_bits = cuts(a_width, b_width)
+    a_bits, b_bits = cuts(a_width, b_width, tile)
     a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)
     b_hi, b_lo = b >> b_bits, b & ((1 << b_bits) - 1)
     drop = shift - 2
@@ -59,15 +63,16 @@ def mul3(a, b, shift: int, a_width: int, b_width: int):
     return outer + mid + 1 >> 2
 
 
-def mul3_error(shift: int, a_width: int, b_width: int) -> tuple[float, float]:
+def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tuple[float, float]:
     """Least and greatest error of :func:`mul3`, in places of the result.
 
     The tile left out is never negative and less than 2^(cuts - shift) places, of which the guess leaves 7/16; each of
     the mixed tiles loses less than a quarter.  What else is cut off is below all other words of the sum, and goes with
     the rounding, which is half up.
     """
-    up = sum(cuts(a_width, b_width)) - shift + 2
-    left_out = 2.0 ** (up - 2) * (7 / 16 if up > 0 else 1)
+    low = cuts(a_width, b_width, tile)
+    up = sum(low) - shift + 2
+    left_out = 2.0 ** (up - 2) * (7 / 16 if up > 0 else 1) if all(low) else 0.0
     return -left_out - 1, 0.5
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from . import lean, paper, short
+from .cores import TILE
 from .nodes import WIDTHS
 
 
@@ -17,7 +18,8 @@ class Datapath:
 
     ``flow(domain, target)`` is the whole of it, ``after_guard(domain, phi)`` what follows the exact decisions.
     ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with,
-    ``parameters`` those of ``ik_axis`` that choose it.  ``cuts``: node -> lowest bits of its word that are 0.
+    ``parameters`` those of ``ik_axis`` that choose it.  ``cuts``: node -> lowest bits of its word that are 0;
+    ``tile``: bits of the longer operand of the multipliers that :func:`model.dataflow.cores.mul3` is cut for.
     """
 
     name: str
@@ -27,6 +29,7 @@ class Datapath:
     parameters: dict[str, int]
     widths: range = WIDTHS
     cuts: Mapping[str, int] = field(default_factory=dict)
+    tile: int = TILE
 
     @property
     def rtl(self) -> str:
@@ -44,7 +47,9 @@ class Datapath:
 
 
 DATAPATHS = {
-    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, {"LEAN": 1, "SHORT": 0}, lean.WIDTHS),
+    "lean": Datapath(
+        "lean", lean.lean, lean.sections, lean.SECTIONS, {"LEAN": 1, "SHORT": 0, "TILE": TILE}, lean.WIDTHS,
+    ),  # fmt: skip
     "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"LEAN": 0, "SHORT": 0}),
 }
 """The dataflows by name."""
@@ -57,5 +62,8 @@ SHORT = replace(
     cuts=short.CUTS,
 )  # fmt: skip
 
-CONFIGURATIONS = {**DATAPATHS, SHORT.name: SHORT}
-"""All that can be run, by the name of its ``DATAPATH=``: the dataflows, and the paper's with shorter words."""
+LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"LEAN": 1, "SHORT": 0, "TILE": 25}, tile=25)
+
+CONFIGURATIONS = {**DATAPATHS, SHORT.name: SHORT, LEAN25.name: LEAN25}
+"""All that can be run, by the name of its ``DATAPATH=``: the dataflows, the paper's with shorter words, and the lean
+one with products cut for multipliers of 25x18 bits."""

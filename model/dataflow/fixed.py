@@ -93,7 +93,7 @@ class Bits(Domain):
     def __init__(self, width: int, datapath: str = "paper", cuts: Mapping[str, int] | None = None) -> None:
         """``cuts``: others than the datapath's own."""
         path = CONFIGURATIONS[datapath]
-        super().__init__(width, path.widths, path.cuts if cuts is None else cuts)
+        super().__init__(width, path.widths, path.cuts if cuts is None else cuts, path.tile)
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
@@ -132,7 +132,7 @@ class Bits(Domain):
     def product3(self, name, a, b, fmt, scale):
         # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
         shift, widths = self.cut(a, b, fmt, scale)
-        return wrap(lean_cores.mul3(a.value, b.value, shift, *widths), fmt.width)
+        return wrap(lean_cores.mul3(a.value, b.value, shift, *widths, self.tile), fmt.width)
 
     def even_mantissa(self, count, name, value, width, fmt):
         return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)

@@ -30,7 +30,7 @@ import numpy as np
 
 from ..targets.words import FIELDS, LENGTHS
 from .cases import Case
-from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, mul3_error, rsqrt_clocks
+from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, rsqrt_clocks
 from .facts import Facts, Within, leading
 from .trig import FRACS, trig_clocks
 from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
@@ -209,11 +209,12 @@ class Negated:
 class Domain(ABC):
     """The operations that :func:`paper` is written in.  Each makes one named node, one or more clocks later."""
 
-    def __init__(self, width: int, widths: range = WIDTHS, cuts: Mapping[str, int] | None = None) -> None:
+    def __init__(self, width: int, widths: range = WIDTHS, cuts: Mapping[str, int] | None = None, tile=TILE) -> None:
         if width not in widths:
             raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
         self.width = width
         self.cuts = cuts or {}  # quotient, root, sine or cosine -> lowest bits of its word that are 0
+        self.tile = tile  # of mul3
         self.latency = Latency(width)
         self.nodes: dict[str, Node] = {}
         self.facts: defaultdict[str, Facts] = defaultdict(Facts)  # by node, before it is made
@@ -358,7 +359,7 @@ class Domain(ABC):
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
-        return self.make(name, "mul3", (a, b), fmt, kind, value, after, mul3_error(shift, *widths))
+        return self.make(name, "mul3", (a, b), fmt, kind, value, after, mul3_error(shift, *widths, self.tile))
 
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:

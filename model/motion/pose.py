@@ -35,7 +35,7 @@ Order = Literal["wxyz", "xyzw"]
 
 __all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
 
-DOUBLE = {"lean": solve_lean, "paper": solve_clamped, "short": solve_clamped}
+DOUBLE = {"lean": solve_lean, "paper": solve_clamped}
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,8 @@ def solve(
     * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
-    * datapath: "lean", "paper", or "short", which is the paper's with shorter words where width is 32
+    * datapath: "lean", "paper", "lean25", which is lean with other products, or "short", the paper's with
+      shorter words where width is 32
 
     A target out of reach gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
     numbers that are not finite, an unknown width, datapath or order, and (as TargetError, of which it is the base)
@@ -109,7 +110,7 @@ def solve(
 
     if width is None:
         x, y, z = targets.core_position.T
-        answer = DOUBLE[datapath](x, y, z, targets.phi, targets.d1, targets.d2)
+        answer = DOUBLE[CONFIGURATIONS[datapath].rtl](x, y, z, targets.phi, targets.d1, targets.d2)
         words = np.column_stack([answer[field] for field in RESULT_FIELDS])
         flags, asked = answer["flags"], targets
     else:

@@ -14,7 +14,8 @@
 
 module ik_lean #(
     parameter integer W     = 32,  // word length, 16 to 32; from 3 on for exhaustive tests
-    parameter integer TAG_W = 8    // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer TILE  = 18   // bits of the multipliers' longer operand
 ) (
     // Clock
     input  wire             clk,
@@ -74,7 +75,7 @@ module ik_lean #(
 
   wire [5:0] e_s;
   wire signed [N-1:0] inv_s, az_sq, az_c, az_s, tilt_sq, tilt_c, tilt_s;
-  ik_lean_direction #(.W(W), .N(N)) u_direction (
+  ik_lean_direction #(.W(W), .N(N), .TILE(TILE)) u_direction (
       .clk(clk),
       .x(x), .y(y), .z(z), .rho_sq(rho_sq), .s(s), .on_axis(on_axis), .at_shoulder(at_shoulder),
       .e_s(e_s), .inv_s(inv_s), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s)
@@ -85,7 +86,7 @@ module ik_lean #(
   wire signed [W-1:0] qe_w, qe_i;
   wire arm_swap;
   wire signed [N-1:0] arm_sq, arm_c, arm_sum, arm_dif;
-  ik_lean_triangle #(.W(W), .N(N)) u_triangle (
+  ik_lean_triangle #(.W(W), .N(N), .TILE(TILE)) u_triangle (
       .clk(clk),
       .d1(d1), .d2(d2), .a_far(a_far), .b_near(b_near), .k_law(k_law), .e_s(e_s), .inv_s(inv_s),
       .clamp(clamp), .fold(fold), .away(away),
@@ -95,7 +96,7 @@ module ik_lean #(
   // ---- shoulder quaternion ----
 
   wire signed [W-1:0] qs_w, qs_i, qs_j, qs_k;
-  ik_lean_turn #(.W(W), .N(N)) u_turn (
+  ik_lean_turn #(.W(W), .N(N), .TILE(TILE)) u_turn (
       .clk(clk),
       .phi(phi), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s),
       .arm_sq(arm_sq), .arm_swap(arm_swap), .arm_c(arm_c), .arm_sum(arm_sum), .arm_dif(arm_dif),

@@ -8,7 +8,8 @@
 
 module ik_lean_direction #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // of an inner word: FRAC + 2
+    parameter integer TILE = 18  // of ik_mul3
 ) (
     // Clock
     input  wire                  clk,
@@ -73,16 +74,20 @@ module ik_lean_direction #(
   wire signed [N-1:0] u_y;  // (L15)
   wire signed [N-1:0] sin_el;  // (L16)
   localparam integer SH_U = F_X_N + F_INV_RHO - 1 - F_U_X;
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N)) u_u_x (.clk(clk), .a(x_n), .b(inv_rho), .q(u_x));
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N)) u_u_y (.clk(clk), .a(y_n), .b(inv_rho), .q(u_y));
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_S-T_Z_N)) u_sin_el (
+  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_x (
+      .clk(clk), .a(x_n), .b(inv_rho), .q(u_x)
+  );
+  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_y (
+      .clk(clk), .a(y_n), .b(inv_rho), .q(u_y)
+  );
+  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_S-T_Z_N), .TILE(TILE)) u_sin_el (
       .clk(clk), .a(z_n), .b(inv_s), .q(sin_el)
   );
 
   // ---- (L17) (L18) cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse brought to it ----
 
   wire signed [N-1:0] root_rho;  // (L17)
-  ik_mul3 #(.AW(N), .BW(MW+1), .SH(F_INV_RHO+MW-1-F_ROOT_RHO), .OW(N), .DB(T_INV_RHO-T_M_RHO)) u_root_rho (
+  ik_mul3 #(.AW(N), .BW(MW+1), .SH(F_INV_RHO+MW-1-F_ROOT_RHO), .OW(N), .DB(T_INV_RHO-T_M_RHO), .TILE(TILE)) u_root_rho (
       .clk(clk), .a(inv_rho), .b({1'b0, m_rho}), .q(root_rho)
   );
 
@@ -96,7 +101,7 @@ module ik_lean_direction #(
   localparam integer T_COS_EL_IN = T_COS_EL - LAT_MUL3;
   wire signed [N-1:0] cos_el;  // (L18)
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_RHO+F_INV_S_EL-1-F_COS_EL), .OW(N), .DA(T_COS_EL_IN-T_ROOT_RHO),
-      .DB(T_COS_EL_IN-T_INV_S_EL)) u_cos_el (
+      .DB(T_COS_EL_IN-T_INV_S_EL), .TILE(TILE)) u_cos_el (
       .clk(clk), .a(root_rho), .b(inv_s_el), .q(cos_el)
   );
 

@@ -7,7 +7,8 @@
 
 module ik_lean_triangle #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // of an inner word: FRAC + 2
+    parameter integer TILE = 18  // of ik_mul3
 ) (
     // Clock
     input  wire                  clk,
@@ -80,17 +81,17 @@ module ik_lean_triangle #(
   wire signed [N-1:0] root_far;  // (L19)
   wire signed [N-1:0] root_near;  // (L20)
   localparam integer SH_ROOT = F_INV_FAR + MW - 1 - F_ROOT_FAR;
-  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_FAR-T_M_FAR)) u_root_far (
+  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_FAR-T_M_FAR), .TILE(TILE)) u_root_far (
       .clk(clk), .a(inv_far), .b({1'b0, m_far}), .q(root_far)
   );
-  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_NEAR-T_M_NEAR)) u_root_near (
+  ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_NEAR-T_M_NEAR), .TILE(TILE)) u_root_near (
       .clk(clk), .a(inv_near), .b({1'b0, m_near}), .q(root_near)
   );
 
   // ---- (L21) 1/(2 sqrt(d1 d2)), brought to the units of sqrt A and sqrt B ----
 
   wire signed [N:0] inv_12;  // (L21)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1)) u_inv_12 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1), .TILE(TILE)) u_inv_12 (
       .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12)
   );
   wire [5:0] e_1_at_e_far, e_2_at_e_far;
@@ -127,11 +128,11 @@ module ik_lean_triangle #(
   wire signed [N-1:0] elbow_i;  // (L23)
   localparam integer T_ELBOW_IN = T_ELBOW_W - LAT_MUL3;
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
-      .DB(T_ELBOW_IN-T_INV_12_FAR)) u_elbow_w (
+      .DB(T_ELBOW_IN-T_INV_12_FAR), .TILE(TILE)) u_elbow_w (
       .clk(clk), .a(root_far), .b(inv_12_far), .q(elbow_w)
   );
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
-      .DB(T_ELBOW_IN-T_INV_12_FAR)) u_elbow_i (
+      .DB(T_ELBOW_IN-T_INV_12_FAR), .TILE(TILE)) u_elbow_i (
       .clk(clk), .a(root_near), .b(inv_12_near), .q(elbow_i)
   );
 
@@ -154,10 +155,11 @@ module ik_lean_triangle #(
 
   wire signed [N-1:0] inv_11;  // (L24)
   wire signed [N:0] inv_law_raw;  // (L25)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N), .SQUARE(1)) u_inv_11 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N), .SQUARE(1), .TILE(TILE)) u_inv_11 (
       .clk(clk), .a(inv_1), .b(inv_1), .q(inv_11)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11)) u_inv_law (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11),
+      .TILE(TILE)) u_inv_law (
       .clk(clk), .a(inv_11), .b(inv_s), .q(inv_law_raw)
   );
   reg signed [N-1:0] inv_law;  // (L25)
@@ -178,14 +180,15 @@ module ik_lean_triangle #(
       .clk(clk), .d(k_law_x <<< PAD_K), .count(n_law), .q(k_scaled)
   );
   wire signed [N-1:0] cos_a;  // (L26)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_K_SCALED+F_INV_LAW-1-F_COS_A), .OW(N), .DA(T_INV_LAW-T_K_SCALED)) u_cos_a (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_K_SCALED+F_INV_LAW-1-F_COS_A), .OW(N), .DA(T_INV_LAW-T_K_SCALED),
+      .TILE(TILE)) u_cos_a (
       .clk(clk), .a(k_scaled), .b(inv_law), .q(cos_a)
   );
 
   // ---- (L27) (L28) sin a ----
 
   wire signed [N-1:0] root_ab;  // (L27)
-  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_ROOT_NEAR-F_ROOT_AB), .OW(N)) u_root_ab (
+  ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_ROOT_NEAR-F_ROOT_AB), .OW(N), .TILE(TILE)) u_root_ab (
       .clk(clk), .a(root_far), .b(root_near), .q(root_ab)
   );
   wire [5:0] e_s_at_e_far;
@@ -208,7 +211,7 @@ module ik_lean_triangle #(
   localparam integer T_SIN_A_IN = T_SIN_A - LAT_MUL3;
   wire signed [N-1:0] sin_a;  // (L28)
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_AB+F_INV_LAW_AB-1-F_SIN_A), .OW(N), .DA(T_SIN_A_IN-T_ROOT_AB),
-      .DB(T_SIN_A_IN-T_INV_LAW_AB)) u_sin_a (
+      .DB(T_SIN_A_IN-T_INV_LAW_AB), .TILE(TILE)) u_sin_a (
       .clk(clk), .a(root_ab), .b(inv_law_ab), .q(sin_a)
   );
 

@@ -7,7 +7,8 @@
 
 module ik_lean_turn #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35  // of an inner word: FRAC + 2
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // of an inner word: FRAC + 2
+    parameter integer TILE = 18  // of ik_mul3
 ) (
     // Clock
     input  wire                clk,
@@ -59,10 +60,18 @@ module ik_lean_turn #(
   wire signed [N-1:0] ss;  // (L41)
   wire signed [N-1:0] sc;  // (L42)
   wire signed [N-1:0] cs;  // (L43)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cc (.clk(clk), .a(az_c), .b(cos_h), .q(cc));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_ss (.clk(clk), .a(az_s), .b(sin_h), .q(ss));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_sc (.clk(clk), .a(az_s), .b(cos_h), .q(sc));
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cs (.clk(clk), .a(az_c), .b(sin_h), .q(cs));
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc (
+      .clk(clk), .a(az_c), .b(cos_h), .q(cc)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_ss (
+      .clk(clk), .a(az_s), .b(sin_h), .q(ss)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_sc (
+      .clk(clk), .a(az_s), .b(cos_h), .q(sc)
+  );
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cs (
+      .clk(clk), .a(az_c), .b(sin_h), .q(cs)
+  );
   reg signed [N-1:0] c_plus;  // (L44)
   reg signed [N-1:0] c_minus;  // (L46)
   reg signed [N-1:0] s_plus;  // (L45)
@@ -81,16 +90,16 @@ module ik_lean_turn #(
   wire signed [N-1:0] i_0;  // (L49)
   wire signed [N-1:0] j_0;  // (L50)
   wire signed [N-1:0] k_0;  // (L51)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_w_0 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_w_0 (
       .clk(clk), .a(tilt_c), .b(c_plus), .q(w_0)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_i_0 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_i_0 (
       .clk(clk), .a(tilt_s), .b(c_minus), .q(i_0)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_j_0 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_j_0 (
       .clk(clk), .a(tilt_s), .b(s_minus), .q(j_0)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS)) u_k_0 (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_k_0 (
       .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
   );
 
@@ -111,22 +120,22 @@ module ik_lean_turn #(
   wire signed [N-1:0] kj_c;  // (L54)
   wire signed [N-1:0] j_dif;  // (L55)
   wire signed [N-1:0] k_sum;  // (L54)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C)) u_wi_c (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_wi_c (
       .clk(clk), .a(wi_0), .b(arm_c), .q(wi_c)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF)) u_i_dif (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_i_dif (
       .clk(clk), .a(i_0), .b(arm_dif), .q(i_dif)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM)) u_w_sum (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_w_sum (
       .clk(clk), .a(w_0), .b(arm_sum), .q(w_sum)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_KJ_0), .DB(T_1_IN-T_ARM_C)) u_kj_c (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_KJ_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_kj_c (
       .clk(clk), .a(kj_0), .b(arm_c), .q(kj_c)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_J_0), .DB(T_1_IN-T_ARM_DIF)) u_j_dif (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_J_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_j_dif (
       .clk(clk), .a(j_0), .b(arm_dif), .q(j_dif)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_K_0), .DB(T_1_IN-T_ARM_SUM)) u_k_sum (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_K_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_k_sum (
       .clk(clk), .a(k_0), .b(arm_sum), .q(k_sum)
   );
   reg signed [N-1:0] w_1;  // (L52)
@@ -150,11 +159,12 @@ module ik_lean_turn #(
 
   wire signed [N-1:0] az_tilt_sq;  // (L56)
   wire signed [N-1:0] length_sq;  // (L56)
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_TILT_SQ-T_AZ_SQ)) u_az_tilt_sq (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_TILT_SQ-T_AZ_SQ), .TILE(TILE)) u_az_tilt_sq (
       .clk(clk), .a(az_sq), .b(tilt_sq), .q(az_tilt_sq)
   );
   localparam integer T_LENGTH_IN = T_LENGTH_SQ - LAT_MUL3;
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_ARM_SQ)) u_length_sq (
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_ARM_SQ),
+      .TILE(TILE)) u_length_sq (
       .clk(clk), .a(az_tilt_sq), .b(arm_sq), .q(length_sq)
   );
 
@@ -179,16 +189,16 @@ module ik_lean_turn #(
   wire signed [N-1:0] k_q;  // (L61)
   localparam integer SH_Q = F_W_1 + F_INV_Q - 1 - F_W_Q;
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_w_q (
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_w_q (
       .clk(clk), .a(w_1), .b(inv_q), .q(w_q)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_i_q (
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_i_q (
       .clk(clk), .a(i_1), .b(inv_q), .q(i_q)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_j_q (
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_j_q (
       .clk(clk), .a(j_1), .b(inv_q), .q(j_q)
   );
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q)) u_k_q (
+  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_k_q (
       .clk(clk), .a(k_1), .b(inv_q), .q(k_q)
   );
 

@@ -1,11 +1,12 @@
 // Rounds half up, what is left of a * b / 2^SH without its lowest bits: less than 2^(AL+BL-SH) + 1 places too small.
 // SPDX-License-Identifier: Apache-2.0
 //
-// a and b are cut below their highest 18 bits, into AL and BL low ones. Three of the four tile products are kept, of
-// 18x18 bits each; the fourth is less than 2^(AL+BL-SH) places of q. Each tile is cut off two bits below the last place
-// of q, which leaves the sum of the mixed ones short; both halves of half a place are carries into the two sums. Where
-// words are so long that the highest tile ends above these two bits, the free bits below it take a guess at the fourth:
-// the product of the highest two bits of both low parts.
+// a is cut below its highest TILE bits, b below its highest TILE or 18, into AL and BL low ones; a shorter word stays
+// whole. Three of the four tile products are kept, with TILE = 18 of 18x18 bits each; the fourth is less than
+// 2^(AL+BL-SH) places of q. With TILE = 25, for multipliers of 25x18 bits, two are left where a is whole. Each tile is
+// cut off two bits below the last place of q, which leaves the sum of the mixed ones short; both halves of half a place
+// are carries into the two sums. Where words are so long that the highest tile ends above these two bits, the free bits
+// below it take a guess at the fourth: the product of the highest two bits of both low parts.
 // Does not saturate: q holds the low OW bits.
 // Operands come from registers, which a synthesizer moves into the multipliers.
 // Latency: 3 clocks (LAT_MUL3): tile products, middle sum, rounded sum; from a DA more, from b DB more.
@@ -18,7 +19,8 @@ module ik_mul3 #(
     parameter integer OW = 33,  // width of q
     parameter integer DA = 0,   // clocks by which a is delayed
     parameter integer DB = 0,   // and b
-    parameter integer SQUARE = 0  // 1: of a with itself, two tiles; b is not looked at
+    parameter integer SQUARE = 0,  // 1: of a with itself, two tiles; b is not looked at
+    parameter integer TILE = 18   // bits of the multipliers' longer operand
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -26,14 +28,15 @@ module ik_mul3 #(
     output wire signed [OW-1:0] q
 );
 
-  localparam integer AL = (AW > 19) ? AW - 18 : 1;  // width of a's low part, unsigned
-  localparam integer BL = (BW > 19) ? BW - 18 : 1;
+  localparam integer B_TILE = (TILE < 18) ? TILE : 18;
+  localparam integer AL = (AW > TILE) ? AW - TILE : 0;  // width of a's low part, unsigned
+  localparam integer BL = (BW > B_TILE) ? BW - B_TILE : 0;
   localparam integer AH = AW - AL;  // width of a's high part, signed
   localparam integer BH = BW - BL;
   localparam integer CUT = SH - 2;  // fraction bits of the product that no sum sees
 
   generate
-    if (AW < 2 || AW > 35 || BW < 2 || BW > 35 ||
+    if (AW < 2 || AW > 35 || BW < 2 || BW > 35 || TILE < 2 ||
         CUT < AL || CUT < BL || CUT >= AW + BL || CUT >= BW + AL) begin : g_illegal
       ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut u_stop ();
     end
@@ -52,17 +55,17 @@ module ik_mul3 #(
   endgenerate
 
   // tile products; a low part gets a zero sign bit
+  wire [AW+1:0] a_padded = {a_in, 2'b00};
+  wire [BW+1:0] b_padded = {b_in, 2'b00};
   wire signed [AH-1:0] a_hi = a_in[AW-1:AL];
   wire signed [BH-1:0] b_hi = b_in[BW-1:BL];
-  wire signed [AL:0] a_lo = {1'b0, a_in[AL-1:0]};
-  wire signed [BL:0] b_lo = {1'b0, b_in[BL-1:0]};
+  wire signed [AL:0] a_lo = a_padded[AL+1:1] >> 1;
+  wire signed [BL:0] b_lo = b_padded[BL+1:1] >> 1;
   reg signed [AH+BH-1:0] hh;
   reg signed [AH+BL-1:0] hl;
   wire signed [AL+BH-1:0] lh;
-  wire [AL:0] a_low = {a_in[AL-1:0], 1'b0};
-  wire [BL:0] b_low = {b_in[BL-1:0], 1'b0};
-  wire [3:0] a_two = {2'b00, a_low[AL-:2]};
-  wire [1:0] b_two = b_low[BL-:2];
+  wire [3:0] a_two = {2'b00, a_padded[AL+1-:2]};
+  wire [1:0] b_two = b_padded[BL+1-:2];
   reg [3:0] ll;
   always @(posedge clk) begin
     hh <= a_hi * b_hi;
@@ -71,7 +74,7 @@ module ik_mul3 #(
   end
 
   generate
-    if (SQUARE != 0) begin : g_square
+    if (SQUARE != 0 && AL == BL) begin : g_square
       assign lh = hl;
       wire unused_lo = &{1'b0, a_lo};
     end else begin : g_product
@@ -112,7 +115,7 @@ module ik_mul3 #(
   always @(posedge clk) p <= sum[OW+2:3];
   assign q = p;
 
-  wire unused = &{1'b0, a_low, b_low, hl, lh, middle[0], outer_cut, sum};
+  wire unused = &{1'b0, a_padded, b_padded, hl, lh, middle[0], outer_cut, sum};
 
 endmodule
 

@@ -12,8 +12,8 @@ FIGURES = GENERATED / "fpga.json"
 
 DEVICE = "ECP5-85k, speed grade 8"
 
-TOPS = {"lean": "ik_lean", "paper": "ik_paper", "short": "ik_paper"}
-PARAMETERS = {"lean": {}, "paper": {"DIGIT": 1}, "short": {"DIGIT": 1, "SHORT": 1}}
+TOPS = {"lean": "ik_lean", "lean25": "ik_lean", "paper": "ik_paper", "short": "ik_paper"}
+PARAMETERS = {"lean": {}, "lean25": {"TILE": 25}, "paper": {"DIGIT": 1}, "short": {"DIGIT": 1, "SHORT": 1}}
 """What a datapath is built with beside its width: the paper's with the dividers and roots that are logic."""
 
 SECTIONS = {
@@ -44,7 +44,9 @@ PAPER_TABLE = {
 
 def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> list[tuple[str, dict]]:
     """(module, figures) of those of the modules that were placed alone, or of the top, placed whole."""
-    found = []
+    found: list[tuple[str, dict]] = []
+    if datapath not in SECTIONS:  # is only counted
+        return found
     for module in modules:
         starts = f"{module.removeprefix('ik_')}-W{width}-"
         named = (name for name in data["runs"] if name.startswith(starts) and name.endswith("-ecp5-place"))
@@ -55,12 +57,13 @@ def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) 
 def slowest(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> float | None:
     """MHz, if all of the modules were placed."""
     found = place_runs(data, datapath, width, modules)
-    return min(run["mhz"] for _, run in found) if len(found) == len(modules) else None
+    return min(run["mhz"] for _, run in found) if found and len(found) == len(modules) else None
 
 
 def clock(data: dict, datapath: str, width: int) -> float | None:
     """MHz of a datapath: placed whole where the device holds it, otherwise of its slowest module."""
-    return slowest(data, datapath, width, (TOPS[datapath],)) or slowest(data, datapath, width, SECTIONS[datapath])
+    whole = slowest(data, datapath, width, (TOPS[datapath],))
+    return whole or slowest(data, datapath, width, SECTIONS.get(datapath, ()))
 
 
 def synthesized(data: dict, datapath: str, width: int, family: str, kind: str = "") -> dict | None:
@@ -70,7 +73,7 @@ def synthesized(data: dict, datapath: str, width: int, family: str, kind: str = 
 
 def comparison(data: dict) -> str:
     """The table beside the paper's."""
-    columns = [(d, w) for d in ("paper", "lean") for w in range(32, 15, -1) if f"{d}-{w}" in data["designs"]]
+    columns = [(d, w) for d in ("paper", "lean", "lean25") for w in range(32, 15, -1) if f"{d}-{w}" in data["designs"]]
     rows = {}
 
     def put(label, values, paper="-"):
@@ -98,7 +101,7 @@ def comparison(data: dict) -> str:
         put(multiplier, of("multipliers"))
         put(memory, of("RAM"))
     designs = [data["designs"][f"{d}-{w}"] for d, w in columns]
-    alone = [slowest(data, d, w, SECTIONS[d]) for d, w in columns]
+    alone = [slowest(data, d, w, SECTIONS.get(d, ())) for d, w in columns]
     mhz = [clock(data, d, w) for d, w in columns]
     put("clock (MHz)", [m and f"{m:.0f}" for m in mhz])
     put("placed", [d.get("placed") for d in designs])

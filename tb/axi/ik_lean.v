@@ -7,7 +7,8 @@
 
 module ik_lean #(
     parameter integer W     = 32,
-    parameter integer TAG_W = 8
+    parameter integer TAG_W = 8,
+    parameter integer TILE  = 18
 ) (
     input  wire             clk,
     input  wire             rst,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dividers and roots of rows, and the configuration ``short``: every node equals the bit-true model's."""
+"""Dividers and roots of rows, and the configurations ``short`` and ``lean25``: all nodes are the model's."""
 
 import pytest
 
@@ -22,19 +22,25 @@ BUGS = [
 
 
 # Verilator takes minutes for rows.
-KINDS = [("short", CORES[0])]
+KINDS = [("short", 32, CORES[0]), ("lean25", 18, CORES[0])]
 if simulator() == "icarus":
-    KINDS += [("short", CORES[1]), pytest.param("paper", CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]
+    KINDS += [("short", 32, CORES[1])]
+    KINDS += [pytest.param("paper", 32, CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize(("datapath", "kind"), KINDS)
-def test_every_node_equals_the_model(datapath, kind):
+@pytest.mark.parametrize(("datapath", "width", "kind"), KINDS)
+def test_every_node_equals_the_model(datapath, width, kind):
     """Of targets of every kind."""
-    jobs = [Job(datapath, mixed(300, short.WIDTH, 4))] if datapath == "paper" else JOBS
-    (run,) = simulate(jobs, simulator=simulator(), datapath=datapath, width=short.WIDTH, cores=kind)
+    words = WORDS if datapath == "short" else mixed(300, width, 4)
+    (run,) = simulate([Job(datapath, words)], simulator=simulator(), datapath=datapath, width=width, cores=kind)
     assert run.bit_mismatches == 0, run.first_mismatch
-    assert (run.results == fixed.run(jobs[0].words, short.WIDTH, datapath).results).all()
+    assert (run.results == fixed.run(words, width, datapath).results).all()
+
+
+def test_another_cut_gives_other_results():
+    words = mixed(3000, 18, 4)
+    assert (fixed.run(words, 18, "lean25").results != fixed.run(words, 18, "lean").results).any()
 
 
 def test_shorter_words_give_other_results():

@@ -10,7 +10,8 @@ module ik_axis #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
     parameter integer LEAN  = 1,
-    parameter integer DIGIT = 0
+    parameter integer DIGIT = 0,
+    parameter integer TILE  = 18
 ) (
     input  wire               clk,
     input  wire               rst,

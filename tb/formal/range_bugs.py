@@ -46,7 +46,8 @@ BUGS: tuple[NodeBug, ...] = (
     _seed(
         "three-tile product with two integer bits too few", "lean", "cc",
         f"{LEAN}ik_lean_turn.v",
-        "(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cc", "(FRAC - 2), .OW(N), .DB(T_AZ_C-T_SIN_H)) u_cc",
+        "(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc",
+        "(FRAC - 2), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc",
     ),
     _seed(
         "another node at a product's input", "paper", "sa_x",
@@ -107,7 +108,7 @@ BUGS: tuple[NodeBug, ...] = (
     ),
     _seed(
         "guess at the low tile from other bits", "lean", "cc", f"{LIB}ik_mul3.v",
-        "{2'b00, a_low[AL-:2]}", "{2'b00, a_low[AL-1-:2]}", "tile_ll",
+        "{2'b00, a_padded[AL+1-:2]}", "{2'b00, a_padded[AL-:2]}", "tile_ll",
     ),
     # ik_exact, ik_wide
     _seed(

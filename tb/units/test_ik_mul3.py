@@ -3,13 +3,13 @@
 
 import numpy as np
 
-from model.dataflow.cores import MUL3_CLOCKS, cuts, mul3
+from model.dataflow.cores import MUL3_CLOCKS, TILE, cuts, mul3
 from tb.units.unit import Tests, checks, crossed, runs, sets_of, signed, stops
 
 
-def bench(AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:
+def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, **delays: int) -> Tests:
     A, B, Q = signed(AW), signed(BW), signed(OW)
-    a_low, b_low = (1 << cut for cut in cuts(AW, BW))
+    a_low, b_low = (1 << cut for cut in cuts(AW, BW, TILE))
 
     def exact(a, b):
         a_lo, b_lo = a % a_low, b % b_low
@@ -24,7 +24,7 @@ def bench(AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:
 
     def reference(a, b):
         words = list(map(exact, a, b))
-        assert mul3(np.array(a), np.array(b), SH, AW, BW).tolist() == words, "the model is not the product of tiles"
+        assert mul3(np.array(a), np.array(b), SH, AW, BW, TILE).tolist() == words, "the model is no product of tiles"
         return (map(low, words),)
 
     def extreme_high_parts():
@@ -63,7 +63,7 @@ sets = sets_of("AW BW SH OW")
 test_ik_mul3 = runs(
     "ik_mul3",
     bench,
-    sets(5, 6, 5, 8),
+    sets(5, 6, 5, 8, TILE=4),
     sets(35, 35, 33, 36),
     more=[
         sets(33, 33, 31, 35),
@@ -71,16 +71,22 @@ test_ik_mul3 = runs(
         sets(35, 35, 32, 35),
         sets(25, 25, 23, 25),
         sets(19, 23, 15, 23),
-        sets(6, 5, 4, 4),  # the low bits of the result
-        sets(4, 6, 3, 12),  # more bits than the result has
-        sets(5, 6, 7, 4),  # one bit of each mixed tile
+        sets(6, 5, 4, 4, TILE=4),  # the low bits of the result
+        sets(4, 6, 3, 12, TILE=5),  # more bits than the result has
+        sets(5, 6, 7, 4, TILE=4),  # one bit of each mixed tile
         sets(33, 33, 30, 33),
         sets(33, 35, 33, 33),
         sets(32, 33, 29, 35),
         sets(35, 35, 34, 35),
         sets(23, 23, 21, 23),
         sets(21, 21, 18, 24),
-        sets(5, 6, 5, 8, DA=1, DB=4),
+        sets(5, 6, 5, 8, TILE=4, DA=1, DB=4),
+        sets(25, 25, 23, 25, TILE=25),  # two tiles
+        sets(19, 25, 17, 25, TILE=25),
+        sets(31, 31, 29, 31, TILE=25),
+        sets(4, 6, 4, 5, TILE=5),  # a whole
+        sets(6, 4, 4, 5, TILE=5),  # b whole
+        sets(17, 17, 15, 17),  # one tile
     ],
 )
 test_tiles_that_do_not_fit_stop_the_build = stops(
@@ -88,7 +94,8 @@ test_tiles_that_do_not_fit_stop_the_build = stops(
     sets(36, 33, 31, 33),
     sets(33, 36, 30, 33),
     sets(1, 9, 4, 9),
-    sets(9, 9, 2, 9),
-    sets(5, 5, 8, 3),
+    sets(9, 9, 2, 9, TILE=8),
+    sets(5, 5, 8, 3, TILE=4),
+    sets(9, 9, 4, 9, TILE=1),
     says="ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut",
 )

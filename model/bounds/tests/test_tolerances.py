@@ -36,6 +36,7 @@ def test_the_paper():
     assert tolerances.hand(32, "paper") is None
     assert tolerances.hand(31, "paper", regular=True) is None
     assert tolerances.hand(32, "lean", regular=True) == tolerances.hand(32, "lean") == 2e-8
+    assert tolerances.hand(18, "lean25") == tolerances.hand(18, "lean")
     assert tolerances.norm(18, "lean") == tolerances.norm(18, "paper") == 16 / 2**16
     assert tolerances.norm(32, "short") == 2**7 * tolerances.norm(32, "paper")
 

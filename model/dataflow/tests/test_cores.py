@@ -15,6 +15,7 @@ from model.dataflow.cores import (
     LONG,
     SHORT,
     SHORT_FRAC,
+    TILE,
     cuts,
     even,
     form_of,
@@ -43,19 +44,21 @@ def signed(width: int):
 def factors(draw):
     """Factors, their widths, and a shift that leaves each of the low parts beyond the two bits that are kept."""
     widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
-    shift = draw(st.integers(2 + max(cuts(*widths)), 36))
-    return *(draw(signed(width)) for width in widths), shift, *widths
+    tile = draw(st.sampled_from([TILE, 25, 5]))
+    shift = draw(st.integers(2 + max(cuts(*widths, tile)), 36))
+    return *(draw(signed(width)) for width in widths), shift, *widths, tile
 
 
 @given(factors())
-@example((-1, -1, 31, 33, 35))
-@example((-(1 << 32), -(1 << 32), 30, 33, 33))
-@example(((1 << 33) - 1, -(1 << 34), 33, 34, 35))
-@example(((1 << 32) - 1, (1 << 33) - 1, 31, 33, 34))
-@example((-1, (1 << 21) - 1, 20, 22, 22))
+@example((-1, -1, 31, 33, 35, TILE))
+@example((-(1 << 32), -(1 << 32), 30, 33, 33, TILE))
+@example(((1 << 33) - 1, -(1 << 34), 33, 34, 35, TILE))
+@example(((1 << 32) - 1, (1 << 33) - 1, 31, 33, 34, TILE))
+@example((-1, (1 << 21) - 1, 20, 22, 22, TILE))
+@example((-(1 << 24), (1 << 24) - 1, 23, 25, 25, 25))
 def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
     """And a guess at the fourth, where there is room below the highest."""
-    a, b, shift, *widths = case
+    a, b, shift, *widths = case  # and the tile
     (a_one, b_one), place = (1 << cut for cut in cuts(*widths)), 1 << shift
     a_lo, b_lo = a % a_one, b % b_one
     a_hi, b_hi = a - a_lo, b - b_lo
@@ -73,9 +76,9 @@ def test_mul3_of_every_small_pair():
     a, b = np.meshgrid(np.arange(-64, 64), np.arange(-64, 64))
     for shift in range(3, 10):
         tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1), (shift < 4) * (a & 1) * (b & 1)
-        q = mul3(a, b, shift, 7, 7)
+        q = mul3(a, b, shift, 7, 7, tile=6)
         assert (q == (sum((4 * tile) // (1 << shift) for tile in tiles) + 2) // 4).all()
-        error, (least, greatest) = q - a * b / (1 << shift), mul3_error(shift, 7, 7)
+        error, (least, greatest) = q - a * b / (1 << shift), mul3_error(shift, 7, 7, tile=6)
         assert least < error.min() and error.max() <= greatest
 
 

@@ -6,8 +6,8 @@ reg signed [AW-1:0] ghost_a;  // a clock ago
 reg signed [BW-1:0] ghost_b;
 wire signed [AH-1:0] ghost_a_hi = ghost_a[AW-1:AL];
 wire signed [BH-1:0] ghost_b_hi = ghost_b[BW-1:BL];
-wire signed [AL:0] ghost_a_lo = {1'b0, ghost_a[AL-1:0]};
-wire signed [BL:0] ghost_b_lo = {1'b0, ghost_b[BL-1:0]};
+wire signed [AL:0] ghost_a_lo = ghost_a & ~({AW{1'b1}} << AL);
+wire signed [BL:0] ghost_b_lo = ghost_b & ~({BW{1'b1}} << BL);
 wire [5:0] ghost_a_two = {ghost_a_lo, 2'b00} >> AL;  // times 2^(AL-2), it is at most the low part
 wire [5:0] ghost_b_two = {ghost_b_lo, 2'b00} >> BL;
 
