@@ -26,7 +26,8 @@ _XILINX = {
 _PORTS = (1, 2, 4, 9, 18, 36)
 # memories in LUTs: 16 bits each on xc2vp, 64 on xc7 and xcup, and as many again for the second port of X1D
 _LUT4_RAM = {f"RAM{depth}X1{port}": depth // 16 * (2 if port == "D" else 1) for depth in (16, 32, 64) for port in "SD"}
-_LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32X1D": 2, "RAM64X1D": 2, "RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
+_LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32M16": 8, "RAM64M8": 8, "RAM32X1D": 2, "RAM64X1D": 2}
+_LUT6_RAM |= {"RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
 CELLS = {
     "xc2vp": _XILINX
     | {

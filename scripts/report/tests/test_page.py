@@ -217,7 +217,7 @@ def test_no_other_datapath(cli):
     status, _, err = cli("--datapath", "neither")
     assert (status, err) == (
         2,
-        ["report: argument --datapath: unknown datapath 'neither'; valid: lean, paper, short, both"],
+        ["report: argument --datapath: unknown datapath 'neither'; valid: lean, paper, short, lean25, both"],
     )
 
 
