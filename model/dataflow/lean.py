@@ -20,12 +20,25 @@ the results are rounded half up to W - 2 fraction bits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from .facts import SUM, Growth, Limited, Within
-from .lean_words import down_from_4, half_up, magnitude, minus, plus, scaled_by, square, times, truth
+from .lean_words import (
+    Count,
+    Elbow,
+    HalfLength,
+    HalfPart,
+    Limit,
+    PartSum,
+    Result,
+    Shift,
+    Turned,
+    minus,
+    plus,
+    square,
+    times,
+    truth,
+)
 from .nodes import (
     FLOOR,
     HALF_UP,
@@ -35,7 +48,6 @@ from .nodes import (
     effective_width,
     inner_frac,
     root_frac,
-    wrap,
 )
 
 SECTIONS = {
@@ -169,20 +181,21 @@ def direction(d: Domain, f: Lean) -> None:
     root(L(8), f, "rho", n["rho_sq"], 2 * d.width)
     root(L(9), f, "s", n["s"], 2 * d.width)
 
-    def unit(words, count):  # in the root's own unit: |x| <= rho, so nothing is lost at the top
-        return wrap(words << (count + f.pad), f.shifted.width)
-
-    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1), within=COORDINATE)
-    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, scaled_by(-2, 1), within=COORDINATE)
-    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, scaled_by(-2, 1), within=COORDINATE)
+    # in the root's own unit: |x| <= rho, so nothing is lost at the top
+    unit = Shift(-2, 1, left=f.pad, width=f.shifted.width)
+    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
+    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
+    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
     L(14).mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
-    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", minus, within=not_negative(RISES), exact="e_rho_at_e_s - e_s")
     L(18).op(
-        "inv_s_el", ("inv_s", "n_el"), f.inner, "shift", lambda v, e: v >> e, scaled_by(0, -1), FLOOR, within=RISEN,
+        "n_el", ("e_rho", "e_s"), f.count, "mux", Count((1, -1)),
+        within=not_negative(RISES), exact="e_rho_at_e_s - e_s",
     )  # fmt: skip
+    down = Shift(0, -1)
+    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, down.real, FLOOR, within=RISEN)
     L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
@@ -190,19 +203,16 @@ def direction(d: Domain, f: Lean) -> None:
     half_length(L(29), f, "az_sq", ("u_y",))
     # Its parts do not wait for the squared length.
     az, length = ("u_y", "u_y", "u_x", "on_axis"), half_of("u_y")
-    half_part(
-        L(32), f, "az_c", az, lambda u_y, on_axis: (u_y < 0) | truth(on_axis), waits=False,
-        exact=f"(u_y < 0 || on_axis_at_u_y) ? ({length}) : (u_x >>> 1)",
-    )  # fmt: skip
-    half_part(
-        L(33), f, "az_s", az, lambda u_y, on_axis: u_y >= 0, waits=False, exact=f"u_y < 0 ? (u_x >>> 1) : ({length})",
-    )  # fmt: skip
+    c = HalfPart(lambda u_y, on_axis: (u_y < 0) | truth(on_axis), length=HalfLength(f.frac))
+    half_part(L(32), f, "az_c", az, c, f"(u_y < 0 || on_axis_at_u_y) ? ({length}) : (u_x >>> 1)")
+    s = HalfPart(lambda u_y, on_axis: u_y >= 0, length=HalfLength(f.frac))
+    half_part(L(33), f, "az_s", az, s, f"u_y < 0 ? (u_x >>> 1) : ({length})")
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, +z is taken: (1, 0).
     half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
     tilt = ("tilt_sq", "sin_el", "cos_el")
     large, small = "tilt_sq_at_cos_el", "(cos_el >>> 1)"
-    half_part(L(34), f, "tilt_c", tilt, lambda c: c >= 0, exact=f"sign_at_cos_el ? {small} : {large}")
-    half_part(L(35), f, "tilt_s", tilt, lambda c: c < 0, exact=f"sign_at_cos_el ? {large} : {small}")
+    half_part(L(34), f, "tilt_c", tilt, HalfPart(lambda c: c >= 0), f"sign_at_cos_el ? {small} : {large}")
+    half_part(L(35), f, "tilt_s", tilt, HalfPart(lambda c: c < 0), f"sign_at_cos_el ? {large} : {small}")
 
 
 def triangle(d: Domain, f: Lean) -> None:
@@ -218,38 +228,30 @@ def triangle(d: Domain, f: Lean) -> None:
     # 1/(4 sqrt(m_1 m_2)), and its shift to the unit of sqrt A: their product is a number up to 1, and root_far >= 1/2
     L(21).mul3("inv_12", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
 
-    def arms_shift(e, e_1, e_2):
-        return (e - e_1 - e_2 + 2 + f.odd) & 63
-
+    arms, down = Count((1, -1, -1), 2 + f.odd), Shift(3, -1, left=2)
     for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
         L(line).op(
-            f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms_shift,
+            f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms,
             within=not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"),
             exact=f"e_{side} - e_1_at_e_far - e_2_at_e_far + 2 + ODD",
         )  # fmt: skip
         shifted = ("inv_12", f"n_{side}")
         L(line).op(
-            f"inv_12_{side}_raw", shifted, f.raised, "shift", down_from_4, scaled_by(3, -1), FLOOR,
+            f"inv_12_{side}_raw", shifted, f.raised, "shift", down, down.real, FLOOR,
             within=ARMS_UNIT, grows=Growth((8.0, 0.0)),
         )  # fmt: skip
         limited(d, f, f"inv_12_{side}", ARMS_UNIT)
         L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
 
     # The clamped elbow is folded (1, 0) or straight (0, -1).
-    one = 1 << (d.width - 2)
-
-    def elbow(line, name, of, folded, straight, sign, within, exact):
-        def bits(v, clamp, fold):
-            return np.where(clamp, np.where(fold, folded, straight), half_up(sign * v, f.drop))
-
-        def real(v, clamp, fold):
-            return np.where(clamp, np.where(fold, folded, straight) / one, sign * v)
-
-        L(line).op(name, (of, "clamp", "fold"), f.result, "mux", bits, real, HALF_UP, within=within, exact=exact)
-
     clamped = f"!clamp_at_elbow_w ? {ROUNDED} : fold_at_elbow_w"
-    elbow(22, "qe_w", "elbow_w", one, 0, 1, ELBOW_W, clamped.format("+ elbow_w") + " ? (1 <<< (W - 2)) : 0")  # (14)
-    elbow(23, "qe_i", "elbow_i", 0, -one, -1, ELBOW_I, clamped.format("- elbow_i") + " ? 0 : -(1 <<< (W - 2))")  # (14)
+    for line, part, sign, ends, within, exact in (  # (14)
+        (22, "w", 1, (1, 0), ELBOW_W, clamped.format("+ elbow_w") + " ? (1 <<< (W - 2)) : 0"),
+        (23, "i", -1, (0, -1), ELBOW_I, clamped.format("- elbow_i") + " ? 0 : -(1 <<< (W - 2))"),
+    ):
+        elbow = Elbow(f.drop, sign, *ends, one=1 << (d.width - 2))
+        operands = f"elbow_{part}", "clamp", "fold"
+        L(line).op(f"qe_{part}", operands, f.result, "mux", elbow, elbow.real, HALF_UP, within=within, exact=exact)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
@@ -257,27 +259,21 @@ def triangle(d: Domain, f: Lean) -> None:
     inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     L(26).op(
-        "n_law", ("e_1", "e_s"), f.count, "mux", lambda e_1, e_s: (2 * e_1 + e_s) & 63,
-        exact="2 * e_1_at_e_s + e_s",
+        "n_law", ("e_1", "e_s"), f.count, "mux", Count((2, 1)), exact="2 * e_1_at_e_s + e_s",
     )  # fmt: skip
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
-
-    def to_law(k, e):
-        return wrap((k.astype(object) << (e + raise_k)) >> drop_k, f.inner.width).astype(np.int64)
-
-    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", to_law, scaled_by(-4 - f.odd, 1), FLOOR, within=K_UNIT)
+    law = Shift(-4 - f.odd, 1, left=raise_k, right=drop_k, width=f.inner.width)
+    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", law, law.real, FLOOR, within=K_UNIT)
     L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1, within=CIRCLE)
     L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner, within=ROOT)
 
-    def law_shift(e_far, e_near, e_1, e_s):
-        return (e_far + e_near - 2 * e_1 - e_s + f.odd + 2) & 63
-
     L(28).op(
-        "n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", law_shift,
+        "n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", Count((1, 1, -2, -1), 2 + f.odd),
         within=not_negative("sin a <= 1"), exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
     )  # fmt: skip
+    down = Shift(2, -1, left=2)
     L(28).op(
-        "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down_from_4, scaled_by(2, -1), FLOOR,
+        "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down, down.real, FLOOR,
         within=LAW_UNIT, grows=Growth((4.0, 0.0)),
     )  # fmt: skip
     inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
@@ -290,23 +286,20 @@ def triangle(d: Domain, f: Lean) -> None:
 
     arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
     large, small = "arm_sq_at_sin_a", "(clamp_at_sin_a ? 0 : (sin_a >>> 1))"
-    half_part(
-        L(36), f, "arm_c", arm, toward, lambda clamp, away: clamp, exact=f"swap_at_sin_a ? {small} : {large}",
-    )  # fmt: skip
-    half_part(
-        L(37), f, "arm_s", arm, lambda *c: ~toward(*c), lambda clamp, away: clamp,
-        exact=f"swap_at_sin_a ? {large} : {small}",
-    )  # fmt: skip
+    def none(clamp, away):
+        return clamp
+
+    half_part(L(36), f, "arm_c", arm, HalfPart(toward, none), f"swap_at_sin_a ? {small} : {large}")
+    half_part(L(37), f, "arm_s", arm, HalfPart(lambda *c: ~toward(*c), none), f"swap_at_sin_a ? {large} : {small}")
     # For three products instead of four: c + s, and the difference of the larger part and the smaller.
     d.at()
     d.op("arm_swap", ("cos_a", "clamp", "away"), d.bit, "mux", lambda *c: ~toward(*c))
 
     both = ("arm_sq", "sin_a", "clamp")
-    for line, name, how, sign in ((52, "arm_dif", minus, "-"), (53, "arm_sum", plus, "+")):
+    for line, name, how in ((52, "arm_dif", PartSum(-1)), (53, "arm_sum", PartSum(1))):
         L(line).op(
-            name, both, f.inner, "mux", lambda q, s, clamp, how=how: how(q, np.where(clamp, 0, s >> 1)),
-            lambda q, s, clamp, how=how: how(q, np.where(clamp, 0.0, s / 2)), FLOOR, within=PAIR, grows=SUM,
-            exact=f"{large} {sign} {small}",
+            name, both, f.inner, "mux", how, how.real, FLOOR, within=PAIR, grows=SUM,
+            exact=f"{large} {'-' if how.sign < 0 else '+'} {small}",
         )  # fmt: skip
 
 
@@ -329,9 +322,6 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_far", within=PART)
     L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, kind="mul3_far", within=PART)
     # Three products a pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
-    def turned_by(whole, part, swap):
-        return np.where(swap, whole + part, whole - part)
-
     for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
         both = first + second
         parts = f"{first}_0", f"{second}_0"
@@ -349,7 +339,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
                 L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM, exact=less)
             else:  # the larger part less the smaller is s - c where they are swapped
                 L(line).op(
-                    f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", turned_by, turned_by,
+                    f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), Turned(),
                     within=PART, grows=SUM, exact=f"swap_at_wi_c ? {' + '.join(terms)} : {less}",
                 )  # fmt: skip
 
@@ -373,9 +363,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
 
     # The k part is not negative.
-    def rounded(q, minus):
-        return half_up(np.where(minus, -1, 1) * q, f.drop)
-
+    rounded = Result(f.drop)
     d.at()
     d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
@@ -383,8 +371,8 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         # (18)
         plus_q, minus_q = (ROUNDED.format(f"{sign} {unit}_q") for sign in "+-")
         L(line).op(
-            f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, lambda q, minus: np.where(minus, -q, q),
-            HALF_UP, within=PART, exact=f"minus_at_w_q ? {minus_q} : {plus_q}",
+            f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, rounded.real, HALF_UP,
+            within=PART, exact=f"minus_at_w_q ? {minus_q} : {plus_q}",
         )  # fmt: skip
 
 
@@ -400,58 +388,29 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
 def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
     """2, which powers of two can give, becomes the largest inner word: ``name`` from
     ``name``_raw."""
-    top, most = f.inner.high, "((1 <<< (N - 1)) - 1)"
+    limit, most = Limit(f.inner.high), "((1 <<< (N - 1)) - 1)"
     return d.op(
-        name, (f"{name}_raw",), f.inner, "mux", lambda v: np.minimum(v, top), lambda v: v,
+        name, (f"{name}_raw",), f.inner, "mux", limit, limit.real,
         within=within, limited=TWO, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
     )  # fmt: skip
 
 
-# h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or (s, 1 - c)/2
-# where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
-
-
-def half_word(f: Lean, cosine):
-    """(1 + |c|)/2 of a word."""
-    return ((1 << f.frac) + magnitude(cosine)) >> 1
-
-
 def half_of(cosine: str) -> str:
-    """The same in Verilog."""
+    """:class:`HalfLength` in Verilog."""
     return f"((1 <<< FRAC) + ({cosine} < 0 ? -1 - {cosine} : {cosine})) >>> 1"
 
 
 def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
     """(1 + |c|)/2 of the first operand; 1 where the second, a mask, says so."""
-    def bits(c, unit=False):
-        return np.where(unit, 1 << f.frac, half_word(f, c))
-
-    def real(c, unit=False):
-        return np.where(unit, 1.0, (1 + abs(c)) / 2)
-
     cosine, *mask = operands
     exact = half_of(cosine)
     if mask:
         exact = f"{mask[0]}_at_{cosine} ? (1 <<< FRAC) : ({exact})"
-    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_LENGTH, exact=exact)
+    length = HalfLength(f.frac)
+    d.op(name, operands, f.inner, "mux", length, length.real, FLOOR, within=HALF_LENGTH, exact=exact)
 
 
-def half_part(
-    d: Domain, f: Lean, name: str, operands: tuple[str, ...], large: Callable, none: Callable | None = None,
-    *, exact: str, waits: bool = True,
-) -> None:  # fmt: skip
-    """A part of h: the squared length where ``large`` says so of the cosine and the masks, else half the sine, or 0
-    where ``none`` says so of the masks.  ``operands``: squared length, cosine, sine, masks; the first is the cosine
-    again where it does not wait for the squared length."""
-
-    def bits(g, c, s, *masks):
-        g = g if waits else half_word(f, c)
-        small = np.where(none(*masks), 0, s >> 1) if none else s >> 1
-        return np.where(large(c, *masks), g, small)
-
-    def real(g, c, s, *masks):
-        g = g if waits else (1 + abs(c)) / 2
-        small = np.where(none(*masks), 0.0, s / 2) if none else s / 2
-        return np.where(large(c, *masks), g, small)
-
-    d.op(name, operands, f.inner, "mux", bits, real, FLOOR, within=HALF_ANGLE, exact=exact)
+def half_part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], part: HalfPart, exact: str) -> None:
+    """A part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the part
+    does not wait for the squared length."""
+    d.op(name, operands, f.inner, "mux", part, part.real, FLOOR, within=HALF_ANGLE, exact=exact)

@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+
+from .nodes import wrap
 
 
 def plus(a, b):
@@ -30,18 +33,137 @@ def half_up(words, drop: int):
     return (words + (1 << (drop - 1))) >> drop
 
 
-def down_from_4(words, count):
-    """4 words 2^-count."""
-    return (words << 2) >> count
+@dataclass(frozen=True)
+class Count:
+    """A shift count of six bits: other counts times ``factors``, and a constant."""
+
+    factors: tuple[int, ...]
+    constant: int = 0
+
+    def __call__(self, *counts):
+        return sum(f * e for f, e in zip(self.factors, counts, strict=True)) + self.constant & 63
 
 
-def scaled_by(power: int, sign: int) -> Callable:
-    """(v, count) -> v 2^(power + sign count), in double precision."""
+@dataclass(frozen=True)
+class Shift:
+    """v 2^(power + sign count), cut off: of words (v 2^(left + sign count)) 2^-right, the low ``width`` bits of it if
+    there is one."""
 
-    def scaled(v, count):
-        return v * 2.0 ** (power + sign * count)
+    power: int
+    sign: int
+    left: int = 0
+    right: int = 0
+    width: int | None = None
 
-    return scaled
+    def __call__(self, v, count):
+        if self.width is None:
+            return (v << self.left) >> count + self.right if self.sign < 0 else v << self.left + count >> self.right
+        return wrap(v.astype(object) << self.left + count >> self.right, self.width).astype(np.int64)
+
+    def real(self, v, count):
+        return v * 2.0 ** (self.power + self.sign * count)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The smaller of a word and ``top``, which real values do not reach."""
+
+    top: int
+
+    def __call__(self, v):
+        return np.minimum(v, self.top)
+
+    def real(self, v):
+        return v
+
+
+@dataclass(frozen=True)
+class Result:
+    """A result: a word, or minus that where the mask says so, rounded."""
+
+    drop: int
+
+    def __call__(self, q, minus):
+        return half_up(np.where(minus, -1, 1) * q, self.drop)
+
+    def real(self, q, minus):
+        return np.where(minus, -q, q)
+
+
+@dataclass(frozen=True)
+class Elbow:
+    """A result: a word times ``sign``, rounded; ``folded`` or ``straight`` of ``one`` where the elbow is clamped."""
+
+    drop: int
+    sign: int
+    folded: int
+    straight: int
+    one: int
+
+    def __call__(self, v, clamp, fold):
+        clamped = np.where(fold, self.folded, self.straight) * self.one
+        return np.where(clamp, clamped, half_up(self.sign * v, self.drop))
+
+    def real(self, v, clamp, fold):
+        return np.where(clamp, np.where(fold, self.folded, self.straight), self.sign * v)
+
+
+# h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or (s, 1 - c)/2
+# where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
+
+
+@dataclass(frozen=True)
+class HalfLength:
+    """(1 + |c|)/2 of words of ``frac`` fraction bits; 1 where a mask says so."""
+
+    frac: int
+
+    def __call__(self, c, unit=False):
+        return np.where(unit, 1 << self.frac, ((1 << self.frac) + magnitude(c)) >> 1)
+
+    def real(self, c, unit=False):
+        return np.where(unit, 1.0, (1 + abs(c)) / 2)
+
+
+@dataclass(frozen=True)
+class HalfPart:
+    """A part of h: the squared length g where ``large`` says so of the cosine and the masks, else half the sine, or 0
+    where ``none`` says so of the masks.  The part does not wait for the length if it has one of its own."""
+
+    large: Callable
+    none: Callable | None = None
+    length: HalfLength | None = None
+
+    def __call__(self, g, c, s, *masks):
+        g = self.length(c) if self.length else g
+        small = np.where(self.none(*masks), 0, s >> 1) if self.none else s >> 1
+        return np.where(self.large(c, *masks), g, small)
+
+    def real(self, g, c, s, *masks):
+        g = self.length.real(c) if self.length else g
+        small = np.where(self.none(*masks), 0.0, s / 2) if self.none else s / 2
+        return np.where(self.large(c, *masks), g, small)
+
+
+@dataclass(frozen=True)
+class PartSum:
+    """The squared length plus ``sign`` times half the sine, or nothing where the mask says so."""
+
+    sign: int
+
+    def __call__(self, g, s, none):
+        return g + self.sign * np.where(none, 0, s >> 1)
+
+    def real(self, g, s, none):
+        return g + self.sign * np.where(none, 0.0, s / 2)
+
+
+@dataclass(frozen=True)
+class Turned:
+    """The first less the second, their sum where the mask says so."""
+
+    def __call__(self, whole, part, swap):
+        return np.where(swap, whole + part, whole - part)
 
 
 def magnitude(words):
