@@ -29,6 +29,7 @@ from .lean_words import (
     HalfLength,
     HalfPart,
     Limit,
+    Mantissa,
     PartSum,
     Result,
     Shift,
@@ -346,14 +347,11 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
     L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner, within=Within(0.125, 1.0, "a product of such"))
-    quarter, up = 1 << (f.frac - 2), f.mantissa.frac - f.frac
-
-    def mantissa(t, low):  # of four times the length, where it is below 1/4
-        return np.minimum(t << np.where(low, up + 2, up), f.mantissa.high)
-
+    quarter = 1 << (f.frac - 2)
+    mantissa = Mantissa(f.mantissa.frac - f.frac, f.mantissa.high)  # of four times the length, where it is below 1/4
     low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
     L(57).op(
-        "m_q", ("length_sq", low), f.mantissa, "mux", mantissa, lambda t, low: np.where(low, 4 * t, t),
+        "m_q", ("length_sq", low), f.mantissa, "mux", mantissa, mantissa.real,
         within=Within(0.25, 1.0, "mantissa"), grows=Growth((4.0, 0.0)),
         limited=Limited("1 and more becomes the largest mantissa"),
         exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"

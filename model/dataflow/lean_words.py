@@ -108,6 +108,21 @@ class Elbow:
         return np.where(clamp, np.where(fold, self.folded, self.straight), self.sign * v)
 
 
+@dataclass(frozen=True)
+class Mantissa:
+    """A word raised by ``up`` bits, and by two more where the mask says so, but not above ``top``; as a real value four
+    times the word where the mask says so."""
+
+    up: int
+    top: int
+
+    def __call__(self, t, low):
+        return np.minimum(t << np.where(low, self.up + 2, self.up), self.top)
+
+    def real(self, t, low):
+        return np.where(low, 4 * t, t)
+
+
 # h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or (s, 1 - c)/2
 # where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 
