@@ -38,7 +38,7 @@ def _children(parents: np.ndarray, width: int, random: np.random.Generator) -> n
     return np.clip(rows + np.where(changed, steps, 0), -top - 1, top)
 
 
-def _hand(words: np.ndarray, width: int) -> np.ndarray:
+def hand_errors(words: np.ndarray, width: int) -> np.ndarray:
     """Hand error / reach (N,); 0 for targets out of reach."""
     return np.nan_to_num(hardest.errors(words, fixed.run(words, width, "lean").results, width)[0])
 
@@ -63,11 +63,11 @@ def climb(width: int, rounds: int, seed: int, meter: Meter) -> tuple[np.ndarray,
     """The worst target found (6,) and its hand error / reach."""
     random = np.random.default_rng((seed, width))
     words = np.concatenate([mixed(20000, width, seed), *(region(name, 5000, width, seed) for name in REGIONS)])
-    words, hand = _best(words, _hand(words, width), width)
+    words, hand = _best(words, hand_errors(words, width), width)
     for number in range(rounds):
         more = np.unique(_children(words, width, random), axis=0)
         words, at = np.unique(np.concatenate([words, more]), axis=0, return_index=True)
-        hand = np.concatenate([hand, _hand(more, width)])[at]
+        hand = np.concatenate([hand, hand_errors(more, width)])[at]
         words, hand = _best(words, hand, width)
         meter(number + 1, f"W = {width}: {hand[0]:.3g}")
     return words[0], float(hand[0])
@@ -85,7 +85,7 @@ def main(arguments: Sequence[str] | None) -> int:
     for width in parsed.width:
         with progress("climb", parsed.rounds) as meter:
             words, hand = climb(width, parsed.rounds, parsed.seed, meter)
-        bar = tolerances.lean(width)
+        bar = tolerances.sought(width)
         print(f"W = {width}: {hand:.3e} of the reach, tolerance {bar:.3g}: {', '.join(map(str, words))}", flush=True)
         status |= hand > bar
     return status

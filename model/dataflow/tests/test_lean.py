@@ -40,14 +40,15 @@ COUNT = 9000
 
 WORST = {
     16: (-32753, -3, -22, -19265, 73, 32752),
-    18: (301, -103369, 33, 69671, 6052, 103552),
+    18: (58796, 28913, -498, 66209, 867, 65679),
     24: (8252900, -970, 709, -494258, 39409, 8273971),
-    27: (-229, -59176645, -174, 42028178, 3472353, 59278467),
+    27: (67077117, 0, 768, -67108864, 49495, 67108861),
     32: (2043587052, -2652, 1444, 84162352, 65595619, 2049611425),
 }
-"""The worst targets that hill climbing over millions of targets has found, 2.03e-4, 4.82e-5, 8.0e-7, 9.7e-8 and
-1.60e-8: half angles of azimuth, tilt and shoulder all next to where their branch changes, so that the unit length rests
-on words of 0.35, and every rounding to one side."""
+"""The worst targets that `python -m scripts.climb` has found, 2.03e-4, 5.07e-5, 8.0e-7, 9.9e-8 and 1.60e-8: half angles
+of azimuth, tilt and shoulder all next to where their branch changes, so that the unit length rests on words of 0.35,
+and every rounding to one side. 5.07e-5 is past the tolerance of 18 bits, as correctly rounded results are
+(`bounds/tests/test_tolerances.py`)."""
 
 ANGLE_ULPS = {16: 3, 18: 3, 24: 3, 27: 3, 32: 21}
 """Shoulder and elbow angle: 2e-8 rad for W = 32."""
@@ -202,7 +203,7 @@ def test_worst_targets_found(width):
     """Roundings that all go one way: no bar but that of the search, and what affine prediction allows."""
     words = np.array([WORST[width]])
     run = Run(words, width)
-    run.below(run.hand, tolerances.lean(width), "hand error / reach")
+    run.below(run.hand, tolerances.sought(width), "hand error / reach")
     run.below(run.hand, predict.hand_bar(words, width, "lean")[0], "hand error / reach")
     run.check_norms(width)
 
@@ -370,7 +371,7 @@ def search(width: int):
         if run.answer.flags[0] & UNREACHABLE:
             return
         target(float(run.hand[0]) * 2.0**width, label="hand error in parts of 2^-W")
-        run.below(run.hand, tolerances.lean(width), "hand error / reach")
+        run.below(run.hand, tolerances.sought(width), "hand error / reach")
         run.below(run.shoulder_angle, ANGLE_ULPS[width] * ulp(width), "shoulder angle error (rad)")
         run.below(run.elbow_angle, ANGLE_ULPS[width] * ulp(width), "elbow angle error (rad)")
 
