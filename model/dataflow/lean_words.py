@@ -41,7 +41,9 @@ class Count:
     constant: int = 0
 
     def __call__(self, *counts):
-        return sum(f * e for f, e in zip(self.factors, counts, strict=True)) + self.constant & 63
+        first, *others = (f * e for f, e in zip(self.factors, counts, strict=True))
+        count = sum(others, first)
+        return (count + self.constant if self.constant else count) & 63
 
 
 @dataclass(frozen=True)

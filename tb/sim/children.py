@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -26,11 +27,33 @@ FULL = 1 << 16
 def started(command: Sequence[str | Path], temporary: str | Path, **options) -> Iterator[subprocess.Popen]:
     """A process in a group of its own, whose temporary files go to ``temporary``; at the end the group is ended."""
     env = environment() | {"TMPDIR": str(temporary)}
-    process = subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **options)
+    process = None
     try:
+        with signals_later():
+            process = subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **options)
         yield process
     finally:
-        end_group(process)
+        if process:
+            end_group(process)
+
+
+@contextlib.contextmanager
+def signals_later() -> Iterator[None]:
+    """Signals that end the program wait until the end of this: between a process and the name of it, nobody ends it."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    handlers = {n: signal.getsignal(n) for n in numbers if threading.current_thread() is threading.main_thread()}
+    came: list[int] = []
+    for number, handler in handlers.items():
+        if handler not in (signal.SIG_IGN, None):
+            signal.signal(number, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            if handler not in (signal.SIG_IGN, None):
+                signal.signal(number, handler)
+        for number in came:
+            signal.raise_signal(number)
 
 
 def end_group(process: subprocess.Popen) -> None:

@@ -38,6 +38,25 @@ def test_the_whole_group_ends_and_its_temporary_files_are_where_we_said(tmp_path
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def test_a_signal_before_the_process_has_a_name(tmp_path, monkeypatch):
+    made, popen = [], subprocess.Popen
+
+    def interrupted(*arguments, **options):
+        made.append(popen(*arguments, **options))
+        signal.raise_signal(signal.SIGINT)
+        return made[0]
+
+    monkeypatch.setattr(children.subprocess, "Popen", interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            with children.started([sys.executable, "-c", "import time; time.sleep(600)"], tmp_path):
+                pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert not alive(made[0].pid)
+
+
 def test_who_does_not_listen_is_made_to(tmp_path, monkeypatch):
     monkeypatch.setattr(children, "GRACE", 0.1)
     deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(20)"
