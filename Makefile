@@ -25,6 +25,7 @@ TAKES_test-all := SIM CORES
 TAKES_formal   := ONLY
 TAKES_fpga     := DATAPATH WIDTH
 TAKES_table6   := TARGETS SEED
+TAKES_schedule := PERIOD SECONDS
 $(foreach target,setup docs test-browser,$(eval TAKES_$(target) := SIM))
 GOALS := $(or $(MAKECMDGOALS),help)
 # From another folder, by make -f, with paths as seen from there: what runs the core. The rest works on the checkout.
@@ -51,7 +52,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS SEED FROM KEEP AGAIN ONLY
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS SEED FROM KEEP AGAIN ONLY PERIOD SECONDS
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python.
@@ -67,7 +68,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 schedule soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -141,6 +142,10 @@ table6: ## table 6 of the paper again: C, numpy, numba, JAX and the core on the 
 	@$(SETUP) icarus table6
 	@exec $(VENV) -m scripts.table6 $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED")
 
+schedule: ## the program of the folded datapath again, after its dataflow has changed [PERIOD= SECONDS=]
+	@$(SETUP) icarus schedule
+	@exec $(VENV) -m scripts.schedule $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
+
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
@@ -189,10 +194,11 @@ fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write requirements.lock and those of fpga and table6 again (needs uv)
+lock: ## write requirements.lock and those of fpga, table6 and schedule again (needs uv)
 	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 	$(compile) --constraint requirements.lock --output-file requirements-table6.lock requirements-table6.in
+	$(compile) --constraint requirements.lock --output-file requirements-schedule.lock requirements-schedule.in
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

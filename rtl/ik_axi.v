@@ -103,6 +103,9 @@ module ik_axi #(
     if (LOG2_BURST < 1 || LOG2_BURST > 5) begin : g_burst
       ik_axi_needs_LOG2_BURST_of_1_to_5 u_stop ();
     end
+    if (LEAN != 0 && LEAN != 1) begin : g_datapath
+      ik_axi_needs_LEAN_of_0_or_1 u_stop ();
+    end
   endgenerate
 
   // ---- constants of AXI: one ID, whole words, incrementing, normal memory that may be buffered ----

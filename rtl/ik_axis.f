@@ -4,6 +4,7 @@
 +incdir+cores
 +incdir+paper
 +incdir+lean
++incdir+fold
 ik_axis.v
 lean/ik_lean.v
 lean/ik_lean_direction.v
@@ -11,6 +12,15 @@ lean/ik_lean_guard.v
 lean/ik_lean_root.v
 lean/ik_lean_triangle.v
 lean/ik_lean_turn.v
+fold/ik_fold.v
+fold/ik_fold_count.v
+fold/ik_fold_flags.v
+fold/ik_fold_memory.v
+fold/ik_fold_mul.v
+fold/ik_fold_norm.v
+fold/ik_fold_sum.v
+fold/ik_fold_table.v
+fold/ik_fold_word.v
 paper/ik_elbow.v
 paper/ik_elbow_q.v
 paper/ik_guard.v

@@ -12,7 +12,7 @@
 module ik_axis #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer TAG_W = 8,   // width of the tag
-    parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's
+    parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, 20 to 32
     parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
     parameter integer TILE  = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
     parameter integer SHORT = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
@@ -54,11 +54,18 @@ module ik_axis #(
     else if (admit && !leave) credits <= credits - 1'b1;
     else if (leave && !admit) credits <= credits + 1'b1;
   end
-  assign s_axis_tready = !rst && (credits != 0);
+  // the folded datapath has streams of its own
+  wire fold_ready, fold_valid, fifo_valid;
+  wire [TAG_W+8-1:0] fold_user, fifo_user;
+  wire [6*W-1:0] fold_data, fifo_data;
+  assign s_axis_tready = (LEAN == 2) ? fold_ready : !rst && (credits != 0);
+  assign m_axis_tvalid = (LEAN == 2) ? fold_valid : fifo_valid;
+  assign m_axis_tuser = (LEAN == 2) ? fold_user : fifo_user;
+  assign m_axis_tdata = (LEAN == 2) ? fold_data : fifo_data;
 
   // ---- the datapath ----
 
-  localparam LEGAL = W >= MIN_W && W <= 32;
+  localparam LEGAL = W >= MIN_W && W <= 32 && (LEAN != 2 || (W >= 20 && W % 2 == 0));
 
   wire core_valid;
   wire [TAG_W-1:0] core_tag;
@@ -66,9 +73,29 @@ module ik_axis #(
   wire [6*W-1:0] core_data;
   generate
     if (!LEGAL) begin : g_illegal
-      ik_axis_needs_W_of_16_to_32 u_stop ();
+      ik_axis_needs_W_of_16_to_32_and_folded_even_of_20_to_32 u_stop ();
     end
-    if (LEGAL && LEAN != 0) begin : g_lean
+    if (LEGAL && LEAN == 2) begin : g_fold
+      ik_fold #(
+          .W    (W),
+          .TAG_W(TAG_W)
+      ) u_core (
+          .clk          (clk),
+          .rst          (rst),
+          .s_axis_tdata (s_axis_tdata),
+          .s_axis_tuser (s_axis_tuser),
+          .s_axis_tvalid(s_axis_tvalid),
+          .s_axis_tready(fold_ready),
+          .m_axis_tdata (fold_data),
+          .m_axis_tuser (fold_user),
+          .m_axis_tvalid(fold_valid),
+          .m_axis_tready(m_axis_tready)
+      );
+      assign {core_valid, core_tag, core_flags, core_data} = 0;
+    end else begin : g_pipeline
+      assign {fold_ready, fold_valid, fold_user, fold_data} = 0;
+    end
+    if (LEGAL && LEAN == 1) begin : g_lean
       ik_lean #(
           .W    (W),
           .TAG_W(TAG_W),
@@ -115,9 +142,9 @@ module ik_axis #(
       .rst    (rst),
       .wr_en  (core_valid),
       .wr_data({core_flags, core_tag, core_data}),
-      .m_valid(m_axis_tvalid),
+      .m_valid(fifo_valid),
       .m_ready(m_axis_tready),
-      .m_data ({m_axis_tuser, m_axis_tdata})
+      .m_data ({fifo_user, fifo_data})
   );
 
 endmodule

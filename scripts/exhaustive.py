@@ -45,7 +45,7 @@ PIECE = 1 << 23
 
 DIVIDER = "q = floor(n 2^SH / d), saturated; by the sign of n where d <= 0"
 ROOT_OF = "q = floor(sqrt(n 2^SH)), 0 where n < 0"
-RECIPROCAL = "y = 1/(2 sqrt m), error below a place, also where m was cut off; 0 where m < 1/4"
+RECIPROCAL = "y = 1/(2 sqrt m), error below a place, also where m was cut off; m + 1/4 for m < 1/4"
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ MODULE_SETS = {
     "ik_axi_result": [{"W": w, "DATA_W": d} for w, d in ((32, 64), (18, 32), (16, 128))],
     "ik_axi_target": [{"W": w} for w in (32, 31, 18, 16)],
     "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "LEAN": 0, "DIGIT": 1}, {"W": 32, "LEAN": 0, "SHORT": 1},
-                {"W": 18, "TILE": 25}],
+                {"W": 18, "TILE": 25}, {"W": 24, "LEAN": 2}],
     "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}, {"DIGIT": 1, "CUT": 8, "CUT_D": 12}],
     "ik_div_digit": [
         {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 34},
@@ -55,6 +55,9 @@ MODULE_SETS = {
     ],
     "ik_root_row": [{"K": 0}, {"K": 15}, {"K": 30}],
     "ik_even": [{"VW": 64, "MW": 34}, {"VW": 36, "MW": 24}, {"VW": 18, "MW": 24}],
+    "ik_fold": [{"W": 24}, {"W": 32}, {"W": 20}],
+    "ik_fold_norm": [{}],
+    "ik_fold_word": [{}],
     "ik_paper": [
         *({"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)),
         *({"W": 32, "DIGIT": digit, "SHORT": 1} for digit in (0, 1)),

@@ -91,7 +91,7 @@ def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark
             save.plain(("m_axis_tdata",))
             for k, name in enumerate(RESULT_FIELDS):
                 save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
-            for name in ("in_valid", "out_valid"):
+            for name in ("in_valid", "out_valid") if CONFIGURATIONS[datapath].period == 1 else ("clock", "go"):
                 save.plain((f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", name))
         save.sections(datapath, nodes, mark)
 

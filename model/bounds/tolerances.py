@@ -58,7 +58,7 @@ def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
 
     ``regular``: all targets keep :data:`REGULAR_DISTANCE`, which a file or trajectory may say of itself.
     """
-    if CONFIGURATIONS[datapath].rtl == "lean":
+    if CONFIGURATIONS[datapath].equations == "lean":
         return lean(width)
     return REGULAR if regular and width == REGULAR_WIDTH else None
 

@@ -157,15 +157,16 @@ def quadratic(m, frac: int):
 
 
 def rsqrt(m, frac: int):
-    """``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; 0 where m < 1/4.
+    """``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; below 1/4 its second bit
+    counts as if it were set, so that 0 gives 1.
 
     The error is less than one place also where m is a longer mantissa cut off (:func:`rsqrt_error`).
     """
     m = np.asarray(m, dtype=np.int64)
     form = form_of(frac)
-    mantissa = m >= 1 << frac + 1
-    y = quadratic(np.where(mantissa, m, 1 << frac + 1), frac) + rounding(form, frac)
-    return np.where(mantissa, y >> form.sum_frac - frac, 0)
+    second = 1 << frac + 1
+    y = quadratic(np.where(m < second, m | second, m), frac) + rounding(form, frac)
+    return y >> form.sum_frac - frac
 
 
 # ---- proof of its error ----------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from . import lean, paper, short
 from .cores import TILE
+from .fold import program, shown
 from .nodes import WIDTHS
 
 
@@ -20,6 +21,8 @@ class Datapath:
     ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with,
     ``parameters`` those of ``ik_axis`` that choose it.  ``cuts``: node -> lowest bits of its word that are 0;
     ``tile``: bits of the longer operand of the multipliers that :func:`model.dataflow.cores.mul3` is cut for.
+    ``times(width)``: node -> clock in which it is valid, of a machine without the clocks of the dataflow's pipeline;
+    ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
     """
 
     name: str
@@ -30,11 +33,19 @@ class Datapath:
     widths: range = WIDTHS
     cuts: Mapping[str, int] = field(default_factory=dict)
     tile: int = TILE
+    times: Callable[[int], Mapping[str, int]] | None = None
+    period: int = 1
+    behind: int = 2
 
     @property
     def rtl(self) -> str:
         """What its Verilog is called by."""
-        return "lean" if self.parameters["LEAN"] else "paper"
+        return ("paper", "lean", "fold")[self.parameters["LEAN"]]
+
+    @property
+    def equations(self) -> str:
+        """Whose equations it computes: ``lean`` or ``paper``."""
+        return "paper" if self.flow is paper.paper else "lean"
 
     @property
     def folder(self) -> Path:
@@ -64,6 +75,11 @@ SHORT = replace(
 
 LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"LEAN": 1, "SHORT": 0, "TILE": 25}, tile=25)
 
-CONFIGURATIONS = {**DATAPATHS, SHORT.name: SHORT, LEAN25.name: LEAN25}
-"""All that can be run, by the name of its ``DATAPATH=``: the dataflows, the paper's with shorter words, and the lean
-one with products cut for multipliers of 25x18 bits."""
+FOLD = replace(
+    DATAPATHS["lean"], name="fold", parameters={"LEAN": 2, "SHORT": 0}, widths=range(20, 33, 2), times=shown.times,
+    period=program.schedule().period, behind=0,
+)  # fmt: skip
+
+CONFIGURATIONS = {**DATAPATHS, SHORT.name: SHORT, LEAN25.name: LEAN25, FOLD.name: FOLD}
+"""All that can be run, by the name of its ``DATAPATH=``: the dataflows, the paper's with shorter words, the lean
+one with products cut for multipliers of 25x18 bits, and the lean one as a program of one multiplier."""

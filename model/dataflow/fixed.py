@@ -176,13 +176,16 @@ def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
 def latency(datapath: str, width: int) -> int:
     """Clocks of ``ik_axis`` from a target in to its result out, when nobody stalls."""
     nodes = run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
-    return max(node.time for node in nodes.values()) + FIFO_CLOCKS
+    return max(node.time for node in nodes.values()) + CONFIGURATIONS[datapath].behind
 
 
 def answer(words: np.ndarray, bits: Bits) -> Answer:
     """The same in a domain that has not been run yet."""
     columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
     CONFIGURATIONS[bits.datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
+    times = CONFIGURATIONS[bits.datapath].times
+    for name, time in times(bits.width).items() if times else ():
+        bits.nodes[name].time = time
     value = {k: n.value for k, n in bits.nodes.items()}
     # The lean datapath has nothing that saturates.
     flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)

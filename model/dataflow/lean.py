@@ -12,7 +12,7 @@ precision does not depend on how small the argument is.
 
 Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
 root has at most 31 fraction bits, and 22 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
-1/(2 sqrt(m)), in (1/2, 1]; 0 where m = 0.
+1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
 
 Rounding.  ``mul3`` leaves out the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
 the results are rounded half up to W - 2 fraction bits.
@@ -65,7 +65,7 @@ SECTIONS = {
 
 SQUARES = "squares of words in [-2, 2)"
 MANTISSA = Within(0.0, 1.0, "mantissa", below=True)
-INVERSE = Within(0.0, 1.0, "1/(2 sqrt m) with m >= 1/4")  # 0 where m = 0
+INVERSE = Within(0.0, 1.0, "1/(2 sqrt m) with m >= 1/4")
 LENGTH_INVERSE = Within(0.0, 1.5, "1/(2 sqrt L) with L >= 1/8")
 INVERSES = Within(0.0, 1.0, "products of inverses")
 COORDINATE = Within(-1.0, 1.0, "coordinates are no longer than the vector", below=True)
@@ -88,6 +88,7 @@ K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
 ROUNDED = "((1 <<< (DROP - 1)) {}) >>> DROP"
 TWO = Limited("2, which powers of two can give, becomes the largest word")
+ONE = Limited("1, which powers of two can give, becomes the largest word")
 
 
 def not_negative(why: str) -> Within:
@@ -227,7 +228,9 @@ def triangle(d: Domain, f: Lean) -> None:
     L(19).mul3("root_far", n["inv_far"], n["m_far"], f.inner, scale=1, within=ROOT)
     L(20).mul3("root_near", n["inv_near"], n["m_near"], f.inner, scale=1, within=ROOT)
     # 1/(4 sqrt(m_1 m_2)), and its shift to the unit of sqrt A: their product is a number up to 1, and root_far >= 1/2
-    L(21).mul3("inv_12", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
+    fine = Format(f.frac + 2, f.frac + 1, "FRAC + 1")
+    L(21).mul3("inv_12_raw", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
+    limited(d, f, "inv_12", INVERSES, fine, ONE)
 
     arms, down = Count((1, -1, -1), 2 + f.odd), Shift(3, -1, left=2)
     for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
@@ -383,13 +386,15 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
 
 
-def limited(d: Domain, f: Lean, name: str, within: Within) -> Node:
-    """2, which powers of two can give, becomes the largest inner word: ``name`` from
-    ``name``_raw."""
+def limited(
+    d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = None, limited: Limited = TWO,
+) -> Node:  # fmt: skip
+    """``name`` from ``name``_raw: 2, which powers of two can give, becomes the largest inner word, or 1 the largest of
+    another format."""
     limit, most = Limit(f.inner.high), "((1 <<< (N - 1)) - 1)"
     return d.op(
-        name, (f"{name}_raw",), f.inner, "mux", limit, limit.real,
-        within=within, limited=TWO, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
+        name, (f"{name}_raw",), fmt or f.inner, "mux", limit, limit.real,
+        within=within, limited=limited, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
     )  # fmt: skip
 
 

@@ -377,7 +377,7 @@ class Domain(ABC):
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
     def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, twice: Node | None = None, **facts) -> Node:
-        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 0 where m = 0; that doubled where ``twice``.  ``far``: the
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 1 where m = 0; that doubled where ``twice``.  ``far``: the
         table's address has a register of its own."""
         self.facts[name] = Facts(**facts)
         value = self.reciprocal_root(name, m, fmt, twice)

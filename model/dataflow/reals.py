@@ -79,7 +79,7 @@ class Real(Domain):
     def reciprocal_root(self, name, m, fmt, twice):
         inverse = 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25))
         inverse = inverse * np.where(twice.value, 2.0, 1.0) if twice else inverse
-        return self._moved(name, np.where(m.value > 0, inverse, 0.0), fmt)
+        return self._moved(name, inverse, fmt)
 
     def half_sincos(self, names, phi, fmt):
         half = phi.value * (np.pi / 2)

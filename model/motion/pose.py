@@ -110,7 +110,7 @@ def solve(
 
     if width is None:
         x, y, z = targets.core_position.T
-        answer = DOUBLE[CONFIGURATIONS[datapath].rtl](x, y, z, targets.phi, targets.d1, targets.d2)
+        answer = DOUBLE[CONFIGURATIONS[datapath].equations](x, y, z, targets.phi, targets.d1, targets.d2)
         words = np.column_stack([answer[field] for field in RESULT_FIELDS])
         flags, asked = answer["flags"], targets
     else:

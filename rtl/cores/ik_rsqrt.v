@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The error is below one place of y, also where m is a longer mantissa cut off (model/dataflow/cores.py has the proof).
-// m below 1/4 gives 0. Doubled, y has a zero below its last place. From a table: one half of its segments lie in [1/4, 1/2), the other in [1/2, 1). Up to SHORT_FRAC
-// fraction bits the function is straight in a segment, beyond a quadratic of it.
+// Below 1/4 the second bit of m counts as if it were set, so that 0 gives 1. Doubled, y has a zero below its last place.
+// From a table: one half of its segments lie in [1/4, 1/2), the other in [1/2, 1). Up to SHORT_FRAC fraction bits the
+// function is straight in a segment, beyond a quadratic of it.
 // The memory of the table has its address a clock before m is valid: m_next is m before a register.
 // Latency: 5 clocks after m, 8 with F > SHORT_FRAC (LAT_RSQRT): the table's output register, and ik_quadratic. A name ends
 // with the clock after m in which it is valid.
@@ -42,20 +43,17 @@ module ik_rsqrt #(
   localparam integer UW = U_FRAC - INDEX_BITS;
   wire [RB+UW-1:0] place_x = {m_0[RB-1:0], {UW{1'b0}}};
   wire [UW-1:0] place = place_x[RB+UW-1:RB];
-  wire some_0 = |m_0[F+2:F+1];
   wire signed [UW-1:0] u_0 = m_0[F+2] ? {~place[UW-1], place[UW-2:0]} : {{2{~place[UW-2]}}, place[UW-3:0]};
-  reg some_1;
   reg [ROW_BITS-1:0] row_1;
   reg signed [UW-1:0] u_1;
   always @(posedge clk) begin
-    some_1 <= some_0;
-    row_1  <= row_0;
-    u_1    <= some_0 ? u_0 : {UW{1'b0}};
+    row_1 <= row_0;
+    u_1   <= u_0;
   end
 
   // from 2 on
   reg [SUM_FRAC:0] c0_2;
-  always @(posedge clk) c0_2 <= some_1 ? {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST} : {(SUM_FRAC + 1) {1'b0}};
+  always @(posedge clk) c0_2 <= {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST};
   wire [SLOPE_BITS-1:0] c1_1 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, row_1[C2_BITS+:C1_BITS]} << C1_UP;
   wire [C2_BITS-(C2_BITS>0):0] c2_1 = row_1[C2_BITS-(C2_BITS>0):0];  // one bit, not looked at, if there is no c2
   wire twice_y;

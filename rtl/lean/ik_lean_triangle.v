@@ -90,10 +90,14 @@ module ik_lean_triangle #(
 
   // ---- (L21) 1/(2 sqrt(d1 d2)), brought to the units of sqrt A and sqrt B ----
 
-  wire signed [N:0] inv_12;  // (L21)
+  wire signed [N:0] inv_12_raw;  // (L21)
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1), .TILE(TILE)) u_inv_12 (
-      .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12)
+      .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12_raw)
   );
+  // 2, or 1 with a bit more of fraction, which powers of two can give, becomes the largest word
+  localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
+  reg signed [N-1:0] inv_12;  // (L21)
+  always @(posedge clk) inv_12 <= (|inv_12_raw[N:N-1]) ? TOP : inv_12_raw[N-1:0];
   wire [5:0] e_1_at_e_far, e_2_at_e_far;
   reg [5:0] n_far;  // (L22)
   reg [5:0] n_near;  // (L23)
@@ -108,13 +112,11 @@ module ik_lean_triangle #(
   wire signed [RW-1:0] inv_12_far_raw;  // (L22)
   wire signed [RW-1:0] inv_12_near_raw;  // (L23)
   ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_12_IN-T_INV_12), .DC(T_INV_12_IN-T_N_FAR)) u_inv_12_far (
-      .clk(clk), .d({inv_12, 2'b00}), .count(n_far), .q(inv_12_far_raw)
+      .clk(clk), .d({inv_12[N-1], inv_12, 2'b00}), .count(n_far), .q(inv_12_far_raw)
   );
   ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_12_IN-T_INV_12), .DC(T_INV_12_IN-T_N_FAR)) u_inv_12_near (
-      .clk(clk), .d({inv_12, 2'b00}), .count(n_near), .q(inv_12_near_raw)
+      .clk(clk), .d({inv_12[N-1], inv_12, 2'b00}), .count(n_near), .q(inv_12_near_raw)
   );
-  // 2, which powers of two can give, becomes the largest word
-  localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
   reg signed [N-1:0] inv_12_far;  // (L22)
   reg signed [N-1:0] inv_12_near;  // (L23)
   always @(posedge clk) begin

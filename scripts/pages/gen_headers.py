@@ -11,6 +11,7 @@ import argparse
 import itertools
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cor
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node
 from model.dataflow.quadratic import Form
 from model.targets.words import RESULT_FIELDS
+from scripts.pages import fold_headers
 from tb.sim.env import ROOT
 
 NOTE = """// SPDX-License-Identifier: Apache-2.0
@@ -233,6 +235,12 @@ def trig_header() -> str:
     )  # fmt: skip
 
 
+def fold_header(name: str) -> str:
+    """``rtl/fold/ik_fold_<name>.vh``."""
+    text, source = fold_headers.HEADERS[name]
+    return f"{NOTE.format(source=source)}\n{text()}\n"
+
+
 HEADERS = {
     ROOT / "rtl" / "paper" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
     ROOT / "rtl" / "paper" / "ik_paper_short.vh": short_header,
@@ -241,6 +249,7 @@ HEADERS = {
     ROOT / "rtl" / "cores" / "ik_sincos_table.vh": sincos_header,
     ROOT / "rtl" / "cores" / "ik_rsqrt_table.vh": rsqrt_header,
     ROOT / "rtl" / "cores" / "ik_trig_table.vh": trig_header,
+    **{ROOT / "rtl" / "fold" / f"ik_fold_{name}.vh": partial(fold_header, name) for name in fold_headers.HEADERS},
 }
 """File -> the function that gives its text."""
 

@@ -57,8 +57,8 @@ class Scoreboard:
         """After a reset: what was in flight no longer has to be right."""
         self.in_clock.clear()
 
-    def sample(self, clock: int) -> None:
-        """Compares what is valid in this clock."""
+    def sample(self, clock: int, now: int) -> None:
+        """Compares what is valid in this clock, which is clock ``now`` for whoever reads of a difference."""
         for time, pairs in self.by_time.items():
             target = self.in_clock.get(clock - time)
             if target is None:
@@ -68,7 +68,7 @@ class Scoreboard:
                 expected = self.expected[node.name][target]
                 self.compared += 1
                 if bits != format(expected, f"0{node.format.width}b"):
-                    difference = Difference(node, target, clock, bits, expected)
+                    difference = Difference(node, target, now, bits, expected)
                     self.mismatching_bits += difference.bits()
                     if len(self.differences) < KEPT:
                         self.differences.append(difference)
@@ -110,7 +110,11 @@ class Pipeline:
         )
         probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width, self.datapath).bits.nodes
         self.scoreboard = Scoreboard(self._handle, probe.values())
+        path = CONFIGURATIONS[self.datapath]
+        self.period, self.behind = path.period, path.behind
+        self.go = getattr(dut, f"g_{path.rtl}").u_core.go if path.times else None  # 0: the core stands still
         self.clock = 0
+        self.ran = 0  # clocks in which the core did not stand still
         self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # of all targets announced, in order
         self.answer_results: list[tuple[int, ...]] = []
         self.answer_flags: list[int] = []
@@ -219,7 +223,8 @@ class Pipeline:
                 stalled[name] = beat if beat and ready == 0 else None
                 if beat and ready == 1:
                     (self._admit if name == "s_axis" else self._leave)(*beat)
-            self.scoreboard.sample(self.clock)
+            self.scoreboard.sample(self.ran, self.clock)
+            self.ran += self.go is None or self.go.value == 1
 
     def _admit(self, data: str, user: str) -> None:
         target = len(self.admitted)
@@ -228,7 +233,7 @@ class Pipeline:
         if target >= len(self.words):
             self.errors.append(f"target {target} was admitted and never sent")
         else:
-            self.scoreboard.admitted(self.clock, target)
+            self.scoreboard.admitted(self.ran, target)
 
     def _leave(self, data: str, user: str) -> None:
         if "x" in (data + user).lower() or "z" in (data + user).lower():

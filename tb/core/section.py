@@ -64,7 +64,7 @@ async def every_node_of_the_section(top, section):
         for handle, words in driven:
             handle.value = words[clock]
         await FallingEdge(shell.clk)
-        board.sample(clock)
+        board.sample(clock, clock)
 
     assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
     assert board.compared == COUNT * len(own), f"{board.compared} words compared, not {COUNT} of {len(own)} nodes"

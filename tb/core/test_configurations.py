@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dividers and roots of rows, and the configurations ``short`` and ``lean25``: all nodes are the model's."""
+"""Dividers and roots of rows, and the configurations ``short``, ``lean25`` and ``fold``: all nodes are the model's."""
 
 import pytest
 
@@ -22,7 +22,7 @@ BUGS = [
 
 
 # Verilator takes minutes for rows.
-KINDS = [("short", 32, CORES[0]), ("lean25", 18, CORES[0])]
+KINDS = [("short", 32, CORES[0]), ("lean25", 18, CORES[0]), *(("fold", width, CORES[0]) for width in (20, 24, 32))]
 if simulator() == "icarus":
     KINDS += [("short", 32, CORES[1])]
     KINDS += [pytest.param("paper", 32, CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]

@@ -15,6 +15,7 @@ from tb.sim.sources import includes, sources
 SETS = [
     pytest.param("lean", 32, 8, marks=pytest.mark.cost(32)),
     pytest.param("paper", 18, 3, marks=pytest.mark.cost(40)),
+    pytest.param("fold", 24, 8, marks=pytest.mark.cost(40)),
 ]
 if simulator() == "icarus":  # a build takes Verilator half a minute, and a stream does not know how long its words are
     SETS += [
@@ -43,9 +44,18 @@ def elaborated(**parameters) -> tuple[int, list[str]]:
 def test_another_word_length_does_not_elaborate(lean, width):
     """And the reason is one name, not all that goes wrong below."""
     status, missing = elaborated(W=width, LEAN=lean)
-    assert status != 0 and missing == ["ik_axis_needs_W_of_16_to_32"]
+    assert status != 0 and missing == ["ik_axis_needs_W_of_16_to_32_and_folded_even_of_20_to_32"]
 
 
-@pytest.mark.parametrize("parameters", [{"W": 16}, {"W": 32}, {"W": 16, "LEAN": 0}, {"W": 3, "MIN_W": 3}])
+@pytest.mark.parametrize("width", [16, 18, 21, 31])
+def test_the_folded_core_is_not_for_every_word_length(width):
+    status, missing = elaborated(W=width, LEAN=2)
+    assert status != 0 and missing == ["ik_axis_needs_W_of_16_to_32_and_folded_even_of_20_to_32"]
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"W": 16}, {"W": 32}, {"W": 16, "LEAN": 0}, {"W": 3, "MIN_W": 3}, {"W": 20, "LEAN": 2}, {"W": 32, "LEAN": 2}],
+)
 def test_these_elaborate(parameters):
     assert elaborated(**parameters) == (0, [])

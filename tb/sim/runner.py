@@ -144,7 +144,7 @@ def simulate(
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
         options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
     # cocotb-test looks at the ages of sources only, not of what they include
-    built = folder / "sim.vvp"
+    built = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built.exists():
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument

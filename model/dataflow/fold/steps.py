@@ -1,0 +1,440 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the folded machine can do in a step, and the lean dataflow as a list of steps.
+
+A step reads two words, multiplies them, adds the product to the addend S or takes it from it, and writes what comes of
+it: T.  All that the dataflow asks for is said so, because a product with a power of two is a copy or a shift.  Steps of
+a :class:`Group` have a fixed distance: their addend is the T of a step before.
+
+:class:`Lowering` is a domain of the dataflow: it makes the steps of a node from what the dataflow says of it, and knows
+no node by its name but the flags.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...targets.words import ARMS
+from .. import lean
+from ..lean_words import (
+    Count,
+    Elbow,
+    HalfLength,
+    HalfPart,
+    Limit,
+    Mantissa,
+    PartSum,
+    Result,
+    Shift,
+    Turned,
+    minus,
+    plus,
+    square,
+    times,
+)
+from ..nodes import Domain, Node
+from .layout import DOUBLE, EXACT_WEIGHT, PLAIN, Layout
+
+ZERO, ONE, HALF, POWER = "0", "1", "1/2", "2^-n"
+"""Words of the memory that are constants; ``POWER`` is chosen by the count."""
+
+ONE_WEIGHT = 1
+"""Of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
+
+POSITION = ("x", "y", "z")
+
+CUTS = ("exact", "plain", "double", "word", "root", "sine")
+"""Where the tiles of a product are cut off: nowhere; two bits below the last place of either window; at that of the
+plain one; at the last place of the sum of a function from a table."""
+
+ADDENDS = (
+    "hold", "zero", "half_plain", "half_double", "T", "T_half", "slope", "slope_less", "value", "length",
+    "none_or_half",
+)  # fmt: skip
+"""What S is for a step: what it was; constants, of which the halves round; the T of the step two before, or that with a
+half that rounds; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
+
+NORMS = ("even", "inverse", "arm", "count", "unit")
+"""How T is normalized: by pairs; by pairs, inverted; by pairs without the sign of an arm; by the count; by
+pairs, without what is below its last place, and limited."""
+
+
+@dataclass(frozen=True)
+class Pick:
+    """One of two words at places next to each other: the larger and the smaller part of a rotation, which a flag puts
+    into the first place or the second; or a word and 0.  ``second``: of the two places the second one, and the other
+    one where the flag is set."""
+
+    pair: str
+    flag: str
+    second: bool = False
+
+
+Operand = str | Pick
+
+
+@dataclass(frozen=True)
+class Write:
+    """T, from one of its windows, into the memory."""
+
+    to: Operand
+    window: int = PLAIN
+    double_by: str = ""  # flag that takes the double window
+    limit: bool = False  # what is above the window becomes the largest word
+    last: str = "inner"  # the last place that is kept: of an inner word, a root, a slope
+
+
+@dataclass(frozen=True)
+class Normal:
+    """T, normalized, into the memory, and how far it was shifted into a register."""
+
+    kind: str
+    to: str
+    count: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Of a table: the ``function``, its words for the slope (and the bend) or for the value, in the row of a word."""
+
+    function: str  # root, sine or cosine
+    of: str
+    value: bool
+
+
+@dataclass(frozen=True)
+class Counted:
+    """The count that a step needs: ``base`` and terms (factor, register); more than the ``node`` by ``offset``."""
+
+    base: int
+    terms: tuple[tuple[int, str], ...]
+    node: str = ""
+    offset: int = 0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One pass through the multiplier."""
+
+    name: str
+    a: Operand | None  # None: c2 of the table's row
+    b: Operand
+    cut: str = "exact"
+    addend: str = "zero"
+    addend_by: str = ""  # the flag of the addends length and none_or_half
+    minus: str = ""  # the product is taken from the addend: "always", or the flag that says so
+    carry: str = ""  # a carry below the last bit of the sum: "always", or "minus": with it
+    place: str = ""  # b is the place in a row's segment: "all" of it, or its "high" part
+    write: Write | None = None
+    norm: Normal | None = None
+    result: str = ""  # T becomes this result
+    rows: tuple[Row, ...] = ()  # read for c2, and for the addend
+    count: Counted | None = None
+    sign: str = ""  # flag that is T's sign
+    term: str = ""  # the product, where that is another node than T
+
+    @property
+    def reads(self) -> tuple[Operand, ...]:
+        """The words of the memory that it needs."""
+        operands = tuple(o for o in (self.a, self.b) if o is not None)
+        return operands + tuple(row.of for row in self.rows)
+
+    @property
+    def flags(self) -> set[str]:
+        """The flags that it needs."""
+        named = {self.addend_by, self.minus, self.write.double_by if self.write else ""}
+        named |= {o.flag for o in (self.a, self.b, self.write and self.write.to) if isinstance(o, Pick)}
+        return named - {"", "always"}
+
+
+@dataclass
+class Group:
+    """Steps at fixed distances."""
+
+    steps: list[tuple[int, Step]] = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """That of its first step."""
+        return self.steps[0][1].name
+
+    def add(self, after: int, step: Step) -> None:
+        """A step so many slots after the first."""
+        self.steps.append((after, step))
+
+
+ALWAYS, NO_COUNT, COUNT_FITS = "always", "n=0", "n<bits"
+"""Flags besides masks and signs: the step's count is 0, or less than the bits of a word."""
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A node that is its group's first term, or a sum before it, and the term of another name."""
+
+    name: str
+    term: str
+    minus: str = ""  # the term is taken away: "always" or by a flag
+    inverse: bool = False  # T becomes the inverted node, as what is before is not taken from the term but it from that
+    write: Write | None = None
+
+
+def sign(name: str, unless: str = "") -> str:
+    """The flag that a node is negative."""
+    return f"{name}<0" + (f" & ~{unless}" if unless else "")
+
+
+class Lowering(Domain):
+    """The lean dataflow as steps: run it, then :meth:`groups`."""
+
+    def __init__(self, layout: Layout) -> None:
+        super().__init__(layout.width, lean.WIDTHS, tile=layout.tile)
+        self.layout = layout
+        self.weight: dict[str, int] = {}
+        self.terms: dict[str, Step] = {}  # products, and what is computed like one, without an addend before them
+        self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
+        self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # of a term or a sum
+        self.counts: dict[str, tuple[Count, tuple[str, ...]]] = {}
+        self.signs: set[str] = set()  # nodes whose signs are flags
+        self.pairs: dict[str, tuple[str, str]] = {}  # the parts of a rotation's two that are written by a flag
+        self.picks: dict[str, Pick] = {}  # where a squared length is, and a word that may count for 0
+
+    def inputs(self, value=lambda name, fmt: None):
+        inputs = super().inputs(value)
+        self.weight |= dict.fromkeys(inputs, EXACT_WEIGHT)
+        return inputs
+
+    # ---- what a node is made of ----------------------------------------------------------------------------------
+
+    def op(self, name, operands, fmt, latency, bits, real=None, error=(0.0, 0.0), **facts):
+        node = super().op(name, operands, fmt, latency, bits, real, error, **facts)
+        read = [n.name for n in node.operands]
+        match bits:
+            case Count():
+                self.counts[name] = bits, tuple(read)
+            case Shift():
+                self._shift(node, bits, *read)
+            case Limit():
+                raw = self.terms[read[0]]
+                assert raw.write
+                self.terms[raw.name] = replace(raw, write=replace(raw.write, to=name, limit=True))
+                self.weight[name] = self.weight[raw.name]
+            case Mantissa():
+                self.norms[read[0]] = Normal("unit", name, "e" + name.removeprefix("m")), None
+                self.weight[name] = 0
+            case HalfLength():
+                self._half_length(node, *read)
+            case HalfPart():
+                self._half_part(node, bits, *read)
+            case PartSum():
+                self.sums[read[0]].append(Sum(name, f"{read[1]}/2", ALWAYS if bits.sign < 0 else "", write=Write(name)))
+            case Turned():
+                self.sums[read[0]].append(Sum(name, read[1], f"~{read[2]}", write=Write(name)))
+            case Result() | Elbow():
+                flag = read[1] if isinstance(bits, Result) else ALWAYS if bits.sign < 0 else ""
+                self.terms[read[0]] = replace(self.terms[read[0]], minus=flag, result=name, write=None)
+            case _ if bits is square or bits is times:
+                self.terms[name] = Step(name, read[0], read[-1])
+            case _ if bits is plus or bits is minus:
+                first, second = read
+                self._plus(node, first, second, less=bits is minus)
+            case _:  # a mask
+                self.signs |= {n.name for n in node.operands if n.format != self.bit} - set(POSITION)
+        if isinstance(bits, Turned | PartSum):
+            self.weight[name] = self._weight(node)
+        return node
+
+    def _weight(self, node: Node) -> int:
+        """Of an inner word: its last place is where that of all inner words is."""
+        return self.layout.inner - 1 - node.format.frac
+
+    def _plus(self, node: Node, first: str, second: str, less: bool) -> None:
+        name = node.name
+        if first in ARMS:  # halved: T is what an arm is normalized from
+            window = Write(name, DOUBLE)
+            half = f"{first}/2"  # not the T that is normalized: both would be written in the same clock
+            for term, arm in ((first, first), (half, first), (second, second)):
+                self.terms[term] = Step(term, arm, HALF, write=None)
+            self.sums[half].append(Sum(name, second, ALWAYS if less else "", write=window))
+            self.weight[name] = EXACT_WEIGHT
+        elif less and second not in self.terms:
+            self.sums[second].append(Sum(name, first, ALWAYS, inverse=True))
+        else:
+            exact = node.format.width > self.layout.bits
+            if not exact:
+                self.weight[name] = self._weight(node)
+            self.sums[first].append(
+                Sum(name, second, ALWAYS if less else "", write=None if exact else Write(name))
+            )  # fmt: skip
+
+    def _shift(self, node: Node, shift: Shift, value: str, count: str) -> None:
+        self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
+        if shift.sign > 0:  # to the left, by the normalizer, whose first bit without a shift counts twice a product's
+            is_word = value in self.weight
+            first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
+            normal = Normal("count", node.name), self._counted(count, shift.power + first - weight)
+            if is_word:
+                self.terms[node.name] = Step(node.name, value, ONE)
+            self.norms[node.name if is_word else value] = normal
+        else:
+            offset = weight - self.weight[value] - shift.power
+            window = PLAIN if offset + PLAIN >= 0 else DOUBLE
+            counted = self._counted(count, offset + window)
+            write = Write(node.name, PLAIN, COUNT_FITS if window == DOUBLE else "")
+            self.terms[node.name] = Step(
+                node.name, value, POWER, minus=NO_COUNT, carry="minus", write=write, count=counted
+            )  # fmt: skip
+
+    def _counted(self, name: str, offset: int) -> Counted:
+        """A count plus ``offset``; an arm is shifted a pair further than its node says (:data:`NORMS`)."""
+        count, registers = self.counts.get(name, (Count((1,)), (name,)))
+        arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
+        terms = tuple(zip(count.factors, registers, strict=True))
+        further = sum(factor for factor, register in terms if register in arms)
+        return Counted(count.constant + offset - further, terms, name, offset)
+
+    def _half_length(self, node: Node, cosine: str, mask: str = "") -> None:
+        self.signs.add(cosine)
+        self.weight[node.name] = 1
+        a: Operand = cosine
+        if mask:
+            a = self.picks[cosine] = Pick(cosine, mask)
+        self.terms[node.name] = Step(
+            node.name, a, HALF, cut="word", addend="length", addend_by=mask, minus=sign(cosine, mask)
+        )
+
+    def _half_part(self, node: Node, part: HalfPart, length: str, cosine: str, sine: str, *masks: str) -> None:
+        """The larger part is written with the squared length, the smaller one by a step of its own; both when the
+        second of them comes by."""
+        self.weight[node.name] = 1
+        lengths = (name for name, term in self.terms.items() if term.addend == "length")
+        length = next(name for name in lengths if cosine in map(self._variable, self.terms[name].reads))
+        if length not in self.pairs:
+            self.pairs[length] = (node.name, "")
+            return
+        first, second = self.pairs[length][0], node.name
+        self.pairs[length] = first, second
+        second_larger = bool(part.large(np.int64(1), *(np.False_ for _ in masks)))
+        flag = "arm_swap" if part.none else sign(cosine)
+        self.picks[length] = Pick(first, flag, second_larger)
+        self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
+        a: Operand = sine
+        if part.none:
+            a = self.picks[sine] = Pick(sine, masks[0])
+        small = Step(f"{sine}/2", a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
+        if masks and not part.none:  # both parts are 1/2
+            small = replace(small, addend="none_or_half", addend_by=masks[0])
+        self.terms[small.name] = small
+
+    def _norm(self, value: str, normal: Normal) -> None:
+        self.norms[value] = normal, None
+        self.weight[normal.to] = 0
+
+    # ---- products, roots, sines ----------------------------------------------------------------------------------
+
+    def product3(self, name, a, b, fmt, scale):
+        layout = self.layout
+        weight = layout.inner - 1 - fmt.frac
+        for word in (a, b):
+            top = word.format.width - word.format.signed - word.format.frac
+            if top != self.weight[word.name]:
+                raise ValueError(f"{name}: {word.name} does not begin at the first bit of a word")
+        window = self.weight[a.name] + self.weight[b.name] + scale - weight
+        kind = {PLAIN: "plain", DOUBLE: "double"}[window]
+        self.weight[name] = weight
+        self.terms[name] = Step(name, a.name, b.name, kind, f"half_{kind}", write=Write(name, window))
+
+    def even_mantissa(self, count, name, value, width, fmt):
+        inverse = any(of.inverse and of.name == value.name for sums in self.sums.values() for of in sums)
+        kind = "arm" if value.name in ARMS else "inverse" if inverse else "even"
+        self._norm(value.name, Normal(kind, name, count))
+        return None, None
+
+    def reciprocal_root(self, name, m, fmt, twice):
+        write = Write(name, PLAIN, twice.name if twice else "", last="root")
+        self._table(name, Row("root", m.name, False), write)
+
+    def half_sincos(self, names, phi, fmt):
+        sine, cosine = names
+        angle = f"|{phi.name}|"
+        self.signs.add(phi.name)
+        negative = sign(phi.name)
+        self.terms[angle] = Step(angle, phi.name, ONE, minus=negative, carry="minus", write=Write(angle))
+        self._table(f"|{sine}|", Row("sine", angle, False), Write(f"|{sine}|", DOUBLE, last="root"))
+        self.terms[sine] = Step(sine, f"|{sine}|", ONE, minus=negative, carry="minus", write=Write(sine))
+        self._table(cosine, Row("cosine", angle, False), Write(cosine, DOUBLE, last="root"))
+        self.weight |= {angle: 1, f"|{sine}|": 1, sine: 1}
+        return None, None
+
+    def _table(self, name: str, row: Row, write: Write) -> None:
+        """A quadratic: the slope in the row's segment, and the value."""
+        self.weight[name] = 1
+        falls = "" if row.function == "sine" else ALWAYS
+        bends_down = "" if row.function == "cosine" else ALWAYS
+        slope = f"{name}'"
+        self.terms[slope] = Step(
+            slope, None, row.of, addend="slope_less" if bends_down else "slope", minus=bends_down, carry="minus",
+            place="high", write=Write(slope, last="slope"), rows=(row,),
+        )  # fmt: skip
+        self.terms[name] = Step(
+            name, slope, row.of, "root" if row.function == "root" else "sine", "value", minus=falls, carry="minus",
+            place="all", write=write, rows=(replace(row, value=True),),
+        )  # fmt: skip
+
+    def apply(self, name, operands, fmt, bits, real):
+        return None
+
+    # ---- groups --------------------------------------------------------------------------------------------------
+
+    def groups(self) -> list[Group]:
+        """All steps, those whose addends are the T of others in one group with them."""
+        read = {name for step in self.terms.values() for name in map(self._variable, step.reads)}
+        groups = []
+        for name, step in self.terms.items():
+            paired = isinstance(step.write and step.write.to, Pick)
+            wanted = step.result or name in self.norms or name in self.sums or paired
+            if wanted or (step.write and step.write.to in read):
+                groups.append(Group())
+                kept = step if step.write is None or isinstance(step.write.to, Pick) or step.write.to in read else None
+                self._extend(groups[-1], 0, kept or replace(step, write=None))
+        return groups
+
+    def _variable(self, operand: Operand) -> str:
+        return operand.pair if isinstance(operand, Pick) else operand
+
+    def _picked(self, operand: Operand | None) -> Operand | None:
+        """A word of a pair, or one that may count for 0."""
+        if not isinstance(operand, str):
+            return operand
+        for pair in self.pairs.values():
+            if operand in pair:
+                return Pick(pair[0], "", operand == pair[1])
+        return self.picks.get(operand, operand)
+
+    def _extend(self, group: Group, at: int, step: Step) -> None:
+        """A step, and those whose addend is its T."""
+        normal, counted = self.norms.get(step.name, (None, step.count))
+        step = replace(
+            step, a=self._picked(step.a), b=self._picked(step.b) or ZERO, norm=normal, count=counted,
+            sign=sign(step.name) if step.name in self.signs else "",
+        )  # fmt: skip
+        group.add(at, step)
+        sums = sorted(self.sums.get(step.name, ()), key=lambda s: s.name in self.sums)
+        for number, of in enumerate(sums):
+            term = self.terms[of.term]
+            words = term.addend.startswith("half")
+            addend = "hold" if number else "T_half" if words else "T"
+            carry = "minus" if of.minus and not words and not of.inverse else ""
+            made = replace(
+                term, name=of.name, addend=addend, addend_by="", minus=of.minus, carry=carry, write=of.write, norm=None,
+                term=of.term,
+            )
+            self._extend(group, at + 2 + number, made)
+
+
+def lower(layout: Layout) -> tuple[Lowering, list[Group]]:
+    """The lean dataflow on a machine of these words."""
+    lowering = Lowering(layout)
+    lean.lean(lowering, lowering.inputs())
+    return lowering, lowering.groups()

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a step of the folded machine reads, computes and writes, in clocks after it is issued.
+
+A program repeats with a period, the clocks of a lap, and two targets are in the machine around the lap's end.  Clocks
+here are a target's own, from the beginning of its lap on: modulo the period they are places in the program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .steps import ALWAYS, COUNT_FITS, NO_COUNT, POWER, Group, Pick, Step
+
+BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
+"""Clocks of a step, from its issue: the row for c2 is read; the words; the row for the addend; the addend is taken, and
+the sign of the product; the product is there; T is written, its sign taken; what is normalized is written."""
+
+FETCH = 3
+"""Clocks from the place of a step in the program to the step."""
+
+INPUTS = ("x", "y", "z", "phi", "d1", "d2")
+
+ELBOW = ("qe_w", "qe_i")
+"""Results that are constants where there is no elbow."""
+
+CLOCKED = (ALWAYS, NO_COUNT, COUNT_FITS, "")
+"""Flags that need no step before."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A step and the clock of its issue."""
+
+    at: int
+    step: Step
+
+
+@dataclass(frozen=True)
+class Use:
+    """A word, a flag or a count is needed in a clock."""
+
+    of: str
+    at: int
+
+
+def word_of(operand: str | Pick) -> str:
+    """The variable: both words of a pair are one."""
+    return operand.pair if isinstance(operand, Pick) else operand
+
+
+def row_reads(placed: Placed) -> list[int]:
+    """Clocks in which the step reads the memory for a row."""
+    bend = [placed.at + BEND] if placed.step.a is None else []
+    return bend + [placed.at + ROW] * bool(placed.step.rows)
+
+
+def word_reads(placed: Placed) -> list[Use]:
+    """Words read in which clocks, constants left out."""
+    step, at = placed.step, placed.at
+    operands = [word_of(o) for o in (step.a, step.b) if o is not None]
+    uses = [Use(name, at + READ) for name in operands if name not in ("0", "1", "1/2", POWER)]
+    return uses + [Use(step.rows[0].of, clock) for clock in row_reads(placed)]
+
+
+def word_writes(placed: Placed) -> list[Use]:
+    """Words written in which clocks."""
+    step, at = placed.step, placed.at
+    written = [Use(word_of(step.write.to), at + WRITE)] if step.write else []
+    return written + ([Use(step.norm.to, at + NORM)] if step.norm else [])
+
+
+def flag_uses(placed: Placed) -> list[Use]:
+    """Flags needed in which clocks."""
+    step, at = placed.step, placed.at
+    uses = [Use(o.flag, at + READ) for o in (step.a, step.b) if isinstance(o, Pick)]
+    uses += [Use(step.addend_by, at + ADD), Use(step.minus, at + ADD)]
+    if step.write:
+        uses.append(Use(step.write.double_by, at + WRITE))
+        if isinstance(step.write.to, Pick):
+            uses.append(Use(step.write.to.flag, at + WRITE))
+    if step.result in ELBOW:
+        uses += [Use("clamp", at + WRITE), Use("fold", at + WRITE)]
+    return [use for use in uses if use.of]
+
+
+EVENS = ("e_rho", "e_s", "e_far", "e_near", "e_1", "e_2", "e_q")
+"""Registers of counts that normalizations set."""
+
+ZEROS = {"e_rho": "on_axis", "e_s": "at_shoulder", "e_1": "no_1", "e_2": "no_2"}
+"""Registers of counts and the flag that the normalized was 0."""
+
+MADE_OF = {
+    "clamp": ("a_far<0", "b_near<0", "at_shoulder", "d1<0", "d2<0", "no_1", "no_2"),
+    "fold": ("b_near<0", "at_shoulder", "d1<0", "d2<0", "no_1", "no_2"),
+    "away": ("b_near<0", "d_dif<0", "d1<0", "d2<0", "no_1", "no_2"),
+    "arm_swap": ("clamp", "away", "cos_a<0"),
+    "minus": ("k_1<0",),
+    "bad_length": ("d1<0", "d2<0", "no_1", "no_2"),
+    "too_far": ("a_far<0", "d1<0", "d2<0", "no_1", "no_2"),
+    "too_near": ("b_near<0", "d1<0", "d2<0", "no_1", "no_2"),
+    "low": ("e_q",),
+    "flags": ("clamp", "away", "on_axis"),
+}
+"""Flags that are logic of others; ``flags`` are those that leave with the results."""
+
+
+def roots_of(flag: str) -> set[str]:
+    """The registers that a flag is made of."""
+    if flag in CLOCKED:
+        return set()
+    for part in (" & ~", " ^ "):
+        if part in flag:
+            return set().union(*(roots_of(f) for f in flag.split(part)))
+    flag = flag.removeprefix("~")
+    if flag in MADE_OF:
+        return set().union(*(roots_of(f) for f in MADE_OF[flag]))
+    return {flag}
+
+
+def flag_sets(placed: Placed) -> list[Use]:
+    """Registers of flags and counts that the step sets, in which clocks: usable in the next one."""
+    step, at = placed.step, placed.at
+    sets = [Use(step.sign, at + WRITE)] if step.sign else []
+    if step.norm and step.norm.count:
+        sets.append(Use(step.norm.count, at + NORM))
+        if step.norm.count in ZEROS:
+            sets.append(Use(ZEROS[step.norm.count], at + NORM))
+    return sets
+
+
+def first_count(placed: Placed) -> int:
+    """The clock in which the first term of a step's count is added: the last one is, just before it is needed."""
+    assert placed.step.count
+    return placed.at + (WRITE if placed.step.norm else READ) - len(placed.step.count.terms)
+
+
+def last_count(placed: Placed) -> int:
+    """The last clock in which the count is needed."""
+    return placed.at + (NORM if placed.step.norm else WRITE)
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """A program: the clocks of a lap, the clock in which each input is loaded, and in which each group's first step,
+    which names it, is issued."""
+
+    period: int
+    loads: dict[str, int]
+    starts: dict[str, int]
+
+
+def placed_steps(groups: list[Group], starts: dict[str, int]) -> list[Placed]:
+    """Every step in its clock, in order."""
+    steps = [Placed(starts[group.name] + at, step) for group in groups for at, step in group.steps]
+    return sorted(steps, key=lambda placed: placed.at)

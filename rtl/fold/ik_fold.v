@@ -1,0 +1,217 @@
+// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2), rounded half up.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The folded datapath with AXI4-Stream ports: the lean dataflow as a program of one multiplier, bit for bit.
+//
+// A lap of the program takes PERIOD clocks.  A target that is there when a lap begins is loaded in its first clocks, and
+// its results come in this lap or in the next one, next to the first half of another target.  Without a target the
+// machine waits in the first clock.  It stops as a whole where results would replace others that nobody has taken.
+// The fields of a step belong to the clock in which they are read, and not to one operation: `step` says at once what is
+// read for one, multiplied for another, and written of a third one.
+// Latency: of ik_fold_program.vh from the first clock of a lap.
+`default_nettype none
+
+module ik_fold #(
+    parameter integer W     = 24,  // word length, even, 20 to 32
+    parameter integer TAG_W = 8    // width of the tag
+) (
+    input  wire               clk,
+    input  wire               rst,            // synchronous, active high: forgets all targets
+    input  wire [    6*W-1:0] s_axis_tdata,   // x, y, z, phi, d1, d2, lowest bits first
+    input  wire [  TAG_W-1:0] s_axis_tuser,
+    input  wire               s_axis_tvalid,
+    output wire               s_axis_tready,
+    output reg  [    6*W-1:0] m_axis_tdata,   // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
+    output reg  [TAG_W+8-1:0] m_axis_tuser,
+    output reg                m_axis_tvalid,
+    input  wire               m_axis_tready
+);
+
+  `include "ik_fold_codes.vh"
+  `include "ik_fold_formats.vh"
+
+  localparam integer XW = 2 * W + 2;  // bits of a sum: those of an exact one
+  localparam integer INNER = FRAC + 2;
+  localparam integer D = ROOT_FRAC + 4;  // bits of a word: a mantissa and a sign
+  localparam integer LAST = XW - 2 - INNER;  // place of an inner word's last bit in a sum
+  localparam integer WORD = 2 * D - 2 - INNER;  // and in a product
+
+  // ---- the lap ----
+
+  reg go;
+  reg [6:0] fetched, read, clock;  // steps: the next one from the memory, the one out of it, and the present one
+  reg [STEP_W-1:0] step_read, step;
+  `include "ik_fold_program.vh"
+  `include "ik_fold_fields.vh"
+
+  reg current, previous;  // there is a target of this lap, of the one before it
+  wire begins = clock == 7'd0;
+  wire here = begins ? s_axis_tvalid : current;
+  wire last = clock == END;
+  wire waits = begins && !here && !previous;
+  wire back = f_last_result && previous && !here;  // nothing is left in the machine
+  always @(posedge clk) begin
+    if (rst) begin  // no clock of the lap until the first step is there
+      read  <= 7'd127;
+      clock <= 7'd127;
+    end
+    if (rst || (go && back) || (go && !waits && fetched == END)) fetched <= 7'd0;
+    else if (go && !waits) fetched <= fetched + 7'd1;
+    if (go && !waits && !rst) begin
+      read  <= fetched;
+      clock <= read;
+    end
+    if (go && !waits) begin
+      step_read <= rom[fetched];
+      step      <= step_read;
+    end
+  end
+
+  wire of_hold = (HOLD_LAP != 0) ? previous : here;
+  wire of_first = (FIRST_LAP != 0) ? previous : here;
+  wire full = m_axis_tvalid && !m_axis_tready;
+  reg given;  // results of a target are on their way
+  wire giving = f_first_result ? of_first : given;
+  always @(posedge clk)
+    if (rst) begin
+      go            <= 1'b1;
+      current       <= 1'b0;
+      previous        <= 1'b0;
+      given         <= 1'b0;
+      m_axis_tvalid <= 1'b0;
+    end else begin
+      go <= !full || (go && !(f_hold && of_hold));
+      if (go) begin
+        current <= here && !last;
+        if (last) previous <= (LAST_LAP != 0) && here;
+        else if (f_last_result) previous <= 1'b0;
+        given <= giving && !f_last_result;
+      end
+      if (go && f_last_result && giving) m_axis_tvalid <= 1'b1;
+      else if (m_axis_tready) m_axis_tvalid <= 1'b0;
+    end
+  assign s_axis_tready = go && here && f_last_input;
+
+  // ---- words ----
+
+  wire [D-1:0] a, b, w;
+  wire [11:0] row_word;
+  wire a_second, b_second, w_second;
+  wire [5:0] w_place = {f_w[5:1], f_w[0] ^ w_second};
+  wire [5:0] n;
+  ik_fold_memory #(.D(D), .RW(12)) u_memory (
+      .clk(clk), .go(go),
+      .a_at({f_a[6:1], f_a[0] ^ a_second}), .b_at(f_b_count ? {1'b1, n} : {f_b[6:1], f_b[0] ^ b_second}), .r_at(f_r),
+      .a(a), .b(b), .r(row_word),
+      .w_en(f_source != SOURCE_NONE), .w_at(w_place), .w(w)
+  );
+
+  // ---- rows of tables, and the place in a row's segment ----
+
+  wire [35:0] c0;
+  wire [23:0] c1;
+  wire [14:0] c2;
+  ik_fold_table #(.F(ROOT_FRAC)) u_table (
+      .clk(clk), .go(go), .word(row_word),
+      .angle(f_r_function != R_FUNCTION_ROOT), .cosine(f_r_function == R_FUNCTION_COSINE),
+      .c0(c0), .c1(c1), .c2(c2)
+  );
+  wire [D-1:0] bend = {{(D - 15) {1'b0}}, c2} << (D - 26);
+  // The place is what follows the number of the segment, less half a segment: its first bit is inverted.  A mantissa of
+  // [1/2, 1) has a bit less of it in the number; an angle of a quarter turn is the end of the last segment.
+  wire [D-1:0] raised = b << 11;
+  wire upper = b[D-2] && f_b_place == B_PLACE_ROOT;
+  wire end_ = b[D-2] && f_b_place != B_PLACE_ROOT;
+  wire [1:0] top = upper ? {~raised[D-1], raised[D-2]} : {~raised[D-2] && !end_, ~raised[D-2]};
+  wire [D-1:0] place = {top, raised[D-3:0]} & (f_b_high ? {D{1'b1}} << (D - 18) : {D{1'b1}});
+
+  // ---- product and sum ----
+
+  wire [2*D-1:0] p;
+  ik_fold_mul #(.D(D), .LOW(D-18), .PLAIN(WORD-2), .DOUBLE(WORD-3), .WORD(WORD)) u_mul (
+      .clk(clk), .go(go), .a(f_a_bend ? bend : a), .b(f_b_place == B_PLACE_NONE ? b : place), .cut(f_cut), .p(p)
+  );
+
+  wire s_other, taken;
+  reg down, less, carry;
+  always @(posedge clk)
+    if (go) begin
+      down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE;
+      less  <= taken;
+      carry <= f_carry == CARRY_ALWAYS || (f_carry == CARRY_MINUS && taken);
+    end
+  wire [XW-1:0] t;
+  ik_fold_sum #(.D(D), .XW(XW), .LAST(LAST), .HALF(XW-5)) u_sum (
+      .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
+      .p(p), .down(down), .minus(less), .carry(carry), .t(t)
+  );
+
+  // ---- what becomes of T: a word, a mantissa and its pairs, a result ----
+
+  wire none, fits, q_low, zero, word_below_0;
+  wire [D-1:0] word, normal;
+  wire [5:0] pairs;
+  wire [W-1:0] result;
+  wire doubles_low = f_window == WINDOW_LOW && q_low;
+  wire doubled = f_window == WINDOW_DOUBLE || (f_window == WINDOW_N_BITS && fits) || doubles_low;
+  ik_fold_word #(.W(W), .D(D), .XW(XW), .INNER(INNER), .ROOT(ROOT_FRAC)) u_word (
+      .t(t), .doubled(doubled), .limit(f_limit), .last(f_last), .low(doubles_low), .word(word), .negative(word_below_0),
+      .result(result)
+  );
+  ik_fold_norm #(.W(W), .D(D), .XW(XW), .LAST(LAST), .DROP(D-INNER)) u_norm (
+      .clk(clk), .go(go), .t(t), .kind(f_norm), .n(n), .word(normal), .pairs(pairs), .zero(zero)
+  );
+  ik_fold_count #(.D(D)) u_count (
+      .clk(clk), .go(go), .base(f_n_base), .of(f_n_e), .minus(f_n_minus), .twice(f_n_twice), .set(f_e_set),
+      .pairs(pairs), .n(n), .none(none), .fits(fits), .low(q_low)
+  );
+  wire [W-1:0] in = s_axis_tdata[W*f_input+:W];
+  wire [D-1:0] in_word = {in[W-1], in, {(D - W - 1) {1'b0}}};
+  assign w = f_source == SOURCE_INPUT ? in_word : f_source == SOURCE_NORMAL ? normal : word;
+
+  wire clamped, folded;
+  wire [7:0] flags;
+  wire [9:0] flag_nodes;
+  ik_fold_flags u_flags (
+      .clk(clk), .go(go), .sign(f_sign), .sum_below_0(t[XW-1]), .word_below_0(word_below_0),
+      .phi_loaded(f_source == SOURCE_INPUT && f_input == INPUT_PHI), .phi_below_0(in[W-1]), .e_set(f_e_set), .zero(zero),
+      .none(none), .a_by(f_a_by), .b_by(f_b_by), .w_by(f_w_by), .s_by(f_s_by), .minus_by(f_minus_by),
+      .a_second(a_second), .b_second(b_second), .w_second(w_second), .s_other(s_other), .minus(taken),
+      .clamp(clamped), .fold(folded), .nodes(flag_nodes), .flags(flags)
+  );
+
+  // ---- results ----
+
+  localparam [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
+  // the clamped elbow is folded (1, 0) or straight (0, -1)
+  wire of_w = clamped && f_result == RESULT_QE_W;
+  wire of_i = clamped && f_result == RESULT_QE_I;
+  wire [W-1:0] answer = of_w ? (folded ? UNIT : {W{1'b0}}) : of_i ? (folded ? {W{1'b0}} : -UNIT) : result;
+  reg [TAG_W-1:0] tag;
+  always @(posedge clk) begin
+    if (s_axis_tready) tag <= s_axis_tuser;
+    if (go && giving) begin
+      if (f_first_result) m_axis_tuser <= {flags, tag};
+      case (f_result)
+        RESULT_QS_W: m_axis_tdata[0*W+:W] <= answer;
+        RESULT_QS_I: m_axis_tdata[1*W+:W] <= answer;
+        RESULT_QS_J: m_axis_tdata[2*W+:W] <= answer;
+        RESULT_QS_K: m_axis_tdata[3*W+:W] <= answer;
+        RESULT_QE_W: m_axis_tdata[4*W+:W] <= answer;
+        RESULT_QE_I: m_axis_tdata[5*W+:W] <= answer;
+        default: ;
+      endcase
+    end
+  end
+
+  // ---- every node of the dataflow, for waves and testbenches: nothing reads them ----
+
+  localparam integer WX = W;
+  wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // a product as its node is rounded
+  wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
+  wire unused = &{1'b0, p_plain, p_double, f_r_function, n};
+  `include "ik_fold_nodes.vh"
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Written by `python -m scripts.pages.gen_headers` from model/dataflow/fold/program.py; do not edit.
+
+// For the body of every module that a field of the step goes to: the codes. BY_: flags that choose.
+
+/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
+localparam integer STEP_W = 97;  // bits of a step
+
+localparam [3:0] BY_NONE = 4'd0;
+localparam [3:0] BY_ALWAYS = 4'd1;
+localparam [3:0] BY_U_Y = 4'd2;
+localparam [3:0] BY_SIN_EL = 4'd3;
+localparam [3:0] BY_ARM_SWAP = 4'd4;
+localparam [3:0] BY_AT_SHOULDER = 4'd5;
+localparam [3:0] BY_CLAMP = 4'd6;
+localparam [3:0] BY_ON_AXIS = 4'd7;
+localparam [3:0] BY_PHI = 4'd8;
+localparam [3:0] BY_MINUS = 4'd9;
+localparam [3:0] BY_NOT_ARM_SWAP = 4'd10;
+localparam [3:0] BY_SIN_EL_AND_NOT_AT_SHOULDER = 4'd11;
+localparam [3:0] BY_COS_A_AND_NOT_CLAMP = 4'd12;
+localparam [3:0] BY_N_0 = 4'd13;
+
+localparam [1:0] R_FUNCTION_ROOT = 2'd0;
+localparam [1:0] R_FUNCTION_SINE = 2'd1;
+localparam [1:0] R_FUNCTION_COSINE = 2'd2;
+
+localparam [1:0] B_PLACE_NONE = 2'd0;
+localparam [1:0] B_PLACE_ROOT = 2'd1;
+localparam [1:0] B_PLACE_ANGLE = 2'd2;
+
+localparam [2:0] CUT_EXACT = 3'd0;
+localparam [2:0] CUT_PLAIN = 3'd1;
+localparam [2:0] CUT_DOUBLE = 3'd2;
+localparam [2:0] CUT_WORD = 3'd3;
+localparam [2:0] CUT_ROOT = 3'd4;
+localparam [2:0] CUT_SINE = 3'd5;
+
+localparam [3:0] S_HOLD = 4'd0;
+localparam [3:0] S_ZERO = 4'd1;
+localparam [3:0] S_HALF_PLAIN = 4'd2;
+localparam [3:0] S_HALF_DOUBLE = 4'd3;
+localparam [3:0] S_T = 4'd4;
+localparam [3:0] S_T_HALF = 4'd5;
+localparam [3:0] S_SLOPE = 4'd6;
+localparam [3:0] S_SLOPE_LESS = 4'd7;
+localparam [3:0] S_VALUE = 4'd8;
+localparam [3:0] S_LENGTH = 4'd9;
+localparam [3:0] S_NONE_OR_HALF = 4'd10;
+
+localparam [1:0] CARRY_NONE = 2'd0;
+localparam [1:0] CARRY_ALWAYS = 2'd1;
+localparam [1:0] CARRY_MINUS = 2'd2;
+
+localparam [1:0] WINDOW_PLAIN = 2'd0;
+localparam [1:0] WINDOW_DOUBLE = 2'd1;
+localparam [1:0] WINDOW_N_BITS = 2'd2;
+localparam [1:0] WINDOW_LOW = 2'd3;
+
+localparam [1:0] LAST_INNER = 2'd0;
+localparam [1:0] LAST_ROOT = 2'd1;
+localparam [1:0] LAST_SLOPE = 2'd2;
+
+localparam [3:0] SIGN_NONE = 4'd0;
+localparam [3:0] SIGN_D1 = 4'd1;
+localparam [3:0] SIGN_D2 = 4'd2;
+localparam [3:0] SIGN_D_DIF = 4'd3;
+localparam [3:0] SIGN_A_FAR = 4'd4;
+localparam [3:0] SIGN_B_NEAR = 4'd5;
+localparam [3:0] SIGN_U_Y = 4'd6;
+localparam [3:0] SIGN_SIN_EL = 4'd7;
+localparam [3:0] SIGN_COS_A = 4'd8;
+localparam [3:0] SIGN_K_1 = 4'd9;
+
+localparam [2:0] NORM_NONE = 3'd0;
+localparam [2:0] NORM_EVEN = 3'd1;
+localparam [2:0] NORM_INVERSE = 3'd2;
+localparam [2:0] NORM_ARM = 3'd3;
+localparam [2:0] NORM_COUNT = 3'd4;
+localparam [2:0] NORM_UNIT = 3'd5;
+
+localparam [1:0] SOURCE_NONE = 2'd0;
+localparam [1:0] SOURCE_SUM = 2'd1;
+localparam [1:0] SOURCE_NORMAL = 2'd2;
+localparam [1:0] SOURCE_INPUT = 2'd3;
+
+localparam [2:0] INPUT_X = 3'd0;
+localparam [2:0] INPUT_Y = 3'd1;
+localparam [2:0] INPUT_Z = 3'd2;
+localparam [2:0] INPUT_PHI = 3'd3;
+localparam [2:0] INPUT_D1 = 3'd4;
+localparam [2:0] INPUT_D2 = 3'd5;
+
+localparam [2:0] RESULT_NONE = 3'd0;
+localparam [2:0] RESULT_QS_W = 3'd1;
+localparam [2:0] RESULT_QS_I = 3'd2;
+localparam [2:0] RESULT_QS_J = 3'd3;
+localparam [2:0] RESULT_QS_K = 3'd4;
+localparam [2:0] RESULT_QE_W = 3'd5;
+localparam [2:0] RESULT_QE_I = 3'd6;
+
+localparam [2:0] E_SET_NONE = 3'd0;
+localparam [2:0] E_SET_E_RHO = 3'd1;
+localparam [2:0] E_SET_E_S = 3'd2;
+localparam [2:0] E_SET_E_FAR = 3'd3;
+localparam [2:0] E_SET_E_NEAR = 3'd4;
+localparam [2:0] E_SET_E_1 = 3'd5;
+localparam [2:0] E_SET_E_2 = 3'd6;
+localparam [2:0] E_SET_E_Q = 3'd7;
+
+localparam [2:0] N_BASE_COUNT = 3'd0;
+localparam [2:0] N_BASE_1 = 3'd1;
+localparam [2:0] N_BASE_2 = 3'd2;
+localparam [2:0] N_BASE_4 = 3'd3;
+localparam [2:0] N_BASE_MINUS_2 = 3'd4;
+
+localparam [2:0] N_E_NONE = 3'd0;
+localparam [2:0] N_E_E_RHO = 3'd1;
+localparam [2:0] N_E_E_S = 3'd2;
+localparam [2:0] N_E_E_FAR = 3'd3;
+localparam [2:0] N_E_E_NEAR = 3'd4;
+localparam [2:0] N_E_E_1 = 3'd5;
+localparam [2:0] N_E_E_2 = 3'd6;
+localparam [2:0] N_E_E_Q = 3'd7;
+
+/* verilator lint_on UNUSEDPARAM */

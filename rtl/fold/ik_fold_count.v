@@ -1,0 +1,73 @@
+// Integers; no rounding.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Counts of shifts: n = base or n, plus or minus the pairs of a normalization or twice them, modulo 64.
+// Latency: 1 clock.
+`default_nettype none
+
+module ik_fold_count #(
+    parameter integer D = 33  // bits of a word
+) (
+    input  wire       clk,
+    input  wire       go,
+    input  wire [2:0] base,
+    input  wire [2:0] of,     // which pairs; none: n stays
+    input  wire       minus,
+    input  wire       twice,
+    input  wire [2:0] set,    // which pairs are new
+    input  wire [5:0] pairs,
+    output reg  [5:0] n,
+    output reg        none,   // n = 0, a clock later
+    output reg        fits,   // n < D
+    output reg        low     // m_q was taken from four times the squared length
+);
+
+  `include "ik_fold_codes.vh"
+
+  reg [5:0] e_rho, e_s, e_far, e_near, e_1, e_2, e_q;
+  always @(posedge clk)
+    if (go)
+      case (set)
+        E_SET_E_RHO: e_rho <= pairs;
+        E_SET_E_S: e_s <= pairs;
+        E_SET_E_FAR: e_far <= pairs;
+        E_SET_E_NEAR: e_near <= pairs;
+        E_SET_E_1: e_1 <= pairs;
+        E_SET_E_2: e_2 <= pairs;
+        E_SET_E_Q: e_q <= pairs;
+        default: ;
+      endcase
+
+  reg [5:0] e;
+  always @*
+    case (of)
+      N_E_E_RHO: e = e_rho;
+      N_E_E_S: e = e_s;
+      N_E_E_FAR: e = e_far;
+      N_E_E_NEAR: e = e_near;
+      N_E_E_1: e = e_1;
+      default: e = e_2;
+    endcase
+  reg [5:0] from;
+  always @*
+    case (base)
+      N_BASE_1: from = 6'd1;
+      N_BASE_2: from = 6'd2;
+      N_BASE_4: from = 6'd4;
+      N_BASE_MINUS_2: from = 6'd62;
+      default: from = n;
+    endcase
+  wire [5:0] term = twice ? {e[4:0], 1'b0} : e;
+  always @(posedge clk) if (go && of != N_E_NONE) n <= from + (minus ? ~term : term) + {5'd0, minus};
+
+  localparam integer BITS = D;
+  always @(posedge clk)
+    if (go) begin
+      none <= n == 6'd0;
+      fits <= n < BITS[5:0];
+      low  <= e_q == 6'd2;
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,98 @@
+// Bits; no rounding.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Signs and zeros that are kept, the core's flags that they make, and what of them the program asks for in a clock.
+// Latency: 1 clock from a sign or zero to what is made of it.
+`default_nettype none
+
+module ik_fold_flags (
+    input  wire       clk,
+    input  wire       go,
+    input  wire [3:0] sign,         // which sign is new
+    input  wire       sum_below_0,  // of T
+    input  wire       word_below_0, // of the word that is written
+    input  wire       phi_loaded,
+    input  wire       phi_below_0,
+    input  wire [2:0] e_set,        // which zero is new
+    input  wire       zero,
+    input  wire       none,         // of the count
+    // what chooses, of the codes
+    input  wire [3:0] a_by,
+    input  wire [3:0] b_by,
+    input  wire [3:0] w_by,
+    input  wire [3:0] s_by,
+    input  wire [3:0] minus_by,
+    output wire       a_second,
+    output wire       b_second,
+    output wire       w_second,
+    output wire       s_other,
+    output wire       minus,
+    output wire       clamp,
+    output wire       fold,
+    output wire [9:0] nodes,        // of the dataflow, for waves and testbenches
+    output wire [7:0] flags         // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
+);
+
+  `include "ik_fold_codes.vh"
+
+  reg d1, d2, d_dif, a_far, b_near, u_y, sin_el, cos_a, k_1, phi;  // below 0
+  reg on_axis, at_shoulder, no_1, no_2;  // 0
+  always @(posedge clk)
+    if (go) begin
+      case (sign)
+        SIGN_D1: d1 <= sum_below_0;
+        SIGN_D2: d2 <= sum_below_0;
+        SIGN_D_DIF: d_dif <= word_below_0;
+        SIGN_A_FAR: a_far <= !sum_below_0;  // T is its inverse
+        SIGN_B_NEAR: b_near <= sum_below_0;
+        SIGN_U_Y: u_y <= word_below_0;
+        SIGN_SIN_EL: sin_el <= word_below_0;
+        SIGN_COS_A: cos_a <= word_below_0;
+        SIGN_K_1: k_1 <= word_below_0;
+        default: ;
+      endcase
+      case (e_set)
+        E_SET_E_RHO: on_axis <= zero;
+        E_SET_E_S: at_shoulder <= zero;
+        E_SET_E_1: no_1 <= zero;
+        E_SET_E_2: no_2 <= zero;
+        default: ;
+      endcase
+      if (phi_loaded) phi <= phi_below_0;
+    end
+
+  wire bad_length = d1 || d2 || no_1 || no_2;
+  wire too_far = a_far && !bad_length;
+  wire too_near = b_near && !bad_length;
+  assign clamp = too_far || too_near || at_shoulder || bad_length;  // no elbow
+  assign fold = (too_near || at_shoulder) && !bad_length;
+  wire away = too_near && d_dif;
+  wire arm_swap = clamp ? away : cos_a;
+  assign nodes = {k_1, arm_swap, away, fold, clamp, too_near, too_far, at_shoulder, on_axis, bad_length};
+  assign flags = {3'b000, bad_length, at_shoulder, on_axis, too_near, too_far};
+
+  wire [15:0] by;
+  assign by[BY_NONE] = 1'b0;
+  assign by[BY_ALWAYS] = 1'b1;
+  assign by[BY_U_Y] = u_y;
+  assign by[BY_SIN_EL] = sin_el;
+  assign by[BY_ARM_SWAP] = arm_swap;
+  assign by[BY_AT_SHOULDER] = at_shoulder;
+  assign by[BY_CLAMP] = clamp;
+  assign by[BY_ON_AXIS] = on_axis;
+  assign by[BY_PHI] = phi;
+  assign by[BY_MINUS] = k_1;
+  assign by[BY_NOT_ARM_SWAP] = !arm_swap;
+  assign by[BY_SIN_EL_AND_NOT_AT_SHOULDER] = sin_el && !at_shoulder;
+  assign by[BY_COS_A_AND_NOT_CLAMP] = cos_a && !clamp;
+  assign by[BY_N_0] = none;
+  assign by[15:14] = 2'b00;
+  assign a_second = by[a_by];
+  assign b_second = by[b_by];
+  assign w_second = by[w_by];
+  assign s_other = by[s_by];
+  assign minus = by[minus_by];
+
+endmodule
+
+`default_nettype wire

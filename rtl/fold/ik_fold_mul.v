@@ -1,0 +1,73 @@
+// Cuts its tiles where the program says so, which is how ik_mul3 and ik_quadratic cut theirs; rounds nothing.
+// SPDX-License-Identifier: Apache-2.0
+//
+// p = a b of two words, signed, from four tiles: high parts of 18 bits, and low parts of LOW bits.
+// Latency: 3 clocks: operands, tiles, sum; the cut belongs to the third of them.
+`default_nettype none
+
+module ik_fold_mul #(
+    parameter integer D      = 33,  // bits of a word
+    parameter integer LOW    = 15,  // bits of it below its tile
+    parameter integer PLAIN  = 31,  // bits of a tile that are cut off, for each cut of the program
+    parameter integer DOUBLE = 30,
+    parameter integer WORD   = 33
+) (
+    input  wire           clk,
+    input  wire           go,
+    input  wire [  D-1:0] a,
+    input  wire [  D-1:0] b,
+    input  wire [    2:0] cut,
+    output reg  [2*D-1:0] p
+);
+
+  `include "ik_fold_codes.vh"
+
+  localparam integer TILE = D - LOW;
+  localparam integer BASE = 2 * LOW;
+  localparam integer GUESSED = (BASE > DOUBLE) ? 1 : 0;
+  localparam [2*D-1:0] ONES = {2 * D{1'b1}};
+
+  reg signed [D-1:0] a_1, b_1;
+  wire signed [TILE-1:0] a_hi = a_1[D-1:LOW];
+  wire signed [TILE-1:0] b_hi = b_1[D-1:LOW];
+  wire signed [LOW:0] a_lo = {1'b0, a_1[LOW-1:0]};
+  wire signed [LOW:0] b_lo = {1'b0, b_1[LOW-1:0]};
+  reg signed [2*TILE-1:0] hh_2;
+  reg signed [D:0] hl_2, lh_2;
+  reg [2*LOW+1:0] ll_2;
+  reg [3:0] guess_2;
+  always @(posedge clk)
+    if (go) begin
+      a_1 <= a;
+      b_1 <= b;
+      hh_2 <= a_hi * b_hi;
+      hl_2 <= a_hi * b_lo;
+      lh_2 <= a_lo * b_hi;
+      ll_2 <= a_lo * b_lo;
+      guess_2 <= (GUESSED != 0) ? a_1[LOW-1:LOW-2] * b_1[LOW-1:LOW-2] : 4'd0;
+    end
+
+  reg [2*D-1:0] keep;
+  always @*
+    case (cut)
+      CUT_PLAIN: keep = ONES << PLAIN;
+      CUT_DOUBLE: keep = ONES << DOUBLE;
+      CUT_WORD: keep = ONES << WORD;
+      CUT_ROOT: keep = ONES << (BASE + 8);
+      CUT_SINE: keep = ONES << (BASE + 7);
+      default: keep = ONES;  // exact
+    endcase
+  wire exact = cut == CUT_EXACT;
+  wire rounded = cut == CUT_PLAIN || cut == CUT_DOUBLE;
+
+  // The outer tiles do not overlap; instead of that of the low parts a guess at its highest bits.
+  wire [BASE-1:0] inner = exact ? ll_2[BASE-1:0] : (rounded ? {guess_2, {(BASE - 4) {1'b0}}} : {BASE{1'b0}});
+  wire [2*D-1:0] outer = {hh_2, inner} & keep;
+  wire [2*D-1:0] hl = {{(TILE - 1) {hl_2[D]}}, hl_2, {LOW{1'b0}}} & keep;
+  wire [2*D-1:0] lh = {{(TILE - 1) {lh_2[D]}}, lh_2, {LOW{1'b0}}} & keep;
+  always @(posedge clk) if (go) p <= outer + (hl + lh);
+  wire unused = &{1'b0, ll_2};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Headers of the folded machine: its program, the codes and places of a step's fields, its table, its nodes."""
+
+from __future__ import annotations
+
+import re
+
+from model.dataflow import cores, trig
+from model.dataflow.fold import timing
+from model.dataflow.fold.program import CODES, FIELDS, program
+from model.dataflow.fold.shown import Shown, shown
+from model.dataflow.fold.steps import Operand, Pick
+from model.dataflow.nodes import INNER_FRAC, ROOT_FRACS, Node
+
+WIDTH = 24
+"""Program and nodes are the same at every word length."""
+
+STEP_BITS = sum(FIELDS.values())
+
+
+def _name(code: str) -> str:
+    """A code as part of an identifier."""
+    text = code or "none"
+    for old, new in (("<0", ""), ("<bits", "_bits"), ("=", "_"), (" ^ ", "_xor_"), ("~", "not_"), ("-", "minus_")):
+        text = text.replace(old, new)
+    return text.replace(" & ", "_and_").upper()
+
+
+def codes() -> str:
+    """``ik_fold_codes.vh``."""
+    lines = [
+        "// For the body of every module that a field of the step goes to: the codes. BY_: flags that choose.",
+        "",
+        "/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own",
+        f"localparam integer STEP_W = {STEP_BITS};  // bits of a step",
+    ]
+    done = set()
+    for name, values in CODES.items():
+        prefix = "by" if name.endswith("_by") else name
+        if prefix not in done:
+            done.add(prefix)
+            start, end = f"localparam [{FIELDS[name] - 1}:0] {prefix.upper()}_", f" = {FIELDS[name]}'d"
+            lines += ["", *(f"{start}{_name(code)}{end}{n};" for n, code in enumerate(values))]
+    return "\n".join([*lines, "", "/* verilator lint_on UNUSEDPARAM */"])
+
+
+def fields() -> str:
+    """``ik_fold_fields.vh``."""
+    lines, at = ["// For the body of ik_fold: the fields of the step.", ""], 0
+    for name, bits in FIELDS.items():
+        where = f"{at + bits - 1}:{at}" if bits > 1 else f"{at}"
+        lines.append(f"wire {f'[{bits - 1}:0] ' if bits > 1 else ''}f_{name} = step[{where}];")
+        at += bits
+    return "\n".join(lines)
+
+
+def _operand(of: Operand | None) -> str:
+    if not isinstance(of, Pick):
+        return of or "c2"
+    return f"{of.pair}{'+1' * of.second}{f' ({of.flag})' * bool(of.flag)}"
+
+
+def steps() -> str:
+    """``ik_fold_program.vh``."""
+    _, made = program(WIDTH)
+    period = made.period
+    says: list[list[str]] = [[] for _ in range(period)]
+    for name, clock in made.loads.items():
+        says[clock].append(f"{name} loaded")
+    for placed in made.steps:
+        step = placed.step
+        says[placed.at % period].append(f"{step.name}: {_operand(step.a)} * {_operand(step.b)}")
+        if step.write:
+            says[(placed.at + timing.WRITE) % period].append(f"-> {_operand(step.write.to)}")
+        if step.norm:
+            says[(placed.at + timing.NORM) % period].append(f"-> {step.norm.to}")
+        if step.result:
+            says[(placed.at + timing.WRITE) % period].append(f"-> {step.result}")
+    results = [placed.at + timing.WRITE for placed in made.steps if placed.step.result]
+    laps = {"HOLD": min(results) - 1, "FIRST": min(results), "LAST": max(results)}
+    digits = -(-STEP_BITS // 4)
+    return "\n".join([
+        "// For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, its own or the next",
+        "// where the machine may wait before the first result, gives it, and gives the last.",
+        "",
+        f"localparam integer PERIOD = {period};  // clocks of a lap",
+        f"localparam [6:0] END = 7'd{period - 1};  // the last of them",
+        *(f"localparam integer {name}_LAP = {clock // period};" for name, clock in laps.items()),
+        "",
+        '(* rom_style = "block", ram_style = "block" *)',
+        "reg [STEP_W-1:0] rom[0:PERIOD-1];",
+        "initial begin",
+        *(
+            f"  rom[{n}] = {STEP_BITS}'h{made.word(n):0{digits}x};  // {'; '.join(says[n]) or '-'}"
+            for n in range(period)
+        ),
+        "end",
+    ])  # fmt: skip
+
+
+def formats() -> str:
+    """``ik_fold_formats.vh``."""
+    return f"""\
+// For the body of ik_fold: as in ik_lean_nodes.vh, from W = 20 on.
+
+localparam integer FRAC = (W < {INNER_FRAC - 5}) ? W + 5 : {INNER_FRAC};  // of an inner word
+localparam integer ROOT_FRAC = (FRAC < {ROOT_FRACS[1]}) ? FRAC : {ROOT_FRACS[1]};"""
+
+
+def table() -> str:
+    """``ik_fold_table.vh``."""
+    root, sine = cores.LONG, trig.LONG
+    rows = [(2 * c0, c1, c2, "ROOT") for c0, c1, c2 in cores.rsqrt_rows(root)]
+    rows += [(c0, c1, 2 * c2, "SINE") for c0, c1, c2 in trig.sine_rows(sine)]
+    return "\n".join([
+        "// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned",
+        "// alike, c0 with what rounds the result.",
+        "",
+        f"localparam integer ROOT_ROUNDING = ((3 << ({root.sum_frac} - F - 3)) - {(root.tiles + 1) // 2}) >> 1;",
+        f"localparam integer SINE_ROUNDING = (1 << ({sine.sum_frac} - F - 1)) >> 2;",
+        "localparam [74:0] ROOT = {{43{1'b0}}, ROOT_ROUNDING} << 39;",
+        "localparam [74:0] SINE = {{43{1'b0}}, SINE_ROUNDING} << 39;",
+        "",
+        '(* rom_style = "block", ram_style = "block" *)',
+        "reg [74:0] rom[0:2047];",
+        "initial begin",
+        *(f"  rom[{n}] = 75'h{c0 << 39 | c1 << 15 | c2:019x} + {add};" for n, (c0, c1, c2, add) in enumerate(rows)),
+        "end",
+    ])  # fmt: skip
+
+
+def _range(node: Node) -> str:
+    """Of a node's word; none of a bit."""
+    name, sign, number = re.fullmatch(r"(.*?)(?: ([+-]) (\d+))?", node.format.frac_expr).groups()
+    more = int(f"{sign or '+'}{number or 0}") + node.format.width - node.format.frac - 1
+    if name == "0":
+        return f"[{more}:0] " if more else ""
+    return f"[{name}{f' {more:+d}'.replace('+', '+ ').replace('-', '- ') if more else ''}:0] "
+
+
+def nodes() -> str:
+    """``ik_fold_nodes.vh``."""
+    lowering, made = program(WIDTH)
+    blocks: dict[str, list[Shown]] = {}
+    for of in shown(lowering, made).values():
+        blocks.setdefault(of.node.instance, []).append(of)
+    lines = ["// For the body of ik_fold: every node of the dataflow, in a register that nothing reads.", ""]
+    for block, found in blocks.items():
+        pad = "    " if block else ""
+        lines += ["generate", f"  if (1) begin : {block}"] if block else []
+        lines += [f"{pad}reg {'signed ' * of.node.format.signed}{_range(of.node)}{of.node.name};" for of in found]
+        lines += [f"{pad}always @(posedge clk)", f"{pad}  if (go) begin"]
+        for of in found:
+            when = " || ".join(f"clock == 7'd{clock % made.period}" for clock in of.clocks)
+            when = f"({when}) && {of.when}" if of.when else when
+            comment = f"  // {of.node.equation}" if of.node.equation else ""
+            lines.append(f"{pad}    if ({when}) {of.node.name} <= {of.text};{comment}")
+        lines += [f"{pad}  end", *(["  end", "endgenerate"] if block else []), ""]
+    return "\n".join(lines).rstrip()
+
+
+HEADERS = {
+    "codes": (codes, "model/dataflow/fold/program.py"),
+    "fields": (fields, "model/dataflow/fold/program.py"),
+    "formats": (formats, "model/dataflow/nodes.py"),
+    "nodes": (nodes, "model/dataflow/fold/shown.py"),
+    "program": (steps, "model/dataflow/fold/schedule.json and model/dataflow/lean.py"),
+    "table": (table, "model/dataflow/cores.py and model/dataflow/trig.py"),
+}
+"""Name -> the function that gives its text, and what it is made from."""
