@@ -1,25 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.pages.gen_headers` from model/dataflow/fold/program.py; do not edit.
 
-// For the body of every module that a field of the step goes to: the codes. BY_: flags that choose.
+// For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.
 
 /* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
-localparam integer STEP_W = 97;  // bits of a step
+localparam integer STEP_W = 89;  // bits of a step
 
-localparam [3:0] BY_NONE = 4'd0;
-localparam [3:0] BY_ALWAYS = 4'd1;
-localparam [3:0] BY_U_Y = 4'd2;
-localparam [3:0] BY_SIN_EL = 4'd3;
-localparam [3:0] BY_ARM_SWAP = 4'd4;
-localparam [3:0] BY_AT_SHOULDER = 4'd5;
-localparam [3:0] BY_CLAMP = 4'd6;
-localparam [3:0] BY_ON_AXIS = 4'd7;
-localparam [3:0] BY_PHI = 4'd8;
-localparam [3:0] BY_MINUS = 4'd9;
-localparam [3:0] BY_NOT_ARM_SWAP = 4'd10;
-localparam [3:0] BY_SIN_EL_AND_NOT_AT_SHOULDER = 4'd11;
-localparam [3:0] BY_COS_A_AND_NOT_CLAMP = 4'd12;
-localparam [3:0] BY_N_0 = 4'd13;
+localparam [1:0] A_BY_NONE = 2'd0;
+localparam [1:0] A_BY_U_Y = 2'd1;
+localparam [1:0] A_BY_AT_SHOULDER = 2'd2;
+localparam [1:0] A_BY_CLAMP = 2'd3;
+
+localparam [1:0] B_BY_NONE = 2'd0;
+localparam [1:0] B_BY_SIN_EL = 2'd1;
+localparam [1:0] B_BY_ARM_SWAP = 2'd2;
+
+localparam [1:0] W_BY_NONE = 2'd0;
+localparam [1:0] W_BY_U_Y = 2'd1;
+localparam [1:0] W_BY_SIN_EL = 2'd2;
+localparam [1:0] W_BY_ARM_SWAP = 2'd3;
+
+localparam [1:0] S_BY_NONE = 2'd0;
+localparam [1:0] S_BY_ON_AXIS = 2'd1;
+localparam [1:0] S_BY_AT_SHOULDER = 2'd2;
+localparam [1:0] S_BY_CLAMP = 2'd3;
+
+localparam [3:0] MINUS_BY_NONE = 4'd0;
+localparam [3:0] MINUS_BY_ALWAYS = 4'd1;
+localparam [3:0] MINUS_BY_N_0 = 4'd2;
+localparam [3:0] MINUS_BY_PHI = 4'd3;
+localparam [3:0] MINUS_BY_U_Y = 4'd4;
+localparam [3:0] MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER = 4'd5;
+localparam [3:0] MINUS_BY_COS_A_AND_NOT_CLAMP = 4'd6;
+localparam [3:0] MINUS_BY_NOT_ARM_SWAP = 4'd7;
+localparam [3:0] MINUS_BY_MINUS = 4'd8;
 
 localparam [1:0] R_FUNCTION_ROOT = 2'd0;
 localparam [1:0] R_FUNCTION_SINE = 2'd1;

@@ -17,10 +17,10 @@ module ik_fold_flags (
     input  wire       zero,
     input  wire       none,         // of the count
     // what chooses, of the codes
-    input  wire [3:0] a_by,
-    input  wire [3:0] b_by,
-    input  wire [3:0] w_by,
-    input  wire [3:0] s_by,
+    input  wire [1:0] a_by,
+    input  wire [1:0] b_by,
+    input  wire [1:0] w_by,
+    input  wire [1:0] s_by,
     input  wire [3:0] minus_by,
     output wire       a_second,
     output wire       b_second,
@@ -71,27 +71,25 @@ module ik_fold_flags (
   assign nodes = {k_1, arm_swap, away, fold, clamp, too_near, too_far, at_shoulder, on_axis, bad_length};
   assign flags = {3'b000, bad_length, at_shoulder, on_axis, too_near, too_far};
 
-  wire [15:0] by;
-  assign by[BY_NONE] = 1'b0;
-  assign by[BY_ALWAYS] = 1'b1;
-  assign by[BY_U_Y] = u_y;
-  assign by[BY_SIN_EL] = sin_el;
-  assign by[BY_ARM_SWAP] = arm_swap;
-  assign by[BY_AT_SHOULDER] = at_shoulder;
-  assign by[BY_CLAMP] = clamp;
-  assign by[BY_ON_AXIS] = on_axis;
-  assign by[BY_PHI] = phi;
-  assign by[BY_MINUS] = k_1;
-  assign by[BY_NOT_ARM_SWAP] = !arm_swap;
-  assign by[BY_SIN_EL_AND_NOT_AT_SHOULDER] = sin_el && !at_shoulder;
-  assign by[BY_COS_A_AND_NOT_CLAMP] = cos_a && !clamp;
-  assign by[BY_N_0] = none;
-  assign by[15:14] = 2'b00;
-  assign a_second = by[a_by];
-  assign b_second = by[b_by];
-  assign w_second = by[w_by];
-  assign s_other = by[s_by];
-  assign minus = by[minus_by];
+  assign a_second = (a_by == A_BY_U_Y && u_y) || (a_by == A_BY_AT_SHOULDER && at_shoulder) || (a_by == A_BY_CLAMP && clamp);
+  assign b_second = (b_by == B_BY_SIN_EL && sin_el) || (b_by == B_BY_ARM_SWAP && arm_swap);
+  assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_ARM_SWAP && arm_swap);
+  assign s_other = (s_by == S_BY_ON_AXIS && on_axis) || (s_by == S_BY_AT_SHOULDER && at_shoulder)
+      || (s_by == S_BY_CLAMP && clamp);
+  reg less;
+  always @*
+    case (minus_by)
+      MINUS_BY_ALWAYS: less = 1'b1;
+      MINUS_BY_N_0: less = none;
+      MINUS_BY_PHI: less = phi;
+      MINUS_BY_U_Y: less = u_y;
+      MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER: less = sin_el && !at_shoulder;
+      MINUS_BY_COS_A_AND_NOT_CLAMP: less = cos_a && !clamp;
+      MINUS_BY_NOT_ARM_SWAP: less = !arm_swap;
+      MINUS_BY_MINUS: less = k_1;
+      default: less = 1'b0;
+    endcase
+  assign minus = less;
 
 endmodule
 

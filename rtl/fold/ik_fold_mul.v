@@ -35,6 +35,10 @@ module ik_fold_mul #(
   reg signed [2*TILE-1:0] hh_2;
   reg signed [D:0] hl_2, lh_2;
   reg [2*LOW+1:0] ll_2;
+  // their two highest bits, by gates
+  wire [1:0] a_top = a_1[LOW-1:LOW-2];
+  wire [1:0] b_top = b_1[LOW-1:LOW-2];
+  wire [3:0] guess_1 = {1'b0, b_top & {2{a_top[1]}}, 1'b0} + {2'b00, b_top & {2{a_top[0]}}};
   reg [3:0] guess_2;
   always @(posedge clk)
     if (go) begin
@@ -44,7 +48,7 @@ module ik_fold_mul #(
       hl_2 <= a_hi * b_lo;
       lh_2 <= a_lo * b_hi;
       ll_2 <= a_lo * b_lo;
-      guess_2 <= (GUESSED != 0) ? a_1[LOW-1:LOW-2] * b_1[LOW-1:LOW-2] : 4'd0;
+      guess_2 <= (GUESSED != 0) ? guess_1 : 4'd0;
     end
 
   reg [2*D-1:0] keep;

@@ -30,10 +30,10 @@ module ik_fold_norm #(
   wire unit = kind == NORM_UNIT;
   wire arm = kind == NORM_ARM;
 
-  // ---- by 32 ----
+  // ---- by 32, and a count's last bit ----
 
   wire [XW-1:0] kept = unit ? t & ~((ONE << LAST) - ONE) : t ^ {XW{kind == NORM_INVERSE}};
-  wire [XW-1:0] v5 = by_count ? t : {arm ? 2'b00 : kept[2*W-1-:2], kept[2*W-3:0], 2'b00};
+  wire [XW-1:0] v5 = by_count ? (n[0] ? t << 1 : t) : {arm ? 2'b00 : kept[2*W-1-:2], kept[2*W-3:0], 2'b00};
   wire s5 = by_count ? n[5] : v5[XW-1-:32] == 0;
   reg [XW-1:0] v4;
   reg s5_1, counted_1, arm_1, most_1;
@@ -51,24 +51,26 @@ module ik_fold_norm #(
   wire [2:0] none_of_8 = {v4[XW-1-:8] == 0, v4[XW-9-:8] == 0, v4[XW-17-:8] == 0};
   wire s4 = counted_1 ? n[4] : none_of_8[2] && none_of_8[1];
   wire s3 = counted_1 ? n[3] : s4 ? none_of_8[0] : none_of_8[2];
+  wire [XW-1:0] v3 = v4 << {s4, s3, 3'b000};
   reg [XW-1:0] v2;
+  reg [2:0] none_of_2;
   reg [2:0] high;
   reg counted, of_arm, most;
   always @(posedge clk)
     if (go) begin
-      v2      <= v4 << {s4, s3, 3'b000};
+      v2 <= v3;
+      none_of_2 <= {v3[XW-1-:2] == 0, v3[XW-3-:2] == 0, v3[XW-5-:2] == 0};
       high    <= {s5_1, s4, s3};
       counted <= counted_1;
       of_arm  <= arm_1;
       most    <= most_1;
     end
 
-  // ---- by 4, 2 and 1 ----
+  // ---- by 4 and 2 ----
 
-  wire [2:0] none_of_2 = {v2[XW-1-:2] == 0, v2[XW-3-:2] == 0, v2[XW-5-:2] == 0};
   wire s2 = counted ? n[2] : none_of_2[2] && none_of_2[1];
   wire s1 = counted ? n[1] : s2 ? none_of_2[0] : none_of_2[2];
-  wire [XW-1:0] v0 = v2 << {s2, s1, counted && n[0]};
+  wire [XW-1:0] v0 = v2 << {s2, s1, 1'b0};
   assign word = counted ? v0[XW-1-:D] & ({D{1'b1}} << DROP) : {1'b0, v0[XW-1-:D-1] | {(D - 1) {most}}};
   assign zero = v0[XW-1-:2] == 0;
   localparam integer MOST = W - 1;

@@ -29,18 +29,14 @@ def _name(code: str) -> str:
 def codes() -> str:
     """``ik_fold_codes.vh``."""
     lines = [
-        "// For the body of every module that a field of the step goes to: the codes. BY_: flags that choose.",
+        "// For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.",
         "",
         "/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own",
         f"localparam integer STEP_W = {STEP_BITS};  // bits of a step",
     ]
-    done = set()
     for name, values in CODES.items():
-        prefix = "by" if name.endswith("_by") else name
-        if prefix not in done:
-            done.add(prefix)
-            start, end = f"localparam [{FIELDS[name] - 1}:0] {prefix.upper()}_", f" = {FIELDS[name]}'d"
-            lines += ["", *(f"{start}{_name(code)}{end}{n};" for n, code in enumerate(values))]
+        start, end = f"localparam [{FIELDS[name] - 1}:0] {name.upper()}_", f" = {FIELDS[name]}'d"
+        lines += ["", *(f"{start}{_name(code)}{end}{n};" for n, code in enumerate(values))]
     return "\n".join([*lines, "", "/* verilator lint_on UNUSEDPARAM */"])
 
 

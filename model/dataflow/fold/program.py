@@ -14,17 +14,39 @@ from pathlib import Path
 
 from . import timing
 from .layout import Layout
-from .steps import ADDENDS, ALWAYS, COUNT_FITS, CUTS, HALF, NORMS, ONE, POWER, ZERO, Group, Lowering, Pick, lower
+from .steps import (
+    ADDENDS,
+    ALWAYS,
+    COUNT_FITS,
+    CUTS,
+    HALF,
+    NO_COUNT,
+    NORMS,
+    ONE,
+    POWER,
+    ZERO,
+    Group,
+    Lowering,
+    Pick,
+    lower,
+)
 from .timing import INPUTS, Placed, Schedule
 
 PLACES = 64
 """Of the memory that are written; the powers are as many."""
 
-FLAGS = (
-    "", ALWAYS, "u_y<0", "sin_el<0", "arm_swap", "at_shoulder", "clamp", "on_axis", "phi<0", "minus", "~arm_swap",
-    "sin_el<0 & ~at_shoulder", "cos_a<0 & ~clamp", "n=0",
+A_BY = ("", "u_y<0", "at_shoulder", "clamp")
+B_BY = ("", "sin_el<0", "arm_swap")
+W_BY = ("", "u_y<0", "sin_el<0", "arm_swap")
+"""Flags that choose one of two places."""
+
+S_BY = ("", "on_axis", "at_shoulder", "clamp")
+"""Flags that choose an addend."""
+
+MINUS_BY = (
+    "", ALWAYS, NO_COUNT, "phi<0", "u_y<0", "sin_el<0 & ~at_shoulder", "cos_a<0 & ~clamp", "~arm_swap", "minus",
 )  # fmt: skip
-"""What chooses: a place of two, the sign of a product, an addend; their codes."""
+"""Flags that choose the sign of a product."""
 
 SIGNS = ("", "d1<0", "d2<0", "d_dif<0", "a_far<0", "b_near<0", "u_y<0", "sin_el<0", "cos_a<0", "k_1<0")
 """Signs of T that are kept."""
@@ -40,7 +62,7 @@ BASES = ("count", "1", "2", "4", "-2")
 RESULTS = ("", "qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 
 CODES = {
-    "a_by": FLAGS, "b_by": FLAGS, "w_by": FLAGS, "s_by": FLAGS, "minus_by": FLAGS,
+    "a_by": A_BY, "b_by": B_BY, "w_by": W_BY, "s_by": S_BY, "minus_by": MINUS_BY,
     "r_function": FUNCTIONS, "b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS,
     "last": LASTS, "sign": SIGNS, "norm": ("", *NORMS), "source": SOURCES, "input": INPUTS, "result": RESULTS,
     "e_set": COUNTS, "n_base": BASES, "n_e": COUNTS,
@@ -132,6 +154,8 @@ def encode(groups: list[Group], of: Schedule) -> Program:
             if (clock % period, name) in taken:
                 raise ConflictError(f"{name} is needed twice in clock {clock % period}")
             taken.add((clock % period, name))
+            if isinstance(value, str) and value not in CODES[name]:
+                raise ConflictError(f"{name} has no code for {value}")
             code = CODES[name].index(value) if isinstance(value, str) else int(value)
             if code >> FIELDS[name]:
                 raise ConflictError(f"{name}: {value} has no code")

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from model.bounds import tolerances
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.reference.kinematics import forward
 from model.targets import trajectories
 from scripts import run
@@ -217,7 +218,7 @@ def test_no_other_datapath(cli):
     status, _, err = cli("--datapath", "neither")
     assert (status, err) == (
         2,
-        ["report: argument --datapath: unknown datapath 'neither'; valid: lean, paper, short, lean25, both"],
+        [f"report: argument --datapath: unknown datapath 'neither'; valid: {', '.join(CONFIGURATIONS)}, both"],
     )
 
 
