@@ -72,7 +72,9 @@ class Parser(argparse.ArgumentParser):
         paths, widths = (value if isinstance(value, list) else [value] for value in chosen)  # some take several
         for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
             if any(width and width not in path.widths for width in widths):
-                self.error(f"argument --width: the {path.name} datapath has words of {path.widths[0]} bits only")
+                *others, last = map(str, path.widths)
+                lengths = f"{', '.join(others)} or {last}" if others else last
+                self.error(f"argument --width: the {path.name} datapath has words of {lengths} bits only")
         return parsed
 
     def choice(self, option: str, what: str, valid: Sequence[str], default: str | None, about: str) -> None:

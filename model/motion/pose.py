@@ -97,7 +97,7 @@ def solve(
         raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
     widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
     if width is not None and width not in widths:
-        raise ValueError(f"width {width!r} is not within {widths[0]} and {widths[-1]}, and not None")
+        raise ValueError(f"width {width!r} is none of {', '.join(map(str, widths))}, and not None")
     points = np.atleast_2d(np.asarray(points, dtype=np.float64))
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"points have the shape {points.shape}, not (N, 3)")

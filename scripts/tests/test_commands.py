@@ -27,6 +27,7 @@ CORE = [
     ("--width 33", "--width", "unknown width '33'", "16 to 32"),
     ("--width 15", "unknown width '15'"),
     ("--width x", "unknown width 'x'"),
+    ("--datapath fold --width 23", "--width: the fold datapath has words of 20, 22, 24, 26, 28, 30 or 32 bits only"),
     ("--speed 9", "unrecognized arguments: --speed 9"),
     ("--out", "--out", "expected one argument"),
     ("--out=", "--out", "the name of a folder is empty"),
