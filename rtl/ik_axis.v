@@ -91,7 +91,7 @@ module ik_axis #(
           .m_axis_tvalid(fold_valid),
           .m_axis_tready(m_axis_tready)
       );
-      assign {core_valid, core_tag, core_flags, core_data} = 0;
+      assign {core_valid, core_flags, core_data, core_tag} = 0;
     end else begin : g_pipeline
       assign {fold_ready, fold_valid, fold_user, fold_data} = 0;
     end

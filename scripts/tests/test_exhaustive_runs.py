@@ -55,17 +55,22 @@ def seeded(name, file, right, wrong, folder):
     return exhaustive.program(SMALL[name], copy_rtl(folder, Bug("", f"rtl/cores/{file}", right, wrong)), "wrong")
 
 
+def mantissas(frac):
+    """Every argument as a mantissa: below 1/4 its second bit counts as if it were set."""
+    m = np.arange(1 << (frac + 3))
+    return np.where(m < 1 << frac + 1, m | 1 << frac + 1, m)
+
+
 def not_faithful(frac, y):
     """How many words y (2^(frac + 3),) are a place or more from 2^frac/(2 sqrt V) for a V that cut off is their m."""
-    m = np.arange(1 << (frac + 3))
+    m = mantissas(frac)
     square = 1 << (3 * frac + 1)
-    mantissa = m >= 1 << (frac + 1)
-    return int(np.where(mantissa, ((y - 1) ** 2 * (m + 1) > square) | ((y + 1) ** 2 * m <= square), y != 0).sum())
+    return int((((y - 1) ** 2 * (m + 1) > square) | ((y + 1) ** 2 * m <= square)).sum())
 
 
 def not_nearest(frac):
     """Mantissas whose word of the bit-true model is not the one nearest to 2^frac/(2 sqrt m)."""
-    m = np.arange(1 << (frac + 1), 1 << (frac + 3))
+    m = mantissas(frac)
     y = rsqrt(m, frac)
     four = 1 << (3 * frac + 3)
     return int((((2 * y - 1) ** 2 * m > four) | ((2 * y + 1) ** 2 * m < four)).sum())

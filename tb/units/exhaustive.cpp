@@ -128,7 +128,7 @@ struct Root {
   }
 };
 
-// |y - 1/(2 sqrt V)| < 1 place for every V that cut off is m, so for m <= V < m + 1; 0 where m < 1/4.
+// |y - 1/(2 sqrt V)| < 1 place for every V that cut off is m, so for m <= V < m + 1.
 // In integers, 1/(2 sqrt m) is sqrt(S / m) places with S = 2^(3F+1).
 struct Rsqrt {
   const int f;
@@ -164,7 +164,7 @@ struct Rsqrt {
   std::string words_of_answer(uint64_t a) const { return "y=" + text(a); }
 
   std::string wanted(uint64_t argument) const {
-    const uint64_t y = mantissa(argument) ? floor_root(s() / argument) : 0;
+    const uint64_t y = floor_root(s() / mantissa(argument));
     return words_of_answer(y) + (right(argument, y + 1) ? " or " + words_of_answer(y + 1) : "");
   }
 };
