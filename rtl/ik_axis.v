@@ -10,11 +10,13 @@
 `default_nettype none
 
 module ik_axis #(
-    parameter integer W     = 32,  // word length, 16 to 32
+    parameter integer W     = 32,  // word length, 16 to 32, to 24 with TILE = 16
     parameter integer TAG_W = 8,   // width of the tag
-    parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, 20 to 32
+    parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, from 20 on
     parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
-    parameter integer TILE  = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
+    // the lean products: bits of the multipliers' longer operand; 25 for 25x18, 16 for 16x16, with small tables, and W from
+    // 18 on folded
+    parameter integer TILE  = 18,
     parameter integer SHORT = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
     parameter integer MIN_W = 16   // least W; less only for the test of every target there is
 ) (
@@ -42,7 +44,7 @@ module ik_axis #(
   endfunction
 
   // A place is taken from the admission of a target to the departure of its result: pipeline, FIFO, output register.
-  localparam integer LOG2 = clog2(datapath_latency(LEAN, W) + 3);
+  localparam integer LOG2 = clog2(datapath_latency(LEAN, W, TILE) + 3);
 
   // ---- credits: places in the FIFO that nobody has reserved ----
 
@@ -65,7 +67,8 @@ module ik_axis #(
 
   // ---- the datapath ----
 
-  localparam LEGAL = W >= MIN_W && W <= 32 && (LEAN != 2 || (W >= 20 && W % 2 == 0));
+  localparam LEGAL = W >= MIN_W && W <= ((TILE < 18) ? 24 : 32) && TILE >= 16
+      && (LEAN != 2 || (W % 2 == 0 && W >= ((TILE < 18) ? 18 : 20) && TILE <= 18));
 
   wire core_valid;
   wire [TAG_W-1:0] core_tag;
@@ -73,12 +76,13 @@ module ik_axis #(
   wire [6*W-1:0] core_data;
   generate
     if (!LEGAL) begin : g_illegal
-      ik_axis_needs_W_of_16_to_32_and_folded_even_of_20_to_32 u_stop ();
+      ik_axis_needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24 u_stop ();
     end
     if (LEGAL && LEAN == 2) begin : g_fold
       ik_fold #(
           .W    (W),
-          .TAG_W(TAG_W)
+          .TAG_W(TAG_W),
+          .TILE (TILE)
       ) u_core (
           .clk          (clk),
           .rst          (rst),

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.pages.gen_headers` from model/dataflow/paper.py and model/dataflow/lean.py; do not edit.
 
-// For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's.
+// For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,
+// which does not look at the tile.
 
-function integer datapath_latency(input integer lean, input integer w);
+function integer datapath_latency(input integer lean, input integer w, input integer tile);
   begin
-    case (100 * lean + w)
+    case (100 * lean + w + ((lean == 1 && tile < 18) ? 1000 : 0))
       103: datapath_latency = 36;
       104: datapath_latency = 36;
       105: datapath_latency = 36;
@@ -53,6 +54,15 @@ function integer datapath_latency(input integer lean, input integer w);
       30: datapath_latency = 304;
       31: datapath_latency = 311;
       32: datapath_latency = 318;
+      1116: datapath_latency = 42;
+      1117: datapath_latency = 42;
+      1118: datapath_latency = 42;
+      1119: datapath_latency = 42;
+      1120: datapath_latency = 42;
+      1121: datapath_latency = 42;
+      1122: datapath_latency = 42;
+      1123: datapath_latency = 42;
+      1124: datapath_latency = 42;
       default: datapath_latency = 0;
     endcase
   end

@@ -20,26 +20,31 @@ MUL3_CLOCKS = 3
 EVEN_CLOCKS = 3
 """Counts in groups of eight pairs, shift by groups, shift by pairs."""
 
+TILE = 18
+"""Bits of the longer operand of the multipliers that products are cut for, unless others are asked for."""
+
 SHORT_FRAC = 22
-"""Up to here ``ik_rsqrt`` has the :data:`SHORT` form, with more fraction bits the :data:`LONG` one."""
+"""Up to here ``ik_rsqrt`` has the :data:`SHORT` form, with more fraction bits the :data:`LONG` one, and with tiles of
+less than 18 bits the :data:`SMALL` one."""
 
 
-def rsqrt_clocks(frac: int) -> int:
+def rsqrt_clocks(frac: int, tile: int = TILE) -> int:
     """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, and ``ik_quadratic``.  The table is read
     while the mantissa goes into its register."""
-    return 1 + form_of(frac).clocks
+    return 1 + form_of(frac, tile).clocks
 
 
 # ---- product of three tiles ------------------------------------------------------------------------------------------
 
 
-TILE = 18
-"""Bits of the longer operand of the multipliers that products are cut for, unless others are asked for."""
-
-
 def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
     """Bits below the cut of either operand of :func:`mul3`: ``tile`` of a are above it, and of b no more than 18."""
     return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
+
+
+def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
+    """The lowest bits of either operand, which two signed tiles do not hold: :func:`mul3` does not look at them."""
+    return max(a_width - 2 * tile + 1, 0), max(b_width - 2 * min(tile, 18) + 1, 0)
 
 
 def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
@@ -49,7 +54,9 @@ def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
     the two sums.  Where the highest tile ends above these two bits, the product of the highest two bits of both low
     parts is below it.  Errors: :func:`mul3_error`.
     """
-    a_bits, b_bits = cuts(a_width, b_width, tile)
+    a_unseen, b_unseen = unseen(a_width, b_width, tile)
+    a, b, shift = a >> a_unseen, b >> b_unseen, shift - a_unseen - b_unseen
+    a_bits, b_bits = cuts(a_width - a_unseen, b_width - b_unseen, tile)
     a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)
     b_hi, b_lo = b >> b_bits, b & ((1 << b_bits) - 1)
     drop = shift - 2
@@ -68,12 +75,14 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
     The tile left out is never negative and less than 2^(cuts - shift) places, of which the guess leaves 7/16; each of
     the mixed tiles loses less than a quarter.  What else is cut off is below all other words of the sum, and goes with
-    the rounding, which is half up.
+    the rounding, which is half up.  Bits that are not looked at are worth up to a place of theirs times the other word.
     """
-    low = cuts(a_width, b_width, tile)
-    up = sum(low) - shift + 2
+    out = unseen(a_width, b_width, tile)
+    aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)
+    low = cuts(a_width - out[0], b_width - out[1], tile)
+    up = sum(low) - shift + sum(out) + 2
     left_out = 2.0 ** (up - 2) * (7 / 16 if up > 0 else 1) if all(low) else 0.0
-    return -left_out - 1, 0.5
+    return -left_out - 1 - aside, 0.5 + aside
 
 
 # ---- normalization by an even shift ----------------------------------------------------------------------------------
@@ -103,11 +112,22 @@ def even(value, width: int, mantissa_bits: int):
 
 SHORT = Form(2048, 25, 0, (27, 14), (26, 15), 14, 0, 28)
 LONG = Form(1024, 34, 6, (34, 23, 12), (33, 24, 15), 25, 9, 36)
+SMALL = Form(512, 33, 8, (33, 22, 11), (32, 23, 14), 24, 10, 34)
 """c0 goes without its highest bit, a one."""
 
+SMALL_FRAC = 29
+"""Most fraction bits of a result of the :data:`SMALL` form."""
 
-def form_of(frac: int) -> Form:
-    """The form with ``frac`` fraction bits of the result."""
+
+def places(frac: int, tile: int = TILE) -> float:
+    """An upper bound of the error of :func:`rsqrt` in places of the result, without its proof (:func:`rsqrt_error`)."""
+    return 1.1 if form_of(frac, tile) is SMALL and frac >= SMALL_FRAC else 1.0
+
+
+def form_of(frac: int, tile: int = TILE) -> Form:
+    """The form with ``frac`` fraction bits of the result and tiles of so many bits."""
+    if tile < TILE:
+        return SMALL
     return SHORT if frac <= SHORT_FRAC else LONG
 
 
@@ -149,23 +169,23 @@ def _columns(form: Form) -> np.ndarray:
     return np.array(rsqrt_rows(form), dtype=np.int64).T
 
 
-def quadratic(m, frac: int):
+def quadratic(form: Form, m, frac: int):
     """The polynomial at a mantissa, without what rounds it, ``sum_frac`` fraction bits."""
-    form = form_of(frac)
     row, u = place(form, m, frac)
     return polynomial(form, _columns(form)[:, row], u, rises=False, bends_up=False)
 
 
-def rsqrt(m, frac: int):
+def rsqrt(m, frac: int, tile: int = TILE):
     """``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; below 1/4 its second bit
     counts as if it were set, so that 0 gives 1.
 
-    The error is less than one place also where m is a longer mantissa cut off (:func:`rsqrt_error`).
+    The error is less than one place, or what :func:`places` says, also where m is a longer mantissa cut off
+    (:func:`rsqrt_error`).
     """
     m = np.asarray(m, dtype=np.int64)
-    form = form_of(frac)
+    form = form_of(frac, tile)
     second = 1 << frac + 1
-    y = quadratic(np.where(m < second, m | second, m), frac) + rounding(form, frac)
+    y = quadratic(form, np.where(m < second, m | second, m), frac) + rounding(form, frac)
     return y >> form.sum_frac - frac
 
 
@@ -191,14 +211,14 @@ def row_error(form: Form, row: int) -> Interval:
 
 
 @cache
-def rsqrt_error(frac: int) -> Interval:
+def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
     """What :func:`rsqrt` less 1/(2 sqrt V) is proved to lie in, in places of the result, for all V in [1/4, 1).
 
     V is any real number that cut off after frac + 3 bits is m.  Segment by segment: the error at m (:func:`row_error`),
     what is added to round the result and less than a place that is cut off it, and what 1/(2 sqrt V) falls from m to V:
     the steepest slope times m's last place.
     """
-    form = form_of(frac)
+    form = form_of(frac, tile)
     with mpmath.workprec(PRECISION):
         last = mpmath.mpf(2) ** -frac
         added = mpmath.mpf(rounding(form, frac)) / 2**form.sum_frac
@@ -209,6 +229,6 @@ def rsqrt_error(frac: int) -> Interval:
         return Interval(min(p.low for p in parts) / last, max(p.high for p in parts) / last)
 
 
-def rsqrt_error_bound(frac: int) -> float:
-    """The largest magnitude in :func:`rsqrt_error`: less than 1, so the result is faithful."""
-    return float(rsqrt_error(frac).size)
+def rsqrt_error_bound(frac: int, tile: int = TILE) -> float:
+    """The largest magnitude in :func:`rsqrt_error`; where it is less than 1, the result is faithful."""
+    return float(rsqrt_error(frac, tile).size)

@@ -75,11 +75,20 @@ SHORT = replace(
 
 LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"LEAN": 1, "SHORT": 0, "TILE": 25}, tile=25)
 
-FOLD = replace(
-    DATAPATHS["lean"], name="fold", parameters={"LEAN": 2, "SHORT": 0}, widths=range(20, 33, 2), times=shown.times,
-    period=program.schedule().period, behind=0,
+LEAN16 = replace(
+    DATAPATHS["lean"], name="lean16", parameters={"LEAN": 1, "SHORT": 0, "TILE": 16}, tile=16, widths=range(16, 25),
 )  # fmt: skip
 
-CONFIGURATIONS = {**DATAPATHS, SHORT.name: SHORT, LEAN25.name: LEAN25, FOLD.name: FOLD}
+FOLD = replace(
+    DATAPATHS["lean"], name="fold", parameters={"LEAN": 2, "SHORT": 0, "TILE": TILE}, widths=range(20, 33, 2),
+    times=shown.times, period=program.schedule().period, behind=0,
+)  # fmt: skip
+
+FOLD16 = replace(
+    FOLD, name="fold16", parameters={"LEAN": 2, "SHORT": 0, "TILE": 16}, tile=16, widths=range(18, 25, 2),
+)  # fmt: skip
+
+CONFIGURATIONS = DATAPATHS | {path.name: path for path in (SHORT, LEAN25, LEAN16, FOLD, FOLD16)}
 """All that can be run, by the name of its ``DATAPATH=``: the dataflows, the paper's with shorter words, the lean
-one with products cut for multipliers of 25x18 bits, and the lean one as a program of one multiplier."""
+one with products cut for multipliers of 25x18 bits or of 16x16 bits, the latter with small tables, and the lean one as
+a program of one multiplier, of 18x18 bits a tile or 16x16."""

@@ -140,13 +140,13 @@ class Bits(Domain):
     def reciprocal_root(self, name, m, fmt, twice):
         # A root has no more fraction bits than its mantissa is made for; an inner word may have more.
         frac = m.format.frac - 3
-        y = lean_cores.rsqrt(m.value, frac) << (fmt.frac - frac)
+        y = lean_cores.rsqrt(m.value, frac, self.tile) << (fmt.frac - frac)
         return y << np.where(twice.value, 1, 0) if twice else y
 
     def half_sincos(self, names, phi, fmt):
         width = effective_width(self.width)  # a shorter angle ends in zeros
         frac = min(fmt.frac, lean_trig.FRACS[-1])
-        pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac)
+        pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac, self.tile)
         return tuple(v << (fmt.frac - frac) for v in pair)
 
     def mantissa(self, name, word, words, counts, fill):

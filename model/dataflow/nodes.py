@@ -30,7 +30,7 @@ import numpy as np
 
 from ..targets.words import FIELDS, LENGTHS
 from .cases import Case
-from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, rsqrt_clocks
+from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, places, rsqrt_clocks
 from .facts import Facts, Within, leading
 from .trig import FRACS, trig_clocks
 from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
@@ -86,9 +86,11 @@ Value = Any  # what a domain computes with: an array over targets, an interval, 
 
 @dataclass(frozen=True)
 class Latency:
-    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
+    """Clocks of each kind of operation at word length ``width`` and ``tile`` (:class:`Domain`); the Verilog names are
+    ``LAT_<KIND>``."""
 
     width: int
+    tile: int = TILE
 
     # kind -> (clocks a bit of the word, clocks besides, what they are)
     TABLE = {
@@ -117,7 +119,7 @@ class Latency:
     # kind -> (the fraction bits that choose its form, up to how many it is short, its clocks at so many)
     FORMS = {
         "rsqrt": ("ROOT_FRAC", SHORT_FRAC, rsqrt_clocks),
-        "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac: rsqrt_clocks(frac) + 1),
+        "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac, tile=TILE: rsqrt_clocks(frac, tile) + 1),
         "trig": ("FRAC", TRIG_SHORT_FRAC, trig_clocks),
     }
 
@@ -125,16 +127,17 @@ class Latency:
         """Clocks of operation ``kind``."""
         if kind in self.FORMS:
             frac, _, clocks = self.FORMS[kind]
-            return clocks(root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width))
+            return clocks(root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width), self.tile)
         bits, besides, _ = self.TABLE[kind]
         return bits * self.width + besides
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """The same as a Verilog expression of ``W``, ``FRAC`` and ``ROOT_FRAC``."""
+        """The same as a Verilog expression of ``W``, ``FRAC``, ``ROOT_FRAC`` and ``TILE``; the small form takes as long
+        as the long one."""
         if kind in cls.FORMS:
             frac, most, clocks = cls.FORMS[kind]
-            return f"({frac} > {most}) ? {clocks(most + 1)} : {clocks(most)}"
+            return f"(TILE < {TILE} || {frac} > {most}) ? {clocks(most + 1)} : {clocks(most)}"
         bits, besides, _ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
@@ -214,8 +217,8 @@ class Domain(ABC):
             raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
         self.width = width
         self.cuts = cuts or {}  # quotient, root, sine or cosine -> lowest bits of its word that are 0
-        self.tile = tile  # of mul3
-        self.latency = Latency(width)
+        self.tile = tile  # of mul3; roots and sines have other tables with less than 18 bits
+        self.latency = Latency(width, tile)
         self.nodes: dict[str, Node] = {}
         self.facts: defaultdict[str, Facts] = defaultdict(Facts)  # by node, before it is made
         self._section = "guard"
@@ -377,12 +380,14 @@ class Domain(ABC):
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
     def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, twice: Node | None = None, **facts) -> Node:
-        """1/(2 sqrt(m)) of a mantissa in [1/4, 1), faithful; 1 where m = 0; that doubled where ``twice``.  ``far``: the
+        """1/(2 sqrt(m)) of a mantissa in [1/4, 1); 1 where m = 0; that doubled where ``twice``.  ``far``: the
         table's address has a register of its own."""
         self.facts[name] = Facts(**facts)
         value = self.reciprocal_root(name, m, fmt, twice)
         latency = "rsqrt_far" if far else "rsqrt"
-        low, high = (bound * (1 + (twice is not None)) for bound in _faithful(fmt, m.format.frac - 3))
+        frac = m.format.frac - 3
+        most = places(frac, self.tile) * (1 + (twice is not None))
+        low, high = (bound * most for bound in _faithful(fmt, frac))
         return self.make(name, "rsqrt", (m, twice) if twice else (m,), fmt, latency, value, error=(low, high))
 
     def trig(

@@ -15,27 +15,32 @@ from functools import cache
 import mpmath
 import numpy as np
 
+from .cores import TILE
 from .quadratic import PRECISION, Form, Interval, Segment, error, polynomial, words
 
 FRACS = range(19, 32)
 """Fraction bits of a result that the core is built for."""
 
 SHORT_FRAC = 23
-"""Up to here ``ik_trig`` has the :data:`SHORT` form, with more fraction bits the :data:`LONG` one."""
+"""Up to here ``ik_trig`` has the :data:`SHORT` form, with more fraction bits the :data:`LONG` one, and with tiles of
+less than 18 bits the :data:`SMALL` one."""
 
 SHORT = Form(2048, 25, 0, (27, 14), (28, 15), 14, 0, 28)
 LONG = Form(1024, 31, 4, (34, 23, 12), (35, 24, 13), 25, 9, 36)
+SMALL = Form(512, 31, 7, (33, 22, 11), (34, 23, 12), 24, 10, 34)
 """With what rounds the result, c0 can be 1."""
 
 
-def form_of(frac: int) -> Form:
-    """The form with ``frac`` fraction bits of the result."""
+def form_of(frac: int, tile: int = TILE) -> Form:
+    """The form with ``frac`` fraction bits of the result and tiles of so many bits."""
+    if tile < TILE:
+        return SMALL
     return SHORT if frac <= SHORT_FRAC else LONG
 
 
-def trig_clocks(frac: int) -> int:
+def trig_clocks(frac: int, tile: int = TILE) -> int:
     """Clocks of ``ik_trig``: magnitude, table, its output register, ``ik_quadratic``, sign."""
-    return 4 + form_of(frac).clocks
+    return 4 + form_of(frac, tile).clocks
 
 
 def sine(t: mpmath.mpf) -> mpmath.mpf:
@@ -60,12 +65,12 @@ def _columns(form: Form) -> np.ndarray:
     return np.array(sine_rows(form), dtype=np.int64).T
 
 
-def half_sincos(phi, width: int, frac: int):
+def half_sincos(phi, width: int, frac: int, tile: int = TILE):
     """``ik_trig``: (sin, cos) of phi/2 with ``frac`` fraction bits; phi a binary angle, one turn = 2^width.
 
     ``phi`` is an int64 array, ``width`` 16 to 32, to 26 with the short form, ``frac`` 19 to 31.
     """
-    form = form_of(frac)
+    form = form_of(frac, tile)
     negative = phi < 0
     a = np.abs(phi)
     below = width - 1 - form.index_bits  # bits of a below the number of its segment
@@ -88,12 +93,12 @@ def _row_error(form: Form, row: int, rises: bool) -> Interval:
 
 
 @cache
-def error_bound(frac: int) -> float:
+def error_bound(frac: int, tile: int = TILE) -> float:
     """Largest error of :func:`half_sincos` in units of its last place: a proof for every phi.
 
     That of a row (:func:`model.dataflow.quadratic.error`), and half a place for the rounding of the result.
     """
-    form = form_of(frac)
+    form = form_of(frac, tile)
     with mpmath.workprec(PRECISION):
         worst = max(_row_error(form, row, rises).size for row in range(form.rows) for rises in (True, False))
         return float(worst * 2**frac + mpmath.mpf(1) / 2)

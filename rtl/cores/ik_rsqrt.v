@@ -1,17 +1,19 @@
 // Rounds to nearest, faithful: y = 1/(2 sqrt m), m unsigned with F+3 fraction bits in [1/4, 1), y F fraction bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The error is below one place of y, also where m is a longer mantissa cut off (model/dataflow/cores.py has the proof).
+// The error is below one place of y, 1.1 with small tables and F = 29, also where m is a longer mantissa cut off
+// (model/dataflow/cores.py has the proof).
 // Below 1/4 the second bit of m counts as if it were set, so that 0 gives 1. Doubled, y has a zero below its last place.
 // From a table: one half of its segments lie in [1/4, 1/2), the other in [1/2, 1). Up to SHORT_FRAC fraction bits the
-// function is straight in a segment, beyond a quadratic of it.
+// function is straight in a segment, beyond a quadratic of it; so it is with TILE < 18, whose table is the smallest.
 // The memory of the table has its address a clock before m is valid: m_next is m before a register.
-// Latency: 5 clocks after m, 8 with F > SHORT_FRAC (LAT_RSQRT): the table's output register, and ik_quadratic. A name ends
+// Latency: 5 clocks after m, 8 with a quadratic (LAT_RSQRT): the table's output register, and ik_quadratic. A name ends
 // with the clock after m in which it is valid.
 `default_nettype none
 
 module ik_rsqrt #(
-    parameter integer F = 31  // fraction bits of y, 19 to 31
+    parameter integer F    = 31,  // fraction bits of y, 19 to 31, to 29 with TILE < 18
+    parameter integer TILE = 18   // bits of the multipliers' longer operand, 16 and more
 ) (
     input  wire         clk,
     input  wire [F+2:0] m_next,
@@ -20,8 +22,8 @@ module ik_rsqrt #(
 );
 
   generate
-    if (F < 19 || F > 31) begin : g_illegal
-      ik_rsqrt_needs_F_from_19_to_31 u_stop ();
+    if (F < 19 || F > 31 || (TILE < 18 && F > 29) || TILE < 16) begin : g_illegal
+      ik_rsqrt_needs_F_from_19_to_31_and_to_29_with_TILE_from_16 u_stop ();
     end
   endgenerate
 

@@ -3,14 +3,16 @@
 //
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. From a table of the sine of a quarter turn,
 // which the cosine reads from the other end, where u has the other sign. Up to F = 23 the sine is straight in a segment,
-// beyond a quadratic of u. model/dataflow/trig.py has the proof of the bound.
-// Latency: 11 clocks, 8 up to F = 23 (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name ends with
+// beyond a quadratic of u; so it is with TILE < 18, whose table is the smallest. model/dataflow/trig.py has the proof of
+// the bound.
+// Latency: 11 clocks, 8 where the sine is straight (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name ends with
 // the clock in which it is valid.
 `default_nettype none
 
 module ik_trig #(
-    parameter integer W = 32,  // width of phi, 16 to 32
-    parameter integer F = 31   // fraction bits of the results, 19 to 31
+    parameter integer W    = 32,  // width of phi, 16 to 32
+    parameter integer F    = 31,  // fraction bits of the results, 19 to 31, to 29 with TILE < 18
+    parameter integer TILE = 18   // bits of the multipliers' longer operand, 16 and more
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,
@@ -21,8 +23,9 @@ module ik_trig #(
   `include "ik_trig_table.vh"
 
   generate
-    if (W < 16 || W > U_FRAC + 1 || F < 19 || F > 31) begin : g_illegal
-      ik_trig_needs_W_of_16_to_32_and_F_of_19_to_31_and_W_up_to_26_with_the_short_table u_stop ();
+    if (W < 16 || W > U_FRAC + 1 || F < 19 || F > 31 || (TILE < 18 && F > 29) || TILE < 16) begin : g_illegal
+      ik_trig_needs_W_of_16_to_32_and_F_of_19_to_31_and_to_29_with_TILE_from_16_and_W_up_to_26_with_the_short_table
+          u_stop ();
     end
   endgenerate
 

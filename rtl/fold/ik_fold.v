@@ -12,8 +12,9 @@
 `default_nettype none
 
 module ik_fold #(
-    parameter integer W     = 24,  // word length, even, 20 to 32
-    parameter integer TAG_W = 8    // width of the tag
+    parameter integer W     = 24,  // word length, even, 20 to 32; 18 to 24 with TILE = 16
+    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer TILE  = 18   // bits of a tile of a product: 18 or 16
 ) (
     input  wire               clk,
     input  wire               rst,            // synchronous, active high: forgets all targets
@@ -94,12 +95,15 @@ module ik_fold #(
 
   // ---- words ----
 
-  wire [D-1:0] a, b, w;
-  wire [11:0] row_word;
+  localparam integer SEEN = (D < 2 * TILE) ? D : 2 * TILE - 1;  // bits of a word that the multiplier sees
+  localparam integer RW = INDEX_BITS + 2;
+  wire [SEEN-1:0] a;
+  wire [D-1:0] b, w;
+  wire [RW-1:0] row_word;
   wire a_second, b_second, w_second;
   wire [5:0] w_place = {f_w[5:1], f_w[0] ^ w_second};
   wire [5:0] n;
-  ik_fold_memory #(.D(D), .RW(12)) u_memory (
+  ik_fold_memory #(.D(D), .AD(SEEN), .RW(RW)) u_memory (
       .clk(clk), .go(go),
       .a_at({f_a[6:1], f_a[0] ^ a_second}), .b_at(f_b_count ? {1'b1, n} : {f_b[6:1], f_b[0] ^ b_second}), .r_at(f_r),
       .a(a), .b(b), .r(row_word),
@@ -108,28 +112,34 @@ module ik_fold #(
 
   // ---- rows of tables, and the place in a row's segment ----
 
-  wire [35:0] c0;
-  wire [23:0] c1;
-  wire [14:0] c2;
-  ik_fold_table #(.F(ROOT_FRAC)) u_table (
+  wire [C0_BITS-1:0] c0;
+  wire [C1_BITS-1:0] c1;
+  wire [C2_BITS-1:0] c2;
+  ik_fold_table #(.W(W), .TILE(TILE), .RW(RW), .ROW(C0_BITS+C1_BITS+C2_BITS)) u_table (
       .clk(clk), .go(go), .word(row_word),
-      .angle(f_r_function != R_FUNCTION_ROOT), .cosine(f_r_function == R_FUNCTION_COSINE),
-      .c0(c0), .c1(c1), .c2(c2)
+      .angle(f_r_function != R_FUNCTION_ROOT), .cosine(f_r_function == R_FUNCTION_COSINE), .row({c0, c1, c2})
   );
-  wire [D-1:0] bend = {{(D - 15) {1'b0}}, c2} << (D - 26);
+  wire [SEEN-1:0] bend = {{(SEEN - C2_BITS) {1'b0}}, c2} << (SEEN - 4 - INDEX_BITS - C2_FRAC);
   // The place is what follows the number of the segment, less half a segment: its first bit is inverted.  A mantissa of
   // [1/2, 1) has a bit less of it in the number; an angle of a quarter turn is the end of the last segment.
-  wire [D-1:0] raised = b << 11;
+  wire [D-1:0] raised = b << (INDEX_BITS + 1);
   wire upper = b[D-2] && f_b_place == B_PLACE_ROOT;
   wire end_ = b[D-2] && f_b_place != B_PLACE_ROOT;
   wire [1:0] top = upper ? {~raised[D-1], raised[D-2]} : {~raised[D-2] && !end_, ~raised[D-2]};
-  wire [D-1:0] place = {top, raised[D-3:0]} & (f_b_high ? {D{1'b1}} << (D - 18) : {D{1'b1}});
+  wire [D-1:0] place = {top, raised[D-3:0]} & (f_b_high ? {D{1'b1}} << (D - TILE) : {D{1'b1}});
 
   // ---- product and sum ----
 
+  wire [D-1:0] factor = f_b_place == B_PLACE_NONE ? b : place;
   wire [2*D-1:0] p;
-  ik_fold_mul #(.D(D), .LOW(D-18), .PLAIN(WORD-2), .DOUBLE(WORD-3), .WORD(WORD)) u_mul (
-      .clk(clk), .go(go), .a(f_a_bend ? bend : a), .b(f_b_place == B_PLACE_NONE ? b : place), .cut(f_cut), .p(p)
+  generate
+    if (D > SEEN) begin : g_unseen
+      assign p[2*(D-SEEN)-1:0] = 0;
+      wire unused_factor = &{1'b0, factor};
+    end
+  endgenerate
+  ik_fold_mul #(.D(SEEN), .TILE(TILE), .WORD(WORD-2*(D-SEEN)), .ROOT(ROOT_DROP), .SINE(SINE_DROP)) u_mul (
+      .clk(clk), .go(go), .a(f_a_bend ? bend : a), .b(factor[D-1-:SEEN]), .cut(f_cut), .p(p[2*D-1-:2*SEEN])
   );
 
   wire s_other, taken;
@@ -141,7 +151,10 @@ module ik_fold #(
       carry <= f_carry == CARRY_ALWAYS || (f_carry == CARRY_MINUS && taken);
     end
   wire [XW-1:0] t;
-  ik_fold_sum #(.D(D), .XW(XW), .LAST(LAST), .HALF(XW-5)) u_sum (
+  ik_fold_sum #(
+      .D(D), .XW(XW), .LAST(LAST), .HALF(XW-5), .C0W(C0_BITS), .C1W(C1_BITS), .C0_AT(XW-4-C0_FRAC), .C1_AT(XW-4-C1_FRAC),
+      .SLOPE(XW-4-SLOPE_FRAC), .DOWN(INDEX_BITS+2)
+  ) u_sum (
       .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
       .p(p), .down(down), .minus(less), .carry(carry), .t(t)
   );
@@ -154,7 +167,7 @@ module ik_fold #(
   wire [W-1:0] result;
   wire doubles_low = f_window == WINDOW_LOW && q_low;
   wire doubled = f_window == WINDOW_DOUBLE || (f_window == WINDOW_N_BITS && fits) || doubles_low;
-  ik_fold_word #(.W(W), .D(D), .XW(XW), .INNER(INNER), .ROOT(ROOT_FRAC)) u_word (
+  ik_fold_word #(.W(W), .D(D), .XW(XW), .INNER(INNER), .ROOT(ROOT_FRAC), .SINE(SINE_FRAC), .SLOPE(SLOPE_FRAC)) u_word (
       .t(t), .doubled(doubled), .limit(f_limit), .last(f_last), .low(doubles_low), .word(word), .negative(word_below_0),
       .result(result)
   );

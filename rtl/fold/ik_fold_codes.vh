@@ -74,6 +74,7 @@ localparam [1:0] WINDOW_LOW = 2'd3;
 localparam [1:0] LAST_INNER = 2'd0;
 localparam [1:0] LAST_ROOT = 2'd1;
 localparam [1:0] LAST_SLOPE = 2'd2;
+localparam [1:0] LAST_SINE = 2'd3;
 
 localparam [3:0] SIGN_NONE = 4'd0;
 localparam [3:0] SIGN_D1 = 4'd1;

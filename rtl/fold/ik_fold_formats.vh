@@ -1,7 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.pages.gen_headers` from model/dataflow/nodes.py; do not edit.
 
-// For the body of ik_fold: as in ik_lean_nodes.vh, from W = 20 on.
+// For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a table's
+// row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the high parts.
 
+/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
 localparam integer FRAC = (W < 28) ? W + 5 : 33;  // of an inner word
-localparam integer ROOT_FRAC = (FRAC < 31) ? FRAC : 31;
+localparam integer SINE_FRAC = (FRAC < 31) ? FRAC : 31;
+localparam integer ROOT_FRAC = (W < 19) ? 22 : SINE_FRAC;
+localparam [0:0] SMALL = TILE < 18;
+localparam integer INDEX_BITS = SMALL ? 9 : 10;
+localparam integer C0_FRAC = SMALL ? 34 : 35;
+localparam integer C1_FRAC = SMALL ? 22 : 23;
+localparam integer C2_FRAC = SMALL ? 11 : 12;
+localparam integer SLOPE_FRAC = SMALL ? 24 : 25;
+localparam integer C0_BITS = SMALL ? 34 : 35;
+localparam integer C1_BITS = SMALL ? 23 : 24;
+localparam integer C2_BITS = SMALL ? 14 : 15;
+localparam integer ROOT_DROP = SMALL ? 5 : 8;
+localparam integer SINE_DROP = SMALL ? 4 : 7;
+localparam integer ROOT_SUM_FRAC = SMALL ? 34 : 36;
+localparam integer SINE_SUM_FRAC = SMALL ? 34 : 36;
+/* verilator lint_on UNUSEDPARAM */

@@ -8,6 +8,7 @@
 
 module ik_fold_memory #(
     parameter integer D  = 33,  // bits of a word
+    parameter integer AD = 33,  // bits of it that are read as a
     parameter integer RW = 12   // bits of one that choose a table's row: the highest but the sign
 ) (
     input  wire          clk,
@@ -15,7 +16,7 @@ module ik_fold_memory #(
     input  wire [   6:0] a_at,
     input  wire [   6:0] b_at,
     input  wire [   5:0] r_at,
-    output reg  [ D-1:0] a,
+    output reg  [AD-1:0] a,
     output reg  [ D-1:0] b,
     output reg  [RW-1:0] r,
     input  wire          w_en,
@@ -24,7 +25,7 @@ module ik_fold_memory #(
 );
 
   (* no_rw_check, ram_style = "block" *)
-  reg [D-1:0] mem_a[0:127];
+  reg [AD-1:0] mem_a[0:127];
   (* no_rw_check, ram_style = "block" *)
   reg [D-1:0] mem_b[0:127];
   (* no_rw_check, ram_style = "block" *)
@@ -38,13 +39,21 @@ module ik_fold_memory #(
     end
   endfunction
 
+  function [AD-1:0] power_a(input integer n);
+    reg [D-1:0] word;
+    begin
+      word = power(n);
+      power_a = word[D-1-:AD];
+    end
+  endfunction
+
   integer i;
   initial begin
     for (i = 0; i < 64; i = i + 1) begin
-      mem_a[i] = {D{1'b0}};
+      mem_a[i] = {AD{1'b0}};
       mem_b[i] = {D{1'b0}};
       mem_r[i] = {RW{1'b0}};
-      mem_a[64+i] = power(i);
+      mem_a[64+i] = power_a(i);
       mem_b[64+i] = power(i);
     end
   end
@@ -56,7 +65,7 @@ module ik_fold_memory #(
       r <= mem_r[r_at];
     end
     if (go && w_en) begin
-      mem_a[{1'b0, w_at}] <= w;
+      mem_a[{1'b0, w_at}] <= w[D-1-:AD];
       mem_b[{1'b0, w_at}] <= w;
       mem_r[w_at] <= w[D-2-:RW];
     end

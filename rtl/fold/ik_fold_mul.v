@@ -1,16 +1,16 @@
 // Cuts its tiles where the program says so, which is how ik_mul3 and ik_quadratic cut theirs; rounds nothing.
 // SPDX-License-Identifier: Apache-2.0
 //
-// p = a b of two words, signed, from four tiles: high parts of 18 bits, and low parts of LOW bits.
+// p = a b of two words, signed, from four tiles: high parts of TILE bits, and low parts, which have one less at most.
 // Latency: 3 clocks: operands, tiles, sum; the cut belongs to the third of them.
 `default_nettype none
 
 module ik_fold_mul #(
-    parameter integer D      = 33,  // bits of a word
-    parameter integer LOW    = 15,  // bits of it below its tile
-    parameter integer PLAIN  = 31,  // bits of a tile that are cut off, for each cut of the program
-    parameter integer DOUBLE = 30,
-    parameter integer WORD   = 33
+    parameter integer D    = 33,  // bits of a word, less than 2 TILE
+    parameter integer TILE = 18,
+    parameter integer WORD = 33,  // bits of a product that an inner word does not have
+    parameter integer ROOT = 8,   // of the tile of the high parts, what the sum of a root does not have
+    parameter integer SINE = 7    // and that of a sine
 ) (
     input  wire           clk,
     input  wire           go,
@@ -22,9 +22,9 @@ module ik_fold_mul #(
 
   `include "ik_fold_codes.vh"
 
-  localparam integer TILE = D - LOW;
+  localparam integer LOW = D - TILE;
   localparam integer BASE = 2 * LOW;
-  localparam integer GUESSED = (BASE > DOUBLE) ? 1 : 0;
+  localparam integer GUESSED = (BASE > WORD - 3) ? 1 : 0;
   localparam [2*D-1:0] ONES = {2 * D{1'b1}};
 
   reg signed [D-1:0] a_1, b_1;
@@ -54,11 +54,11 @@ module ik_fold_mul #(
   reg [2*D-1:0] keep;
   always @*
     case (cut)
-      CUT_PLAIN: keep = ONES << PLAIN;
-      CUT_DOUBLE: keep = ONES << DOUBLE;
+      CUT_PLAIN: keep = ONES << (WORD - 2);
+      CUT_DOUBLE: keep = ONES << (WORD - 3);
       CUT_WORD: keep = ONES << WORD;
-      CUT_ROOT: keep = ONES << (BASE + 8);
-      CUT_SINE: keep = ONES << (BASE + 7);
+      CUT_ROOT: keep = ONES << (BASE + ROOT);
+      CUT_SINE: keep = ONES << (BASE + SINE);
       default: keep = ONES;  // exact
     endcase
   wire exact = cut == CUT_EXACT;

@@ -60,12 +60,12 @@ initial begin
   rom[44] = 89'h001a0010264801009441100;  // -> inv_2; root_near: inv_near * m_near
   rom[45] = 89'h00a000162a8001001450000;  // -> inv_11; sin_el: z_n * inv_s
   rom[46] = 89'h002600802c00010084b0400;  // -> inv_far; inv_s_el: inv_s * 2^-n
-  rom[47] = 89'h002a000c2e000100a110000;  // -> |sin_h|; cos_h: cos_h' * |phi|
+  rom[47] = 89'h002a000c2e000101a110000;  // -> |sin_h|; cos_h: cos_h' * |phi|
   rom[48] = 89'h00020c14260001000118010;  // -> az_c+1 (u_y<0); root_far: inv_far * m_far
   rom[49] = 89'h002600421c0001001082200;  // -> root_near; u_x/2: u_x * 1/2
   rom[50] = 89'h000400162000010e1450100;  // -> sin_el; inv_law_raw: inv_11 * inv_s
   rom[51] = 89'h001800412a0001000110000;  // -> inv_s_el; sin_h: |sin_h| * 1
-  rom[52] = 89'h001c004204d80100a530042;  // -> cos_h; tilt_sq: sin_el (at_shoulder) * 1/2
+  rom[52] = 89'h001c004204d80101a530042;  // -> cos_h; tilt_sq: sin_el (at_shoulder) * 1/2
   rom[53] = 89'h0020000c1f00010001a0000;  // -> root_far; cos_el: root_rho * inv_s_el
   rom[54] = 89'h01800013214001001080310;  // -> az_c (u_y<0); root_ab: root_far * root_near
   rom[55] = 89'h0099000e0080010024b0580;  // -> inv_law; cc: az_c * cos_h

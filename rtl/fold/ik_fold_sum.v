@@ -1,27 +1,33 @@
 // Rounds by what it adds: halves, and what a table's rows have.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T = S + Y or S - Y, with Y a product, or 2^-12 of it for functions from tables.  S is a constant, a table's word, or made
+// T = S + Y or S - Y, with Y a product, or 2^-DOWN of it for functions from tables.  S is a constant, a table's word, or made
 // of a T before.  S and T are what is above the lowest bit of an exact square.
 // Latency: S 1 clock, T 1 clock after S and the product.
 `default_nettype none
 
 module ik_fold_sum #(
-    parameter integer D      = 33,  // bits of a word
-    parameter integer XW     = 50,  // bits of a sum
-    parameter integer LAST   = 17,  // place of an inner word's last bit in a sum, plain window
-    parameter integer HALF   = 46   // place of 1/2
+    parameter integer D     = 33,  // bits of a word
+    parameter integer XW    = 50,  // bits of a sum
+    parameter integer LAST  = 17,  // place of an inner word's last bit in a sum, plain window
+    parameter integer HALF  = 46,  // place of 1/2
+    parameter integer C0W   = 35,  // bits of a table's words
+    parameter integer C1W   = 24,
+    parameter integer C0_AT = 11,  // and their places
+    parameter integer C1_AT = 23,
+    parameter integer SLOPE = 21,  // place of a slope's last bit
+    parameter integer DOWN  = 12
 ) (
     input  wire           clk,
     input  wire           go,
     // for S
     input  wire [    3:0] choice,
     input  wire           by,      // the flag of a length, of a half
-    input  wire [   35:0] c0,
-    input  wire [   23:0] c1,
+    input  wire [C0W-1:0] c0,
+    input  wire [C1W-1:0] c1,
     // for T
     input  wire [2*D-1:0] p,
-    input  wire           down,    // 2^-12 p
+    input  wire           down,    // 2^-DOWN p
     input  wire           minus,
     input  wire           carry,
     output reg  [ XW-1:0] t
@@ -34,10 +40,10 @@ module ik_fold_sum #(
   localparam [XW-1:0] ROUND = ONE << (LAST - 1);
   localparam [XW-1:0] KEPT = ~((ONE << LAST) - ONE);  // what is not below the last place
   // A slope is rounded down after its product was taken from it, and is less by what that leaves.
-  localparam [XW-1:0] LESS = (ONE << (2 * D - 29 - LOWEST)) - ONE;
+  localparam [XW-1:0] LESS = (ONE << SLOPE) - ONE;
 
-  wire [XW-1:0] value = {{(XW - 36) {1'b0}}, c0} << (2 * D - 39 - LOWEST);
-  wire [XW-1:0] slope = {{(XW - 24) {1'b0}}, c1} << (2 * D - 27 - LOWEST);
+  wire [XW-1:0] value = {{(XW - C0W) {1'b0}}, c0} << C0_AT;
+  wire [XW-1:0] slope = {{(XW - C1W) {1'b0}}, c1} << C1_AT;
 
   reg [XW-1:0] s;
   always @(posedge clk)
@@ -56,7 +62,7 @@ module ik_fold_sum #(
         default: s <= {XW{1'b0}};  // zero
       endcase
 
-  wire [XW-1:0] y = down ? {{12{p[2*D-1]}}, p[2*D-1:LOWEST+12]} : p[2*D-1:LOWEST];
+  wire [XW-1:0] y = down ? {{DOWN{p[2*D-1]}}, p[2*D-1:LOWEST+DOWN]} : p[2*D-1:LOWEST];
   always @(posedge clk) if (go) t <= s + (minus ? ~y : y) + {{(XW - 1) {1'b0}}, carry};
   wire unused = &{1'b0, p[LOWEST-1:0]};
 

@@ -10,7 +10,9 @@ module ik_fold_word #(
     parameter integer D     = 33,  // bits of a word
     parameter integer XW    = 50,  // bits of a sum
     parameter integer INNER = 31,  // bits of an inner word
-    parameter integer ROOT  = 29   // fraction bits of a root
+    parameter integer ROOT  = 29,  // fraction bits of a root
+    parameter integer SINE  = 29,
+    parameter integer SLOPE = 25
 ) (
     input  wire [XW-1:0] t,
     input  wire          doubled,  // the lower window
@@ -35,7 +37,8 @@ module ik_fold_word #(
   always @*
     case (last)
       LAST_ROOT: keep = ONES << (low ? ROOT_DROP + 1 : ROOT_DROP);
-      LAST_SLOPE: keep = ONES << (D - 27);
+      LAST_SINE: keep = ONES << (D - 2 - SINE);
+      LAST_SLOPE: keep = ONES << (D - 2 - SLOPE);
       default: keep = ONES << (D - INNER);  // inner
     endcase
   assign word = (most ? ONES >> 1 : window) & keep;

@@ -63,7 +63,7 @@ module ik_lean #(
 
   wire signed [2*W+1:0] rho_sq, s, a_far, b_near, k_law;
   wire bad_length, on_axis, at_shoulder, too_far, too_near, clamp, fold, away;
-  ik_lean_guard #(.W(W)) u_guard (
+  ik_lean_guard #(.W(W), .TILE(TILE)) u_guard (
       .clk(clk),
       .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
       .rho_sq(rho_sq), .s(s), .a_far(a_far), .b_near(b_near), .k_law(k_law),

@@ -51,10 +51,10 @@ module ik_lean_direction #(
   wire [MW-1:0] m_rho;  // (L8)
   wire [MW-1:0] m_s;  // (L9)
   wire signed [N-1:0] inv_rho;  // (L8)
-  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_rho (
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_rho (
       .clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho)
   );
-  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
+  ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
   wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares below 2^2W; m_s is watched only
 
   // ---- (L14)-(L16) (u_x, u_y) = (x, y)/rho and z/|p|: the target shifted as its root was ----

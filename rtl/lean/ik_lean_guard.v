@@ -6,7 +6,8 @@
 `default_nettype none
 
 module ik_lean_guard #(
-    parameter integer W = 32  // word length, 16 to 32
+    parameter integer W    = 32,  // word length, 16 to 32
+    parameter integer TILE = 18   // bits of the multipliers' longer operand, on which clocks of roots depend
 ) (
     // Clock
     input  wire                  clk,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.pages.gen_headers` from model/dataflow/lean.py; do not edit.
 
-// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in
-// which it is valid, counted from the clock in which its target is at the datapath's input.
+// For the body of a module with parameter W and TILE. F_<NODE>: fraction bits of the
+// node. T_<NODE>: the clock in which it is valid, counted from the clock in which its target is at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
 localparam integer WX = (W < 16) ? 16 : W;  // the word length that formats follow
@@ -18,9 +18,9 @@ localparam integer LAT_SQUARE = 3;  // operands, tile products, sum
 localparam integer LAT_WIDE = 1;  // an exact addition of long words
 localparam integer LAT_EVEN = 3;  // zero pairs in groups, shift by groups, shift by pairs
 localparam integer LAT_SHIFT3 = 3;  // barrel shift: by sixteens, by fours, by ones
-localparam integer LAT_RSQRT = (ROOT_FRAC > 22) ? 8 : 5;  // a table and u times a slope; in the long form in tiles, the slope by another product
-localparam integer LAT_RSQRT_FAR = (ROOT_FRAC > 22) ? 9 : 6;  // the table's address, and the same
-localparam integer LAT_TRIG = (FRAC > 23) ? 11 : 8;  // magnitude, a table and u times a slope, as for rsqrt, sign
+localparam integer LAT_RSQRT = (TILE < 18 || ROOT_FRAC > 22) ? 8 : 5;  // a table and u times a slope; in the long form in tiles, the slope by another product
+localparam integer LAT_RSQRT_FAR = (TILE < 18 || ROOT_FRAC > 22) ? 9 : 6;  // the table's address, and the same
+localparam integer LAT_TRIG = (TILE < 18 || FRAC > 23) ? 11 : 8;  // magnitude, a table and u times a slope, as for rsqrt, sign
 
 // exact squares and flags
 localparam integer F_X = W - 2, T_X = 0;

@@ -10,7 +10,8 @@
 module ik_lean_root #(
     parameter integer VW = 64,  // width of v, even
     parameter integer R  = 31,  // fraction bits of the root, 19 to 31
-    parameter integer N  = 35   // width of inv, of which N - 2 are fraction bits, no less than R
+    parameter integer N  = 35,  // width of inv, of which N - 2 are fraction bits, no less than R
+    parameter integer TILE = 18  // bits of the multipliers' longer operand
 ) (
     input  wire                clk,
     input  wire        [VW-1:0] v,
@@ -22,7 +23,7 @@ module ik_lean_root #(
   ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
 
   wire [R:0] y;
-  ik_rsqrt #(.F(R)) u_rsqrt (.clk(clk), .m_next(m), .twice(1'b0), .y(y));
+  ik_rsqrt #(.F(R), .TILE(TILE)) u_rsqrt (.clk(clk), .m_next(m), .twice(1'b0), .y(y));
   wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y};
   assign inv = y_x << (N - 2 - R);
 

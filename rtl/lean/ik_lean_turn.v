@@ -54,7 +54,7 @@ module ik_lean_turn #(
   wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);  // (L39)
   // a shorter angle than WX is one of WX bits that ends in zeros
   wire signed [WX-1:0] phi_w = {{(WX - W + 1) {phi[W-1]}}, phi[W-2:0]};
-  ik_trig #(.W(WX), .F(TF)) u_trig (.clk(clk), .phi(phi_w <<< (WX - W)), .sin_h(sin_t), .cos_h(cos_t));
+  ik_trig #(.W(WX), .F(TF), .TILE(TILE)) u_trig (.clk(clk), .phi(phi_w <<< (WX - W)), .sin_h(sin_t), .cos_h(cos_t));
 
   wire signed [N-1:0] cc;  // (L40)
   wire signed [N-1:0] ss;  // (L41)
@@ -179,7 +179,7 @@ module ik_lean_turn #(
   wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
   wire low_at_m_q;
   ik_delay #(.W(1), .N(T_M_Q-T_LOW)) u_low_at_m_q (.clk(clk), .d(low), .q(low_at_m_q));
-  ik_rsqrt #(.F(ROOT_FRAC)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_at_m_q), .y(y_q));
+  ik_rsqrt #(.F(ROOT_FRAC), .TILE(TILE)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_at_m_q), .y(y_q));
 
   // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
 

@@ -6,7 +6,8 @@
 // 2^(AL+BL-SH) places of q. With TILE = 25, for multipliers of 25x18 bits, two are left where a is whole. Each tile is
 // cut off two bits below the last place of q, which leaves the sum of the mixed ones short; both halves of half a place
 // are carries into the two sums. Where words are so long that the highest tile ends above these two bits, the free bits
-// below it take a guess at the fourth: the product of the highest two bits of both low parts.
+// below it take a guess at the fourth: the product of the highest two bits of both low parts. Bits of an operand that two
+// signed tiles do not hold are not looked at.
 // Does not saturate: q holds the low OW bits.
 // Operands come from registers, which a synthesizer moves into the multipliers.
 // Latency: 3 clocks (LAT_MUL3): tile products, middle sum, rounded sum; from a DA more, from b DB more.
@@ -29,21 +30,25 @@ module ik_mul3 #(
 );
 
   localparam integer B_TILE = (TILE < 18) ? TILE : 18;
-  localparam integer AL = (AW > TILE) ? AW - TILE : 0;  // width of a's low part, unsigned
-  localparam integer BL = (BW > B_TILE) ? BW - B_TILE : 0;
-  localparam integer AH = AW - AL;  // width of a's high part, signed
-  localparam integer BH = BW - BL;
-  localparam integer CUT = SH - 2;  // fraction bits of the product that no sum sees
+  localparam integer AU = (AW < 2 * TILE) ? 0 : AW - 2 * TILE + 1;  // bits of a that are not looked at
+  localparam integer BU = (BW < 2 * B_TILE) ? 0 : BW - 2 * B_TILE + 1;
+  localparam integer A = AW - AU;  // and what is left
+  localparam integer B = BW - BU;
+  localparam integer AL = (A > TILE) ? A - TILE : 0;  // width of a's low part, unsigned
+  localparam integer BL = (B > B_TILE) ? B - B_TILE : 0;
+  localparam integer AH = A - AL;  // width of a's high part, signed
+  localparam integer BH = B - BL;
+  localparam integer CUT = SH - AU - BU - 2;  // fraction bits of the product that no sum sees
 
   generate
     if (AW < 2 || AW > 35 || BW < 2 || BW > 35 || TILE < 2 ||
-        CUT < AL || CUT < BL || CUT >= AW + BL || CUT >= BW + AL) begin : g_illegal
+        CUT < AL || CUT < BL || CUT >= A + BL || CUT >= B + AL) begin : g_illegal
       ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut u_stop ();
     end
   endgenerate
 
-  wire signed [AW-1:0] a_in;
-  wire signed [BW-1:0] b_in;
+  wire [AW-1:0] a_in;
+  wire [BW-1:0] b_in;
   ik_delay #(.W(AW), .N(DA)) u_a (.clk(clk), .d(a), .q(a_in));
   generate
     if (SQUARE != 0) begin : g_a_twice
@@ -55,10 +60,10 @@ module ik_mul3 #(
   endgenerate
 
   // tile products; a low part gets a zero sign bit
-  wire [AW+1:0] a_padded = {a_in, 2'b00};
-  wire [BW+1:0] b_padded = {b_in, 2'b00};
-  wire signed [AH-1:0] a_hi = a_in[AW-1:AL];
-  wire signed [BH-1:0] b_hi = b_in[BW-1:BL];
+  wire [A+1:0] a_padded = {a_in[AW-1:AU], 2'b00};
+  wire [B+1:0] b_padded = {b_in[BW-1:BU], 2'b00};
+  wire signed [AH-1:0] a_hi = a_in[AW-1:AL+AU];
+  wire signed [BH-1:0] b_hi = b_in[BW-1:BL+BU];
   wire signed [AL:0] a_lo = a_padded[AL+1:1] >> 1;
   wire signed [BL:0] b_lo = b_padded[BL+1:1] >> 1;
   reg signed [AH+BH-1:0] hh;
@@ -115,7 +120,7 @@ module ik_mul3 #(
   always @(posedge clk) p <= sum[OW+2:3];
   assign q = p;
 
-  wire unused = &{1'b0, a_padded, b_padded, hl, lh, middle[0], outer_cut, sum};
+  wire unused = &{1'b0, a_in, b_in, a_padded, b_padded, hl, lh, middle[0], outer_cut, sum};
 
 endmodule
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from model.dataflow import cores, trig
 from model.dataflow.fold import timing
@@ -11,6 +12,7 @@ from model.dataflow.fold.program import CODES, FIELDS, program
 from model.dataflow.fold.shown import Shown, shown
 from model.dataflow.fold.steps import Operand, Pick
 from model.dataflow.nodes import INNER_FRAC, ROOT_FRACS, Node
+from model.dataflow.quadratic import Form
 
 WIDTH = 24
 """Program and nodes are the same at every word length."""
@@ -96,32 +98,82 @@ def steps() -> str:
 
 def formats() -> str:
     """``ik_fold_formats.vh``."""
+    numbers = [_numbers(*forms) for forms in FORMS]
+    values = [f"localparam integer {k} = SMALL ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0]]
     return f"""\
-// For the body of ik_fold: as in ik_lean_nodes.vh, from W = 20 on.
+// For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a table's
+// row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the high parts.
 
+/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
 localparam integer FRAC = (W < {INNER_FRAC - 5}) ? W + 5 : {INNER_FRAC};  // of an inner word
-localparam integer ROOT_FRAC = (FRAC < {ROOT_FRACS[1]}) ? FRAC : {ROOT_FRACS[1]};"""
+localparam integer SINE_FRAC = (FRAC < {ROOT_FRACS[1]}) ? FRAC : {ROOT_FRACS[1]};
+localparam integer ROOT_FRAC = (W < 19) ? {ROOT_FRACS[0]} : SINE_FRAC;
+localparam [0:0] SMALL = TILE < 18;
+{chr(10).join(values)}
+/* verilator lint_on UNUSEDPARAM */"""
+
+
+FORMS = (cores.LONG, trig.LONG), (cores.SMALL, trig.SMALL)
+"""Of the root and of the sine, for tiles of 18 bits, and for less."""
+
+
+def _numbers(root: Form, sine: Form) -> dict[str, int]:
+    """What the machine needs of two forms in one table.  The sine's sum is in the double window: its c0 counts half."""
+    frac = sine.c_frac[0] + 1
+    assert root.c_frac[1:] == sine.c_frac[1:] and root.slope_frac == sine.slope_frac and root.c_frac[0] < frac
+    drop = {
+        name: form.slope_frac - form.slope_low + form.u_frac - form.u_low - form.sum_frac
+        for name, form in (("ROOT", root), ("SINE", sine))
+    }
+    return {
+        "INDEX_BITS": root.index_bits,
+        "C0_FRAC": frac, "C1_FRAC": root.c_frac[1], "C2_FRAC": root.c_frac[2], "SLOPE_FRAC": root.slope_frac,
+        "C0_BITS": frac, "C1_BITS": root.c_bits[1], "C2_BITS": root.c_bits[2],
+        "ROOT_DROP": drop["ROOT"], "SINE_DROP": drop["SINE"],
+        "ROOT_SUM_FRAC": root.sum_frac, "SINE_SUM_FRAC": sine.sum_frac,
+    }  # fmt: skip
+
+
+def _rows(root: Form, sine: Form) -> Iterator[str]:
+    of = _numbers(root, sine)
+    up = of["C0_FRAC"] - root.c_frac[0]
+    rows = [(c0 << up, c1, c2, "ROOT") for c0, c1, c2 in cores.rsqrt_rows(root)]
+    rows += [(c0, c1, 2 * c2, "SINE") for c0, c1, c2 in trig.sine_rows(sine)]
+    bits = [of[f"C{n}_BITS"] for n in range(3)]
+    for n, (*words, add) in enumerate(rows):
+        row = 0
+        for word, size in zip(words, bits, strict=True):
+            assert not word >> size
+            row = row << size | word
+        yield f"      rom[{n}] = {sum(bits)}'h{row:0{-(-sum(bits) // 4)}x} + {add};"
 
 
 def table() -> str:
     """``ik_fold_table.vh``."""
-    root, sine = cores.LONG, trig.LONG
-    rows = [(2 * c0, c1, c2, "ROOT") for c0, c1, c2 in cores.rsqrt_rows(root)]
-    rows += [(c0, c1, 2 * c2, "SINE") for c0, c1, c2 in trig.sine_rows(sine)]
+    long, small = (_rows(*forms) for forms in FORMS)
     return "\n".join([
         "// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned",
         "// alike, c0 with what rounds the result.",
         "",
-        f"localparam integer ROOT_ROUNDING = ((3 << ({root.sum_frac} - F - 3)) - {(root.tiles + 1) // 2}) >> 1;",
-        f"localparam integer SINE_ROUNDING = (1 << ({sine.sum_frac} - F - 1)) >> 2;",
-        "localparam [74:0] ROOT = {{43{1'b0}}, ROOT_ROUNDING} << 39;",
-        "localparam [74:0] SINE = {{43{1'b0}}, SINE_ROUNDING} << 39;",
+        "localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;",
+        "localparam integer ROOT_ROUNDING = ((3 << (ROOT_SUM_FRAC - ROOT_FRAC - 3)) - 2) >> (ROOT_SUM_FRAC - C0_FRAC);",
+        "localparam integer SINE_ROUNDING = (1 << (SINE_SUM_FRAC - SINE_FRAC - 1)) >> (SINE_SUM_FRAC + 1 - C0_FRAC);",
+        "localparam [ROW_BITS-1:0] ROOT = {{(ROW_BITS - 32) {1'b0}}, ROOT_ROUNDING} << (C1_BITS + C2_BITS);",
+        "localparam [ROW_BITS-1:0] SINE = {{(ROW_BITS - 32) {1'b0}}, SINE_ROUNDING} << (C1_BITS + C2_BITS);",
         "",
         '(* rom_style = "block", ram_style = "block" *)',
-        "reg [74:0] rom[0:2047];",
-        "initial begin",
-        *(f"  rom[{n}] = 75'h{c0 << 39 | c1 << 15 | c2:019x} + {add};" for n, (c0, c1, c2, add) in enumerate(rows)),
-        "end",
+        "reg [ROW_BITS-1:0] rom[0:(2<<INDEX_BITS)-1];",
+        "generate",
+        "  if (SMALL) begin : g_small_table",
+        "    initial begin",
+        *small,
+        "    end",
+        "  end else begin : g_long_table",
+        "    initial begin",
+        *long,
+        "    end",
+        "  end",
+        "endgenerate",
     ])  # fmt: skip
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from model.dataflow import cores as lean_cores
 from model.dataflow import short
 from model.dataflow import trig as lean_trig
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node
 from model.dataflow.quadratic import Form
@@ -34,7 +34,7 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 
 def traced(datapath: str) -> dict[int, Bits]:
     """A dataflow at every width, run on one target: formats and clocks do not depend on the target."""
-    one = {w: 1 << (w - 3) for w in DATAPATHS[datapath].widths}
+    one = {w: 1 << (w - 3) for w in CONFIGURATIONS[datapath].widths}
     return {w: run(np.array([[d, 0, 0, 0, d, d]]), w, datapath).bits for w, d in one.items()}
 
 
@@ -60,8 +60,8 @@ def nodes_header(datapath: str) -> str:
     used = {node.latency for node in nodes.values()}
     lines = [
         NOTE.format(source="model/dataflow/paper.py" if datapath == "paper" else f"model/dataflow/{datapath}.py"),
-        "// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
-        "// which it is valid, counted from the clock in which its target is at the datapath's input.",
+        f"// For the body of a module with parameter W{' and TILE' * (datapath == 'lean')}. F_<NODE>: fraction bits of the",
+        "// node. T_<NODE>: the clock in which it is valid, counted from the clock in which its target is at the datapath's input.",
         "// LAT_<OPERATION>: clocks of an operation.",
         "",
     ]
@@ -113,16 +113,17 @@ def short_header() -> str:
 def latency_header() -> str:
     """``rtl/ik_latency.vh``."""
     cases = []
-    for name in DATAPATHS:
+    for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items():
         for width, bits in traced(name).items():
             clocks = max(node.time for node in bits.nodes.values())
-            cases.append(f"      {100 * (name == 'lean') + width}: datapath_latency = {clocks};")
+            cases.append(f"      {key + width}: datapath_latency = {clocks};")
     return f"""{NOTE.format(source="model/dataflow/paper.py and model/dataflow/lean.py")}
-// For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's.
+// For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,
+// which does not look at the tile.
 
-function integer datapath_latency(input integer lean, input integer w);
+function integer datapath_latency(input integer lean, input integer w, input integer tile);
   begin
-    case (100 * lean + w)
+    case (100 * lean + w + ((lean == 1 && tile < 18) ? 1000 : 0))
 {chr(10).join(cases)}
       default: datapath_latency = 0;
     endcase
@@ -153,21 +154,25 @@ endfunction
 
 
 def table_header(
-    module: str, source: str, most: int, forms: tuple[Form, Form], tables: Sequence[Sequence[tuple]], rounding: str,
+    module: str, source: str, most: int, forms: Sequence[Form], tables: Sequence[Sequence[tuple]], rounding: str,
     besides: Sequence[str],
 ) -> str:
     """The table of a module around ``ik_quadratic``: with up to ``most`` fraction bits F of the result the first form
-    and table, beyond the other; ``rounding`` is what is added to c0, ``besides`` numbers that this module needs."""
+    and table, beyond the second, with tiles of less than 18 bits the third; ``rounding`` is what is added to c0,
+    ``besides`` numbers that this module needs."""
     numbers = [numbers_of(form, besides) for form in forms]
-    values = "\n".join(f"localparam integer {k} = LONG ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0])
-    short, long = (rom(form, table) for form, table in zip(forms, tables, strict=True))
+    values = "\n".join(
+        f"localparam integer {k} = SMALL ? {numbers[2][k]} : LONG ? {numbers[1][k]} : {numbers[0][k]};"
+        for k in numbers[0]
+    )
+    short, long, small = (rom(form, table) for form, table in zip(forms, tables, strict=True))
     return f"""{NOTE.format(source=source)}
 // For the body of {module}: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {{c0, c1, c2}} of each
 // segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.
 
+localparam [0:0] SMALL = TILE < 18;
 localparam [0:0] LONG = F > {most};
 {values}
-localparam integer INDEX_BITS = LONG ? {forms[1].index_bits} : {forms[0].index_bits};
 localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 localparam integer SPARE = SUM_FRAC - C0_FRAC;
 localparam integer ROUNDING = {rounding};
@@ -177,7 +182,11 @@ localparam [ROW_BITS-1:0] ADD = {{{{(ROW_BITS - 32) {{1'b0}}}}, ROUNDING}} >> SP
 (* rom_style = "block", ram_style = "block" *)
 reg [ROW_BITS-1:0] rom[0:ROWS-1];
 generate
-  if (LONG) begin : g_long_table
+  if (SMALL) begin : g_small_table
+    initial begin
+{small}
+    end
+  end else if (LONG) begin : g_long_table
     initial begin
 {long}
     end
@@ -195,7 +204,7 @@ def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
     c2 = len(form.c_frac) > 2
     u_frac = form.u_frac - form.u_low
     return {
-        "ROWS": form.rows, "U_FRAC": form.u_frac, "U_LOW": form.u_low, "C0_FRAC": form.c_frac[0],
+        "ROWS": form.rows, "INDEX_BITS": form.index_bits, "U_FRAC": form.u_frac, "U_LOW": form.u_low, "C0_FRAC": form.c_frac[0],
         "C0_BITS": form.c_bits[0], "C1_BITS": form.c_bits[1], "C2_BITS": form.c_bits[2] if c2 else 0,
         "C1_UP": form.slope_frac - form.c_frac[1],
         "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1, "SLOPE_LOW": form.slope_low,
@@ -219,7 +228,7 @@ def rom(form: Form, table: Sequence[tuple]) -> str:
 
 def rsqrt_header() -> str:
     """``rtl/cores/ik_rsqrt_table.vh``."""
-    forms = lean_cores.SHORT, lean_cores.LONG
+    forms = lean_cores.SHORT, lean_cores.LONG, lean_cores.SMALL
     return table_header(
         "ik_rsqrt", "model/dataflow/cores.py", lean_cores.SHORT_FRAC, forms, [*map(lean_cores.rsqrt_rows, forms)],
         "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2", ("tiles", "clocks"),
@@ -228,7 +237,7 @@ def rsqrt_header() -> str:
 
 def trig_header() -> str:
     """``rtl/cores/ik_trig_table.vh``."""
-    forms = lean_trig.SHORT, lean_trig.LONG
+    forms = lean_trig.SHORT, lean_trig.LONG, lean_trig.SMALL
     return table_header(
         "ik_trig", "model/dataflow/trig.py", lean_trig.SHORT_FRAC, forms, [*map(lean_trig.sine_rows, forms)],
         "1 << (SUM_FRAC - F - 1)", ("clocks",),

@@ -3,15 +3,17 @@
 
 import numpy as np
 
-from model.dataflow.cores import MUL3_CLOCKS, TILE, cuts, mul3
+from model.dataflow.cores import MUL3_CLOCKS, TILE, mul3, unseen
 from tb.units.unit import Tests, checks, crossed, runs, sets_of, signed, stops
 
 
 def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, **delays: int) -> Tests:
     A, B, Q = signed(AW), signed(BW), signed(OW)
-    a_low, b_low = (1 << cut for cut in cuts(AW, BW, TILE))
+    a_last, b_last = (1 << bits for bits in unseen(AW, BW, TILE))
+    a_low, b_low = 1 << max(AW - TILE, 0), 1 << max(BW - min(TILE, 18), 0)
 
     def exact(a, b):
+        a, b = a - a % a_last, b - b % b_last
         a_lo, b_lo = a % a_low, b % b_low
         tiles = [(a - a_lo) * (b - b_lo), (a - a_lo) * b_lo, a_lo * (b - b_lo)]
         if 4 * a_low * b_low > 1 << SH:  # two bits of each
@@ -87,6 +89,8 @@ test_ik_mul3 = runs(
         sets(4, 6, 4, 5, TILE=5),  # a whole
         sets(6, 4, 4, 5, TILE=5),  # b whole
         sets(17, 17, 15, 17),  # one tile
+        sets(33, 31, 31, 31, TILE=16),  # the last bit of a is not looked at
+        sets(11, 10, 12, 10, TILE=4),
     ],
 )
 test_tiles_that_do_not_fit_stop_the_build = stops(

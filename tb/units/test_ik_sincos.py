@@ -10,6 +10,7 @@ import numpy as np
 
 from model.bounds.cordic import sincos_bound
 from model.dataflow import fixed
+from model.dataflow.cores import TILE
 from model.dataflow.nodes import Latency, inner_frac
 from model.dataflow.trig import FRACS, error_bound, form_of, half_sincos, trig_clocks
 from tb.units.unit import Tests, checks, corners, runs, signed
@@ -79,14 +80,14 @@ def sincos_bench(W: int) -> Tests:
     return bench(W, W - 2, model, sincos_bound(W), Latency(W)["sincos"], angles, math.pi / 4)
 
 
-def trig_bench(W: int, F: int) -> Tests:
-    rows = form_of(F).rows
+def trig_bench(W: int, F: int, TILE: int = TILE) -> Tests:
+    rows = form_of(F, TILE).rows
     step = (1 << W - 1) // rows  # a segment
     least, largest = -(1 << W - 1), (1 << W - 1) - 1
     small = math.pi / 2**W
 
     def model(phi):
-        return half_sincos(np.array(phi, dtype=np.int64), W, F)
+        return half_sincos(np.array(phi, dtype=np.int64), W, F, TILE)
 
     # sin, cos of phi/2 where they are known exactly or to a root
     angles = {
@@ -112,13 +113,14 @@ def trig_bench(W: int, F: int) -> Tests:
 
     # 1 stands for cos(pi/2^W), which is 1 - (pi/2^W)^2/2.
     more = math.ldexp(math.pi**2, F - 2 * W - 1)
-    return bench(W, F, model, error_bound(F), trig_clocks(F), angles, more, segments, from_segment_to_segment)
+    bound, clocks = error_bound(F, TILE), trig_clocks(F, TILE)
+    return bench(W, F, model, bound, clocks, angles, more, segments, from_segment_to_segment)
 
 
-def trig(w: int) -> dict[str, int]:
+def trig(w: int, **tile: int) -> dict[str, int]:
     """F goes with W as in the datapath."""
-    return {"W": w, "F": min(inner_frac(w), FRACS[-1])}
+    return {"W": w, "F": min(inner_frac(w), FRACS[-1])} | tile
 
 
 test_ik_sincos = runs("ik_sincos", sincos_bench, {"W": 32}, more=[{"W": 16}, {"W": 27}])
-test_ik_trig = runs("ik_trig", trig_bench, trig(18), trig(32), more=list(map(trig, (16, 19, 24, 27))))
+test_ik_trig = runs("ik_trig", trig_bench, trig(18), trig(32), trig(24, TILE=16), more=[*map(trig, (16, 19, 24, 27)), trig(18, TILE=16)])

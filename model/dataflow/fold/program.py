@@ -52,7 +52,7 @@ SIGNS = ("", "d1<0", "d2<0", "d_dif<0", "a_far<0", "b_near<0", "u_y<0", "sin_el<
 """Signs of T that are kept."""
 
 WINDOWS = ("plain", "double", COUNT_FITS, "low")
-LASTS = ("inner", "root", "slope")
+LASTS = ("inner", "root", "slope", "sine")
 SOURCES = ("none", "sum", "normal", "input")
 FUNCTIONS = ("root", "sine", "cosine")
 PLACED_AS = ("", "root", "angle")

@@ -83,7 +83,7 @@ class Write:
     window: int = PLAIN
     double_by: str = ""  # flag that takes the double window
     limit: bool = False  # what is above the window becomes the largest word
-    last: str = "inner"  # the last place that is kept: of an inner word, a root, a slope
+    last: str = "inner"  # the last place that is kept: of an inner word, a root, a sine, a slope
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class Lowering(Domain):
     """The lean dataflow as steps: run it, then :meth:`groups`."""
 
     def __init__(self, layout: Layout) -> None:
-        super().__init__(layout.width, lean.WIDTHS, tile=layout.tile)
+        super().__init__(layout.width, lean.WIDTHS)
         self.layout = layout
         self.weight: dict[str, int] = {}
         self.terms: dict[str, Step] = {}  # products, and what is computed like one, without an addend before them
@@ -361,9 +361,9 @@ class Lowering(Domain):
         self.signs.add(phi.name)
         negative = sign(phi.name)
         self.terms[angle] = Step(angle, phi.name, ONE, minus=negative, carry="minus", write=Write(angle))
-        self._table(f"|{sine}|", Row("sine", angle, False), Write(f"|{sine}|", DOUBLE, last="root"))
+        self._table(f"|{sine}|", Row("sine", angle, False), Write(f"|{sine}|", DOUBLE, last="sine"))
         self.terms[sine] = Step(sine, f"|{sine}|", ONE, minus=negative, carry="minus", write=Write(sine))
-        self._table(cosine, Row("cosine", angle, False), Write(cosine, DOUBLE, last="root"))
+        self._table(cosine, Row("cosine", angle, False), Write(cosine, DOUBLE, last="sine"))
         self.weight |= {angle: 1, f"|{sine}|": 1, sine: 1}
         return None, None
 
