@@ -152,7 +152,7 @@ module ik_fold #(
     end
   wire [XW-1:0] t;
   ik_fold_sum #(
-      .D(D), .XW(XW), .LAST(LAST), .HALF(XW-5), .C0W(C0_BITS), .C1W(C1_BITS), .C0_AT(XW-4-C0_FRAC), .C1_AT(XW-4-C1_FRAC),
+      .D(D), .XW(XW), .LAST(LAST), .HALF(XW-5), .ANSWER(XW-3-W), .C0W(C0_BITS), .C1W(C1_BITS), .C0_AT(XW-4-C0_FRAC), .C1_AT(XW-4-C1_FRAC),
       .SLOPE(XW-4-SLOPE_FRAC), .DOWN(INDEX_BITS+2)
   ) u_sum (
       .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),

@@ -60,11 +60,11 @@ module ik_fold_count #(
   wire [5:0] term = twice ? {e[4:0], 1'b0} : e;
   always @(posedge clk) if (go && of != N_E_NONE) n <= from + (minus ? ~term : term) + {5'd0, minus};
 
-  localparam integer BITS = D;
+  localparam [63:0] FITS = (64'd1 << D) - 64'd1;
   always @(posedge clk)
     if (go) begin
       none <= n == 6'd0;
-      fits <= n < BITS[5:0];
+      fits <= FITS[n];
       low  <= e_q == 6'd2;
     end
 

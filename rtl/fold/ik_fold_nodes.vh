@@ -187,7 +187,7 @@ generate
         if (clock == 7'd71) n_far <= n - 6'd0;  // (L22)
         if (clock == 7'd76) inv_12_far_raw <= doubled ? t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5] : {{1{t[XW-1]}}, t[XW-1:XW - D - 2 + D - 2 - (FRAC)]};  // (L22)
         if (clock == 7'd76) inv_12_far <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L22)
-        if (clock == 7'd0) elbow_w <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L22)
+        if (clock == 7'd87) elbow_w <= p_plain[FRAC+2:1];  // (L22)
         if (clock == 7'd82) n_near <= n - 6'd0;  // (L23)
         if (clock == 7'd87) inv_12_near_raw <= doubled ? t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5] : {{1{t[XW-1]}}, t[XW-1:XW - D - 2 + D - 2 - (FRAC)]};  // (L23)
         if (clock == 7'd87) inv_12_near <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L23)

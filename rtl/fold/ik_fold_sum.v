@@ -11,6 +11,7 @@ module ik_fold_sum #(
     parameter integer XW    = 50,  // bits of a sum
     parameter integer LAST  = 17,  // place of an inner word's last bit in a sum, plain window
     parameter integer HALF  = 46,  // place of 1/2
+    parameter integer ANSWER = 24,  // place of half a result's last bit
     parameter integer C0W   = 35,  // bits of a table's words
     parameter integer C1W   = 24,
     parameter integer C0_AT = 11,  // and their places
@@ -52,6 +53,8 @@ module ik_fold_sum #(
         S_HOLD: s <= s;
         S_HALF_PLAIN: s <= ROUND;
         S_HALF_DOUBLE: s <= ROUND >> 1;
+        S_RESULT_PLAIN: s <= ROUND | ONE << ANSWER;
+        S_RESULT_DOUBLE: s <= (ROUND | ONE << ANSWER) >> 1;
         S_T: s <= t;
         S_T_HALF: s <= (t & KEPT) | ROUND;
         S_SLOPE: s <= slope;

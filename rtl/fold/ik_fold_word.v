@@ -1,7 +1,7 @@
 // Rounds down: a word is what is in a window of T, above its last place.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What of T is written: from one of two windows, limited where the program says so; and a result, rounded half up.
+// What of T is written: from one of two windows, limited where the program says so; and a result.
 // Latency: 0.
 `default_nettype none
 
@@ -43,9 +43,7 @@ module ik_fold_word #(
     endcase
   assign word = (most ? ONES >> 1 : window) & keep;
   assign negative = word[D-1];
-  wire [W:0] rounded = window[D-1-:W+1] + {{W{1'b0}}, 1'b1};  // with the half in its lowest bit
-  assign result = rounded[W:1];
-  wire unused = &{1'b0, rounded};
+  assign result = window[D-1-:W];
 
 endmodule
 

@@ -98,7 +98,7 @@ class _Finder:
             if format.width - 1 - format.frac <= self.lowering.weight[write.to]:
                 self.add(write.to, at + timing.WRITE, self.bits("w", self.place(write.to), write.to))
         if step.name in self.nodes and step.name not in INPUTS and not (norm and norm.to == step.name):
-            if step.minus and step.addend.startswith("half"):
+            if step.result:
                 self.add(step.name, at + timing.SUM, self.of_product(step.cut))
             else:
                 self.add(step.name, at + timing.WRITE, self.of_sum(step.name, step))

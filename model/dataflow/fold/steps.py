@@ -50,10 +50,10 @@ CUTS = ("exact", "plain", "double", "word", "root", "sine")
 plain one; at the last place of the sum of a function from a table."""
 
 ADDENDS = (
-    "hold", "zero", "half_plain", "half_double", "T", "T_half", "slope", "slope_less", "value", "length",
-    "none_or_half",
+    "hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half", "slope", "slope_less",
+    "value", "length", "none_or_half",
 )  # fmt: skip
-"""What S is for a step: what it was; constants, of which the halves round; the T of the step two before, or that with a
+"""What S is for a step: what it was; constants, of which the halves round, to a result, too; the T of the step two before, or that with a
 half that rounds; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
 
 NORMS = ("even", "inverse", "arm", "count", "unit")
@@ -233,7 +233,9 @@ class Lowering(Domain):
                 self.sums[read[0]].append(Sum(name, read[1], f"~{read[2]}", write=Write(name)))
             case Result() | Elbow():
                 flag = read[1] if isinstance(bits, Result) else ALWAYS if bits.sign < 0 else ""
-                self.terms[read[0]] = replace(self.terms[read[0]], minus=flag, result=name, write=None)
+                raw = self.terms[read[0]]
+                addend = raw.addend.replace("half", "result")
+                self.terms[raw.name] = replace(raw, minus=flag, result=name, write=None, addend=addend)
             case _ if bits is square or bits is times:
                 self.terms[name] = Step(name, read[0], read[-1])
             case _ if bits is plus or bits is minus:
