@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.pages.gen_headers` from model/dataflow/lean.py; do not edit.
 
-// For the body of a module with parameter W and TILE. F_<NODE>: fraction bits of the
-// node. T_<NODE>: the clock in which it is valid, counted from the clock in which its target is at the datapath's input.
+// For the body of a module with parameters W and TILE. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in
+// which it is valid, counted from the clock in which its target is at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
 localparam integer WX = (W < 16) ? 16 : W;  // the word length that formats follow

@@ -60,14 +60,15 @@ def nodes_header(datapath: str) -> str:
     used = {node.latency for node in nodes.values()}
     lines = [
         NOTE.format(source="model/dataflow/paper.py" if datapath == "paper" else f"model/dataflow/{datapath}.py"),
-        f"// For the body of a module with parameter W{' and TILE' * (datapath == 'lean')}. F_<NODE>: fraction bits of the",
-        "// node. T_<NODE>: the clock in which it is valid, counted from the clock in which its target is at the datapath's input.",
+        "// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
+        "// which it is valid, counted from the clock in which its target is at the datapath's input.",
         "// LAT_<OPERATION>: clocks of an operation.",
         "",
     ]
     if datapath == "paper":
         lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
     else:
+        lines[1] = lines[1].replace("parameter W.", "parameters W and TILE.")
         least, most = WIDTHS[0], INNER_FRAC
         short, long = ROOT_FRACS
         lines.append(f"localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow")
