@@ -183,7 +183,7 @@ release-check: ## the same, and fails if one is
 	@$(SETUP)
 	@exec $(VENV) -m scripts.check_proofs --strict
 
-fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory WIDTH=]
+fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH=]
 	@$(SETUP) fpga
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 

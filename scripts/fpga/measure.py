@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 5 of the paper again: logic, multipliers and clock of both datapaths, by open tools (make fpga).
 
-    python -m scripts.fpga [--quick] [--datapath lean|lean25|paper|short|memory] [--width BITS] [--page]
+    python -m scripts.fpga [--quick] [--datapath lean|lean25|paper|short|memory|fold] [--width BITS] [--page]
 
 Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
-an ECP5-85k with nextpnr.  Every run is kept in build/fpga under a hash of its sources, options and tools: a repeated
+an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its sources, options and tools: a repeated
 command is quick, an interrupted one resumes.  The figures go to fpga.json, from which the page fpga.md is made; --quick
 does one small width and writes neither, --page only makes the page.
 """
@@ -28,16 +28,20 @@ from scripts.fpga.page import (
     BROKEN_DOWN,
     DEVICE,
     FIGURES,
+    FOLD,
+    FOLD_MHZ,
     MEMORY,
-    MEMORY_TOP,
     PARAMETERS,
     SECTIONS,
     TOPS,
+    WHOLE_TOPS,
     comparison,
+    fold_values,
+    folded,
     page,
 )
 from scripts.fpga.report import HOLDS, KINDS
-from scripts.fpga.runs import PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
+from scripts.fpga.runs import ALLOW, PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
 from scripts.pages.comparison import Errors
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.sources import closure, digest
@@ -61,14 +65,14 @@ ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
 
 
 def rtl_digest(datapath: str) -> str:
-    """Of the code of a datapath, or of `memory`, all of ``ik_axi``."""
-    return digest(closure(TOPS.get(datapath, MEMORY_TOP)))
+    """Of the code of a datapath; of `memory`, all of ``ik_axi``; of `fold`, of ``ik_axis``."""
+    return digest(closure(TOPS.get(datapath) or WHOLE_TOPS[datapath]))
 
 
 def recorded() -> dict[str, str]:
     """Design, as in lean-32: the digest of the code that the checked-in figures are of."""
     data = json.loads(FIGURES.read_text())
-    designs = data["designs"] | ({"memory": data["memory"]} if "memory" in data else {})
+    designs = data["designs"] | {part: data[part] for part in WHOLE_TOPS if part in data}
     return {f"RTL of {name}": design["rtl"] for name, design in designs.items()}
 
 
@@ -116,7 +120,7 @@ class Figures:
         for part in ("tools", "commands", "designs", "runs"):
             self.data[part] = dict(sorted(self.data[part].items()))
         # a line a run: a diff shows which ones are new
-        lines = [f' "{k}": {json.dumps(self.data[k])},' for k in ("tools", "commands", "memory") if k in self.data]
+        lines = [f' "{k}": {json.dumps(self.data[k])},' for k in ("tools", "commands", *WHOLE_TOPS) if k in self.data]
         tried = ",\n".join(f"  {json.dumps(row)}" for row in self.data.get("tried", []))
         lines += [' "tried": [', *([tried] if tried else []), " ],"]
         for part, end in (("designs", ","), ("runs", "")):
@@ -130,10 +134,11 @@ class Figures:
 def commands() -> dict[str, str]:
     """Family or tool -> what it was told, without the names of files."""
     out = {}
-    for family in FAMILIES:
+    for family in dict.fromkeys((*FAMILIES, *(family for family, _, _ in FOLD))):
         lines = Run("synth", family, "ik_lean", {}).script().splitlines()
         out[family] = "; ".join(lines[1:-1]).replace("ik_lean", "TOP")
-    out["nextpnr-ecp5"] = " ".join(["nextpnr-ecp5", *PLACE, "--seed", "SEED", "--json", "netlist.json"])
+    for family, (tool, *told) in PLACE.items():
+        out[f"{tool} for {family}"] = " ".join([tool, *told, *ALLOW, "--seed", "SEED", "--json", "netlist.json"])
     return out
 
 
@@ -223,10 +228,22 @@ def measure_memory(figures: Figures) -> list[str]:
     on = Measurement(figures)
     figures.data["memory"] = {"rtl": rtl_digest("memory"), "commit": commit()}
     for width, echo in MEMORY:
-        run = Run("synth", "ecp5", MEMORY_TOP, {"W": width}, instead=ECHO if echo else ())
+        run = Run("synth", "ecp5", WHOLE_TOPS["memory"], {"W": width}, instead=ECHO if echo else ())
         cells = [on.synthesis(replace(run, family=family)) for family in FAMILIES]
         if cells[-1] and fits(cells[-1]["cells"]):
             on.placement(replace(run, kind="place"), AIM_MHZ["lean"])
+    return on.left_out
+
+
+def measure_fold(figures: Figures, widths: Sequence[int]) -> list[str]:
+    """All runs of the folded machine, whole; what was left out, a line each."""
+    on = Measurement(figures)
+    figures.data["fold"] = {"rtl": rtl_digest("fold"), "commit": commit()}
+    for family, datapath, width in FOLD:
+        if width in (widths or (width,)):
+            run = Run("synth", family, WHOLE_TOPS["fold"], fold_values(datapath, width))
+            if on.synthesis(run) and family in PLACE:
+                on.placement(replace(run, kind="place"), FOLD_MHZ[family])
     return on.left_out
 
 
@@ -250,8 +267,8 @@ def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("fpga", __doc__.splitlines()[0], fails="a run was not done in time")
     parser.add_argument("--quick", action="store_true", help="one small width, in a few minutes; writes no page")
     each = {"action": "append", "default": []}
-    about = "only this one, or only the core from memory to memory"
-    parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, "memory")), help=about, **each)
+    about = "only this one, or only the core from memory to memory, or folded"
+    parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, *WHOLE_TOPS)), help=about, **each)
     parser.add_argument("--width", type=word_length, metavar="BITS", help="only this word length, 16 to 32", **each)
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
     options = parser.parse_args(arguments)
@@ -262,8 +279,10 @@ def main(arguments: Sequence[str] | None) -> int:
         program(tool)
     if options.quick:
         return quick((options.width or [QUICK_WIDTH])[0])
-    chosen = options.datapath or [*TOPS, "memory"]
-    left_out = measure(Figures(), [each for each in chosen if each != "memory"], options.width)
+    chosen = options.datapath or [*TOPS, *WHOLE_TOPS]
+    left_out = measure(Figures(), [each for each in chosen if each in TOPS], options.width)
     left_out += measure_memory(Figures()) if "memory" in chosen else []
-    print("\n".join([comparison(json.loads(FIGURES.read_text())), *left_out]))
+    left_out += measure_fold(Figures(), options.width) if "fold" in chosen else []
+    data = json.loads(FIGURES.read_text())
+    print("\n".join([comparison(data), "", folded(data), *left_out]))
     return 1 if left_out else 0

