@@ -97,13 +97,14 @@ module ik_fold #(
 
   localparam integer SEEN = (D < 2 * TILE) ? D : 2 * TILE - 1;  // bits of a word that the multiplier sees
   localparam integer RW = INDEX_BITS + 2;
+  localparam integer DOWN = INDEX_BITS + 2;
   wire [SEEN-1:0] a;
   wire [D-1:0] b, w;
   wire [RW-1:0] row_word;
   wire a_second, b_second, w_second;
   wire [5:0] w_place = {f_w[5:1], f_w[0] ^ w_second};
   wire [5:0] n;
-  ik_fold_memory #(.D(D), .AD(SEEN), .RW(RW)) u_memory (
+  ik_fold_memory #(.D(D), .AD(SEEN), .DOWN(DOWN), .RW(RW)) u_memory (
       .clk(clk), .go(go),
       .a_at({f_a[6:1], f_a[0] ^ a_second}), .b_at(f_b_count ? {1'b1, n} : {f_b[6:1], f_b[0] ^ b_second}), .r_at(f_r),
       .a(a), .b(b), .r(row_word),
@@ -146,14 +147,14 @@ module ik_fold #(
   reg down, less, carry;
   always @(posedge clk)
     if (go) begin
-      down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE;
+      down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE || (f_cut == CUT_POWER && !few);
       less  <= taken;
       carry <= f_carry == CARRY_ALWAYS || (f_carry == CARRY_MINUS && taken);
     end
   wire [XW-1:0] t;
   ik_fold_sum #(
       .D(D), .XW(XW), .LAST(LAST), .HALF(XW-5), .ANSWER(XW-3-W), .C0W(C0_BITS), .C1W(C1_BITS), .C0_AT(XW-4-C0_FRAC), .C1_AT(XW-4-C1_FRAC),
-      .SLOPE(XW-4-SLOPE_FRAC), .DOWN(INDEX_BITS+2)
+      .SLOPE(XW-4-SLOPE_FRAC), .DOWN(DOWN)
   ) u_sum (
       .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
       .p(p), .down(down), .minus(less), .carry(carry), .t(t)
@@ -161,12 +162,12 @@ module ik_fold #(
 
   // ---- what becomes of T: a word, a mantissa and its pairs, a result ----
 
-  wire none, fits, q_low, zero, word_below_0;
+  wire none, few, q_low, zero, word_below_0;
   wire [D-1:0] word, normal;
   wire [5:0] pairs;
   wire [W-1:0] result;
   wire doubles_low = f_window == WINDOW_LOW && q_low;
-  wire doubled = f_window == WINDOW_DOUBLE || (f_window == WINDOW_N_BITS && fits) || doubles_low;
+  wire doubled = f_window == WINDOW_DOUBLE || doubles_low;
   ik_fold_word #(.W(W), .D(D), .XW(XW), .INNER(INNER), .ROOT(ROOT_FRAC), .SINE(SINE_FRAC), .SLOPE(SLOPE_FRAC)) u_word (
       .t(t), .doubled(doubled), .limit(f_limit), .last(f_last), .low(doubles_low), .word(word), .negative(word_below_0),
       .result(result)
@@ -174,9 +175,9 @@ module ik_fold #(
   ik_fold_norm #(.W(W), .D(D), .XW(XW), .LAST(LAST), .DROP(D-INNER)) u_norm (
       .clk(clk), .go(go), .t(t), .kind(f_norm), .n(n), .word(normal), .pairs(pairs), .zero(zero)
   );
-  ik_fold_count #(.D(D)) u_count (
+  ik_fold_count #(.D(SEEN)) u_count (
       .clk(clk), .go(go), .base(f_n_base), .of(f_n_e), .minus(f_n_minus), .twice(f_n_twice), .set(f_e_set),
-      .pairs(pairs), .n(n), .none(none), .fits(fits), .low(q_low)
+      .pairs(pairs), .n(n), .none(none), .few(few), .low(q_low)
   );
   wire [W-1:0] in = s_axis_tdata[W*f_input+:W];
   wire [D-1:0] in_word = {in[W-1], in, {(D - W - 1) {1'b0}}};

@@ -44,11 +44,12 @@ localparam [1:0] B_PLACE_ROOT = 2'd1;
 localparam [1:0] B_PLACE_ANGLE = 2'd2;
 
 localparam [2:0] CUT_EXACT = 3'd0;
-localparam [2:0] CUT_PLAIN = 3'd1;
-localparam [2:0] CUT_DOUBLE = 3'd2;
-localparam [2:0] CUT_WORD = 3'd3;
-localparam [2:0] CUT_ROOT = 3'd4;
-localparam [2:0] CUT_SINE = 3'd5;
+localparam [2:0] CUT_POWER = 3'd1;
+localparam [2:0] CUT_PLAIN = 3'd2;
+localparam [2:0] CUT_DOUBLE = 3'd3;
+localparam [2:0] CUT_WORD = 3'd4;
+localparam [2:0] CUT_ROOT = 3'd5;
+localparam [2:0] CUT_SINE = 3'd6;
 
 localparam [3:0] S_HOLD = 4'd0;
 localparam [3:0] S_ZERO = 4'd1;
@@ -70,8 +71,7 @@ localparam [1:0] CARRY_MINUS = 2'd2;
 
 localparam [1:0] WINDOW_PLAIN = 2'd0;
 localparam [1:0] WINDOW_DOUBLE = 2'd1;
-localparam [1:0] WINDOW_N_BITS = 2'd2;
-localparam [1:0] WINDOW_LOW = 2'd3;
+localparam [1:0] WINDOW_LOW = 2'd2;
 
 localparam [1:0] LAST_INNER = 2'd0;
 localparam [1:0] LAST_ROOT = 2'd1;

@@ -6,7 +6,7 @@
 `default_nettype none
 
 module ik_fold_count #(
-    parameter integer D = 33  // bits of a word
+    parameter integer D = 33  // bits of a word that is multiplied
 ) (
     input  wire       clk,
     input  wire       go,
@@ -18,7 +18,7 @@ module ik_fold_count #(
     input  wire [5:0] pairs,
     output reg  [5:0] n,
     output reg        none,   // n = 0, a clock later
-    output reg        fits,   // n < D
+    output reg        few,  // n < D
     output reg        low     // m_q was taken from four times the squared length
 );
 
@@ -60,11 +60,11 @@ module ik_fold_count #(
   wire [5:0] term = twice ? {e[4:0], 1'b0} : e;
   always @(posedge clk) if (go && of != N_E_NONE) n <= from + (minus ? ~term : term) + {5'd0, minus};
 
-  localparam [63:0] FITS = (64'd1 << D) - 64'd1;
+  localparam [63:0] FEW = (64'd1 << D) - 64'd1;
   always @(posedge clk)
     if (go) begin
       none <= n == 6'd0;
-      fits <= FITS[n];
+      few  <= FEW[n];
       low  <= e_q == 6'd2;
     end
 

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The folded machine's words: 64 places that are written, 0 until then, and behind them the powers 2^(1-n), n = 0 to 63:
-// -2 for n = 0, the last bit again for n = D, then 0.  Three copies, so that three words are read in a clock.
+// -2 for n = 0; from n = AD on 2^(1-n+DOWN), until that is 0, too.  Three copies, so that three words are read in a clock.
 // Latency: 1 clock from an address to its word; a word that is written in a clock is read in the next one.
 `default_nettype none
 
 module ik_fold_memory #(
     parameter integer D  = 33,  // bits of a word
     parameter integer AD = 33,  // bits of it that are read as a
+    parameter integer DOWN = 12,
     parameter integer RW = 12   // bits of one that choose a table's row: the highest but the sign
 ) (
     input  wire          clk,
@@ -32,29 +33,19 @@ module ik_fold_memory #(
   reg [RW-1:0] mem_r[0:63];
 
   function [D-1:0] power(input integer n);
-    begin
-      power = {D{1'b0}};
-      if (n < D) power = {1'b1, {(D - 1) {1'b0}}} >> n;
-      if (n == D) power = {{(D - 1) {1'b0}}, 1'b1};
-    end
-  endfunction
-
-  function [AD-1:0] power_a(input integer n);
-    reg [D-1:0] word;
-    begin
-      word = power(n);
-      power_a = word[D-1-:AD];
-    end
+    power = {1'b1, {(D - 1) {1'b0}}} >> ((n < AD) ? n : n - DOWN);
   endfunction
 
   integer i;
+  reg [D-1:0] word;
   initial begin
     for (i = 0; i < 64; i = i + 1) begin
       mem_a[i] = {AD{1'b0}};
       mem_b[i] = {D{1'b0}};
       mem_r[i] = {RW{1'b0}};
-      mem_a[64+i] = power_a(i);
-      mem_b[64+i] = power(i);
+      word = power(i);
+      mem_a[64+i] = word[D-1-:AD];
+      mem_b[64+i] = word;
     end
   end
 

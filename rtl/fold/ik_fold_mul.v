@@ -61,7 +61,7 @@ module ik_fold_mul #(
       CUT_SINE: keep = ONES << (BASE + SINE);
       default: keep = ONES;  // exact
     endcase
-  wire exact = cut == CUT_EXACT;
+  wire exact = cut == CUT_EXACT || cut == CUT_POWER;
   wire rounded = cut == CUT_PLAIN || cut == CUT_DOUBLE;
 
   // The outer tiles do not overlap; instead of that of the low parts a guess at its highest bits.

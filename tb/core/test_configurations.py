@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dividers and roots of rows, and the configurations ``short``, ``lean25`` and ``fold``: all nodes are the model's."""
 
+import itertools
+
+import numpy as np
 import pytest
 
 from model.dataflow import fixed, short
@@ -29,11 +32,17 @@ if simulator() == "icarus":
     KINDS += [pytest.param("paper", 32, CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]
 
 
+def shifted(width):
+    """Targets of all sizes, at the end of arms of all sizes: words are shifted right by all but their first bits."""
+    sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
+    return np.array([(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes])
+
+
 @pytest.mark.sim
 @pytest.mark.parametrize(("datapath", "width", "kind"), KINDS)
 def test_every_node_equals_the_model(datapath, width, kind):
     """Of targets of every kind."""
-    words = WORDS if datapath == "short" else mixed(300, width, 4)
+    words = WORDS if datapath == "short" else np.concatenate([mixed(300, width, 4), shifted(width)])
     (run,) = simulate([Job(datapath, words)], simulator=simulator(), datapath=datapath, width=width, cores=kind)
     assert run.bit_mismatches == 0, run.first_mismatch
     assert (run.results == fixed.run(words, width, datapath).results).all()

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from .program import CODES, FIELDS, PLACES
-from .steps import COUNT_FITS, HALF, NO_COUNT, ONE, POWER, ZERO, Group, Operand, Pick, Step, Write
+from .steps import HALF, NO_COUNT, ONE, POWER, ZERO, Group, Operand, Pick, Step, Write
 from .timing import ELBOW, FETCH, INPUTS, ZEROS
 
 TARGETS = 3
@@ -38,7 +38,7 @@ class Expressions:
         """A flag of the codes, or one that leaves: an expression of registers, and of the count."""
         if name in ("", "always"):
             return name
-        if name in (NO_COUNT, COUNT_FITS):
+        if name in (NO_COUNT, "n<bits"):
             return self(name, count)
         if name.startswith("~"):
             return self("not", self.flag(name[1:], registers, count))
@@ -122,7 +122,7 @@ def expected(groups: list[Group], of: Expressions, target: int) -> dict[str, Any
             addend = addend_of(of, step.addend, flag, sums.get((id(group), at - 2)), row)
         minus = of.flag(step.minus, Registers(), count)
         addends[key] = addend
-        sums[key] = total = sum_of(of, addend, of("product", a, b, step.cut), minus, step.carry)
+        sums[key] = total = sum_of(of, addend, product_of(of, (a, b), step.cut, Registers(), count), minus, step.carry)
         if step.write:
             flag = of.flag(step.write.double_by, Registers(), count)
             word = of("word", total, window(step.write), flag, step.write.limit, step.write.last)
@@ -179,6 +179,11 @@ def addend_of(of: Expressions, choice: str, flag: Any, total: Any, row: Any) -> 
     return of(choice, flag) if choice in ("length", "none_or_half") else of(choice)
 
 
+def product_of(of: Expressions, factors: tuple[Any, Any], cut: str, registers: dict, count: Any) -> int:
+    """A product; one with a power also depends on whether the count is small."""
+    return of("product", *factors, cut, of.flag("n<bits", registers, count) if cut == "power" else "")
+
+
 def sum_of(of: Expressions, addend: Any, product: Any, minus: Any, carry: str) -> int:
     """T."""
     return of("sum", addend, product, minus, carry if carry != "minus" or minus != "" else "")
@@ -227,11 +232,11 @@ class Machine:
         b = self.read[1]
         if f["b_place"]:
             b = of("place", f["b_place"], bool(f["b_high"]), b)
-        product = of("product", *self.tiles, f["cut"])
+        product = product_of(of, self.tiles, f["cut"], self.flags, self.count)
         addend = self.addend if f["s"] == "hold" else addend_of(of, f["s"], flag("s_by"), self.total, self.row)
         total = sum_of(of, self.addend, self.product, *self.minus)
 
-        by = of.flag(f["window"] if f["window"] in (COUNT_FITS, "low") else "", self.flags, self.count)
+        by = of.flag("low" if f["window"] == "low" else "", self.flags, self.count)
         word = of("word", self.total, f["window"], by, bool(f["limit"]), f["last"])
         kind = f["norm"]
         normal = of("normal", self.total, kind, self.count if kind == "count" else -1) if kind else None

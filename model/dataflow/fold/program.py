@@ -17,7 +17,6 @@ from .layout import Layout
 from .steps import (
     ADDENDS,
     ALWAYS,
-    COUNT_FITS,
     CUTS,
     HALF,
     NO_COUNT,
@@ -51,7 +50,7 @@ MINUS_BY = (
 SIGNS = ("", "d1<0", "d2<0", "d_dif<0", "a_far<0", "b_near<0", "u_y<0", "sin_el<0", "cos_a<0", "k_1<0")
 """Signs of T that are kept."""
 
-WINDOWS = ("plain", "double", COUNT_FITS, "low")
+WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")
 SOURCES = ("none", "sum", "normal", "input")
 FUNCTIONS = ("root", "sine", "cosine")

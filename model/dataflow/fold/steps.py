@@ -45,9 +45,10 @@ ONE_WEIGHT = 1
 
 POSITION = ("x", "y", "z")
 
-CUTS = ("exact", "plain", "double", "word", "root", "sine")
-"""Where the tiles of a product are cut off: nowhere; two bits below the last place of either window; at that of the
-plain one; at the last place of the sum of a function from a table."""
+CUTS = ("exact", "power", "plain", "double", "word", "root", "sine")
+"""Where the tiles of a product are cut off: nowhere, which of a power the count may say is the power of a smaller count;
+two bits below the last place of either window; at that of the plain one; at the last place of the sum of a function from
+a table."""
 
 ADDENDS = (
     "hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half", "slope", "slope_less",
@@ -165,8 +166,8 @@ class Group:
         self.steps.append((after, step))
 
 
-ALWAYS, NO_COUNT, COUNT_FITS = "always", "n=0", "n<bits"
-"""Flags besides masks and signs: the step's count is 0, or less than the bits of a word."""
+ALWAYS, NO_COUNT = "always", "n=0"
+"""Flags besides masks and signs: the step's count is 0."""
 
 
 @dataclass(frozen=True)
@@ -283,9 +284,9 @@ class Lowering(Domain):
             offset = weight - self.weight[value] - shift.power
             window = PLAIN if offset + PLAIN >= 0 else DOUBLE
             counted = self._counted(count, offset + window)
-            write = Write(node.name, PLAIN, COUNT_FITS if window == DOUBLE else "")
             self.terms[node.name] = Step(
-                node.name, value, POWER, minus=NO_COUNT, carry="minus", write=write, count=counted
+                node.name, value, POWER, "power", minus=NO_COUNT, carry="minus", write=Write(node.name, window),
+                count=counted,
             )  # fmt: skip
 
     def _counted(self, name: str, offset: int) -> Counted:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .steps import ALWAYS, COUNT_FITS, NO_COUNT, POWER, Group, Pick, Step
+from .steps import ALWAYS, NO_COUNT, POWER, Group, Pick, Step
 
 BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
 """Clocks of a step, from its issue: the row for c2 is read; the words; the row for the addend; the addend is taken, and
@@ -23,7 +23,7 @@ INPUTS = ("x", "y", "z", "phi", "d1", "d2")
 ELBOW = ("qe_w", "qe_i")
 """Results that are constants where there is no elbow."""
 
-CLOCKED = (ALWAYS, NO_COUNT, COUNT_FITS, "")
+CLOCKED = (ALWAYS, NO_COUNT, "")
 """Flags that need no step before."""
 
 
@@ -136,7 +136,7 @@ def first_count(placed: Placed) -> int:
 
 def last_count(placed: Placed) -> int:
     """The last clock in which the count is needed."""
-    return placed.at + (NORM if placed.step.norm else WRITE)
+    return placed.at + (NORM if placed.step.norm else ADD)
 
 
 @dataclass(frozen=True)
