@@ -10,7 +10,7 @@ import numpy as np
 
 from model.bounds import tolerances
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.nodes import WIDTHS
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
@@ -37,6 +37,9 @@ ANGLE = 1e-7
 
 COLOURS = {"paper": "#c2410c", "lean": "#1d4ed8"}
 PATHS = tuple(COLOURS)
+SAME_BITS = {"fold": "lean"}
+"""Machines that compute the bits of another: their clocks are their own."""
+MACHINES = (*PATHS, *SAME_BITS)
 ANGLES = ("shoulder", "elbow")
 
 BEYOND = "most unequal arms"
@@ -101,7 +104,7 @@ class Measured:
     """Everything that the page and the picture show.
 
     ``same``: datapath -> region -> errors, W = 32; ``lean``: width -> region -> errors; ``near``: datapath -> singular
-    target -> errors at each of ``DISTANCES``; ``clocks``: datapath -> width -> latency.
+    target -> errors at each of ``DISTANCES``; ``clocks``: machine -> width -> latency, where it is built.
     """
 
     same: dict[str, dict[str, Errors]]
@@ -124,7 +127,10 @@ class Measured:
             path: {kind: [Errors.of(w, WIDTH, path) for w in rows] for kind, rows in words.items()}
             for path in PATHS
         }
-        clocks = {path: {width: fixed.latency(path, width) for width in LATENCY_WIDTHS} for path in PATHS}
+        clocks = {
+            path: {w: fixed.latency(path, w) for w in LATENCY_WIDTHS if w in CONFIGURATIONS[path].widths}
+            for path in MACHINES
+        }
         return cls({"paper": paper, "lean": lean[WIDTH]}, lean, near, clocks)
 
 
@@ -143,14 +149,14 @@ def page(measured: Measured, targets: int, seed: int) -> str:
         targets=targets,
         seed=seed,
         width=WIDTH,
-        paths=list(PATHS),
+        machines=list(MACHINES),
         widths=[f"W = {w}" for w in LATENCY_WIDTHS],
         beyond=BEYOND,
         regions=REGIONS,
         at_distance=AT_DISTANCE,
         farthest=DISTANCES[0],
         side_by_side=_side_by_side(measured),
-        clocks=[(path, *clocks.values()) for path, clocks in measured.clocks.items()],
+        clocks=[(path, *(of.get(w, "-") for w in LATENCY_WIDTHS)) for path, of in measured.clocks.items()],
         hands=[(name, *(f for path in PATHS for f in _three(same[path][name].hand))) for name in REGIONS],
         angles=[
             (name, *(f for a in ANGLES for path in PATHS for f in _three(getattr(same[path][name], a))[1:]))
@@ -166,13 +172,20 @@ def page(measured: Measured, targets: int, seed: int) -> str:
     )
 
 
+def batch_clocks(path: str, latency: int) -> int:
+    """From the first of a batch of targets in to the last result out."""
+    return latency + 1 + (BATCH - 1) * CONFIGURATIONS[path].period
+
+
 def _side_by_side(measured: Measured):
-    clocks = [measured.clocks[path][WIDTH] for path in PATHS]
-    yield "latency (clocks)", *clocks
-    yield f"clocks for {BATCH} targets", *(c + BATCH for c in clocks)
-    both = [operations(path) for path in PATHS]
-    for kind in both[0]:
-        yield kind, *(of_it[kind] for of_it in both)
+    clocks = {path: measured.clocks[path][WIDTH] for path in MACHINES}
+    yield "clocks from a target to the next", *(CONFIGURATIONS[path].period for path in MACHINES)
+    yield "latency (clocks)", *clocks.values()
+    yield f"clocks for {BATCH} targets", *(batch_clocks(*each) for each in clocks.items())
+    computed = [SAME_BITS.get(path, path) for path in MACHINES]
+    found = {path: operations(path) for path in PATHS}
+    for kind in found[PATHS[0]]:
+        yield kind, *(found[path][kind] for path in computed)
     anywhere = {path: parts["anywhere"] for path, parts in measured.same.items()}
     everywhere = {
         path: Errors.together([errors for name, errors in parts.items() if name != BEYOND])
@@ -180,7 +193,7 @@ def _side_by_side(measured: Measured):
     }
     for what, source in (("anywhere", anywhere), ("all regions but one", everywhere)):
         for name, label in (("hand", "hand error"), ("shoulder", "shoulder angle"), ("elbow", "elbow angle")):
-            three = [_three(getattr(source[path], name)) for path in PATHS]
+            three = [_three(getattr(source[path], name)) for path in computed]
             yield f"{label}, {what}: median, 99.9 %, largest", *(", ".join(t) for t in three)
 
 

@@ -80,6 +80,7 @@ def test_operations_are_those_of_the_dataflow():
 
 
 def test_latency_is_that_of_the_schedule():
+    assert comparison.batch_clocks("lean", 44) == 144 and comparison.batch_clocks("fold", 99) == 8812
     for path in comparison.PATHS:
         for width in (16, 32):
             bits = fixed.run(region("anywhere", 3, width, 1), width, path).bits
