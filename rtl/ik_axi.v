@@ -89,7 +89,7 @@ module ik_axi #(
   endfunction
 
   localparam integer TAG_W = 24;
-  localparam integer LATENCY = datapath_latency(LEAN, W) + 2;
+  localparam integer LATENCY = datapath_latency(LEAN, W, TILE) + 2;
   localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // those of ik_axis
   localparam integer LOG2_BURSTS = 3;  // bursts under way in each direction, at most 8
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's and the lean datapath, and that folded, on the same targets: clocks, operations, errors of hand and angles.
+"""The paper's, the lean and the folded datapath on the same targets: clocks, operations, errors of hand and angles.
 
     python -m scripts.compare [--targets 4000] [--seed 1]
 

@@ -53,16 +53,14 @@ WIDTHS = range(16, 33)
 """Word lengths that the datapaths are built for."""
 
 INNER_FRAC = 33
-"""Most fraction bits of an inner word of the lean datapath: words of 33 and two integer bits are cut into tiles of
-18 bits and less."""
+"""Most fraction bits of an inner word of the lean datapath: with two integer bits two tiles of 18 bits hold it."""
 
 ROOT_FRACS = 22, 31
 """Fraction bits of its roots: up to 18 bits a word, where the short form of a root does, and at most."""
 
 
 def effective_width(width: int) -> int:
-    """The word length that the lean datapath's formats follow: shorter words, which only the exhaustive test has, are
-    computed as those of the least length."""
+    """The word length that the lean formats follow: the shorter words of the exhaustive test count as the least."""
     return max(width, WIDTHS[0])
 
 
@@ -86,11 +84,10 @@ Value = Any  # what a domain computes with: an array over targets, an interval, 
 
 @dataclass(frozen=True)
 class Latency:
-    """Clocks of each kind of operation at word length ``width`` and ``tile`` (:class:`Domain`); the Verilog names are
-    ``LAT_<KIND>``."""
+    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
 
     width: int
-    tile: int = TILE
+    tile: int = TILE  # of :class:`Domain`
 
     # kind -> (clocks a bit of the word, clocks besides, what they are)
     TABLE = {
@@ -133,8 +130,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """The same as a Verilog expression of ``W``, ``FRAC``, ``ROOT_FRAC`` and ``TILE``; the small form takes as long
-        as the long one."""
+        """The same as a Verilog expression; the small form takes as long as the long one."""
         if kind in cls.FORMS:
             frac, most, clocks = cls.FORMS[kind]
             return f"(TILE < {TILE} || {frac} > {most}) ? {clocks(most + 1)} : {clocks(most)}"
@@ -387,8 +383,8 @@ class Domain(ABC):
         latency = "rsqrt_far" if far else "rsqrt"
         frac = m.format.frac - 3
         most = places(frac, self.tile) * (1 + (twice is not None))
-        low, high = (bound * most for bound in _faithful(fmt, frac))
-        return self.make(name, "rsqrt", (m, twice) if twice else (m,), fmt, latency, value, error=(low, high))
+        error = _faithful(fmt, frac, most)
+        return self.make(name, "rsqrt", (m, twice) if twice else (m,), fmt, latency, value, error=error)
 
     def trig(
         self, names: tuple[str, str], phi: Node, fmt: Format, lines: tuple[int, int], within: tuple[Within, Within]
@@ -481,10 +477,10 @@ class Domain(ABC):
         raise NotImplementedError
 
 
-def _faithful(fmt: Format, frac: int) -> tuple[float, float]:
-    """Less than a place of ``frac`` fraction bits, in places of ``fmt``, which may have more."""
-    places = 2.0 ** max(fmt.frac - frac, 0)
-    return -places, places
+def _faithful(fmt: Format, frac: int, most: float = 1.0) -> tuple[float, float]:
+    """At ``most`` a place of ``frac`` fraction bits, in places of ``fmt``, which may have more."""
+    bound = most * 2.0 ** max(fmt.frac - frac, 0)
+    return -bound, bound
 
 
 def _all_zero(words):

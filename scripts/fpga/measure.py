@@ -4,9 +4,9 @@
     python -m scripts.fpga [--quick] [--datapath lean|lean25|paper|short|memory|fold] [--width BITS] [--page]
 
 Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
-an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its sources, options and tools: a repeated
-command is quick, an interrupted one resumes.  The figures go to fpga.json, from which the page fpga.md is made; --quick
-does one small width and writes neither, --page only makes the page.
+an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its
+sources, options and tools: a repeated command is quick, an interrupted one resumes.  The figures go to fpga.json, from
+which the page fpga.md is made; --quick does one small width and writes neither, --page only makes the page.
 """
 
 from __future__ import annotations

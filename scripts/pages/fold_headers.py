@@ -101,8 +101,9 @@ def formats() -> str:
     numbers = [_numbers(*forms) for forms in FORMS]
     values = [f"localparam integer {k} = SMALL ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0]]
     return f"""\
-// For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a table's
-// row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the high parts.
+// For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a
+// table's row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the
+// high parts.
 
 /* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
 localparam integer FRAC = (W < {INNER_FRAC - 5}) ? W + 5 : {INNER_FRAC};  // of an inner word

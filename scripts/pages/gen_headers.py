@@ -205,7 +205,8 @@ def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
     c2 = len(form.c_frac) > 2
     u_frac = form.u_frac - form.u_low
     return {
-        "ROWS": form.rows, "INDEX_BITS": form.index_bits, "U_FRAC": form.u_frac, "U_LOW": form.u_low, "C0_FRAC": form.c_frac[0],
+        "ROWS": form.rows, "INDEX_BITS": form.index_bits, "U_FRAC": form.u_frac, "U_LOW": form.u_low,
+        "C0_FRAC": form.c_frac[0],
         "C0_BITS": form.c_bits[0], "C1_BITS": form.c_bits[1], "C2_BITS": form.c_bits[2] if c2 else 0,
         "C1_UP": form.slope_frac - form.c_frac[1],
         "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1, "SLOPE_LOW": form.slope_low,

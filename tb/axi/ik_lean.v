@@ -22,7 +22,7 @@ module ik_lean #(
 );
 
   `include "ik_latency.vh"
-  localparam integer T = datapath_latency(1, W);
+  localparam integer T = datapath_latency(1, W, TILE);
 
   reg [T-1:0] valid;
   reg [6*W+TAG_W-1:0] line[0:T-2];

@@ -26,7 +26,8 @@ BUGS = [
 
 # Verilator takes minutes for rows.
 KINDS = [("short", 32, CORES[0]), ("lean25", 18, CORES[0])]
-KINDS += [(path, width, CORES[0]) for path, widths in (("lean16", (18, 24)), ("fold", (20, 24, 32)), ("fold16", (18, 20, 24))) for width in widths]
+BUILT = {"lean16": (18, 24), "fold": (20, 24, 32), "fold16": (18, 20, 24)}
+KINDS += [(path, width, CORES[0]) for path, widths in BUILT.items() for width in widths]
 if simulator() == "icarus":
     KINDS += [("short", 32, CORES[1])]
     KINDS += [pytest.param("paper", 32, CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]

@@ -26,7 +26,7 @@ module `IK_CORE #(
 );
 
   `include "ik_latency.vh"
-  localparam integer T = datapath_latency(`IK_LEAN, W);
+  localparam integer T = datapath_latency(`IK_LEAN, W, TILE);
 
   (* anyconst *) wire [6*W+7:0] f_result;
   (* anyseq *) wire [6*W+TAG_W+7:0] f_any;

@@ -3,7 +3,7 @@
 // the abstract pipeline of ik_core.v says. No assumption.
 
 `include "ik_latency.vh"
-localparam integer T = datapath_latency(`IK_LEAN, W);
+localparam integer T = datapath_latency(`IK_LEAN, W, 18);
 
 (* hierconn *) wire [TAG_W*T_OUT-1:0] \u_tag.genblk1.genblk1.g_line.line ;
 

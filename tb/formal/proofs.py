@@ -67,7 +67,7 @@ AXIS_BUGS = (
     Bug("last credit does not come back", AXIS,
         "leave && !admit)", "leave && !admit && credits != 0)", "ready_in_time"),
     Bug("half of the places", AXIS,
-        "datapath_latency(LEAN, W) + 3);", "datapath_latency(LEAN, W) + 3) - 1;", "full_rate"),
+        "datapath_latency(LEAN, W, TILE) + 3);", "datapath_latency(LEAN, W, TILE) + 3) - 1;", "full_rate"),
 )  # fmt: skip
 STORE = [
     "rows_mark$",

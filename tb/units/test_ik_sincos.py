@@ -123,4 +123,11 @@ def trig(w: int, **tile: int) -> dict[str, int]:
 
 
 test_ik_sincos = runs("ik_sincos", sincos_bench, {"W": 32}, more=[{"W": 16}, {"W": 27}])
-test_ik_trig = runs("ik_trig", trig_bench, trig(18), trig(32), trig(24, TILE=16), more=[*map(trig, (16, 19, 24, 27)), trig(18, TILE=16)])
+test_ik_trig = runs(
+    "ik_trig",
+    trig_bench,
+    trig(18),
+    trig(32),
+    trig(24, TILE=16),
+    more=[*map(trig, (16, 19, 24, 27)), trig(18, TILE=16)],
+)

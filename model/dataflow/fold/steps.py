@@ -46,16 +46,16 @@ ONE_WEIGHT = 1
 POSITION = ("x", "y", "z")
 
 CUTS = ("exact", "power", "plain", "double", "word", "root", "sine")
-"""Where the tiles of a product are cut off: nowhere, which of a power the count may say is the power of a smaller count;
-two bits below the last place of either window; at that of the plain one; at the last place of the sum of a function from
-a table."""
+"""Where the tiles of a product are cut off: nowhere, and the power of a large count is that of a smaller one; two bits
+below the last place of either window; at that of the plain one; at the last place of the sum of a function from a
+table."""
 
 ADDENDS = (
     "hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half", "slope", "slope_less",
     "value", "length", "none_or_half",
 )  # fmt: skip
-"""What S is for a step: what it was; constants, of which the halves round, to a result, too; the T of the step two before, or that with a
-half that rounds; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
+"""What S is for a step: what it was; constants, of which the halves round, to a result, too; the T of the step two
+before, or that with a half that rounds; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
 
 NORMS = ("even", "inverse", "arm", "count", "unit")
 """How T is normalized: by pairs; by pairs, inverted; by pairs without the sign of an arm; by the count; by

@@ -111,7 +111,7 @@ def test_every_divider_and_root_of_the_model_is_proved(op):
 
 def test_stages_and_places_are_those_of_the_rtl():
     latency = (ROOT / "rtl" / "ik_latency.vh").read_text()
-    assert "clog2(datapath_latency(LEAN, W) + 3)" in (ROOT / AXIS).read_text()
+    assert "clog2(datapath_latency(LEAN, W, TILE) + 3)" in (ROOT / AXIS).read_text()
     for lean, datapath in enumerate(("paper", "lean")):
         stages = int(re.search(rf"^\s*{100 * lean + 32}: datapath_latency = (\d+);", latency, re.M)[1])
         places = 1 << (stages + 2).bit_length()
