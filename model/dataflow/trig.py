@@ -71,17 +71,19 @@ def half_sincos(phi, width: int, frac: int, tile: int = TILE):
     ``phi`` is an int64 array, ``width`` 16 to 32, to 26 with the short form, ``frac`` 19 to 31.
     """
     form = form_of(frac, tile)
-    negative = phi < 0
-    a = np.abs(phi)
+    dropped = form.sum_frac - frac
+    sin, cos = (y + (1 << dropped - 1) >> dropped for y in sums(np.abs(phi), width, form))
+    return np.where(phi < 0, -sin, sin), cos
+
+
+def sums(a, width: int, form: Form):
+    """What :func:`half_sincos` rounds, for angles of 0 and more."""
     below = width - 1 - form.index_bits  # bits of a below the number of its segment
     row = np.minimum(a >> below, form.rows - 1)  # a quarter turn is the end of the last
     u = a - (row << below) - (1 << below - 1) << form.u_frac - width + 1
-    half = 1 << form.sum_frac - frac - 1
     columns = _columns(form)
-    sin = polynomial(form, columns[:, row], u, rises=True, bends_up=False) + half >> form.sum_frac - frac
-    mirrored = columns[:, form.rows - 1 - row]
-    cos = polynomial(form, mirrored, u, rises=False, bends_up=True) + half >> form.sum_frac - frac
-    return np.where(negative, -sin, sin), cos
+    sin = polynomial(form, columns[:, row], u, rises=True, bends_up=False)
+    return sin, polynomial(form, columns[:, form.rows - 1 - row], u, rises=False, bends_up=True)
 
 
 def _row_error(form: Form, row: int, rises: bool) -> Interval:

@@ -32,6 +32,7 @@ module ik_fold #(
   `include "ik_fold_formats.vh"
 
   localparam integer XW = 2 * W + 2;  // bits of a sum: those of an exact one
+  localparam integer TW = (XW < SINE_SUM_FRAC + 5) ? SINE_SUM_FRAC + 5 : XW;  // and with those of half a sine
   localparam integer INNER = FRAC + 2;
   localparam integer D = ROOT_FRAC + 4;  // bits of a word: a mantissa and a sign
   localparam integer LAST = XW - 2 - INNER;  // place of an inner word's last bit in a sum
@@ -151,14 +152,15 @@ module ik_fold #(
       less  <= taken;
       carry <= f_carry == CARRY_ALWAYS || (f_carry == CARRY_MINUS && taken);
     end
-  wire [XW-1:0] t;
+  wire [TW-1:0] sum;
   ik_fold_sum #(
-      .D(D), .XW(XW), .LAST(LAST), .HALF(XW-5), .ANSWER(XW-3-W), .C0W(C0_BITS), .C1W(C1_BITS), .C0_AT(XW-4-C0_FRAC), .C1_AT(XW-4-C1_FRAC),
-      .SLOPE(XW-4-SLOPE_FRAC), .DOWN(DOWN)
+      .D(D), .XW(TW), .LAST(TW-2-INNER), .HALF(TW-5), .ANSWER(TW-3-W), .C0W(C0_BITS), .C1W(C1_BITS),
+      .C0_AT(TW-4-C0_FRAC), .C1_AT(TW-4-C1_FRAC), .SLOPE(TW-4-SLOPE_FRAC), .DOWN(DOWN)
   ) u_sum (
       .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
-      .p(p), .down(down), .minus(less), .carry(carry), .t(t)
+      .p(p), .down(down), .minus(less), .carry(carry), .t(sum)
   );
+  wire [XW-1:0] t = sum[TW-1-:XW];
 
   // ---- what becomes of T: a word, a mantissa and its pairs, a result ----
 
@@ -223,7 +225,7 @@ module ik_fold #(
   localparam integer WX = W;
   wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // a product as its node is rounded
   wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
-  wire unused = &{1'b0, p_plain, p_double, f_r_function, n};
+  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum};
   `include "ik_fold_nodes.vh"
 
 endmodule

@@ -6,7 +6,9 @@ import itertools
 import numpy as np
 import pytest
 
-from model.dataflow import fixed, short
+from model.dataflow import fixed, short, trig
+from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.nodes import inner_frac
 from model.targets.stimuli import mixed
 from tb.sim.env import CORES, simulator
 from tb.sim.mutants import Bug, copy_rtl
@@ -39,11 +41,23 @@ def shifted(width):
     return np.array([(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes])
 
 
+def nearly_rounded_up(width, form, frac):
+    """Targets whose angles have a sine or a cosine that is a place of its sum too small to be rounded up."""
+    angles = np.random.default_rng(5).integers(0, 1 << width - 1, 100000)
+    dropped = (1 << form.sum_frac - frac) - 1
+    near = [angles[y & dropped == dropped >> 1][:10] for y in trig.sums(angles, width, form)]
+    return np.array([(999, -700, 444, angle, 999, 999) for angle in np.concatenate(near)])
+
+
 @pytest.mark.sim
 @pytest.mark.parametrize(("datapath", "width", "kind"), KINDS)
 def test_every_node_equals_the_model(datapath, width, kind):
     """Of targets of every kind."""
-    words = WORDS if datapath == "short" else np.concatenate([mixed(300, width, 4), shifted(width)])
+    words = WORDS
+    if datapath != "short":
+        frac = min(inner_frac(width), trig.FRACS[-1])
+        angles = nearly_rounded_up(width, trig.form_of(frac, CONFIGURATIONS[datapath].tile), frac)
+        words = np.concatenate([mixed(300, width, 4), shifted(width), angles])
     (run,) = simulate([Job(datapath, words)], simulator=simulator(), datapath=datapath, width=width, cores=kind)
     assert run.bit_mismatches == 0, run.first_mismatch
     assert (run.results == fixed.run(words, width, datapath).results).all()

