@@ -254,6 +254,7 @@ class Run:
     def _nextpnr(self, folder: Path, netlist: Path, *how: str) -> int:
         """Leaves report.json in the folder; the seconds that it took."""
         tool, *told = PLACE[self.family]
-        command = [program(tool), *told, *ALLOW, *how, "--json", str(netlist.resolve())]
+        # An absolute path would not do below /tmp, where the tool sees a folder of its own.
+        command = [program(tool), *told, *ALLOW, *how, "--json", os.path.relpath(netlist, folder)]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
         return round(call(command, folder, "nextpnr.log", self.name))
