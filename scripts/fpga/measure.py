@@ -153,12 +153,12 @@ def commit() -> str:
 def describe(datapath: str, width: int) -> dict:
     """Clocks and accuracy from the bit-true model: as in docs/generated/compare.md."""
     errors = Errors.of(region("anywhere", 4000, width, 1), width, datapath)
-    return {
-        "latency": latency(datapath, width),
-        "hand": float(f"{errors.hand.max():.2g}"),
-        "rtl": rtl_digest(datapath),
-        "commit": commit(),
-    }
+    return {"latency": latency(datapath, width), "hand": float(f"{errors.hand.max():.2g}")}
+
+
+def code(datapath: str) -> dict:
+    """What was measured."""
+    return {"rtl": rtl_digest(datapath), "commit": commit()}
 
 
 class Measurement:
@@ -207,7 +207,7 @@ def measure(figures: Figures, datapaths: Sequence[str], widths: Sequence[int]) -
     on = Measurement(figures)
     chosen = [(d, w) for d in datapaths for w in sorted(widths or WIDTHS[d])]
     for datapath, width in chosen:
-        figures.design(datapath, width).update(describe(datapath, width))
+        figures.design(datapath, width).update(describe(datapath, width) | code(datapath))
         for family in ONLY_COUNTED.get(datapath, FAMILIES):
             on.synthesis(synthesis(datapath, width, family))
             if family == "xc2vp" and width in BROKEN_DOWN and datapath not in ONLY_COUNTED:
@@ -226,7 +226,7 @@ def measure(figures: Figures, datapaths: Sequence[str], widths: Sequence[int]) -
 def measure_memory(figures: Figures) -> list[str]:
     """All runs of ``ik_axi``, around an echo and with the lean datapath; what was left out, a line each."""
     on = Measurement(figures)
-    figures.data["memory"] = {"rtl": rtl_digest("memory"), "commit": commit()}
+    figures.data["memory"] = code("memory")
     for width, echo in MEMORY:
         run = Run("synth", "ecp5", WHOLE_TOPS["memory"], {"W": width}, instead=ECHO if echo else ())
         cells = [on.synthesis(replace(run, family=family)) for family in FAMILIES]
@@ -238,7 +238,8 @@ def measure_memory(figures: Figures) -> list[str]:
 def measure_fold(figures: Figures, widths: Sequence[int]) -> list[str]:
     """All runs of the folded machine, whole; what was left out, a line each."""
     on = Measurement(figures)
-    figures.data["fold"] = {"rtl": rtl_digest("fold"), "commit": commit()}
+    designs = {f"{datapath}-{width}": describe(datapath, width) for _, datapath, width in FOLD}
+    figures.data["fold"] = {**code("fold"), "designs": designs}
     for family, datapath, width in FOLD:
         if width in (widths or (width,)):
             run = Run("synth", family, WHOLE_TOPS["fold"], fold_values(datapath, width))

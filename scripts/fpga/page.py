@@ -173,15 +173,18 @@ def folded(data: dict) -> str:
         if not run:
             continue
         cells, (chip, logic), period = run["cells"], CHIPS[family], CONFIGURATIONS[datapath].period
+        design = data["fold"]["designs"][f"{datapath}-{width}"]
         rows.append([
-            f"{chip}, W = {width}", f"`{datapath}`", period, f"{cells['LUT']} {logic}", cells["FF"],
-            cells["multipliers"], cells["RAM"], *((
-                f"{placed['mhz']:.1f}", f"{period / placed['mhz']:.2f}", f"`{placed['path']['from']}`",
+            f"{chip}, W = {width}", f"`{datapath}`", period, design["latency"], f"{design['hand']:.1e}",
+            f"{cells['LUT']} {logic}", cells["FF"], cells["multipliers"], cells["RAM"], *((
+                f"{placed['mhz']:.1f}", f"{period / placed['mhz']:.2f}",
+                f"{(design['latency'] + 99 * period) / placed['mhz']:.0f}", f"`{placed['path']['from']}`",
                 f"`{placed['path']['to']}`", ", ".join(f"{mhz:.1f}" for mhz in placed["tried"]),
-            ) if placed else "-----"),
+            ) if placed else "------"),
         ])  # fmt: skip
-    head = ["`ik_axis`", "`DATAPATH`", "clocks a target", "logic", "flip-flops", "multipliers", "memories", "MHz"]
-    return table([*head, "us a target", "from", "to", "seeds"], rows) if rows else ""
+    head = ["`ik_axis`", "`DATAPATH`", "clocks a target", "latency (clocks)", "largest hand error / reach", "logic"]
+    head += ["flip-flops", "multipliers", "memories", "MHz", "us a target", "100 targets (us)", "from", "to", "seeds"]
+    return table(head, rows) if rows else ""
 
 
 def breakdown(data: dict, datapath: str, width: int) -> dict | None:

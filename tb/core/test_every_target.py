@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole lean pipeline over every input there is, with words of 3 bits: all 2^18 targets, every node."""
+"""All 2^18 targets of words of 3 bits, every node: all inputs of the lean pipeline, the top bits of the folded one."""
 
 import itertools
 
@@ -12,6 +12,8 @@ from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 WIDTH = 3
+FOLDED = 20
+"""The shortest words of the folded datapath."""
 
 
 @pytest.fixture(scope="module")
@@ -45,10 +47,26 @@ if simulator() == "verilator":
 
     @pytest.mark.sim
     @pytest.mark.slow
-    def test_a_wrong_pipeline_is_found(words, tmp_path):
-        wrong = "fold     <= (too_near || at_shoulder_at_too_far)"
-        bug = Bug("wrong", "rtl/lean/ik_lean_guard.v", f"{wrong} && !bad_length_at_too_far", wrong)
-        core = {"datapath": "lean", "width": WIDTH, "root": copy_rtl(tmp_path, bug), "name": bug.what}
-        (ran,) = simulate([Job("every", words)], simulator="verilator", **core)
+    @pytest.mark.cost(20)
+    def test_every_folded_target(words):
+        words = words << FOLDED - WIDTH
+        (ran,) = simulate([Job("every", words)], simulator="verilator", datapath="fold", width=FOLDED)
+        assert ran.bit_mismatches == 0, ran.first_mismatch
+        answer = fixed.run(words, FOLDED, "fold")
+        assert (ran.results == answer.results).all() and (ran.flags == answer.flags).all()
+
+    RULE = "(too_near || at_shoulder_at_too_far)", "(too_near || at_shoulder)"
+    WRONG = [
+        ("lean", WIDTH, "rtl/lean/ik_lean_guard.v", RULE[0] + " && !bad_length_at_too_far", RULE[0]),
+        ("fold", FOLDED, "rtl/fold/ik_fold_flags.v", RULE[1] + " && !bad_length", RULE[1]),
+    ]
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    @pytest.mark.parametrize(("datapath", "width", "file", "old", "new"), WRONG, ids=[wrong[0] for wrong in WRONG])
+    def test_a_wrong_rule_is_found(words, datapath, width, file, old, new, tmp_path):
+        core = {"root": copy_rtl(tmp_path, Bug("wrong", file, old, new)), "name": f"wrong-{datapath}"}
+        jobs = [Job("every", words << width - WIDTH)]
+        (ran,) = simulate(jobs, simulator="verilator", datapath=datapath, width=width, **core)
         assert 0 < ran.bit_mismatches
         assert ran.first_mismatch.startswith("first difference: guard.fold")

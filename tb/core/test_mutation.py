@@ -44,8 +44,20 @@ MUTANTS = [  # the node that is the first to be wrong, in the first target
         "CUT_WORD: keep = ONES << WORD;", "CUT_WORD: keep = ONES << (WORD + 4);", "direction.az_sq"),
     Bug("fold_flag", "rtl/fold/ik_fold_flags.v", "clamp = too_far ||", "clamp = too_near ||", "guard.clamp"),
     Bug("fold_count", "rtl/fold/ik_fold_count.v", "twice ? {e[4:0], 1'b0} : e;", "e;", "triangle.n_law"),
+    Bug("fold_zero", "rtl/fold/ik_fold_norm.v", "MOST = W - 1;", "MOST = W - 2;", "triangle.e_near"),
+    Bug("fold_limit", "rtl/fold/ik_fold_word.v", "wire most = limit &&", "wire most = !limit &&", "triangle.inv_12"),
+    Bug("fold_place", "rtl/fold/ik_fold_word.v",
+        "low ? ROOT_DROP + 1 : ROOT_DROP", "ROOT_DROP + 1", "direction.inv_s"),
+    Bug("fold_row", "rtl/fold/ik_fold_table.v", "cosine ? ~segment : segment", "segment", "turn.cos_h"),
+    Bug("fold_segment", "rtl/fold/ik_fold_table.v",
+        "first ? word[RW-2:2] : word[RW-3:1]", "word[RW-3:1]", "direction.inv_s"),
+    Bug("fold_power", "rtl/fold/ik_fold_memory.v", "(n < AD) ? n :", "(n < AD) ? n | 1 :", "guard.d_sum"),
+    Bug("fold_pair", "rtl/fold/ik_fold.v", "f_w[0] ^ w_second", "f_w[0]", "direction.az_c"),
+    Bug("fold_straight", "rtl/fold/ik_fold.v",
+        "of_i ? (folded ? {W{1'b0}} : -UNIT)", "of_i ? (folded ? {W{1'b0}} : UNIT)", "triangle.qe_i"),
+    Bug("fold_arm", "rtl/fold/ik_fold_flags.v", "less = cos_a && !clamp", "less = cos_a", "triangle.arm_sq"),
 ]  # fmt: skip
-ONLY_CLAMPED = ("constant", "lean_flag", "fold_flag")
+ONLY_CLAMPED = ("constant", "lean_flag", "fold_flag", "fold_straight", "fold_arm")
 """Mutants that show in the target without an elbow alone."""
 
 # A build of the whole core takes 3 s with Icarus and 20 s with Verilator, which therefore gets one mutant only.

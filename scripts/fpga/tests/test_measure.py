@@ -315,8 +315,8 @@ def test_folded_machine_is_measured_on_every_chip(monkeypatch, tmp_path):
     assert fpga.measure_fold(figures, []) == []
     rows = [row.split(" | ") for row in page.folded(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]]
     assert [row[0] for row in rows] == [f"| {page.CHIPS[chip][0]}, W = {width}" for chip, _, width in page.FOLD]
-    assert [row[3].split()[0] for row in rows] == [str(width) for _, _, width in page.FOLD]
-    assert [row[7] for row in rows] == ["33.0"] * 2 + ["100.0"] * 2 + ["-"] * 4  # of the second seed
+    assert [row[5].split()[0] for row in rows] == [str(width) for _, _, width in page.FOLD]
+    assert [row[9] for row in rows] == ["33.0"] * 2 + ["100.0"] * 2 + ["-"] * 4  # of the second seed
 
 
 def test_cells_of_small_chips_are_counted():
