@@ -78,7 +78,7 @@ module ik_fold #(
     if (rst) begin
       go            <= 1'b1;
       current       <= 1'b0;
-      previous        <= 1'b0;
+      previous      <= 1'b0;
       given         <= 1'b0;
       m_axis_tvalid <= 1'b0;
     end else begin
@@ -92,7 +92,7 @@ module ik_fold #(
       if (go && f_last_result && giving) m_axis_tvalid <= 1'b1;
       else if (m_axis_tready) m_axis_tvalid <= 1'b0;
     end
-  assign s_axis_tready = go && here && f_last_input;
+  assign s_axis_tready = go && current && f_last_input;  // not here: tready does not look at tvalid
 
   // ---- words ----
 

@@ -18,8 +18,8 @@ module ik_fold_count #(
     input  wire [5:0] pairs,
     output reg  [5:0] n,
     output reg        none,   // n = 0, a clock later
-    output reg        few,  // n < D
-    output reg        low     // m_q was taken from four times the squared length
+    output reg        few,   // n < D
+    output reg        low    // m_q was taken from four times the squared length
 );
 
   `include "ik_fold_codes.vh"

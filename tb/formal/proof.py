@@ -14,6 +14,10 @@ from tb.sim.mutants import Bug
 FORMAL = Path(__file__).parent
 GATES = ("handshake", "axi_gates")
 """Files whose tasks are scripts of Yosys alone."""
+HANDSHAKE_SAYS = {
+    "independent": "no gates lead from m_axis_tready or s_axis_tvalid to m_axis_tvalid or s_axis_tready",
+}
+"""Of ik_axis, with each datapath."""
 
 
 @dataclass(frozen=True)
