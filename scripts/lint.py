@@ -57,6 +57,7 @@ MODULE_SETS = {
     "ik_even": [{"VW": 64, "MW": 34}, {"VW": 36, "MW": 24}, {"VW": 18, "MW": 24}],
     "ik_fold": [{"W": 24}, {"W": 32}, {"W": 20}],
     "ik_fold_norm": [{}],
+    "icebreaker": [{}, {"BAUD": 115200}],
     "ik_fold_word": [{}],
     "ik_paper": [
         *({"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)),
@@ -69,6 +70,9 @@ MODULE_SETS = {
 }
 
 PREFIX = "ik_"
+EXAMPLES = ("examples/icebreaker",)
+MODELS = ("tb/icebreaker",)
+"""Folders of modules that are linted with those of rtl/, and of what stands for a vendor's in them."""
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
 MODULE = re.compile(r"^\s*module\s+(\w+)", re.M)
 PARAMETER = re.compile(r"\bparameter\b[^;)]*?\b{}\s*=")
@@ -86,7 +90,8 @@ def parameter_sets(name: str, text: str) -> list[dict]:
 def commands(source: Path, root: Path, parameters: dict) -> list[list[str]]:
     name = source.stem
     where = [f"-I{folder}" for folder in includes(root)]
-    where += [word for folder in dict.fromkeys(path.parent for path in sources(root)) for word in ("-y", str(folder))]
+    folders = [*dict.fromkeys(path.parent for path in sources(root)), *(root / name for name in (*EXAMPLES, *MODELS))]
+    where += [word for folder in folders for word in ("-y", str(folder))]
     lint_vlt = root / "rtl" / "lint.vlt"
     waivers = [str(lint_vlt)] if lint_vlt.exists() else []
     verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", *waivers]
@@ -115,7 +120,7 @@ def lint_module(source: Path, root: Path, env: dict) -> tuple[str, str]:
     modules = MODULE.findall(text)
     if modules != [name]:
         findings.append(f"{source}: holds {modules or 'no module'}, must hold the one module {name}")
-    if not name.startswith(PREFIX):
+    if root / "rtl" in source.parents and not name.startswith(PREFIX):
         findings.append(f"{source}: a module's name starts with {PREFIX}")
     sets = parameter_sets(name, text)
     for parameters in sets if not findings else []:
@@ -137,6 +142,7 @@ def main(arguments: Sequence[str] | None) -> int:
 
     root = options.root.resolve()
     found = sources(root) if (root / LIST).exists() else []
+    found += [path for name in EXAMPLES for path in sorted((root / name).glob("*.v"))]
     unknown = set(options.modules) - {s.stem for s in found}
     if unknown or not found:
         what = f"no module {', '.join(sorted(unknown))}" if unknown else "no Verilog"

@@ -41,12 +41,30 @@ def _parser() -> Parser:
     return parser
 
 
+def score_runs(
+    arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
+) -> list[tuple[Run, Score]]:
+    """The score of each run, beside the errors that are predicted if `predict` says so."""
+    scores = [
+        score(
+            item.targets, item.words, item.exponent, run.results, run.flags,
+            width=arguments.width, datapath=datapath, simulator=arguments.sim,
+            latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
+            bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
+            predicted=hand_bar(item.words, arguments.width, datapath) if predict else None,
+            bar=arguments.bar,
+        )
+        for item, run in zip(prepared, runs, strict=True)
+    ]  # fmt: skip
+    return list(zip(runs, scores, strict=True))
+
+
 def run_and_score(
     arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None,
     predict: bool = True,
 ) -> list[tuple[Run, Score]]:
-    """Run all trajectories through a datapath in one simulation and score them, in their order, beside the errors that
-    are predicted if `predict` says so. Raises SimulationError."""
+    """Run all trajectories through a datapath in one simulation and score them, in their order, as `score_runs`. Raises
+    SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     total = sum(len(job.words) for job in jobs)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
@@ -60,18 +78,7 @@ def run_and_score(
             progress=lambda done, _: meter(done),
             cores=arguments.cores,
         )
-    scores = [
-        score(
-            item.targets, item.words, item.exponent, run.results, run.flags,
-            width=arguments.width, datapath=datapath, simulator=arguments.sim,
-            latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
-            bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
-            predicted=hand_bar(item.words, arguments.width, datapath) if predict else None,
-            bar=arguments.bar,
-        )
-        for item, run in zip(prepared, runs, strict=True)
-    ]  # fmt: skip
-    return list(zip(runs, scores, strict=True))
+    return score_runs(arguments, datapath, prepared, runs, predict)
 
 
 def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:

@@ -74,12 +74,15 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
         clamped = _number(result.clamped_error_max), _asked(result.clamped_error_bar)
         rows.append(("error of the clamped hand / reach, largest", *clamped))
     occurred = int(np.bitwise_or.reduce(flags))
-    return [
-        *rows,
-        ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
+    clocks = [
         (LATENCY, str(result.latency_cycles)),
         (CLOCKS, str(result.total_cycles)),
         (RATE, f"{result.results_per_cycle:.3f}"),
+    ] if result.results_per_cycle else []  # fmt: skip
+    return [
+        *rows,
+        ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
+        *clocks,
         ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0"),
     ]
 
@@ -113,9 +116,9 @@ def _summary(scores: Sequence[Score]) -> str:
 def table_of_many(scores: Sequence[Score]) -> Table:
     """One line a trajectory, narrow enough for a terminal of 80 columns."""
     first = scores[0]
+    latency = "" if first.latency_cycles is None else f", latency {first.latency_cycles} clocks"
     table = Table(
-        title=f"{first.datapath} datapath, {first.width} bits, {first.simulator}, "
-        f"latency {first.latency_cycles} clocks",
+        title=f"{first.datapath} datapath, {first.width} bits, {first.simulator}{latency}",
         caption=f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
         "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model",
         box=box.SIMPLE_HEAD,

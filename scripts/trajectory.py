@@ -49,12 +49,13 @@ class Prepared:
 def parser_of(
     command: str, description: str, *, out: str, written: str,
     passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DEFAULT,
-    both: bool = False,
+    both: bool = False, core: bool = True,
 ) -> Parser:  # fmt: skip
     """The parser of a command that runs trajectories, with the options that all of them have.
 
     out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`; datapath:
-    the default, None if it depends on the trajectory (`datapaths`); both: whether --datapath takes BOTH.
+    the default, None if it depends on the trajectory (`datapaths`); both: whether --datapath takes BOTH; core: whether
+    there is one to choose.
     """
     parser = Parser(command, description, passes=passes, fails=fails)
     about = (
@@ -64,12 +65,13 @@ def parser_of(
     parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
-    parser.core(datapath=datapath, datapaths=(*CONFIGURATIONS, *([BOTH] if both else [])))
-    parser.choice(
-        "--cores", "cores", CORES, CORES[0],
-        "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
-        "the results are the same (default: %(default)s)",
-    )  # fmt: skip
+    if core:
+        parser.core(datapath=datapath, datapaths=(*CONFIGURATIONS, *([BOTH] if both else [])))
+        parser.choice(
+            "--cores", "cores", CORES, CORES[0],
+            "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
+            "the results are the same (default: %(default)s)",
+        )  # fmt: skip
     about = (
         "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
         "targets; it should point where no wrist goes; torso, of a clip: outward and up (default: z; of a clip: torso)"

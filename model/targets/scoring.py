@@ -121,9 +121,9 @@ class Score:
     clamped_error_max: float | None
     clamped_error_bar: float | None
     singular_distance_min: float
-    latency_cycles: int
-    total_cycles: int
-    results_per_cycle: float
+    latency_cycles: int | None
+    total_cycles: int | None
+    results_per_cycle: float | None
     flagged: int
     scale_exponent: int
     passed: bool
@@ -147,8 +147,8 @@ def score(
     width: int,
     datapath: str,
     simulator: str,
-    latency_cycles: int,
-    total_cycles: int,
+    latency_cycles: int | None,
+    total_cycles: int | None,
     bit_mismatches: int,
     first_mismatch: str | None = None,
     predicted: np.ndarray | None,
@@ -159,8 +159,8 @@ def score(
     * targets: N of them, as the user gave them
     * words (N, 6), exponent: what `targets.to_words` made of them
     * results (N, 6): the core's signed words, columns as `RESULT_FIELDS`; flags (N,): its flag bits
-    * latency_cycles: clocks from the first target in to the first result out
-    * total_cycles: clocks from the first target in to the last result out, both counted
+    * latency_cycles: clocks from the first target in to the first result out; None where nobody saw them
+    * total_cycles: clocks from the first target in to the last result out, both counted; likewise
     * predicted (N,): hand error / reach that word length and conditioning explain; None where nobody asked
     * bar: hand error / reach that the user asks for, in the place of the table of tolerances
 
@@ -237,10 +237,10 @@ def score(
         clamped_error_max=furthest,
         clamped_error_bar=bar if clamped.any() else None,
         singular_distance_min=float(distance.min()),
-        latency_cycles=int(latency_cycles),
-        total_cycles=int(total_cycles),
+        latency_cycles=latency_cycles,
+        total_cycles=total_cycles,
         # While results flow: over the clocks from the first result to the last, both counted.
-        results_per_cycle=count / (int(total_cycles) - int(latency_cycles)),
+        results_per_cycle=None if total_cycles is None else count / (total_cycles - (latency_cycles or 0)),
         flagged=int(np.count_nonzero(flags)),
         scale_exponent=int(exponent),
         passed=not failures,

@@ -25,13 +25,13 @@ class Run:
     """What the RTL made of a job.
 
     ``results`` (N, 6) signed words and ``flags`` (N,) in input order; ``latency_cycles`` from first in to first out;
-    ``total_cycles`` from first in to last out, both included; ``bit_mismatches`` over all named nodes, and the first
-    of them as text.
+    ``total_cycles`` from first in to last out, both included, None of hardware that is only seen through a link;
+    ``bit_mismatches`` over all named nodes, or those that are seen, and the first of them as text.
     """
 
     results: np.ndarray
     flags: np.ndarray
-    latency_cycles: int
-    total_cycles: int
+    latency_cycles: int | None
+    total_cycles: int | None
     bit_mismatches: int
     first_mismatch: str | None

@@ -1,0 +1,57 @@
+// Bytes to a target; words as they come.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A frame is START, BYTES of payload, their CRC-16, high byte first.  A target is offered when its frame was right, and
+// then stays until it is taken; bytes that come before that are lost.  Between frames all bytes but START are passed over.
+// A byte without stop bit, a wrong check, a frame for which there is no room or one that pauses for 2^LOG2_QUIET clocks
+// is dropped, and said by `dropped`; the sender asks again.
+// Latency: 1 clock from the last byte.
+`default_nettype none
+
+module frame_rx #(
+    parameter [7:0]   START      = 8'hA5,
+    parameter integer BYTES      = 19,  // up to 29
+    parameter integer LOG2_QUIET = 16
+) (
+    input  wire               clk,
+    input  wire               rst,
+    input  wire [        7:0] data,
+    input  wire               valid,
+    input  wire               bad,
+    output reg  [8*BYTES-1:0] frame,     // the first byte lowest
+    output reg                offered,
+    input  wire               taken,
+    output reg                dropped    // for one clock
+);
+
+  localparam [31:0] ALL = BYTES + 2;
+  reg [4:0] left;  // bytes to come, 0 between frames
+  reg [15:0] crc;
+  reg [LOG2_QUIET-1:0] quiet;
+  wire [15:0] crc_next;
+  crc16 u_crc (.crc(crc), .data(data), .next(crc_next));
+
+  wire begun = left != 0;
+  wire first = valid && !begun && data == START;
+  wire ends = valid && left == 1;
+  wire right = crc_next == 16'd0;  // of payload and check
+  wire late = begun && (&quiet);
+  always @(posedge clk) begin
+    quiet <= (valid || !begun) ? {LOG2_QUIET{1'b0}} : quiet + 1'b1;
+    if (first && !offered) left <= ALL[4:0];
+    else if (valid && begun) left <= left - 5'd1;
+    crc <= begun ? (valid ? crc_next : crc) : 16'hFFFF;
+    if (valid && left > 2) frame <= {data, frame[8*BYTES-1:8]};
+    if (ends && right) offered <= 1'b1;
+    else if (taken) offered <= 1'b0;
+    dropped <= (first && offered) || (ends && !right) || (begun && (bad || late));
+    if (rst || (begun && (bad || late))) left <= 5'd0;
+    if (rst) begin
+      offered <= 1'b0;
+      dropped <= 1'b0;
+    end
+  end
+
+endmodule
+
+`default_nettype wire

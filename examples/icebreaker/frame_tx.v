@@ -1,0 +1,47 @@
+// An answer to bytes; words as they are.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A frame as of frame_rx: START, BYTES of payload, their CRC-16, high byte first.
+// Latency: START goes to the line in the clock after the answer is taken.
+`default_nettype none
+
+module frame_tx #(
+    parameter [7:0]   START = 8'h5A,
+    parameter integer BYTES = 20  // up to 28
+) (
+    input  wire               clk,
+    input  wire               rst,
+    input  wire [8*BYTES-1:0] frame,   // the first byte lowest
+    input  wire               offered,
+    output wire               taken,
+    output wire [        7:0] data,
+    output wire               valid,
+    input  wire               ready
+);
+
+  localparam [31:0] ALL = BYTES + 3;
+  reg [4:0] left;  // bytes to be sent
+  reg [15:0] crc;
+  reg [8*BYTES+7:0] shift;
+  wire [15:0] crc_next;
+  crc16 u_crc (.crc(crc), .data(shift[7:0]), .next(crc_next));
+
+  assign taken = offered && left == 0;
+  assign valid = left != 0;
+  assign data = (left == 2) ? crc[15:8] : (left == 1) ? crc[7:0] : shift[7:0];
+  always @(posedge clk) begin
+    if (taken) begin
+      shift <= {frame, START};
+      left  <= ALL[4:0];
+    end else if (valid && ready) begin
+      shift <= {8'd0, shift[8*BYTES+7:8]};
+      left  <= left - 5'd1;
+    end
+    if (left == 0 || (valid && ready && left == ALL[4:0])) crc <= 16'hFFFF;  // START is not in it
+    else if (valid && ready && left > 2) crc <= crc_next;
+    if (rst) left <= 5'd0;
+  end
+
+endmodule
+
+`default_nettype wire

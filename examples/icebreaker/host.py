@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets through a board with examples/icebreaker, over its serial port: what `make -C examples/icebreaker send` does.
+
+    python -m examples.icebreaker.host PORT [--trajectory NAME|all|FILE.csv|clip.bvh] [--out DIR] ...
+
+Writes what `make run DATAPATH=fold16 WIDTH=24` writes, in the same bytes; only score.json has no clocks, which are not
+seen from here. Every answer is compared with the bit-true model.
+
+The board drops a frame (frames.py) whose check is wrong; what is not answered is sent again.
+
+Exit status: 0 if every trajectory passes, 1 if one fails or the board does not answer, 2 for input that cannot be used
+(one line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import serial
+
+from examples.icebreaker.frames import WIDTH, Answers, frame
+from model.dataflow import fixed
+from model.dataflow.datapaths import FOLD16
+from scripts.console import InputError, Parser, command, finite, output, progress, show, whole
+from scripts.results import SCORES, result_paths, write_results, written
+from scripts.run import score_runs
+from scripts.tables import table_of_many, table_of_one, verdict
+from scripts.trajectory import Prepared, parser_of, prepare
+from tb.sim.simulate import LONG, Run, SimulationError
+
+WINDOW = 64
+"""Targets under way. At two stop bits a target takes longer than its answer, so that any number may be; tags tell
+them apart as long as it is far below 256."""
+TRIES = 4
+"""How often a target is sent before the board counts as silent."""
+
+
+class Board:
+    """A board behind a serial port. Raises InputError if the port cannot be used."""
+
+    def __init__(self, port: str, baud: int, timeout: float):
+        self.name, self.timeout, self.again = port, timeout, 0
+        try:
+            stop = serial.STOPBITS_TWO
+            self.port = serial.Serial(port, baud, stopbits=stop, timeout=min(0.02, timeout / 4), exclusive=True)
+        except (OSError, ValueError) as exc:  # pyserial's own is an OSError
+            raise InputError(f"cannot open the serial port {port!r}: {_why(exc)}") from None
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.port.close()
+
+    def quiet(self) -> None:
+        """Wait until nothing comes any more: answers to somebody who has gone."""
+        end = time.monotonic() + self.timeout
+        while self.port.read(4096):
+            if time.monotonic() > end:
+                raise SimulationError(f"{self.name} sends without being asked: is the right board there?")
+
+    def solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
+        """The results (N, 6) and flags (N,) of targets (N, 6); ``done(n)`` is called with how many are answered.
+        Raises SimulationError when the board is silent."""
+        try:
+            return self._solve(words, done)
+        except OSError as exc:
+            raise SimulationError(f"lost {self.name}: {_why(exc)}") from None
+
+    def _solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
+        results, flags = np.zeros((len(words), 6), dtype=np.int64), np.zeros(len(words), dtype=np.int64)
+        answers, sent, tries = Answers(), deque(), [0] * len(words)
+        self.quiet()
+        following = answered = 0
+        heard = time.monotonic()
+        lost: deque[int] = deque()
+        while answered < len(words):
+            while len(sent) < WINDOW and (lost or following < len(words)):
+                target = lost.popleft() if lost else following
+                if tries[target] == TRIES:
+                    raise SimulationError(f"{self.name} does not answer target {target}, sent {TRIES} times")
+                following = max(following, target + 1)
+                self.again += tries[target] > 0
+                tries[target] += 1
+                if not sent:
+                    heard = time.monotonic()
+                sent.append(target)
+                self.port.write(frame(target % 256, words[target]))
+            for tag, flag, result in answers(self.port.read(max(1, self.port.in_waiting))):
+                place = next((k for k, target in enumerate(sent) if target % 256 == tag), None)
+                if place is None:
+                    continue  # an answer that was given up, and came late
+                lost += [sent.popleft() for _ in range(place)]  # answers come in order
+                target = sent.popleft()
+                results[target], flags[target] = result, flag
+                answered += 1
+                heard = time.monotonic()
+                done(answered)
+            if time.monotonic() - heard > self.timeout:
+                lost += sent
+                sent.clear()
+        return results, flags
+
+
+def _why(error: BaseException) -> str:
+    """The system's reason if there is one: pyserial's words are for programmers."""
+    numbers = [one.args[0] for one in (error, error.__context__) if one and one.args and isinstance(one.args[0], int)]
+    return os.strerror(numbers[0]) if numbers else str(error)
+
+
+def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
+    """What the board answered, beside the bit-true model."""
+    model = fixed.run(words, WIDTH, FOLD16.name)
+    mask = np.int64((1 << WIDTH) - 1)
+    wrong = np.column_stack(((results ^ model.results) & mask, flags ^ model.flags))
+    bits = sum(int(word).bit_count() for word in wrong[wrong != 0])
+    targets = np.flatnonzero(wrong.any(axis=1))
+    first = f"first: target {targets[0]}" if len(targets) else None
+    return Run(results, flags, None, None, bits, first)
+
+
+def _parser() -> Parser:
+    parser = parser_of(
+        "run", "Send targets through a board with examples/icebreaker and score its answers.", out="build/icebreaker",
+        written="results.csv and score.json", fails="one fails or the board does not answer", core=False,
+    )  # fmt: skip
+    parser.prog = "python -m examples.icebreaker.host"
+    parser.add_argument("port", metavar="PORT", help="the serial port, such as /dev/ttyUSB1")
+    default = "(default: %(default)s)"
+    parser.add_argument("--baud", type=whole(1), default=1000000, metavar="N", help=f"bits per second {default}")
+    about = f"seconds without an answer after which targets are sent again {default}"
+    parser.add_argument("--timeout", type=_seconds, default=0.5, metavar="S", help=about)
+    parser.set_defaults(sim="icebreaker", datapath=FOLD16.name, width=WIDTH)
+    return parser
+
+
+def _seconds(text: str) -> float:
+    value = finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
+    return value
+
+
+def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
+    total, before, runs = sum(len(item.words) for item in prepared), 0, []
+    with progress(f"{board.name}, {total} targets", total) as meter:
+        for item in prepared:
+            results, flags = board.solve(item.words, lambda done, before=before: meter(before + done))
+            runs.append(compared(item.words, results, flags))
+            before += len(item.words)
+    return runs
+
+
+@command("icebreaker")
+def main(arguments: Sequence[str] | None) -> int:
+    """Run the command line; the exit status."""
+    parsed = _parser().parse_args(arguments)
+    prepared = prepare(parsed)
+    out = parsed.out
+    with output(out, written(out, [out], prepared)), Board(parsed.port, parsed.baud, parsed.timeout) as board:
+        begin = time.monotonic()
+        runs = _through(board, prepared)
+        rate = sum(len(run.flags) for run in runs) / (time.monotonic() - begin)
+        predict = sum(len(item.words) for item in prepared) < LONG
+        done = score_runs(parsed, parsed.datapath, prepared, runs, predict)
+        write_results(out, [out], prepared, [done])
+    scores = [result for _, result in done]
+    show(table_of_many(scores) if len(scores) > 1 else table_of_one(scores[0], runs[0].flags))
+    print(f"{rate:.0f} targets a second through {parsed.port}, {board.again} sent again")
+    for path in (*result_paths(out, prepared), out / SCORES):
+        print(f"wrote {path}")
+    return verdict("icebreaker", scores)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

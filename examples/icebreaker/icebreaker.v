@@ -1,0 +1,86 @@
+// Inputs Q2.22 and a binary angle, results Q2.22, as bytes of a serial line; no rounding of its own.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The folded core on an iCEBreaker (iCE40 UP5K): a target comes as a frame, its answer goes back as one.
+//   target: A5, tag, x, y, z, phi, d1, d2 as 3 bytes each, lowest first, CRC-16    22 bytes
+//   answer: 5A, tag, flags, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i likewise, CRC-16     23 bytes
+// The button resets.  Green: out of reset; red: the last frame was dropped.
+// Two targets may be under way without waiting for an answer: one answer is sent while the next one is computed.
+`default_nettype none
+
+module icebreaker #(
+    parameter integer CLOCK      = 24000000,  // Hz, of the PLL
+    parameter integer BAUD       = 1000000,
+    parameter integer LOG2_QUIET = 16         // clocks of a pause that ends a frame
+) (
+    input  wire CLK,     // 12 MHz
+    input  wire BTN_N,
+    input  wire RX,
+    output wire TX,
+    output wire LEDG_N,
+    output wire LEDR_N
+);
+
+  // ---- clock and reset ----
+
+  wire clk, locked;
+  SB_PLL40_PAD #(  // 12 MHz * 64 / 32
+      .FEEDBACK_PATH("SIMPLE"),
+      .DIVR(4'd0),
+      .DIVF(7'd63),
+      .DIVQ(3'd5),
+      .FILTER_RANGE(3'd1)
+  ) u_pll (
+      .PACKAGEPIN(CLK), .PLLOUTGLOBAL(clk), .LOCK(locked), .RESETB(1'b1), .BYPASS(1'b0)
+  );
+
+  reg [1:0] button;  // the pin is of no clock
+  reg [3:0] up;      // clocks since the reset's reason is gone
+  initial begin
+    button = 2'b00;
+    up = 4'd0;
+  end
+  wire rst = !(&up);
+  always @(posedge clk) begin
+    button <= {button[0], BTN_N};
+    if (!button[1] || !locked) up <= 4'd0;
+    else if (rst) up <= up + 4'd1;
+  end
+
+  // ---- in, core, out ----
+
+  localparam integer BIT = CLOCK / BAUD;
+  localparam integer W = 24;
+
+  wire [7:0] rx_data, tx_data;
+  wire rx_valid, rx_bad, tx_valid, tx_ready;
+  uart_rx #(.BIT(BIT)) u_uart_rx (.clk(clk), .rst(rst), .rx(RX), .data(rx_data), .valid(rx_valid), .bad(rx_bad));
+  uart_tx #(.BIT(BIT)) u_uart_tx (.clk(clk), .rst(rst), .data(tx_data), .valid(tx_valid), .ready(tx_ready), .tx(TX));
+
+  wire [7:0] tag, answer_tag, flags;
+  wire [6*W-1:0] target, answer;
+  wire offered, taken, dropped, answered, sent;
+  frame_rx #(.LOG2_QUIET(LOG2_QUIET)) u_frame_rx (
+      .clk(clk), .rst(rst), .data(rx_data), .valid(rx_valid), .bad(rx_bad),
+      .frame({target, tag}), .offered(offered), .taken(offered && taken), .dropped(dropped)
+  );
+  ik_axis #(.W(W), .LEAN(2), .TILE(16)) u_core (
+      .clk(clk), .rst(rst),
+      .s_axis_tdata(target), .s_axis_tuser(tag), .s_axis_tvalid(offered), .s_axis_tready(taken),
+      .m_axis_tdata(answer), .m_axis_tuser({flags, answer_tag}), .m_axis_tvalid(answered), .m_axis_tready(sent)
+  );
+  frame_tx u_frame_tx (
+      .clk(clk), .rst(rst), .frame({answer, flags, answer_tag}), .offered(answered), .taken(sent),
+      .data(tx_data), .valid(tx_valid), .ready(tx_ready)
+  );
+
+  // ---- LEDs, lit when low ----
+
+  reg red;
+  always @(posedge clk) red <= !rst && (dropped || (red && !offered));
+  assign LEDG_N = rst;
+  assign LEDR_N = !red;
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The host script of examples/icebreaker: through the simulated board it writes what `make run` writes; beside a board
+that does not behave it says so."""
+
+import binascii
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+import tty
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from examples.icebreaker import host
+from examples.icebreaker.frames import ANSWER, Answers, frame
+from model.dataflow import fixed
+from scripts import run
+from tb.icebreaker.example import run as simulated
+from tb.sim.env import ROOT, environment, simulator
+
+HOST = [sys.executable, "-m", "examples.icebreaker.host", "PORT"]
+
+
+def csv(place, targets):
+    """A CSV with the first targets of an example."""
+    lines = (ROOT / "examples" / "reach.csv").read_text().splitlines()
+    (place / "few.csv").write_text("\n".join(lines[: targets + 1]) + "\n")
+    return str(place / "few.csv")
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("targets", "lost", "again"),
+    [
+        pytest.param(20, [[], []], 0, marks=pytest.mark.cost(10)),
+        # a byte of a target in the midst and of the last one; of an answer likewise
+        pytest.param(
+            100, [[22 * 5 + 3, 22 * 99 + 21], [0, 23 * 50 + 22]], 4, marks=[pytest.mark.slow, pytest.mark.cost(40)]
+        ),
+    ],
+    ids=["all", "some lost"],
+)
+def test_the_same_results_as_in_simulation(tmp_path, command, targets, lost, again):
+    trajectory = csv(tmp_path, targets)
+    core = ["--datapath", "fold16", "--width", "24", "--sim", simulator(), "--out", "run"]
+    assert command(run.main, "--trajectory", trajectory, *core)[0] == 0
+    program = [*HOST, "--trajectory", trajectory, "--out", str(tmp_path / "board"), "--timeout", "4"]
+    simulated(
+        "tb.icebreaker.link", IK_PROGRAM=json.dumps(program), IK_LOST=json.dumps(lost), IK_SAID=str(tmp_path / "said")
+    )
+    said = (tmp_path / "said").read_text()
+    assert int(re.search(r", (\d+) sent again\n", said)[1]) >= again
+    for name in ("results.csv", "results.npz"):
+        assert (tmp_path / "board" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
+    (score,) = json.loads((tmp_path / "board" / "score.json").read_text())
+    assert score["passed"] and score["simulator"] == "icebreaker" and score["latency_cycles"] is None
+
+
+# -- without a simulator ---------------------------------------------------------------------------
+
+
+class Board(threading.Thread):
+    """Answers by the model at the other end of a pseudo-terminal; `spoil(n, answer)` makes of the n-th answer what is
+    sent in its place."""
+
+    def __init__(self, spoil=lambda n, answer: answer):
+        super().__init__(daemon=True)
+        self.ours, self.theirs = pty.openpty()
+        tty.setraw(self.theirs)
+        self.port, self.spoil, self.count = os.ttyname(self.theirs), spoil, 0
+        self.start()
+
+    def run(self):
+        had = b""
+        while True:
+            try:
+                had += os.read(self.ours, 4096)
+            except OSError:
+                return
+            while len(had) >= 22:
+                one, had = had[:22], had[22:]
+                model = fixed.run(np.array([words_in(one[2:])]), 24, "fold16")
+                answer = self.spoil(self.count, answered(one[1], int(model.flags[0]), model.results[0]))
+                self.count += 1
+                if answer is None:
+                    os.close(self.ours)
+                    os.close(self.theirs)
+                    return
+                os.write(self.ours, answer)
+
+
+def words_in(some):
+    return [int.from_bytes(some[3 * k : 3 * k + 3], "little", signed=True) for k in range(6)]
+
+
+def answered(tag, flags, results):
+    """The bytes of an answer: a frame of its own start, with the flags behind the tag."""
+    payload = bytes([tag, flags]) + b"".join(int(word).to_bytes(3, "little", signed=True) for word in results)
+    return ANSWER + payload + binascii.crc_hqx(payload, 0xFFFF).to_bytes(2, "big")
+
+
+@pytest.fixture
+def few(tmp_path):
+    return csv(tmp_path, 3)
+
+
+def test_frames():
+    assert frame(7, [1, -1, 0, 0x7FFFFF, -0x800000, 0x123456]).hex() == (
+        "a507010000ffffff000000ffff7f000080563412fefc"
+    )
+    good = answered(3, 1, [5, -5, 0, 0, 0, 0])
+    bad = good[:-1] + bytes([good[-1] ^ 1])
+    answers = Answers()
+    assert answers(b"Z\x00" + bad + good[:9]) == []
+    assert answers(good[9:] + good) == 2 * [(3, 1, [5, -5, 0, 0, 0, 0])]
+
+
+def test_scores(command, few):
+    board = Board()
+    status, out, err = command(host.main, board.port, "--trajectory", few)
+    assert (status, err) == (0, [])
+    assert out[-3].endswith(f"targets a second through {board.port}, 0 sent again")
+    assert out[-2:] == ["wrote build/icebreaker/results.csv", "wrote build/icebreaker/score.json"]
+    assert not [line for line in out if "clocks" in line]
+
+
+def test_all_trajectories(command):
+    status, out, err = command(host.main, Board().port, "--trajectory", "all")
+    assert (status, err) == (0, [])
+    assert len(list(Path("build/icebreaker").glob("*/results.csv"))) == len(run.trajectories.TRAJECTORIES)
+
+
+@pytest.mark.parametrize("lost", [{0}, {2}, {0, 1, 2}], ids=str)
+def test_an_answer_that_is_lost(command, few, lost):
+    board = Board(lambda n, answer: b"" if n in lost else answer)
+    status, out, _ = command(host.main, board.port, "--trajectory", few, "--timeout", "0.2")
+    assert status == 0 and f", {len(lost)} sent again" in out[-3]
+
+
+def test_a_late_answer_is_no_other_target(command, few):
+    """The answers to what was sent first come when it has been sent again."""
+    held = []
+
+    def spoil(n, answer):
+        if n < 3:
+            held.append(answer)
+            return b""
+        return held.pop(0) + answer
+
+    status, _, err = command(host.main, Board(spoil).port, "--trajectory", few, "--timeout", "0.2")
+    assert (status, err) == (0, [])
+
+
+def test_a_wrong_bit(command, few):
+    def spoil(n, answer):
+        payload = bytearray(answer[1:-2])
+        payload[4] ^= 3 * (n == 1)
+        return answered(payload[0], payload[1], words_in(payload[2:]))
+
+    status, _, err = command(host.main, Board(spoil).port, "--trajectory", few)
+    assert status == 1
+    assert err[0] == "icebreaker: few fails: 2 bits differ from the bit-true model; first: target 1"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda n, answer: b"", "{} does not answer target 0, sent 4 times"),
+        (lambda n, answer: answer[:9] + b"?" + answer[10:], "{} does not answer target 0, sent 4 times"),
+        (lambda n, answer: None, "lost {}: "),
+    ],
+    ids=["silent", "noisy", "gone"],
+)
+def test_a_board_that_does_not_answer(command, few, files, spoil, says):
+    board = Board(spoil)
+    before = files()
+    status, out, err = command(host.main, board.port, "--trajectory", few, "--timeout", "0.1")
+    assert (status, out, len(err)) == (1, [], 1)
+    assert err[0].startswith(f"icebreaker: {says.format(board.port)}")
+    assert files() == before
+
+
+def test_a_board_that_talks(command, few):
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    over = threading.Event()
+
+    def talk():
+        while not over.wait(0.005):
+            os.write(ours, b"hello ")
+
+    thread = threading.Thread(target=talk)
+    thread.start()
+    try:
+        status, _, err = command(host.main, os.ttyname(theirs), "--trajectory", few, "--timeout", "0.2")
+    finally:
+        over.set()
+        thread.join()
+    assert status == 1 and err == [
+        f"icebreaker: {os.ttyname(theirs)} sends without being asked: is the right board there?"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["none"], "cannot open the serial port 'none': No such file or directory"),
+        (["few.csv"], "cannot open the serial port 'few.csv': Inappropriate ioctl for device"),
+        ([], "the following arguments are required: PORT"),
+        (["none", "--baud", "0"], "argument --baud: '0' is not a whole number of at least 1"),
+        (["none", "--timeout", "0"], "argument --timeout: '0' is not positive"),
+        (["none", "--trajectory", "bad.csv"], "bad.csv: row 3, column y: 'here' is not a number"),
+        (["none", "--datapath", "lean"], "unrecognized arguments: --datapath lean"),
+    ],
+)
+def test_mistakes(command, few, files, arguments, says):
+    Path("bad.csv").write_text("x,y,z\n0.1,0.2,0.3\n0.1,here,0.3\n")
+    before = files()
+    assert command(host.main, *arguments) == (2, [], [f"icebreaker: {says}"])
+    assert files() == before
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_signals(tmp_path, few, interruptible, number, status):
+    """Results of before stay whole."""
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "results.csv").write_text("before")
+    board = Board(lambda n, answer: b"")
+    words = [*HOST[:3], board.port, "--trajectory", few, "--out", str(tmp_path / "out"), "--timeout", "60"]
+    process = subprocess.Popen(words, cwd=ROOT, env=environment(), stderr=subprocess.PIPE, text=True)
+    while not board.count:
+        time.sleep(0.05)
+    process.send_signal(number)
+    said = process.communicate(timeout=30)[1]
+    assert process.returncode == status and said.startswith("icebreaker: ") and "Traceback" not in said
+    assert os.listdir(tmp_path / "out") == ["results.csv"]
+    assert (tmp_path / "out" / "results.csv").read_text() == "before"
