@@ -122,7 +122,7 @@ wordlengths: ## ranges proved and seen, errors of every node: wordlengths.md
 	@$(SETUP) icarus
 	@exec $(VENV) -m scripts.pages.wordlengths
 
-compare: ## both datapaths on the same targets, clocks, operations, errors: compare.md and .svg
+compare: ## the machines on the same targets, clocks, operations, errors: compare.md and .svg
 	@$(SETUP) icarus
 	@exec $(VENV) -m scripts.compare
 
@@ -183,7 +183,7 @@ release-check: ## the same, and fails if one is
 	@$(SETUP)
 	@exec $(VENV) -m scripts.check_proofs --strict
 
-fpga: ## table 5 of the paper again: size and clock of both datapaths by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH=]
+fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH=]
 	@$(SETUP) fpga
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 

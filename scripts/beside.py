@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Both datapaths beside tables 5 and 6 of the paper: what `make run` prints of them on one trajectory."""
+"""Machines beside tables 5 and 6 of the paper: what `make run` prints of several on one trajectory."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rich.table import Table
 
 from model.targets.scoring import Score
 from scripts import published
-from scripts.fpga.page import FIGURES, clock, synthesized
+from scripts.fpga.page import CHIPS, FIGURES, FOLD, TOPS, clock, fold_runs, synthesized
 from scripts.tables import CLOCKS, LATENCY, RATE, figures, outcome
 
 LUTS, PART, MULTIPLIERS, CLOCK = "LUT4", f"  of the {published.CHIP}'s", "18x18 multipliers", "clock (MHz)"
@@ -47,15 +47,27 @@ def _times(targets: int, us: float) -> str:
     return f"{published.SOFTWARE_US / published.TARGETS * targets / us:.0f}"
 
 
+def _small_chip(datapath: str) -> str:
+    """The chip that a folded machine is placed on."""
+    return next((chip for chip, name, _ in FOLD if name == datapath), "")
+
+
 def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
     """The same rows of a run and its figures; `data`: what `make fpga` has measured."""
-    mhz = clock(data, result.datapath, result.width)
-    synthesis = synthesized(data, result.datapath, result.width, "xc2vp")
+    datapath, width = result.datapath, result.width
+    mhz = synthesis = None
+    if datapath in TOPS:
+        mhz = clock(data, datapath, width)
+        synthesis = synthesized(data, datapath, width, "xc2vp")
+    elif _small_chip(datapath):
+        synthesis, placed = fold_runs(data, _small_chip(datapath), datapath, width)
+        mhz = placed and placed["mhz"]
     rows = {name: value for name, value, *_ in figures(result, flags) if not name.startswith(" ")}
     if synthesis:
         cells = synthesis["cells"]
-        luts, multipliers = cells["LUT"], cells["multipliers"]
-        rows |= {LUTS: str(luts), PART: published.of_chip(luts), MULTIPLIERS: str(multipliers)}
+        rows |= {LUTS: str(cells["LUT"]), MULTIPLIERS: str(cells["multipliers"])}
+        if datapath in TOPS:
+            rows[PART] = published.of_chip(cells["LUT"])
     if mhz:
         total = result.total_cycles / mhz
         rows |= {CLOCK: f"{mhz:.0f}", FIRST: f"{result.latency_cycles / mhz:.2f}", ALL: f"{total:.2f}"}
@@ -66,10 +78,12 @@ def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
 def table_beside_the_paper(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
     """Runs of one trajectory by several datapaths, with their flag bits (N,), in columns beside the paper's figures."""
     first, data = done[0][0], json.loads(FIGURES.read_text(encoding="utf-8"))
+    chips = {result.datapath: _small_chip(result.datapath) for result, _ in done}
+    small = [f"{name}: {CHIPS[chip][1]} and clock of an {CHIPS[chip][0]}." for name, chip in chips.items() if chip]
     table = Table(
         title=f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, "
         "beside tables 5 and 6 of the paper",
-        caption="\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES]),
+        caption="\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES, *small]),
         box=box.SIMPLE_HEAD,
         padding=(0, 1, 0, 0),
         title_justify="left",

@@ -25,7 +25,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.motion import axes
 from model.motion.axes import Axis
@@ -82,15 +82,22 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
-        self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1],
-        datapaths: Sequence[str] = tuple(CONFIGURATIONS),
-    ) -> None:  # fmt: skip
-        """The options that say which core is simulated by what; datapaths: those that --datapath takes; no datapath as
-        the default: all of the paper's scenario, otherwise the first."""
+        self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1], most: int = 1
+    ) -> None:
+        """The options that say which core is simulated by what; most: of --datapath, which is a list where that is more
+        than 1; no datapath as the default: all dataflows of the paper's scenario, otherwise the first."""
         default = "(default: %(default)s)"
         self.choice("--sim", "simulator", SIMULATORS, sim, f"the simulator {default}")
-        which = default if datapath else f"(default: {datapaths[-1]} of the paper's scenario, otherwise {datapaths[0]})"
-        self.choice("--datapath", "datapath", datapaths, datapath, f"which dataflow of the core to run {which}")
+        if most == 1:
+            self.choice("--datapath", "datapath", list(CONFIGURATIONS), datapath, f"the machine to run {default}")
+        else:
+            scenario = "" if datapath else f"of the paper's scenario {','.join(DATAPATHS)}, otherwise "
+            about = (
+                f"up to {most} machines with a comma between them, on the same targets: {', '.join(CONFIGURATIONS)} "
+                f"(default: {scenario}{datapath or DEFAULT})"
+            )
+            check = some_of("datapath", list(CONFIGURATIONS), most)
+            self.add_argument("--datapath", type=check, default=datapath, metavar="NAME[,NAME]", help=about)
         about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
         self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
 
@@ -109,6 +116,19 @@ def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
         if text not in valid:
             raise argparse.ArgumentTypeError(f"unknown {what} {text!r}; valid: {', '.join(valid)}")
         return text
+
+    return check
+
+
+def some_of(what: str, valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
+    """The type of an option that takes up to so many of a few words, each once, with a comma between them."""
+    one = one_of(what, valid)
+
+    def check(text: str) -> list[str]:
+        found = [one(word) for word in text.split(",")]
+        if len(found) > most or len(set(found)) < len(found):
+            raise argparse.ArgumentTypeError(f"{text!r} is not up to {most} different ones")
+        return found
 
     return check
 

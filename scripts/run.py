@@ -28,13 +28,13 @@ from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.save_file import write_save_file
 from scripts.tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import Prepared, datapaths, parser_of, prepare
+from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, parser_of, prepare
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 
 def _parser() -> Parser:
     about = "Run trajectories through the core in a simulator and score them."
-    parser = parser_of("run", about, out="build/run", written="results.csv and score.json", datapath=None, both=True)
+    parser = parser_of("run", about, out="build/run", written="results.csv and score.json", datapath=None, most=MOST_DATAPATHS)
     about = f"also write OUT/{VCD}, of one trajectory OUT/{ALIGNED}, too, and GTKWave save files"
     parser.add_argument("--waves", action="store_true", help=about)
     parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
@@ -82,9 +82,9 @@ def run_and_score(
 
 
 def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
-    """The table of each datapath; of both on one trajectory, one table beside the paper's."""
+    """The table of each datapath; of several on one trajectory, one table beside the paper's."""
     if len(done) > 1 and len(done[0]) == 1:
-        show(table_beside_the_paper([(result, ran.flags) for ((ran, result),) in reversed(done)]))
+        show(table_beside_the_paper([(result, ran.flags) for ((ran, result),) in done]))
         return
     for ran in done:
         runs, scores = zip(*ran, strict=True)

@@ -28,8 +28,8 @@ from tb.sim.env import CORES
 
 ALL = "all"
 
-BOTH = "both"
-"""Of --datapath: each dataflow in a simulation of its own, on the same targets."""
+MOST_DATAPATHS = 3
+"""That a command runs side by side."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +49,13 @@ class Prepared:
 def parser_of(
     command: str, description: str, *, out: str, written: str,
     passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DEFAULT,
-    both: bool = False, core: bool = True,
+    most: int = 1, core: bool = True,
 ) -> Parser:  # fmt: skip
     """The parser of a command that runs trajectories, with the options that all of them have.
 
     out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`; datapath:
-    the default, None if it depends on the trajectory (`datapaths`); both: whether --datapath takes BOTH; core: whether
-    there is one to choose.
+    the default, None if it depends on the trajectory (`datapaths`); most: how many --datapath takes; core: whether there
+    is one to choose.
     """
     parser = Parser(command, description, passes=passes, fails=fails)
     about = (
@@ -66,7 +66,7 @@ def parser_of(
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
     if core:
-        parser.core(datapath=datapath, datapaths=(*CONFIGURATIONS, *([BOTH] if both else [])))
+        parser.core(datapath=datapath, most=most)
         parser.choice(
             "--cores", "cores", CORES, CORES[0],
             "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
@@ -100,11 +100,11 @@ def parser_of(
 
 
 def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
-    """The datapaths that --datapath asks for, and the folder of the results of each. Without it both run on the paper's
-    scenario, as the front page compares them, and the first on anything else."""
+    """The datapaths that --datapath asks for, and the folder of the results of each. Without it both dataflows run on
+    the paper's scenario, as the front page compares them, and the first on anything else."""
     scenario = arguments.trajectory == trajectories.DEFAULT
-    chosen = arguments.datapath or (BOTH if scenario else DEFAULT)
-    return {each: arguments.out / each for each in DATAPATHS} if chosen == BOTH else {chosen: arguments.out}
+    chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
+    return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
 
 # -- the targets -----------------------------------------------------------------------------------

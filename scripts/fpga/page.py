@@ -164,12 +164,17 @@ def fold_values(datapath: str, width: int) -> dict[str, int]:
     return {"W": width, "LEAN": chosen["LEAN"], "TILE": chosen["TILE"]}
 
 
+def fold_runs(data: dict, family: str, datapath: str, width: int) -> tuple[dict | None, dict | None]:
+    """The figures of the folded machine on a chip: synthesized, and placed; None for what was not measured."""
+    name = "-".join(["axis", *(f"{k}{v}" for k, v in fold_values(datapath, width).items()), family])
+    return data["runs"].get(name), data["runs"].get(f"{name}-place")
+
+
 def folded(data: dict) -> str:
     """The table of the folded machine; empty where nothing was measured."""
     rows = []
     for family, datapath, width in FOLD:
-        name = "-".join(["axis", *(f"{k}{v}" for k, v in fold_values(datapath, width).items()), family])
-        run, placed = (data["runs"].get(name + end) for end in ("", "-place"))
+        run, placed = fold_runs(data, family, datapath, width)
         if not run:
             continue
         cells, (chip, logic), period = run["cells"], CHIPS[family], CONFIGURATIONS[datapath].period

@@ -7,13 +7,14 @@ const VIEW = { azimuth: -0.95, elevation: 0.3 }; // from the front right, a litt
 const element = (id) => document.getElementById(id);
 const scene = element("scene");
 
-// shown: a trajectory; runs: that, and the same with what a second datapath made of it, if there is one. frame: a step of the player, in which every arm of a clip has a target; arm: the one that is looked at, by its number;
+// shown: a trajectory; runs: that, and the same with what each further machine made of it. frame: a step of the player, in which every arm of a clip has a target; arm: the one that is looked at, by its number;
 // at: the target of that arm in that frame. What is no clip has one target a frame. figure: of the paper, from 0.
 const state = { shown: null, runs: [], frame: 0, arm: 0, at: 0, figure: 0, playing: false, last: null, view: { ...VIEW }, colours: {} };
 const armsIn = (t) => (t.clip ? t.clip.arms.length : 1);
 const framesIn = (t) => t.target.length / armsIn(t);
-const runsOf = (t) => (t.beside ? [t, { ...t, ...t.beside }] : [t]);
-const PLACES = ["", "2"]; // what the elements of the first and the second run are called
+const runsOf = (t) => [t, ...t.beside.map((run) => ({ ...t, ...run }))];
+const PLACES = runsOf(DATA[0]).map((_, i) => (i ? String(i + 1) : "")); // what the elements of each run are called by
+const several = PLACES.length > 1;
 const rateOf = (t) => (t.clip ? t.clip.rate : RATE);
 
 // -- vectors --------------------------------------------------------------------------------
@@ -34,7 +35,7 @@ const signed = (v) => (v < 0 ? "\u2212" : "+") + Math.abs(v).toFixed(6);
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body", "middle", "lean", "paper"]) {
+  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body", "middle", "run0", "run1", "run2"]) {
     state.colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -97,14 +98,14 @@ function disc(g, p, radius, colour) {
 // A part of a picture for each run, beside or above each other: part(w, h, run).
 function eachRun(g, w, h, part) {
   const count = state.runs.length;
-  const top = count > 1 ? 32 : 0;
+  const top = several ? 32 : 0;
   const beside = w > 1.2 * h;
   const [width, height] = beside ? [w / count, h] : [w, h / count];
   state.runs.forEach((t, i) => {
     g.save();
     g.translate(beside ? i * width : 0, beside ? 0 : i * height);
     if (top) {
-      badge(g, `${t.datapath}, ${t.latency} clocks, hand error ${error(t.hand[state.at])}`, t.datapath);
+      badge(g, `${t.datapath}, ${t.latency} clocks, hand error ${error(t.hand[state.at])}`, i);
     }
     g.translate(0, top);
     g.beginPath();
@@ -115,8 +116,8 @@ function eachRun(g, w, h, part) {
   });
 }
 
-function badge(g, string, datapath) {
-  g.fillStyle = state.colours[datapath];
+function badge(g, string, run) {
+  g.fillStyle = state.colours[`run${run}`];
   g.fillRect(4, 4, g.measureText(string).width + 16, 24);
   g.textAlign = "left";
   g.textBaseline = "middle";

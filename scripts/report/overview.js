@@ -31,7 +31,7 @@ function card(t) {
   button.append(picture);
   write("b", t.name.replaceAll("_", "_\u200b")); // may be broken there
   for (const run of runsOf(t)) {
-    write("small", t.beside ? run.datapath : `${t.target.length} targets`, t.beside ? "" : "count");
+    write("small", several ? run.datapath : `${t.target.length} targets`, several ? "" : "count");
     write("span", run.passed ? "pass" : "FAIL", run.passed ? "good" : "bad");
     write("small", `hand error ${error(largest(run.hand))}`, "wide");
     write("small", `asked ${run.bar === null ? "nothing" : error(run.bar)}`, "wide");

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run trajectories through the core and write one HTML page to look at: what `make report` does.
 
-    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath lean|paper|both] ...
+    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath NAME[,NAME]] ...
 
 Writes OUT/report.html: the arm in motion as the core's quaternions put it, of a clip the whole figure, figures 1 to 5
 of the paper, joint angles, errors of every target with what is asked and predicted, the score, the pipeline over time.
 The page holds all that it needs (report.html, .css and the scripts of this folder, and the figures as JSON) and opens
-from disk without network. Beside it are the files of `scripts.run`, to which it links; of both datapaths, which are
-shown side by side, in OUT/lean and OUT/paper.
+from disk without network. Beside it are the files of `scripts.run`, to which it links; of several machines, which
+are shown side by side, in a folder of each, such as OUT/lean and OUT/fold.
 
 Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
 """
@@ -35,7 +35,7 @@ from scripts.report.figure import figure_data, joint_angles
 from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
 from scripts.run import run_and_score
 from scripts.tables import figures, verdict
-from scripts.trajectory import Prepared, datapaths, parser_of, prepare
+from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, parser_of, prepare
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
@@ -63,8 +63,8 @@ def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
 
 
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
-    """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit. What a second
-    datapath made of it is under "beside", by the same names.
+    """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit. What
+    further machines made of it is under "beside", by the same names.
     """
     targets, width = item.targets, done[0][1].width
     # What the words asked for: the swivel plane that the core was given.
@@ -90,7 +90,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
         "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
         "paper": packed(item, width),
         **first,
-        **({"beside": others[0]} if others else {}),
+        "beside": others,
     }
 
 
@@ -137,19 +137,24 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
     return links | {"": [*(name for name in names if name not in known), SCORES]}
 
 
+def _listed(names: Sequence[str]) -> str:
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
 def script() -> str:
     """The scripts of the page, in the order in which they use each other."""
     return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
 
 
 def page(
-    shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, datapath: str, width: int, simulator: str
+    shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, names: Sequence[str], width: int, simulator: str
 ) -> str:
     """The whole page. `links`: files beside it, of each trajectory by its name, of all under ""."""
     data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
-        "run": html.escape(f"{datapath} datapath{'s' * (' ' in datapath)}, {width} bits, {simulator}"),
+        "run": html.escape(f"{_listed(names)} datapath{'s' * (len(names) > 1)}, {width} bits, {simulator}"),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
         "script": script(),
         "data": data.replace("<", "\\u003c"),  # so that no name can end the script element
@@ -163,7 +168,7 @@ def page(
 def main(arguments: Sequence[str] | None) -> int:
     """Run, score and write the page; the exit status."""
     about = "Run trajectories through the core in a simulator and write a page that shows them."
-    parser = parser_of("report", about, out="build/report", written="report.html", both=True)
+    parser = parser_of("report", about, out="build/report", written="report.html", most=MOST_DATAPATHS)
     parsed = parser.parse_args(arguments)
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
@@ -172,7 +177,7 @@ def main(arguments: Sequence[str] | None) -> int:
         done = [run_and_score(parsed, datapath, prepared) for datapath in folders]
         shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
-        text = page(shown, links, datapath=" and ".join(folders), width=parsed.width, simulator=parsed.sim)
+        text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)
         with writing():
             write_atomically(path, text)
         write_results(parsed.out, folders.values(), prepared, done)

@@ -162,6 +162,7 @@ function handSeries(t) {
   return [...asked, predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
 }
 
+const DASHES = [{ dash: [] }, { name: "Dotted", dash: [1, 7] }, { name: "Dashed", dash: [6, 10] }]; // of each run
 const JOINTS = ["azimuth", "elevation", "swivel", "elbow flexion"];
 
 function drawJoints() {
@@ -169,21 +170,27 @@ function drawJoints() {
   const colours = [c.upper, c.plane, c.elbow, c.fore];
   const series = state.runs.flatMap((t, i) => JOINTS.map((name, k) => {
     const values = t.angles.map((row) => row[k]);
-    return { name: i ? "" : name, values, colour: i ? c.text : colours[k], width: 1.8, dash: i ? [1, 7] : [], breaks: true };
+    return { name: i ? "" : name, values, colour: i ? c.text : colours[k], width: 1.8, dash: DASHES[i].dash, breaks: true };
   }));
   drawSeries(element("joints"), "angle (\u00b0)", series, degreeScale);
 }
 
-const clocks = () => Math.max(...state.runs.map((t) => t.cycles)); // of the longest run
+// Clocks from a target to the next.
+const periodOf = (t) => (t.target.length > 1 ? (t.cycles - t.latency - 1) / (t.target.length - 1) : 1);
 
-// A line of a target: in at clock i, out `latency` later. What is between the two edges is in the pipeline.
+// The scale of time is that of the longest run; of those that take many times as long nobody would see the others.
+const longest = () => Math.max(...state.runs.map((run) => run.cycles));
+const clocks = (t) => Math.max(...state.runs.map((run) => run.cycles).filter((count) => count < 8 * t.cycles));
+
+// A line of a target: in when there is room for it, out `latency` later. What is between the two edges is in the core.
 function drawPipeline(t, i) {
   const { colours: c, at } = state;
   const count = t.target.length;
   const { g, w, h } = prepare(element("pipeline" + PLACES[i]));
-  const { x, bottom } = plotAxes(g, w, h, clocks(), "time (clocks)", "");
-  const enters = (i) => i;
-  const leaves = (i) => t.latency + (i * (t.cycles - t.latency)) / count;
+  const { x, bottom } = plotAxes(g, w, h, clocks(t), "time (clocks)", "");
+  const period = periodOf(t);
+  const enters = (i) => i * period;
+  const leaves = (i) => t.latency + i * period;
   const split = bottom - 0.28 * (bottom - MARGIN.top); // above: every target; below: how many are inside
   const top = MARGIN.top + 30;
   const y = (i) => top + ((split - 26 - top) * i) / Math.max(1, count);
@@ -211,12 +218,15 @@ function drawPipeline(t, i) {
   const half = g.measureText(latency).width / 2;
   text(g, latency, Math.max(x(t.latency / 2), MARGIN.left + half), arrow - 10, c.text, "center");
 
-  // Targets inside at a clock: rises until the last is in, falls from the first out.
-  const inside = (v) => Math.min(count, v) - Math.max(0, ((v - t.latency) * count) / (t.cycles - t.latency));
-  const most = inside(Math.min(count, t.latency));
+  // Targets inside at a clock, on average: rises until the last is in, falls from the first out.
+  const [filled, emptying] = [enters(count), t.latency].sort((a, b) => a - b);
+  const end = leaves(count);
+  const inside = (v) => Math.min(count, v / period) - Math.max(0, (v - t.latency) / period);
+  const average = inside(filled);
+  const most = Math.ceil(average);
   const fill = (v) => bottom - (inside(v) / most) * (bottom - split) * 0.8;
-  const until = (last) => [0, Math.min(count, t.latency), Math.max(count, t.latency), t.cycles].filter((v) => v < last).concat(last);
-  const outline = until(t.cycles).map((v) => [x(v), fill(v)]);
+  const until = (last) => [0, filled, emptying, end].filter((v) => v < last).concat(last);
+  const outline = until(end).map((v) => [x(v), fill(v)]);
   line(g, outline, c.soft, 1);
   g.beginPath();
   [...until(clock).map((v) => [x(v), fill(v)]), [x(clock), bottom], [x(0), bottom]].forEach((p) => g.lineTo(...p));
@@ -225,8 +235,9 @@ function drawPipeline(t, i) {
   g.fill();
   g.globalAlpha = 1;
   line(g, [[x(clock), top], [x(clock), bottom]], c.goal, 1);
-  text(g, `inside the pipeline: at most ${most}`, MARGIN.left, split - 8, c.text);
-  text(g, String(most), MARGIN.left - 6, fill(Math.min(count, t.latency)), c.soft, "right");
+  const about = most > average ? `${average.toFixed(1)} on average, ` : "";
+  text(g, `inside the core: ${about}at most ${most}`, MARGIN.left, split - 8, c.text);
+  text(g, String(most), MARGIN.left - 6, bottom - (bottom - split) * 0.8, c.soft, "right");
   text(g, "0", MARGIN.left - 6, bottom, c.soft, "right");
 
   line(g, [[MARGIN.left, 9], [MARGIN.left + 18, 9]], c.upper, 2.5);

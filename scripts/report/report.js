@@ -4,11 +4,11 @@
 // -- text -----------------------------------------------------------------------------------
 
 function rows(list) {
-  return list.flatMap(([name, value]) => {
+  return list.flatMap(([name, value, run]) => {
     const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
-    if (!value) { // the name of a datapath
+    if (run !== undefined) { // the name of a datapath
       dt.className = "badge";
-      dt.dataset.of = name;
+      dt.dataset.run = run;
     }
     dt.textContent = name;
     dd.textContent = value;
@@ -32,7 +32,7 @@ function writeNow() {
       ["wrist target", t.target[n].map(short).join(", ")],
       ["swivel angle", `${t.phi[n].toFixed(4)} rad (${degrees(t.angles[n][2])})`],
       ["arm lengths", t.lengths[n].map(short).join(", ")],
-      ...state.runs.flatMap((run) => [...(t.beside ? [[run.datapath, ""]] : []), ...answer(run, n)]),
+      ...state.runs.flatMap((run, i) => [...(several ? [[run.datapath, "", i]] : []), ...answer(run, n)]),
     ]),
   );
 }
@@ -53,7 +53,7 @@ const KINDS = { csv: "results (CSV)", npz: "results (NumPy)", json: "score (JSON
 
 function link(path) {
   const item = document.createElement("li");
-  const of = state.shown.beside && path.includes("/") ? `${path.split("/")[0]}: ` : "";
+  const of = several && path.includes("/") ? `${path.split("/")[0]}: ` : "";
   const a = Object.assign(document.createElement("a"), { href: path, textContent: of + KINDS[path.split(".").at(-1)] });
   a.setAttribute("download", "");
   item.append(a);
@@ -75,14 +75,13 @@ function writeTrajectory() {
     ? "Azimuth of the upper arm from forward to the left and elevation from the horizontal, as the torso sees them; " +
       "of an arm that hangs straight down azimuth means little. Swivel angle as the core was asked."
     : "Azimuth of the upper arm from x towards y, elevation from the xy plane; swivel angle as the core was asked.";
-  if (t.beside) {
-    element("joints-note").textContent += ` Dotted: the ${t.beside.datapath} datapath.`;
-  }
+  t.beside.forEach((run, i) => {
+    element("joints-note").textContent += ` ${DASHES[i + 1].name}: the ${run.datapath} datapath.`;
+  });
   element("files").replaceChildren(...[...FILES[t.name], ...FILES[""]].map(link));
   document.querySelectorAll("#cards button").forEach((b) => b.setAttribute("aria-pressed", b.dataset.name === t.name));
-  document.documentElement.dataset.both = Boolean(t.beside);
-  document.querySelectorAll(".badge.both").forEach((badge) => {
-    badge.textContent = badge.dataset.of = state.runs[Number(badge.dataset.run)]?.datapath;
+  document.querySelectorAll(".badge.several").forEach((badge) => {
+    badge.textContent = state.runs[Number(badge.dataset.run)].datapath;
   });
   state.runs.forEach(writeScore);
 }
@@ -113,9 +112,11 @@ function writeScore(t, i) {
     ? "Targets out of reach: the hand against that of the clamped pose."
     : "";
   const count = t.target.length;
+  const period = periodOf(t);
   mine("pipeline-note").textContent =
     `${count} target${count === 1 ? "" : "s"} in ${t.cycles} clocks: the first result leaves ${t.latency} clocks after its target came in, ` +
-    `then ${short(count / (t.cycles - t.latency))} a clock.`;
+    (period > 1 ? `then one in ${short(period)} clocks.` : `then ${short(1 / period)} a clock.`) +
+    (clocks(t) < longest() ? " Time has another scale than beside it." : "");
 }
 
 // -- what moves it --------------------------------------------------------------------------
@@ -241,7 +242,10 @@ function listen() {
   PLACES.forEach((place, i) => {
     seek(element("hand" + place), (inside) => inside * last());
     seek(element("angles" + place), (inside) => inside * last());
-    seek(element("pipeline" + place), (inside) => (inside * clocks() - state.runs[i].latency) / armsIn(state.shown));
+    seek(element("pipeline" + place), (inside) => {
+      const run = state.runs[i];
+      return (inside * clocks(run) - run.latency) / periodOf(run) / armsIn(run);
+    });
   });
 
   const anew = () => {
@@ -255,6 +259,26 @@ function listen() {
   });
 }
 
+// What there is once in the page for each run: that of the first again, by names of its own.
+function makePlaces() {
+  const root = document.documentElement;
+  root.dataset.several = several;
+  root.style.setProperty("--runs", PLACES.length);
+  document.querySelectorAll(".runs").forEach((runs) => {
+    const first = runs.firstElementChild;
+    runs.append(...PLACES.slice(1).map((place, i) => {
+      const block = first.cloneNode(true);
+      block.querySelectorAll("[id]").forEach((e) => (e.id += place));
+      block.querySelector(".badge").dataset.run = i + 1;
+      return block;
+    }));
+    [...runs.children].forEach((block, i) => {
+      const of = several ? `, ${runsOf(DATA[0])[i].datapath}` : "";
+      block.querySelectorAll("canvas").forEach((canvas) => (canvas.ariaLabel += of));
+    });
+  });
+}
+
 // #trajectory=punch&target=40&figure=2, of a clip #frame=40: there, and at rest; else it plays, unless the reader's system asks for less motion.
 function start() {
   const options = new URLSearchParams(location.hash.slice(1));
@@ -262,6 +286,7 @@ function start() {
     ...DATA.map((t) => new Option(runsOf(t).every((run) => run.passed) ? t.name : `${t.name} (FAIL)`, t.name)),
   );
   element("trajectory").disabled = DATA.length === 1;
+  makePlaces();
   readColours();
   listen();
   writeOverview();

@@ -34,6 +34,13 @@ CORE = [
     ("--out file", "--out", "'file'", "File exists"),
     ("--out file/sub", "--out", "'file/sub'", "Not a directory"),
 ]
+SEVERAL = [
+    ("--datapath lean,lean2", "--datapath", "unknown datapath 'lean2'"),
+    ("--datapath lean,", "--datapath", "unknown datapath ''"),
+    ("--datapath lean,lean", "--datapath: 'lean,lean' is not up to 3 different ones"),
+    ("--datapath lean,fold,paper,short", "--datapath: 'lean,fold,paper,short' is not up to 3 different ones"),
+    ("--datapath lean,fold --width 23", "--width: the fold datapath has words of 20, 22, 24, 26, 28, 30 or 32 bits only"),
+]
 TRAJECTORIES = [
     ("--trajectory reech", "--trajectory", "'reech'", "all, reach, circle", "CSV file"),
     ("--cores fast", "--cores", "unknown cores 'fast'", "behavioural, digit"),
@@ -69,8 +76,8 @@ SAMPLE = [
     ("--seed x", "--seed", f"'x' {WHOLE} 0"),
 ]
 MISTAKES = {
-    "run": CORE + TRAJECTORIES + [("--out o", "--out", "'o/score.json' is a folder")],
-    "report": CORE + TRAJECTORIES + [
+    "run": CORE + SEVERAL + TRAJECTORIES + [("--out o", "--out", "'o/score.json' is a folder")],
+    "report": CORE + SEVERAL + TRAJECTORIES + [
         ("--waves", "unrecognized arguments: --waves"), ("--out o", "--out", "'o/report.html' is a folder"),
     ],
     "follow": [(f"--target 0 --waves {words}", *parts) for words, *parts in CORE + TRAJECTORIES] + [

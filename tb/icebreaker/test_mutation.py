@@ -9,7 +9,7 @@ from tb.sim.mutants import Bug
 RX, TX, CRC = "uart_rx.v", "uart_tx.v", "crc16.v"
 IN, OUT, TOP = "frame_rx.v", "frame_tx.v", "icebreaker.v"
 
-BUGS = [  # fails: a test of bench.py
+BUGS = [  # fails: a test of bench.py; not seeded: `bits` of uart_tx without reset, which counts to its end before an answer
     Bug("noise is a start bit", RX, "bits == 4'd10 && level", "1'b0", "noise"),
     Bug("looks at the edge", RX, "BIT - BIT / 2", "BIT - 1", "every_bit"),
     Bug("looks late", RX, "BIT - BIT / 2", "0", "every_bit"),
@@ -19,7 +19,6 @@ BUGS = [  # fails: a test of bench.py
     Bug("a gap between bytes", TX, "(bits == 4'd1 && ended)", "1'b0", "answer_at_once"),
     Bug("no stop bit", TX, "(bits == 4'd1 && ended)", "(bits == 4'd2 && ended)", "every_bit"),
     Bug("reset leaves the line", TX, "shift <= {10{1'b1}};", "", "button"),
-    Bug("reset in a byte", TX, "      bits  <= 4'd0;\n    end\n  end", "    end\n  end", "button"),
     Bug("another CRC", CRC, "16'h1021", "16'h8005", "every_bit"),
     Bug("CRC from zero", IN, "16'hFFFF", "16'h0000", "every_bit"),
     Bug("any check", IN, "crc_next == 16'd0", "1'b1", "wrong_bits"),

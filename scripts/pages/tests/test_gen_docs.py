@@ -28,6 +28,6 @@ def test_named_files_and_targets_exist(page):
     text = page.read_text()
     for name in re.findall(r"`((?:rtl|tb|model|scripts|docs|examples)/[\w/.]+)`", text):
         assert (ROOT / name).exists(), f"{page.name} names {name}"
-    targets = re.findall(r"^([a-z0-9-]+):", (ROOT / "Makefile").read_text(), re.M)
-    for target in re.findall(r"(?:`|^ {4})make (?:-[fC] \S+ )?([a-z][a-z0-9-]*)", text, re.M):
+    for place, target in re.findall(r"(?:`|^ {4})make (?:-C (\S+) )?(?:-f \S+ )?([a-z][a-z0-9-]*)", text, re.M):
+        targets = re.findall(r"^([a-z0-9-]+):", (ROOT / place / "Makefile").read_text(), re.M)
         assert target in targets, f"{page.name} names make {target}"

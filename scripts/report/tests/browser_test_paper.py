@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.fixed import latency
 from model.targets import trajectories
 from scripts.report import page as report
@@ -179,7 +180,7 @@ def test_next_to_singular_poses(fake, browser, size):
 def both(tmp_path_factory):
     """A trajectory next to singular poses on both datapaths, from the RTL; where it lies."""
     out = tmp_path_factory.mktemp("both")
-    options = ["--trajectory", "fold_in", "--datapath", "both", "--sim", simulator(), "--out", str(out)]
+    options = ["--trajectory", "fold_in", "--datapath", "lean,paper", "--sim", simulator(), "--out", str(out)]
     assert report.main(options) == 0
     return out
 
@@ -234,7 +235,7 @@ def test_both_arms_are_in_the_picture(both, browser):
     """Each with its badge, and they are two pictures: a wrong word of one shows in its own half only."""
     text = (both / "report.html").read_text()
     data = json.loads(text.partition('id="data">')[2].partition("</script")[0])
-    beside = data["trajectories"][0]["beside"]
+    (beside,) = data["trajectories"][0]["beside"]
     beside["elbow"][40] = [-v for v in beside["elbow"][40]]
     spoilt = both / "spoilt.html"
     head, _, rest = text.partition('id="data">')
@@ -292,10 +293,66 @@ def test_files_of_both_are_named(both, browser):
     assert all(path.is_file() for _, path in expected)
 
 
+@pytest.fixture(scope="module")
+def three(tmp_path_factory):
+    """Three machines, one of them folded, from the RTL; where they are."""
+    out = tmp_path_factory.mktemp("three")
+    (out / "t.csv").write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
+    options = ["--trajectory", str(out / "t.csv"), "--datapath", "lean,fold,paper", "--sim", simulator()]
+    assert report.main([*options, "--out", str(out)]) == 0
+    return out
+
+
+@pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
+def test_three_machines(three, browser, size):
+    page = browser((three / "report.html").as_uri() + "#target=10", size)
+    assert page.run(FITS) and page.run(STICKING_OUT) == []
+    named = page.run("""[...document.querySelectorAll('.badge')]
+        .map((b) => [b.textContent, getComputedStyle(b).backgroundColor])""")
+    assert [text for text, _ in named] == ["lean", "fold", "paper"] * 4, "of target, score, errors, pipeline"
+    assert len({tuple(each) for each in named}) == 3, "each has one colour"
+    scores = {score["datapath"]: score for score in json.loads((three / "score.json").read_text())}
+    for place, name in (("", "lean"), ("2", "fold"), ("3", "paper")):
+        assert page.run(f"document.getElementById('verdict{place}').textContent") == scores[name]["outcome"]
+        assert page.run(f"document.getElementById('hand{place}').ariaLabel").endswith(f", {name}")
+    assert page.run("new Set([...document.querySelectorAll('[id]')].map((e) => e.id)).size") == page.run(
+        "document.querySelectorAll('[id]').length"
+    ), "every name once"
+
+
+TIMES = """((id) => { // what is written in a plot of the pipeline
+    const g = document.getElementById(id).getContext('2d');
+    const found = [];
+    g.fillText = (text) => found.push(text);
+    window.dispatchEvent(new Event('resize'));
+    delete g.fillText;
+    return found;
+})"""
+
+
+def test_a_folded_machine_takes_its_time(three, browser):
+    """A target each period, at most two inside; a click goes to the target that is there; time has its own scale."""
+    page = browser((three / "report.html").as_uri() + "#target=0")
+    scores = {score["datapath"]: score for score in json.loads((three / "score.json").read_text())}
+    late, total = (scores["fold"][name] for name in ("latency_cycles", "total_cycles"))
+    period = CONFIGURATIONS["fold"].period
+    assert total == late + 19 * period + 1
+    assert "inside the core: 1.1 on average, at most 2" in page.run(f"{TIMES}('pipeline2')")
+    assert "inside the core: at most 20" in page.run(f"{TIMES}('pipeline')")
+    notes = [page.run(f"document.getElementById('pipeline-note{place}').textContent") for place in ("", "2", "3")]
+    assert f"then one in {period} clocks." in notes[1] and "then 1 a clock." in notes[0]
+    assert ["scale" in note for note in notes] == [True, False, False], "8 times as long is too long to stand beside"
+    x, y = page.middle("#pipeline2")
+    width = page.run("document.getElementById('pipeline2').clientWidth")
+    left = x - width / 2 + 66 + (width - 80) * (late + 12 * period) / total
+    page.drag((left, y), (left, y))
+    assert page.run(AT) == 12
+
+
 def test_one_datapath_is_not_two(written, browser):
     page = browser(written + "#target=0")
-    assert page.run("[...document.querySelectorAll('.both')].every((e) => !e.offsetHeight)")
-    assert page.run("document.documentElement.dataset.both") == "false"
+    assert page.run("[...document.querySelectorAll('.several')].every((e) => !e.offsetHeight)")
+    assert page.run("document.documentElement.dataset.several") == "false"
 
 
 def test_no_names_of_files_at_the_foot(written, browser):
