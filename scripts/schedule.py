@@ -36,6 +36,10 @@ LATENCY = 140
 """Clocks that a target may take."""
 
 
+class NoSchedule(Exception):
+    """It is proved that there is none."""
+
+
 class _Problem:
     """The schedule as variables and constraints: ``model`` and the start of each group."""
 
@@ -127,10 +131,13 @@ class _Problem:
 
 
 def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | None:
-    """The schedule of least latency found in the time; None if none was."""
+    """The schedule of least latency found in the time; None if none was.  Raises :class:`NoSchedule` if there is none."""
     problem, solver = _Problem(groups, period), cp_model.CpSolver()
     solver.parameters.max_time_in_seconds = seconds
-    if solver.solve(problem.model) not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+    status = solver.solve(problem.model)
+    if status == cp_model.INFEASIBLE:
+        raise NoSchedule
+    if status == cp_model.UNKNOWN:
         return None
     found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
     return Schedule(period, *found)
@@ -147,7 +154,11 @@ def main(arguments: Sequence[str] | None) -> int:
         parser.error("ortools is not installed: use make schedule")
     _, groups = lower(Layout(WIDTH))
     print(f"{sum(len(group.steps) for group in groups)} steps, a target each {parsed.period} clocks", flush=True)
-    found = schedule(groups, parsed.period, parsed.seconds)
+    try:
+        found = schedule(groups, parsed.period, parsed.seconds)
+    except NoSchedule:
+        print(f"there is none within a latency of {LATENCY} clocks")
+        return 1
     if found is None:
         print(f"none found in {parsed.seconds} s")
         return 1
