@@ -26,6 +26,7 @@ TAKES_formal   := ONLY
 TAKES_fpga     := DATAPATH WIDTH
 TAKES_table6   := TARGETS SEED
 TAKES_schedule := PERIOD SECONDS
+TAKES_playground := OUT DATAPATH WIDTH
 $(foreach target,setup docs test-browser,$(eval TAKES_$(target) := SIM))
 GOALS := $(or $(MAKECMDGOALS),help)
 # From another folder, by make -f, with paths as seen from there: what runs the core. The rest works on the checkout.
@@ -68,7 +69,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 schedule soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 schedule playground soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -142,6 +143,11 @@ table6: ## table 6 of the paper again: C, numpy, numba, JAX and the core on the 
 	@$(SETUP) icarus table6
 	@exec $(VENV) -m scripts.table6 $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED")
 
+playground: ## a page in which the Verilog runs: build/playground/index.html; minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
+	@$(SETUP) playground
+	@exec $(VENV) -m scripts.playground $(call given,OUT,--out="$$CGA_OUT") \
+	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
+
 schedule: ## the program of the folded datapath again, after its dataflow has changed [PERIOD= SECONDS=]
 	@$(SETUP) icarus schedule
 	@exec $(VENV) -m scripts.schedule $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
@@ -194,11 +200,13 @@ fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write requirements.lock and those of fpga, table6 and schedule again (needs uv)
+lock: ## write requirements.lock and those of fpga, table6, schedule and playground again (needs uv)
 	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 	$(compile) --constraint requirements.lock --output-file requirements-table6.lock requirements-table6.in
 	$(compile) --constraint requirements.lock --output-file requirements-schedule.lock requirements-schedule.in
+	$(compile) --constraint requirements.lock --constraint requirements-fpga.lock \
+	  --output-file requirements-playground.lock requirements-playground.in
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

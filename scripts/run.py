@@ -34,7 +34,9 @@ from tb.sim.simulate import LONG, Job, Run, simulate
 
 def _parser() -> Parser:
     about = "Run trajectories through the core in a simulator and score them."
-    parser = parser_of("run", about, out="build/run", written="results.csv and score.json", datapath=None, most=MOST_DATAPATHS)
+    parser = parser_of(
+        "run", about, out="build/run", written="results.csv and score.json", datapath=None, most=MOST_DATAPATHS
+    )
     about = f"also write OUT/{VCD}, of one trajectory OUT/{ALIGNED}, too, and GTKWave save files"
     parser.add_argument("--waves", action="store_true", help=about)
     parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")

@@ -36,7 +36,7 @@ LATENCY = 140
 """Clocks that a target may take."""
 
 
-class NoSchedule(Exception):
+class NoScheduleError(Exception):
     """It is proved that there is none."""
 
 
@@ -131,12 +131,15 @@ class _Problem:
 
 
 def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | None:
-    """The schedule of least latency found in the time; None if none was.  Raises :class:`NoSchedule` if there is none."""
+    """The schedule of least latency found in the time; None if none was.
+
+    Raises :class:`NoScheduleError` if there is none.
+    """
     problem, solver = _Problem(groups, period), cp_model.CpSolver()
     solver.parameters.max_time_in_seconds = seconds
     status = solver.solve(problem.model)
     if status == cp_model.INFEASIBLE:
-        raise NoSchedule
+        raise NoScheduleError
     if status == cp_model.UNKNOWN:
         return None
     found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
@@ -156,7 +159,7 @@ def main(arguments: Sequence[str] | None) -> int:
     print(f"{sum(len(group.steps) for group in groups)} steps, a target each {parsed.period} clocks", flush=True)
     try:
         found = schedule(groups, parsed.period, parsed.seconds)
-    except NoSchedule:
+    except NoScheduleError:
         print(f"there is none within a latency of {LATENCY} clocks")
         return 1
     if found is None:

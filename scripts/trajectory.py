@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
+from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
@@ -54,8 +54,8 @@ def parser_of(
     """The parser of a command that runs trajectories, with the options that all of them have.
 
     out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`; datapath:
-    the default, None if it depends on the trajectory (`datapaths`); most: how many --datapath takes; core: whether there
-    is one to choose.
+    the default, None if it depends on the trajectory (`datapaths`); most: how many --datapath takes; core: whether
+    there is one to choose.
     """
     parser = Parser(command, description, passes=passes, fails=fails)
     about = (

@@ -45,7 +45,7 @@ function camera(w, h, bounds, view) {
   };
   const direction = (v) => [dot(v, right), -dot(v, up)];
   const eye = sum(centre, toward, distance);
-  return { project, depth, scale, direction, bounds, eye };
+  return { project, depth, scale, direction, bounds, eye, right, up, distance };
 }
 
 function drawFloor(g, project, { centre, radius, floor, step }) {

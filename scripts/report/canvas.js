@@ -1,21 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/report/page.py, which puts the scripts of this folder into one function.
+// Vectors, text and canvases, of the report and of the playground: `state`, which a page has, holds its colours, view, runs.
 
-const { trajectories: DATA, files: FILES } = JSON.parse(document.getElementById("data").textContent);
-const RATE = 20; // targets a second at speed 1; a clip has its own
 const VIEW = { azimuth: -0.95, elevation: 0.3 }; // from the front right, a little above
 const element = (id) => document.getElementById(id);
 const scene = element("scene");
-
-// shown: a trajectory; runs: that, and the same with what each further machine made of it. frame: a step of the player, in which every arm of a clip has a target; arm: the one that is looked at, by its number;
-// at: the target of that arm in that frame. What is no clip has one target a frame. figure: of the paper, from 0.
-const state = { shown: null, runs: [], frame: 0, arm: 0, at: 0, figure: 0, playing: false, last: null, view: { ...VIEW }, colours: {} };
-const armsIn = (t) => (t.clip ? t.clip.arms.length : 1);
-const framesIn = (t) => t.target.length / armsIn(t);
-const runsOf = (t) => [t, ...t.beside.map((run) => ({ ...t, ...run }))];
-const PLACES = runsOf(DATA[0]).map((_, i) => (i ? String(i + 1) : "")); // what the elements of each run are called by
-const several = PLACES.length > 1;
-const rateOf = (t) => (t.clip ? t.clip.rate : RATE);
 
 // -- vectors --------------------------------------------------------------------------------
 
@@ -30,6 +18,27 @@ const unit = (a) => a.map((v) => v / (length(a) || 1));
 const short = (v) => v.toPrecision(5).replace(/\.?0+$/, "");
 const error = (v) => v.toExponential(1);
 const signed = (v) => (v < 0 ? "\u2212" : "+") + Math.abs(v).toFixed(6);
+
+// Names and values for a list; a name with the number of a run stands above what is of that run.
+function rows(list) {
+  return list.flatMap(([name, value, run]) => {
+    const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
+    if (run !== undefined) { // the name of a datapath
+      dt.className = "badge";
+      dt.dataset.run = run;
+    }
+    dt.textContent = name;
+    dd.textContent = value;
+    return [dt, dd];
+  });
+}
+
+// A round step for ticks, at most so many of them.
+function tickStep(range, most) {
+  const raw = range / Math.max(1, most);
+  const unit = 10 ** Math.floor(Math.log10(raw));
+  return unit * [1, 2, 5, 10].find((k) => k * unit >= raw * 0.9999);
+}
 
 // -- canvases -------------------------------------------------------------------------------
 
@@ -98,12 +107,14 @@ function disc(g, p, radius, colour) {
 // A part of a picture for each run, beside or above each other: part(w, h, run).
 function eachRun(g, w, h, part) {
   const count = state.runs.length;
-  const top = several ? 32 : 0;
+  const top = count > 1 ? 32 : 0;
   const beside = w > 1.2 * h;
   const [width, height] = beside ? [w / count, h] : [w, h / count];
   state.runs.forEach((t, i) => {
+    const [x, y] = beside ? [i * width, 0] : [0, i * height];
+    state.parts[i] = { x, y: y + top, w: width, h: height - top };
     g.save();
-    g.translate(beside ? i * width : 0, beside ? 0 : i * height);
+    g.translate(x, y);
     if (top) {
       badge(g, `${t.datapath}, ${t.latency} clocks, hand error ${error(t.hand[state.at])}`, i);
     }

@@ -39,7 +39,7 @@ from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, parser_of, p
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
-SCRIPTS = ("canvas", "arm", "figure", "paper", "plots", "overview", "report")
+SCRIPTS = ("canvas", "data", "arm", "figure", "paper", "plots", "overview", "report")
 
 DIGITS = 7
 """Digits of the figures in the page: enough to draw, and to read."""

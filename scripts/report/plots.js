@@ -5,13 +5,6 @@
 
 const MARGIN = { left: 66, right: 14, top: 24, bottom: 36 };
 
-// A round step for ticks, at most so many of them.
-function tickStep(range, most) {
-  const raw = range / Math.max(1, most);
-  const unit = 10 ** Math.floor(Math.log10(raw));
-  return unit * [1, 2, 5, 10].find((k) => k * unit >= raw * 0.9999);
-}
-
 const tickText = (v, step) => v.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
 
 // What runs to the right: targets by their number, or the time of a clip.

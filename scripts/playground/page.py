@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Write one page in which the Verilog runs: what `make playground` does.
+
+    python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
+
+Compiles the machines to WebAssembly (scripts/playground/machines.py), which takes minutes the first time and is kept in
+build/playground, and writes OUT/index.html: a page that needs nothing beside it and opens from disk without network.
+The 3D view, texts and colours are those of the report.
+
+Exit status: 0 the page is written, 1 a tool failed, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from model.motion.axes import NAMED, to_z
+from model.reference.kinematics import matrix
+from model.targets import trajectories
+from model.targets.files import write_atomically
+from model.targets.flags import FLAGS
+from model.targets.words import FIELDS, HEADROOM_BITS
+from scripts.console import Parser, command, folder_name, output, some_of, word_length, writing
+from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
+
+HERE = Path(__file__).parent
+REPORT = HERE.parent / "report"
+SCRIPTS = ("data", "machine", "solve", "lane", "waves", "playground")
+
+PLAIN = {
+    "too_far": "Too far: the arm is straight and points to the target.",
+    "too_near": "Too near: the arm is folded and points to the target.",
+    "on_axis": "On the reference axis: no azimuth, 0 is taken.",
+    "at_shoulder": "At the shoulder: the target has no direction, that of the axis is taken.",
+    "bad_length": "An arm length is not positive.",
+    "saturated": "An internal value did not fit.",
+}
+"""What the page says of a flag."""
+
+
+def data(machines: Sequence[Machine]) -> dict[str, Any]:
+    """All that the page knows beside the machines themselves."""
+    made = {name: trajectories.make(name) for name in trajectories.TRAJECTORIES}
+    return {
+        "machines": [table(machine) for machine in machines],
+        "headroom": HEADROOM_BITS,
+        "flags": [{**flag._asdict(), "plain": PLAIN[flag.name]} for flag in FLAGS],
+        "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED},
+        "trajectories": [
+            {
+                "name": name,
+                "rows": [list(row) for row in zip(*(getattr(one, f).tolist() for f in FIELDS), strict=True)],
+            }
+            for name, one in made.items()
+        ],
+        "tools": tools(),
+    }
+
+
+def _joined(paths: Sequence[Path]) -> str:
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
+def page(machines: Sequence[Machine]) -> str:
+    """The whole page.  Raises BuildError."""
+    code = [REPORT / "canvas.js", HERE / "data.js", REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS[1:])]
+    embedded = [
+        f'<script type="application/octet-stream" id="wasm-{machine.name}">'
+        f"{base64.b64encode(wasm(machine)).decode()}</script>"
+        for machine in machines
+    ]
+    parts = {
+        "style": _joined([REPORT / "report.css", HERE / "playground.css"]),
+        "script": _joined(code),
+        "data": json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
+        "machines": "\n".join(embedded),
+    }
+    template = (HERE / "playground.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
+
+
+def _parser() -> Parser:
+    parser = Parser("playground", "Write one page in which the Verilog runs.", "the page is written", "a tool failed")
+    about = "folder for index.html, made if need be (default: %(default)s)"
+    parser.add_argument("--out", type=folder_name, default=Path("build/playground"), metavar="DIR", help=about)
+    names = list(dict.fromkeys(machine.datapath for machine in MACHINES))
+    about = f"only these of {', '.join(names)}"
+    parser.add_argument("--datapath", type=some_of("datapath", names, len(names)), metavar="NAME[,NAME]", help=about)
+    parser.add_argument("--width", type=word_length, metavar="BITS", help="only machines of this word length")
+    return parser
+
+
+@command("playground")
+def main(arguments: Sequence[str] | None) -> int:
+    """Run the command line; the exit status."""
+    parsed = _parser().parse_args(arguments)
+    machines = chosen(parsed.datapath, parsed.width and [parsed.width])
+    tools()
+    path = parsed.out / "index.html"
+    with output(parsed.out, [path]):
+        try:
+            text = page(machines)
+        except BuildError as error:
+            print(f"playground: {error}", file=sys.stderr)
+            return 1
+        with writing():
+            write_atomically(path, text)
+    print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
+    return 0

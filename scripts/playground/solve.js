@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Part of the page of scripts/playground/page.py, which puts its scripts into one function.
+
+// -- double precision -------------------------------------------------------------------------
+
+// The flags and the pose of input words, by the lean equations (L1)-(L61) of model.reference.lean_equations. Sums that
+// cancel, and the flags, are taken exactly from the words.
+function solve(words, width) {
+  const [x, y, z, , d1, d2] = words.map(BigInt);
+  const [wide, thin, s] = [(d1 + d2) ** 2n, (d1 - d2) ** 2n, x * x + y * y + z * z];
+  const bad = d1 <= 0n || d2 <= 0n;
+  const flag = {
+    too_far: !bad && s > wide, too_near: !bad && s < thin, on_axis: x === 0n && y === 0n, at_shoulder: s === 0n, bad_length: bad,
+  };
+  const p = Math.sqrt(Number(s));
+  const rho = Math.sqrt(Number(x * x + y * y));
+  const [u_x, u_y] = flag.on_axis ? [1, 0] : [Number(x) / rho, Number(y) / rho];
+  const [sin_el, cos_el] = flag.at_shoulder ? [1, 0] : [Number(z) / p, rho / p];
+
+  let [qe_w, qe_i, cos_a, sin_a] = [1, 0, 1, 0]; // folded
+  if (flag.too_far || bad) {
+    [qe_w, qe_i] = [0, -1];
+  } else if (flag.too_near || flag.at_shoulder) {
+    cos_a = flag.too_near && d1 < d2 ? -1 : 1;
+  } else {
+    const [far, near] = [Math.sqrt(Number(wide - s)), Math.sqrt(Number(s - thin))];
+    const root = 2 * Math.sqrt(Number(d1 * d2));
+    [qe_w, qe_i] = [far / root, -near / root];
+    const law = 2 * Number(d1) * p;
+    [cos_a, sin_a] = [Number(s + (d1 + d2) * (d1 - d2)) / law, (far * near) / law];
+  }
+  const half = (c, s) => (c >= 0 ? [(1 + c) / 2, s / 2] : [s / 2, (1 - c) / 2]);
+  const [azimuth, tilt, arm] = [half(-u_y, u_x), half(sin_el, cos_el), half(cos_a, sin_a)];
+  const phi = (words[3] / 2 ** width) * Math.PI; // half of it
+  const turns = [[azimuth[0], 0, 0, azimuth[1]], [tilt[0], tilt[1], 0, 0], [Math.cos(phi), 0, 0, Math.sin(phi)], [arm[0], -arm[1], 0, 0]];
+  const product = turns.reduce(multiply);
+  const norm = (product[3] < 0 ? -1 : 1) / Math.hypot(...product);
+  return { flag, qs: product.map((v) => v * norm), qe: [qe_w, qe_i] };
+}
+
+// -- quaternions ------------------------------------------------------------------------------
+
+const multiply = (a, b) => [
+  a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+  a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+  a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+  a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+];
+const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
+const rotate = (q, v) => multiply(multiply(q, [0, ...v]), conjugate(q)).slice(1);
+
+// Where elbow and wrist are: at rest the forearm lies folded back on the upper arm.
+function forward(qs, qe, d1, d2) {
+  const bent = rotate([...qe, 0, 0], [0, 0, -d2]);
+  return { elbow: rotate(qs, [0, 0, d1]), wrist: rotate(qs, sum([0, 0, d1], bent)) };
+}
+
+// The angle of the rotation from a to b (rad); signs and lengths do not matter.
+function angleBetween(a, b) {
+  const [w, ...v] = multiply(conjugate(a), b);
+  return 2 * Math.atan2(length(v), Math.abs(w));
+}
