@@ -82,12 +82,14 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
-        self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1], most: int = 1
-    ) -> None:
+        self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1], most: int = 1,
+        sims: Sequence[str] = SIMULATORS,
+    ) -> None:  # fmt: skip
         """The options that say which core is simulated by what; most: of --datapath, which is a list where that is more
-        than 1; no datapath as the default: all dataflows of the paper's scenario, otherwise the first."""
+        than 1; sims: those that --sim takes; no datapath as the default: all dataflows of the paper's scenario,
+        otherwise the first."""
         default = "(default: %(default)s)"
-        self.choice("--sim", "simulator", SIMULATORS, sim, f"the simulator {default}")
+        self.choice("--sim", "simulator", sims, sim, f"the simulator {default}")
         if most == 1:
             self.choice("--datapath", "datapath", list(CONFIGURATIONS), datapath, f"the machine to run {default}")
         else:

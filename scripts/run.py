@@ -23,12 +23,13 @@ from model.bounds.predict import hand_bar
 from model.targets import trajectories
 from model.targets.scoring import Score, score
 from scripts.beside import table_beside_the_paper
-from scripts.console import Parser, command, output, progress, show, whole_file, writing
+from scripts.console import InputError, Parser, command, output, progress, show, whole_file, writing
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.save_file import write_save_file
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, parser_of, prepare
+from tb.sim.env import SIMULATORS
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 
@@ -107,6 +108,8 @@ def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str
 def _run(arguments: argparse.Namespace) -> int:
     """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
     out = arguments.out
+    if arguments.waves and arguments.sim not in SIMULATORS:
+        raise InputError(f"argument --waves: {arguments.sim} writes none; use {' or '.join(SIMULATORS)}")
     prepared = prepare(arguments)
     folders = datapaths(arguments)
     # A prediction takes longer than everything else of a long file.

@@ -33,6 +33,7 @@ from scripts.failing import read_rows, row_of, tell, write_rows
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
 from tb.core.random_targets import CHUNK, Core, judge
+from tb.sim.env import ALL_SIMULATORS
 
 TARGETS = 1_000_000
 SEED = 1
@@ -51,7 +52,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--targets", type=whole(1), metavar="N", help=f"how many (default: {TARGETS})")
     add("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
     add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"begin at this chunk of {CHUNK} (default: 0)")
-    parser.core(sim="verilator", datapath=None, width=None)
+    parser.core(sim="verilator", datapath=None, width=None, sims=ALL_SIMULATORS)
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
     add(
         "--out", type=folder_name, default=Path("build/soak"), metavar="DIR",

@@ -24,7 +24,7 @@ from model.targets import trajectories
 from model.targets.files import read_csv
 from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
 from scripts.console import InputError, Parser, accuracy, arm_length, folder_name, reference_axis, swivel_angle
-from tb.sim.env import CORES
+from tb.sim.env import ALL_SIMULATORS, CORES, SIMULATORS
 
 ALL = "all"
 
@@ -66,7 +66,7 @@ def parser_of(
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
     if core:
-        parser.core(datapath=datapath, most=most)
+        parser.core(datapath=datapath, most=most, sims=ALL_SIMULATORS if most > 1 else SIMULATORS)
         parser.choice(
             "--cores", "cores", CORES, CORES[0],
             "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "

@@ -4,7 +4,7 @@
 // -- the pipeline, stage by stage -------------------------------------------------------------
 
 const CELL = 9;
-const LANE = { left: 84, right: 150, top: 22 };
+const LANE = { left: 84, right: 178, top: 22 };
 const lane = element("lane");
 const colourOf = (target) => `hsl(${(target.number * 47) % 360} 75% 50%)`;
 
@@ -28,7 +28,7 @@ function layLane(machine) {
   });
   const top = new Map(sections.map((section) => [section.name, section.y]));
   const last = Math.max(...nodes.map((node) => node.time));
-  return { sections, height: y + 24, last, yOf: (node) => top.get(node.section) + place.get(node.name) * CELL };
+  return { sections, height: y + 34, last, yOf: (node) => top.get(node.section) + place.get(node.name) * CELL };
 }
 
 const laneX = (laid, w) => (time) => LANE.left + (time / (laid.last + 1)) * (w - LANE.left - LANE.right);
@@ -48,7 +48,7 @@ function drawLane() {
     g.globalAlpha = 1;
     text(g, name, LANE.left - 8, y + h / 2 - 1, c.soft, "right");
   }
-  const bottom = laid.height - 22;
+  const bottom = laid.height - 34;
   const step = Math.max(1, tickStep(laid.last + 1, Math.floor(w / 90)));
   for (let v = 0; v <= laid.last; v += step) {
     text(g, String(v), x(v) + wide / 2, bottom + 8, c.soft, "center");

@@ -68,7 +68,7 @@ function forget() {
   state.runs = ui.machines.map(emptyRun);
   state.at = -1;
   const reach = ui.target.d1 + ui.target.d2;
-  state.bounds = { centre: [0, 0, 0], radius: 1.15 * reach, floor: -1.1 * reach, step: reach / 3 };
+  state.bounds = { centre: [0, 0, 0], radius: reach, floor: -0.8 * reach, step: reach / 4 };
 }
 
 // -- the clock ---------------------------------------------------------------------------------
@@ -174,8 +174,8 @@ function writeNow() {
     item.classList.toggle("on", on);
     item.ariaLabel = `${item.dataset.name}: ${on ? "on" : "off"}`;
   });
-  const said = DATA.flags.filter(({ bit }) => flags & bit).map(({ plain }) => plain).join(" ");
-  if (element("plain").textContent !== said) element("plain").textContent = said || "In reach.";
+  const said = DATA.flags.filter(({ bit }) => flags & bit).map(({ plain }) => plain).join(" ") || "In reach.";
+  if (element("plain").textContent !== said) element("plain").textContent = said;
 }
 
 function drawAll() {
@@ -204,7 +204,7 @@ function writeFields() {
 
 // -- the wrist ---------------------------------------------------------------------------------
 
-const MOST = 1.6; // of the reach: where the wrist may go
+const MOST = 1.25; // of the reach: where the wrist may go
 
 function moveTo(p) {
   const most = MOST * (ui.target.d1 + ui.target.d2);

@@ -19,6 +19,7 @@ from model.targets.observed import edges
 from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
 from tb.core import hardest
 from tb.sim import every_node
+from tb.sim.env import NATIVE
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
 CHUNK = 20000
@@ -91,7 +92,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Core:
-    """What is simulated: simulator, datapath, word length, and the native program, which Verilator makes."""
+    """What is simulated: simulator, datapath, word length, and the native program of those that make one."""
 
     sim: str
     datapath: str
@@ -100,7 +101,7 @@ class Core:
 
     @classmethod
     def built(cls, sim: str, datapath: str, width: int) -> Core:
-        return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
+        return cls(sim, datapath, width, every_node.program(datapath, width, by=sim) if sim in NATIVE else None)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
         """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""

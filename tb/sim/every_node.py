@@ -19,6 +19,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
 from model.targets.words import FIELDS
+from tb.sim import cxxrtl
 from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment
 from tb.sim.job import Job, Run, SimulationError
@@ -80,17 +81,26 @@ endmodule
 """
 
 
-def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None) -> Path:
-    """The program of a datapath, built if need be; parameters as of :func:`tb.sim.simulate.simulate`.
+def program(
+    datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None, by: str = "verilator"
+) -> Path:
+    """The program of a datapath, built if need be by Verilator or by CXXRTL; parameters as of
+    :func:`tb.sim.simulate.simulate`.
 
     Raises :class:`SimulationError`.
     """
-    digit = CORES.index(cores(kind)) if CONFIGURATIONS[datapath].rtl == "paper" else 0
-    parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
+    path = CONFIGURATIONS[datapath]
+    digit = CORES.index(cores(kind)) if path.rtl == "paper" else 0
+    full = "-".join([datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])])
     try:
-        return build(TOP, HARNESS, {}, root=root, name="-".join(parts), wrapper=wrapper(datapath, width, digit))
+        if by == "cxxrtl":
+            parts = [(f"g_{path.rtl}", "u_core", node.instance, node.name) for node in nodes_of(datapath, width)]
+            nodes = [".".join(filter(None, each)) for each in parts]
+            values = {"W": width, "MIN_W": min(width, WIDTHS[0]), "TAG_W": 8, **path.parameters, "DIGIT": digit}
+            return cxxrtl.build(HARNESS, values, nodes, full, root)
+        return build(TOP, HARNESS, {}, root=root, name=full, wrapper=wrapper(datapath, width, digit))
     except RuntimeError as error:
-        raise SimulationError(f"the verilator build failed: {error}") from None
+        raise SimulationError(f"the {by} build failed: {error}") from None
 
 
 def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
@@ -148,7 +158,7 @@ def compare(
             process.kill()
             process.wait()
         if process.returncode:
-            raise SimulationError(f"the verilator simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
+            raise SimulationError(f"the native simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
         back = np.fromfile(file.name, dtype="<i8")
     return _run(out.decode(), back, sizes, nodes, width)
 

@@ -16,7 +16,7 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from tb.sim import every_node
 from tb.sim.children import full, naming, started
-from tb.sim.env import ROOT
+from tb.sim.env import NATIVE, ROOT, SIMULATORS
 from tb.sim.job import Job, Run, SimulationError
 
 LONG = 5000
@@ -40,18 +40,18 @@ def simulate(
 
     ``waves`` is a VCD file to write.  ``progress(done, total)`` is called about twice a second.  ``root`` and ``name``
     choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`).  ``native``
-    takes Python out of the loop (:mod:`tb.sim.every_node`), which gives the same; it needs Verilator, writes no waves,
-    and is what :data:`LONG` jobs get that say nothing.  Raises :class:`SimulationError`.
+    takes Python out of the loop (:mod:`tb.sim.every_node`), which gives the same; it needs Verilator or CXXRTL, writes
+    no waves, and is what :data:`LONG` jobs get that say nothing, and all of CXXRTL.  Raises :class:`SimulationError`.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath}: there is {', '.join(CONFIGURATIONS)}")
     total = sum(len(job.words) for job in jobs)
     if native is None:
-        native = simulator == "verilator" and not waves and total >= LONG
+        native = simulator in NATIVE and not waves and (total >= LONG or simulator not in SIMULATORS)
     if native:
-        if simulator != "verilator" or waves:
-            raise ValueError("only Verilator runs natively, and without waves")
-        program = every_node.program(datapath, width, root, name, cores)
+        if simulator not in NATIVE or waves:
+            raise ValueError(f"only {' and '.join(NATIVE)} run natively, and without waves")
+        program = every_node.program(datapath, width, root, name, cores, simulator)
         return every_node.run(program, jobs, width, datapath, progress)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
