@@ -73,7 +73,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 schedule playground soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -104,12 +104,12 @@ test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavio
 	@$(pytest) -m "$(only_sim)$(if $(and $(only_sim),$(quick)), and )$(quick)"
 
 test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit]
-	@$(SETUP) $(sort icarus $(SIM))
+	@$(SETUP) $(sort icarus $(SIM)) fpga
 	@$(pytest) -m "$(only_sim)"
 
-test-browser: ## tests of the report in headless Chromium [SIM=icarus|verilator]
-	@$(SETUP) $(SIM) chromium
-	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_*.py
+test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator]
+	@$(SETUP) $(SIM) chromium playground
+	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py
 
 docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
 	@$(SETUP) $(SIM)

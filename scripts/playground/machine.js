@@ -85,7 +85,7 @@ class Machine {
   }
 
   reset() {
-    this.flying = [];
+    Object.assign(this, { flying: [], offered: null });
     for (let k = 0; k < 4; k++) {
       this.put("rst", 1n);
       this.core.settle();

@@ -181,9 +181,9 @@ function writeNow() {
 function drawAll() {
   if (!ui.machines.length) return;
   const { g, w, h } = prepare(scene);
-  eachRun(g, w, h, (pw, ph, t) => {
-    if (t.target.length) drawMotion(g, pw, ph, t);
-  });
+  if (state.at >= 0) { // all machines have answered
+    eachRun(g, w, h, (pw, ph, t) => drawMotion(g, pw, ph, t));
+  }
   writeNow();
   drawLane();
   writeNode();
@@ -249,7 +249,7 @@ const choose = (name, value) => {
 
 function setFlow(flow) {
   ui.flow = flow;
-  document.querySelectorAll("[data-flow]").forEach((button) => (button.ariaPressed = String(button.dataset.flow === flow)));
+  document.querySelectorAll("button[data-flow]").forEach((button) => (button.ariaPressed = String(button.dataset.flow === flow)));
   document.documentElement.dataset.flow = flow;
 }
 
@@ -266,10 +266,7 @@ async function useMachines() {
   element("status").textContent = `loading ${names.join(" and ")} \u2026`;
   const machines = await Promise.all(names.map(machineOf));
   ui.machines = machines;
-  machines.forEach((machine) => {
-    machine.reset();
-    machine.offered = null;
-  });
+  machines.forEach((machine) => machine.reset());
   const [machine] = machines;
   ui.laid = layLane(machine);
   ui.followed = null;
@@ -315,7 +312,7 @@ function listen() {
     afterwards();
   });
   for (const name of ["machine", "second"]) element(name).addEventListener("change", useMachines);
-  document.querySelectorAll("[data-flow]").forEach((button) => {
+  document.querySelectorAll("button[data-flow]").forEach((button) => {
     button.addEventListener("click", () => (button.dataset.flow === "step" ? step() : setFlow(button.dataset.flow)));
   });
   element("speed").addEventListener("change", (event) => (ui.speed = Number(event.target.value)));
@@ -342,19 +339,21 @@ function listen() {
     drawAll();
   });
 
-  let dragged = null;
+  let dragged = null; // what, and where it was: a touch does not say how far it moved
   scene.addEventListener("pointerdown", (event) => {
-    dragged = nearWrist(event.offsetX, event.offsetY) ? "wrist" : "view";
+    dragged = { wrist: nearWrist(event.offsetX, event.offsetY), x: event.clientX, y: event.clientY };
     scene.setPointerCapture(event.pointerId);
   });
   scene.addEventListener("pointermove", (event) => {
     scene.dataset.over = nearWrist(event.offsetX, event.offsetY);
     if (!scene.hasPointerCapture(event.pointerId)) return;
-    if (dragged === "wrist") {
-      moveBy(event.movementX, event.movementY);
+    const [dx, dy] = [event.clientX - dragged.x, event.clientY - dragged.y];
+    Object.assign(dragged, { x: event.clientX, y: event.clientY });
+    if (dragged.wrist) {
+      moveBy(dx, dy);
     } else {
-      state.view.azimuth -= event.movementX * 0.01;
-      state.view.elevation = Math.max(-0.2, Math.min(1.55, state.view.elevation + event.movementY * 0.01));
+      state.view.azimuth -= dx * 0.01;
+      state.view.elevation = Math.max(-0.2, Math.min(1.55, state.view.elevation + dy * 0.01));
       afterwards();
     }
   });
@@ -420,7 +419,7 @@ async function start() {
   readColours();
   writeFields();
   listen();
-  window.playground = { answer, solve, toWords, vcd: () => vcd(ui.machines[0]), ui, state };
+  window.playground = { answer, solve, toWords, vcd: () => vcd(ui.machines[0]), camera, laneX, ui, state };
   try {
     await useMachines();
   } catch (error) {

@@ -11,6 +11,7 @@ import pytest
 from scripts import compare, exhaustive, follow, formal, run, soak
 from scripts.fpga import measure
 from scripts.pages import wordlengths
+from scripts.playground import page as playground
 from scripts.report import page
 from tb.core import hardest
 from tb.sim.env import ROOT, environment
@@ -18,6 +19,7 @@ from tb.sim.env import ROOT, environment
 MAINS = {
     "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main,
     "compare": compare.main, "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
+    "playground": playground.main,
 }  # fmt: skip
 
 WHOLE = "is not a whole number of at least"
@@ -108,6 +110,12 @@ MISTAKES = {
     "compare": SAMPLE,
     "wordlengths": SAMPLE,
     "formal": [("--only nothing", "argument --only: no proof or node 'nothing'; --list says which there are")],
+    "playground": [
+        ("--datapath short", "--datapath", "unknown datapath 'short'; valid: lean, fold, fold16, paper"),
+        ("--width 17", "no such machine; there are lean-W32, "),
+        ("--datapath fold --width 18", "--width: the fold datapath has words of"),
+        ("--out=", "--out", "the name of a folder is empty"),
+    ],
     "fpga": [
         ("--width 33", "unknown width '33'"),
         ("--datapath lean2", "unknown datapath 'lean2'"),
@@ -142,6 +150,7 @@ OPTIONS = {
     "exhaustive": "only small jobs list",
     "compare": "targets seed",
     "wordlengths": "targets seed",
+    "playground": "out datapath width",
 }
 
 

@@ -1,0 +1,356 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The playground in a real browser: what its Verilog answers is the model, and what its controls do."""
+
+import gzip
+import json
+
+import numpy as np
+import pytest
+
+from model.dataflow import fixed
+from model.reference.lean_equations import solve_lean
+from model.targets import stimuli, trajectories
+from model.targets.flags import expected_flags
+from model.targets.words import FIELDS, Targets, from_words, to_words
+from scripts.playground import machines
+from scripts.playground import page as playground
+from scripts.playground.machines import Machine
+from scripts.recording import read
+from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE
+from tb.sim.env import ROOT
+from tb.sim.every_node import nodes_of
+
+BUILT = [Machine("lean", 32), Machine("fold", 32)]
+FLOW = "document.querySelector('button[data-flow={}]').click()"
+MACHINE = "playground.ui.machines[0]"
+LEAN = fixed.latency("lean", 32)
+
+
+@pytest.fixture(scope="session")
+def written(tmp_path_factory):
+    """The page, with two machines."""
+    out = tmp_path_factory.mktemp("playground")
+    assert playground.main(["--datapath", "lean,fold", "--width", "32", "--out", str(out)]) == 0
+    return out / "index.html"
+
+
+@pytest.fixture
+def page(written, browser):
+    """The page in a window of some size, with the first machine loaded and standing still."""
+
+    def page(size=WIDE, **features):
+        opened = browser(written.as_uri(), size, **features)
+        opened.wait_for("document.documentElement.dataset.ready")
+        opened.run("document.querySelector('button[data-flow=step]').click()")
+        return opened
+
+    return page
+
+
+def step(page, clocks):
+    page.run(f"(() => {{ for (let k = 0; k < {clocks}; k++) {FLOW.format('step')}; }})()")
+
+
+def rows_of(name):
+    """The targets of a trajectory, x to d2; the page scales each by itself."""
+    return next(each["rows"] for each in playground.data([])["trajectories"] if each["name"] == name)
+
+
+def choose(page, name, value):
+    page.run(f"""(() => {{ const e = document.getElementById('{name}'); e.value = '{value}';
+                 e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})()""")
+
+
+# -- what it computes ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
+def test_the_core_in_the_page_is_the_model(page, machine):
+    """Words, flags, clocks and every named node of 200 targets, those of all trajectories and the hard kinds."""
+    width = machine.width
+    built_in = [to_words(trajectories.make(name), width)[0][::10] for name in trajectories.TRAJECTORIES]
+    words = np.concatenate([*built_in, stimuli.mixed(60, width, seed=15)])
+    words = np.concatenate([words, stimuli.mixed(max(0, 200 - len(words)), width, seed=16)])[:200]
+    found = page().run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
+    model = fixed.run(words, width, machine.datapath)
+    assert len(found) == 200
+    assert [each["result"] for each in found] == model.results.tolist()
+    assert [each["flags"] for each in found] == model.flags.tolist()
+    assert {each["latency"] for each in found} == {fixed.latency(machine.datapath, width)}
+    for name, node in model.bits.nodes.items():
+        mask = (1 << node.format.width) - 1
+        assert [int(each["nodes"][name], 16) for each in found] == [int(v) & mask for v in node.value.tolist()], name
+
+
+def test_double_precision(page):
+    """The page's own is the model's, flags too."""
+    words = stimuli.mixed(400, 32, seed=17)
+    found = page().run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
+    asked = from_words(words, 0, 32, "mixed")
+    exact = solve_lean(*(getattr(asked, name) for name in FIELDS))
+    for names, of in ((("qs_w", "qs_i", "qs_j", "qs_k"), "qs"), (("qe_w", "qe_i"), "qe")):
+        ours, theirs = np.array([each[of] for each in found]), np.column_stack([exact[name] for name in names])
+        same_sign = np.sign((ours * theirs).sum(axis=1))  # at k = 0 either is right
+        assert np.abs(ours * same_sign[:, None] - theirs).max() < 1e-12
+    bits = {flag["name"]: flag["bit"] for flag in playground.data([])["flags"]}
+    flags = [sum(bits[name] for name, on in each["flag"].items() if on) for each in found]
+    assert flags == expected_flags(words, 32).tolist()
+
+
+@pytest.mark.parametrize("width", [18, 24, 32])
+def test_words_are_those_of_the_model(page, width):
+    random = np.random.default_rng(18)
+    rows = np.column_stack([random.uniform(-0.9, 0.9, (300, 3)), random.uniform(-9, 9, 300),
+                            10.0 ** random.uniform(-2, 2, (300, 2))])  # fmt: skip
+    rows[:, :3] *= rows[:, 4:].sum(axis=1)[:, None]
+    given = [dict(zip(FIELDS, row, strict=True)) for row in rows.tolist()]
+    found = page().run(f"{json.dumps(given)}.map((target) => playground.toWords(target, {width}))")
+    for row, each in zip(rows, found, strict=True):
+        words, exponent = to_words(Targets("one", *row), width)
+        assert (each["words"], each["exponent"], each["fits"]) == (words[0].tolist(), exponent, True)
+
+
+def test_every_axis_gives_the_hand_its_target(page):
+    """In the user's frame the wrist of the answer is at the target, and quaternions differ from axis to axis."""
+    opened = page()
+    seen = set()
+    for axis in playground.data([])["axes"]:
+        choose(opened, "axis", axis)
+        step(opened, LEAN + 2)
+        run = opened.run("(({ wrist, qs, one }) => ({ wrist, qs, place: one.place }))(playground.state.runs[0].now)")
+        assert np.allclose(run["wrist"], run["place"], atol=1e-8), axis
+        seen.add(tuple(np.round(run["qs"], 6)))
+    assert len(seen) == 6
+
+
+# -- the hand --------------------------------------------------------------------------------------
+
+
+WRIST = """(() => {
+    const { state, ui, camera } = playground;
+    const part = state.parts[0];
+    const box = document.getElementById('scene').getBoundingClientRect();
+    const [x, y] = camera(part.w, part.h, state.bounds, state.view).project([ui.target.x, ui.target.y, ui.target.z]);
+    return [box.x + part.x + x, box.y + part.y + y];
+})()"""
+PLACE = "[playground.ui.target.x, playground.ui.target.y, playground.ui.target.z]"
+
+
+@pytest.mark.parametrize("touch", [False, True])
+def test_the_wrist_follows_the_pointer(page, touch):
+    """It is afterwards where the pointer was let go, and the core has answered that."""
+    opened = page()
+    opened.run(FLOW.format("run"))
+    opened.middle("#scene")
+    start = opened.run(WRIST)
+    end = [start[0] - 60, start[1] - 45]
+    if touch:
+        for kind, points in (("touchStart", [start]), ("touchMove", [end]), ("touchEnd", [])):
+            opened.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
+    else:
+        opened.drag(start, end)
+    assert np.allclose(opened.run(WRIST), end, atol=3)
+    opened.wait_for(f"String(playground.state.runs[0].now.one.place) === String({PLACE})")
+    assert opened.run("playground.state.runs[0].now.hand") < 2e-8
+    assert opened.run("document.documentElement.dataset.flow") == "run"
+
+
+def test_elsewhere_the_pointer_turns_the_view(page):
+    opened = page()
+    x, y = opened.middle("#scene")
+    before, view = opened.run(PLACE), opened.run("playground.state.view.azimuth")
+    opened.drag((x - 250, y - 150), (x - 150, y - 150))
+    assert opened.run(PLACE) == before
+    assert abs(opened.run("playground.state.view.azimuth") - view + 1.0) < 0.1
+
+
+def test_keys_move_the_wrist(page):
+    opened = page()
+    opened.run("document.getElementById('scene').focus()")
+    places = [opened.run(PLACE)]
+    for key in ("ArrowLeft", "ArrowUp", "PageUp"):
+        opened.press(key)
+        places.append(opened.run(PLACE))
+    assert len({tuple(place) for place in places}) == 4
+    opened.run("document.activeElement.blur()")
+    opened.press(" ")
+    assert opened.run("document.documentElement.dataset.flow") == "run"
+
+
+def test_flags_light_up_with_a_reason(page):
+    opened = page()
+    opened.run("Object.assign(playground.ui.target, { x: 0.7, y: 0, z: 0 })")
+    step(opened, LEAN + 2)
+    lit = "[...document.querySelectorAll('#flags .on')].map((e) => e.textContent)"
+    assert opened.run(lit) == ["too_far"]
+    assert "straight" in opened.run("document.getElementById('plain').textContent")
+    opened.run("Object.assign(playground.ui.target, { x: 0, y: 0, z: 0.4 })")
+    step(opened, LEAN + 2)
+    assert opened.run(lit) == ["on_axis"]
+    assert opened.run("playground.state.runs[0].now.flags === playground.state.runs[0].now.owed")
+
+
+# -- the pipeline ----------------------------------------------------------------------------------
+
+
+def test_a_step_is_a_clock(page):
+    opened = page()
+    opened.run(f"{MACHINE}.reset()")
+    before = opened.run(f"[{MACHINE}.clock, {MACHINE}.sent]")
+    step(opened, 3)
+    assert opened.run(f"[{MACHINE}.clock, {MACHINE}.sent]") == [before[0] + 3, before[1] + 3]
+    step(opened, LEAN)
+    assert opened.run(f"{MACHINE}.flying.length") == LEAN
+    opened.click("#lane-title")
+    assert opened.run(f"{MACHINE}.clock") == before[0] + 3 + LEAN, "no other click is"
+    assert opened.run("document.getElementById('clock').textContent") == f"clock {before[0] + 3 + LEAN}"
+
+
+def test_a_receiver_that_stalls_loses_nothing(page):
+    """Credits run out, the input waits; afterwards every target is answered, in order and right."""
+    opened = page()
+    choose(opened, "trajectory", "reach")
+    opened.run(f"{MACHINE}.reset()")
+    start = opened.run(f"[{MACHINE}.sent, {MACHINE}.left]")
+    opened.run("document.getElementById('ready').click()")
+    step(opened, 150)
+    places = opened.run(f"{MACHINE}.places")
+    assert opened.run(f"Number({MACHINE}.live('credits'))") == 0
+    assert opened.run(f"{MACHINE}.sent") - start[0] == places == opened.run(f"{MACHINE}.flying.length")
+    opened.run("document.getElementById('ready').click()")
+    opened.run("document.getElementById('dense').click()")
+    opened.run(f"playground.seen = {MACHINE}.flying.map((one) => one)")
+    step(opened, places + 2)
+    seen = opened.run("playground.seen.map(({ words, result, flags }) => ({ words, result, flags }))")
+    words = np.array([each["words"] for each in seen])
+    assert words.tolist() == [to_words(Targets("one", *row), 32)[0][0].tolist() for row in rows_of("reach")[:places]]
+    model = fixed.run(words, 32, "lean")
+    assert [each["result"] for each in seen] == model.results.tolist()
+    assert [each["flags"] for each in seen] == model.flags.tolist()
+    assert opened.run(f"{MACHINE}.lost") == 0
+
+
+def test_a_target_is_followed_through_its_nodes(page):
+    """Its column is filled in as it goes, and holds the model's words at the end."""
+    opened = page()
+    opened.run(f"{MACHINE}.reset(); playground.ui.followed = null")
+    cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
+    step(opened, 10)
+    words = opened.run("playground.ui.followed.words")
+    model = fixed.run(np.array([words]), 32, "lean").bits.nodes
+    for clocks in (10, LEAN):
+        if clocks > 10:
+            step(opened, clocks - 10)
+        shown = {name: word for name, word in opened.run(cells) if word}
+        due = {name for name, node in model.items() if node.time < clocks}
+        assert set(shown) == due
+        for name, word in shown.items():
+            assert int(word, 16) == int(model[name].value[0]) & ((1 << model[name].format.width) - 1), name
+
+
+def test_a_click_on_a_node_looks_inside(page):
+    opened = page()
+    step(opened, 60)
+    opened.middle("#lane")
+    x, y = opened.run("""(() => {
+        const box = document.getElementById('lane').getBoundingClientRect();
+        const { ui, laneX } = playground;
+        const node = ui.machines[0].nodes.find(({ name }) => name === 'k_law');
+        const at = laneX(ui.laid, box.width);
+        return [box.x + (at(node.time) + at(node.time + 1)) / 2, box.y + ui.laid.yOf(node) + 4];
+    })()""")
+    opened.drag((x, y), (x, y))
+    said = opened.run("document.getElementById('node').innerText")
+    assert "k_law, (L7)" in said and "Q" in said and "guard" in said
+    assert opened.run("playground.ui.watched.at(-1)").endswith("k_law")
+    word = int(opened.run("document.querySelectorAll('#node dd')[5].textContent"), 16)
+    words = opened.run("playground.ui.followed.words")
+    node = fixed.run(np.array([words]), 32, "lean").bits.nodes["k_law"]
+    assert word == int(node.value[0]) & ((1 << node.format.width) - 1)
+
+
+# -- the waveform ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
+def test_the_vcd_holds_every_node(page, tmp_path, machine):
+    """Read back as `make follow` reads that of a simulator: all nodes of all targets in it are the model's."""
+    opened = page()
+    choose(opened, "machine", machine.name)
+    opened.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
+    choose(opened, "trajectory", "overhead")
+    opened.run(f"{MACHINE}.reset(); {MACHINE}.frames.length = 0")
+    step(opened, 200)
+    (tmp_path / "waves.vcd").write_text(opened.run("playground.vcd()"))
+    nodes = nodes_of(machine.datapath, machine.width)
+    found = read(tmp_path / "waves.vcd", machine.datapath, nodes)
+    assert len(found.admitted) == (200 if machine.datapath == "lean" else 3)
+    inputs = {node.name: node for node in nodes if node.op == "input"}
+    last = 200 - fixed.latency(machine.datapath, machine.width)
+    whole = [n for n, clock in enumerate(found.admitted) if clock < last]
+    half = 1 << (machine.width - 1)
+    words = np.array([[(int(found.word(inputs[f], n), 2) ^ half) - half for f in FIELDS] for n in whole])
+    asked = [to_words(Targets("one", *row), machine.width)[0][0] for row in rows_of("overhead")]
+    assert words.tolist() == [asked[n % len(asked)].tolist() for n in whole] and whole
+    for name, node in fixed.run(words, machine.width, machine.datapath).bits.nodes.items():
+        mask = (1 << node.format.width) - 1
+        assert [int(found.word(node, n), 2) for n in whole] == [int(v) & mask for v in node.value.tolist()], name
+
+
+def test_signals_are_shown_and_hidden(page):
+    opened = page()
+    step(opened, 5)
+    for there in (True, False):
+        choose(opened, "watch", "u_fifo.wr_ptr")
+        assert opened.run("playground.ui.watched.includes('u_fifo.wr_ptr')") == there
+    wide = opened.run("document.getElementById('waves').toDataURL()")
+    choose(opened, "zoom", "20")
+    assert opened.run("document.getElementById('waves').toDataURL()") != wide
+
+
+# -- the page --------------------------------------------------------------------------------------
+
+
+def test_two_machines_side_by_side(page):
+    """The same words from both, each after its own clocks."""
+    opened = page()
+    choose(opened, "second", "fold-W32")
+    opened.wait_for("document.documentElement.dataset.ready === 'lean-W32 fold-W32'")
+    opened.run(FLOW.format("run"))
+    opened.wait_for("playground.state.runs.length === 2 && playground.state.runs.every((run) => run.now)")
+    opened.run(FLOW.format("step"))
+    first, second = opened.run("playground.state.runs.map(({ now: { one } }) => [one.words, one.result, one.latency])")
+    assert first[:2] == second[:2] and [first[2], second[2]] == [LEAN, fixed.latency("fold", 32)]
+    badges = opened.run("[...document.querySelectorAll('#now .badge')].map((b) => b.textContent)")
+    assert badges == ["lean-W32", "fold-W32"]
+
+
+@pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_fits(page, size, scheme):
+    opened = page(size, prefers_color_scheme=scheme)
+    step(opened, 50)
+    assert opened.run(FITS)
+    scrolls = STICKING_OUT.replace(".map(", ".filter((e) => !e.closest('.wide, .scrolls')).map(")
+    assert opened.run(scrolls) == []
+    unnamed = """[...document.querySelectorAll('input, select, button, canvas, [tabindex]')]
+        .filter((e) => !(e.labels?.length || e.ariaLabel || e.textContent.trim() || e.getAttribute('aria-labelledby')))
+        .map((e) => e.id)"""
+    assert opened.run(unnamed) == [], "everything has a name for a screen reader"
+
+
+def test_a_browser_without_webassembly_is_told(written, browser):
+    opened = browser("about:blank")
+    opened.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.WebAssembly")
+    opened.open(written.as_uri())
+    assert "no WebAssembly" in opened.run("document.getElementById('status').textContent")
+
+
+def test_it_is_one_file(written, page):
+    """No request to anywhere, no path of this machine, each machine below a megabyte."""
+    assert page().requests == [written.as_uri()]
+    assert str(ROOT) not in written.read_text(encoding="utf-8")
+    for machine in BUILT:
+        packed = machines.wasm(machine)
+        assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)
+    assert "zig" in page().run("document.getElementById('tools').textContent")
