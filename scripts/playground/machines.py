@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import gzip
 import hashlib
-import os
 import subprocess
 import sys
 import tempfile
@@ -15,13 +14,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format
-from model.targets.words import FIELDS
-from scripts.console import InputError, progress
+from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
 from scripts.save_file import place
 from tb.sim import cxxrtl
@@ -99,9 +95,8 @@ def wasm(machine: Machine) -> bytes:
         content = gzip.compress(_compiled(machine, source), mtime=0)
         for old in BUILD.glob(f"{machine.name}-*.wasm.gz"):
             old.unlink()
-        with tempfile.NamedTemporaryFile(dir=BUILD, delete=False) as file:
-            file.write(content)
-        os.replace(file.name, kept)
+        with whole_file(kept) as file:
+            file.write_bytes(content)
     return kept.read_bytes()
 
 
@@ -115,13 +110,14 @@ def _compiled(machine: Machine, source: Path) -> bytes:
             raise BuildError(str(error)) from None
         command = [sys.executable, "-m", ZIG, "c++", *COMPILER, f'-DCORE="{source}"', f"-I{cxxrtl.runtime()}"]
         since = time.monotonic()
-        with tempfile.TemporaryDirectory(prefix="ik_") as temporary, started(
-            [*command, SHIM, "-o", result], temporary, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        ) as process:  # fmt: skip
-            while process.poll() is None:
-                meter(0, f"C++, for {time.monotonic() - since:.0f} s")
-                time.sleep(0.2)
-            said = process.stdout.read()
+        # What it says goes to a file: a pipe that nobody empties would stop it.
+        with tempfile.TemporaryFile("w+", prefix="ik_") as log, tempfile.TemporaryDirectory(prefix="ik_") as temporary:
+            with started([*command, SHIM, "-o", result], temporary, stdout=log, stderr=subprocess.STDOUT) as process:
+                while process.poll() is None:
+                    meter(0, f"C++, for {time.monotonic() - since:.0f} s")
+                    time.sleep(0.2)
+            log.seek(0)
+            said = log.read()
     if process.returncode:
         raise BuildError(f"{machine.name}: {said[-4000:].strip()}")
     return result.read_bytes()
@@ -157,9 +153,3 @@ def table(machine: Machine) -> dict[str, Any]:
         "sections": [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)],
         "nodes": nodes,
     }  # fmt: skip
-
-
-def results(words: np.ndarray, machine: Machine) -> fixed.Answer:
-    """What the model answers to words (N, 6) of FIELDS."""
-    assert words.shape[1] == len(FIELDS)
-    return fixed.run(words, machine.width, machine.datapath)

@@ -5,12 +5,11 @@
 
 const TRAIL = 120; // answers whose way is drawn
 const RATE = 20; // targets of a trajectory a second
-const DASH = "\u2013";
 
 // target: in the user's frame; flow: run, slow or step; ready: whether the receiver takes results; dense: a target a clock.
 const ui = {
   target: { x: 0.35, y: 0.1, z: -0.15, phi: 2.6, d1: 0.33, d2: 0.27 }, axis: "z", trajectory: "", at: 0, flow: "run", speed: 8, owed: 0,
-  ready: true, dense: true, machines: [], shown: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null,
+  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null,
 };
 
 const axis = () => DATA.axes[ui.axis];
