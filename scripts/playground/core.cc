@@ -60,7 +60,6 @@ EXPORT(show) uint32_t *show() {
 EXPORT(settle) void settle() {
   core.p_clk.set<bool>(false);
   core.step();
-  core.debug_eval();
 }
 
 EXPORT(edge) void edge() {

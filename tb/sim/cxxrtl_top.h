@@ -70,7 +70,6 @@ class Vtop {
     }
     core.step();
     if (clk) return;
-    core.debug_eval();
     in_ready = read("s_axis_tready");
     out_valid = read("m_axis_tvalid");
     out_tag = read("m_axis_tuser") & 0xff;
