@@ -26,12 +26,13 @@ TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN
 TAKES_soak-memory := SIM JOBS SEED FROM
 TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
+TAKES_test-browser := SIM ONLY
 TAKES_formal   := ONLY
 TAKES_fpga     := DATAPATH WIDTH
 TAKES_table6   := TARGETS SEED
 TAKES_schedule := PERIOD SECONDS
 TAKES_playground := OUT DATAPATH WIDTH
-$(foreach target,setup docs test-browser,$(eval TAKES_$(target) := SIM))
+$(foreach target,setup docs,$(eval TAKES_$(target) := SIM))
 GOALS := $(or $(MAKECMDGOALS),help)
 # From another folder, by make -f, with paths as seen from there: what runs the core. The rest works on the checkout.
 ifneq ($(and $(HERE),$(filter-out help setup run follow report soak,$(GOALS))),)
@@ -62,6 +63,9 @@ $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python.
 unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH
+# What Yosys, nextpnr and zig keep of themselves stays in the checkout, too.
+export YOWASP_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/yowasp
+export ZIG_GLOBAL_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/zig
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
 job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
@@ -107,9 +111,10 @@ test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behaviou
 	@$(SETUP) $(sort icarus $(SIM)) fpga
 	@$(pytest) -m "$(only_sim)"
 
-test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator]
+test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: all machines of the playground]
 	@$(SETUP) $(SIM) chromium playground
-	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py
+	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
+	  $(call given,ONLY,-k "$$CGA_ONLY") -m "$(quick)"
 
 docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
 	@$(SETUP) $(SIM)
@@ -147,7 +152,7 @@ table6: ## table 6 of the paper again: C, numpy, numba, JAX and the core on the 
 	@$(SETUP) icarus table6
 	@exec $(VENV) -m scripts.table6 $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED")
 
-playground: ## a page in which the Verilog runs: build/playground/index.html; minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
+playground: ## a page in which the Verilog runs: build/playground/index.html; some minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
 	@$(SETUP) playground
 	@exec $(VENV) -m scripts.playground $(call given,OUT,--out="$$CGA_OUT") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")

@@ -21,9 +21,10 @@ from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
 from scripts.save_file import place
 from tb.sim import cxxrtl
-from tb.sim.children import started
+from tb.sim.children import full, started
 from tb.sim.env import CORES, ROOT
 from tb.sim.every_node import nodes_of
+from tb.sim.runner import alone
 from tb.sim.sources import closure, digest
 
 BUILD = ROOT / "build" / "playground"
@@ -91,13 +92,14 @@ def wasm(machine: Machine) -> bytes:
     parts = [digest([*closure("ik_axis"), SHIM]), steps, *COMPILER, *tools().values()]
     key = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
     kept = BUILD / f"{machine.name}-{key}.wasm.gz"
-    if not kept.exists():
-        content = gzip.compress(_compiled(machine, source), mtime=0)
-        for old in BUILD.glob(f"{machine.name}-*.wasm.gz"):
-            old.unlink()
-        with whole_file(kept) as file:
-            file.write_bytes(content)
-    return kept.read_bytes()
+    with alone(source.parent):
+        if not kept.exists():
+            content = gzip.compress(_compiled(machine, source), mtime=0)
+            for old in BUILD.glob(f"{machine.name}-*.wasm.gz"):
+                old.unlink()
+            with whole_file(kept) as file:
+                file.write_bytes(content)
+        return kept.read_bytes()
 
 
 def _compiled(machine: Machine, source: Path) -> bytes:
@@ -119,7 +121,7 @@ def _compiled(machine: Machine, source: Path) -> bytes:
             log.seek(0)
             said = log.read()
     if process.returncode:
-        raise BuildError(f"{machine.name}: {said[-4000:].strip()}")
+        raise BuildError(f"{machine.name}: {full(source.parent) or said[-4000:].strip()}")
     return result.read_bytes()
 
 

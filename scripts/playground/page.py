@@ -3,7 +3,7 @@
 
     python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
 
-Compiles the machines to WebAssembly (scripts/playground/machines.py), which takes minutes the first time and is kept in
+Compiles the machines to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is kept in
 build/playground, and writes OUT/index.html: a page that needs nothing beside it and opens from disk without network.
 The 3D view, texts and colours are those of the report.
 
@@ -104,12 +104,12 @@ def main(arguments: Sequence[str] | None) -> int:
     tools()
     path = parsed.out / "index.html"
     with output(parsed.out, [path]):
-        try:
-            text = page(machines)
-        except BuildError as error:
-            print(f"playground: {error}", file=sys.stderr)
-            return 1
         with writing():
+            try:
+                text = page(machines)
+            except BuildError as error:
+                print(f"playground: {error}", file=sys.stderr)
+                return 1
             write_atomically(path, text)
     print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
     return 0

@@ -21,6 +21,8 @@ from tb.sim.env import ROOT
 from tb.sim.every_node import nodes_of
 
 BUILT = [Machine("lean", 32), Machine("fold", 32)]
+EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in machines.MACHINES]
+"""The others take minutes to compile: ``make test-browser ONLY=machine``."""
 FLOW = "document.querySelector('button[data-flow={}]').click()"
 MACHINE = "playground.ui.machines[0]"
 LEAN = fixed.latency("lean", 32)
@@ -64,14 +66,20 @@ def choose(page, name, value):
 # -- what it computes ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
-def test_the_core_in_the_page_is_the_model(page, machine):
+@pytest.mark.parametrize("machine", EVERY, ids=lambda machine: machine.name)
+def test_every_machine_in_the_page_is_the_model(page, browser, tmp_path, machine):
     """Words, flags, clocks and every named node of 200 targets, those of all trajectories and the hard kinds."""
     width = machine.width
     built_in = [to_words(trajectories.make(name), width)[0][::10] for name in trajectories.TRAJECTORIES]
     words = np.concatenate([*built_in, stimuli.mixed(60, width, seed=15)])
     words = np.concatenate([words, stimuli.mixed(max(0, 200 - len(words)), width, seed=16)])[:200]
-    found = page().run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
+    if machine in BUILT:
+        opened = page()
+    else:
+        parts = ["--datapath", machine.datapath, "--width", str(width), "--out", str(tmp_path)]
+        assert playground.main(parts) == 0
+        opened = browser((tmp_path / "index.html").as_uri(), WIDE)
+    found = opened.run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
     model = fixed.run(words, width, machine.datapath)
     assert len(found) == 200
     assert [each["result"] for each in found] == model.results.tolist()
@@ -351,6 +359,6 @@ def test_it_is_one_file(written, page):
     assert page().requests == [written.as_uri()]
     assert str(ROOT) not in written.read_text(encoding="utf-8")
     for machine in BUILT:
-        packed = machines.wasm(machine)
+        packed = machines.wasm(machine)  # by gzip
         assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)
     assert "zig" in page().run("document.getElementById('tools').textContent")
