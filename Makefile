@@ -22,7 +22,7 @@ PATHS          := SIM OUT DATAPATH WIDTH
 TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS D1 D2 PHI BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
-TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN
+TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL
 TAKES_soak-memory := SIM JOBS SEED FROM
 TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
@@ -46,7 +46,7 @@ ifneq ($(WRONG),)
 $(error $(shell $(PYTHON) -ES $(HERE)scripts/setup/variables.py '$(GOALS)' '$(subst ','\'',$(WRONG))' '$(TAKEN)'))
 endif
 switch = $(if $(filter command,$(origin $1)),$(if $(filter-out 0 1,$(value $1))$(word 2,$(value $1)),$(error $1=$(value $1): use 1 or 0)))
-$(foreach v,WAVES KEEP,$(call switch,$v))
+$(foreach v,WAVES KEEP SPECIAL,$(call switch,$v))
 
 CORES ?= behavioural
 ifneq ($(value CORES),behavioural)
@@ -164,14 +164,15 @@ schedule: ## the program of the folded datapath again, after its dataflow has ch
 # Verilator, unless SIM was set: Icarus takes several times as long.
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
-soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file]
+soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1]
 	@$(SETUP) $(call setup_of,$(soak_sim))
 	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
 	  $(call given,FROM,--from="$$CGA_FROM") \
-	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
+	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep) \
+	  $(if $(filter-out 0,$(call given,SPECIAL,$(value SPECIAL))),--special)
 
 soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece SIM=]
 	@$(SETUP) $(soak_sim)

@@ -15,6 +15,11 @@ from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
 from tb.sim.simulate import SimulationError
 
 
+def named(seed: int | None) -> str:
+    """What the chunks are of, for the user."""
+    return "all targets of special words" if seed is None else f"seed {seed}"
+
+
 @dataclass(frozen=True)
 class Chunk:
     """What became of a chunk: its first target, its words, what :func:`judge` says of them."""
@@ -26,7 +31,7 @@ class Chunk:
     hand: np.ndarray
 
 
-def piece(core: Core, seed: int, end: int, number: int) -> Chunk:
+def piece(core: Core, seed: int | None, end: int, number: int) -> Chunk:
     """Chunk `number` as far as target `end`."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
@@ -34,9 +39,11 @@ def piece(core: Core, seed: int, end: int, number: int) -> Chunk:
 
 
 class Chunks:
-    """The `targets` from chunk `first` of a seed; found: of those that passed; number: the chunk that is next."""
+    """The `targets` from chunk `first` of a seed, or of all of special words.
 
-    def __init__(self, core: Core, seed: int, first: int, targets: int):
+    found: of those that passed; number: the chunk that is next."""
+
+    def __init__(self, core: Core, seed: int | None, first: int, targets: int):
         self.core, self.seed, self.number = core, seed, first
         self.end = first * CHUNK + targets
         self.found = Found()
@@ -54,6 +61,6 @@ class Chunks:
                     self.found += run.found
                     done(self.found.targets)
         except BrokenProcessPool:
-            where = f"in chunk {self.number} of seed {self.seed} or later"
+            where = f"in chunk {self.number} of {named(self.seed)} or later"
             raise SimulationError(f"a process broke off, {where}") from None
         return None

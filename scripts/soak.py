@@ -2,11 +2,13 @@
 """An unlimited stream of random targets of all kinds through the RTL, every node compared: what `make soak` does.
 
     python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--datapath ...] [--width ...] [--keep] ...
+    python -m scripts.soak --special [--from CHUNK] [--datapath ...] [--width ...] ...
     python -m scripts.soak --again FILE.csv
 
 Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
---from resumes at any chunk. With Verilator each core of the machine runs chunks of its own. At the end the hardest
-targets go into OUT/hardest.csv and, with --keep, into tb/core/hardest.csv, the regression list.
+--from resumes at any chunk. --special: not random, but all 12^6 targets of twelve special words on each input. With
+Verilator each core of the machine runs chunks of its own. At the end the hardest targets go into OUT/hardest.csv and,
+with --keep, into tb/core/hardest.csv, the regression list.
 
 It stops at the first chunk in which a bit or a flag is wrong, a quaternion is not of unit length or a hand of the lean
 datapath is further off than its tolerance, names seed and chunk, and writes the targets to OUT/failing.csv. For the
@@ -27,7 +29,8 @@ from pathlib import Path
 
 from model.dataflow.datapaths import DEFAULT
 from model.dataflow.nodes import WIDTHS
-from scripts.chunks import Chunks
+from model.targets.stimuli import SPECIAL
+from scripts.chunks import Chunks, named
 from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
 from scripts.failing import read_rows, row_of, tell, write_rows
 from scripts.tables import table_of_hardest, table_of_soak
@@ -43,7 +46,7 @@ SEED = 1
 
 
 DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
-NOT_AGAIN = (*DEFAULTS, "keep")
+NOT_AGAIN = (*DEFAULTS, "keep", "special")
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -52,6 +55,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--targets", type=whole(1), metavar="N", help=f"how many (default: {TARGETS})")
     add("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
     add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"begin at this chunk of {CHUNK} (default: 0)")
+    add("--special", action="store_true", help=f"in their place all {SPECIAL} targets of 12 special words an input")
     parser.core(sim="verilator", datapath=None, width=None, sims=ALL_SIMULATORS)
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
     add(
@@ -67,9 +71,18 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
             if value is not None and value is not False:  # a seed of 0 is one
                 option = name.rstrip("_")
                 raise InputError(f"argument --{option}: does not go with --again, whose file says what to run")
+    if parsed.special:
+        for name in ("targets", "seed"):
+            if getattr(parsed, name) is not None:
+                raise InputError(f"argument --{name}: does not go with --special, which has its own targets")
+        parsed.targets = max(0, SPECIAL - CHUNK * (parsed.from_ or 0))
+        if not parsed.targets:
+            raise InputError(f"argument --from: special words have chunks 0 to {(SPECIAL - 1) // CHUNK}")
     for name, value in DEFAULTS.items():
         if getattr(parsed, name) is None:
             setattr(parsed, name, value)
+    if parsed.special:
+        parsed.seed = None
     return parsed
 
 
@@ -93,7 +106,8 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
     lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
     earlier = {file: read_rows(file) if file.exists() else [] for file in lists}
     core = _built(arguments.sim, arguments.datapath, arguments.width)
-    what = f"{core}, seed {arguments.seed}"
+    of = named(arguments.seed)
+    what = f"{core}, {of}"
     print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
     chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets)
     with progress("soak", arguments.targets) as meter:
@@ -104,9 +118,9 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
             print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)
             raise
     if broken:
-        where = f"in chunk {chunks.number} of seed {arguments.seed}"
+        where = f"in chunk {chunks.number} of {of}"
         rows = tell(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
-        found = [f"seed {arguments.seed} target {broken.first + n}" for n in rows]
+        found = [f"{of} target {broken.first + n}" for n in rows]
         listed = zip(rows, found, strict=True)
         write_rows(failing, [row_of(core, broken.words[n], broken.hand[n], text) for n, text in listed])
         print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
@@ -114,7 +128,7 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
     found = chunks.found
     show(table_of_soak(what, core, found, meter.rate), table_of_hardest(found))
     hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
-    rows = [row_of(core, h.words, h.hand_error, f"seed {arguments.seed} target {h.target}") for h in hards]
+    rows = [row_of(core, h.words, h.hand_error, f"{of} target {h.target}") for h in hards]
     for file, before in earlier.items():
         write_rows(file, hardest.merge(before + rows))
         print(f"wrote {file}")

@@ -164,6 +164,23 @@ def extremes(count: int, width: int, seed: int) -> np.ndarray:
     return np.where(random.random((count, len(FIELDS))) < 0.6, edge, anything)
 
 
+def special(width: int) -> tuple[int, ...]:
+    """Twelve words: both ends, around 0 and around 1, -1, one of alternating bits."""
+    low, one, top = -(1 << (width - 1)), 1 << (width - 2), (1 << (width - 1)) - 1
+    return (low, low + 1, -one, -1, 0, 1, top // 3, one - 1, one, one + 1, top - 1, top)
+
+
+SPECIAL = 12 ** len(FIELDS)
+"""How many targets there are of special words alone."""
+
+
+def of_special(first: int, count: int, width: int) -> np.ndarray:
+    """Targets ``first`` to ``first + count`` of all :data:`SPECIAL` whose words are special; x changes fastest."""
+    numbers = np.arange(first, min(first + count, SPECIAL))
+    words = np.array(special(width), dtype=np.int64)
+    return np.column_stack([words[numbers // 12**k % 12] for k in range(len(FIELDS))])
+
+
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
     """All of the above, shuffled: every corner, the rest half reachable, a quarter clamped, a quarter extreme.
 

@@ -3,9 +3,9 @@
 
     python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
 
-Compiles the machines to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is kept in
-build/playground, and writes OUT/index.html: a page that needs nothing beside it and opens from disk without network.
-The 3D view, texts and colours are those of the report.
+Compiles the machines to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
+kept in build/playground, and writes OUT/index.html: a page that needs nothing beside it and opens from disk without
+network. The 3D view, texts and colours are those of the report.
 
 Exit status: 0 the page is written, 1 a tool failed, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """

@@ -13,6 +13,7 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
+from model.targets import stimuli
 from model.targets.flags import UNREACHABLE, expected_flags
 from scripts import chunks, failing, soak
 from tb.core import hardest, random_targets
@@ -50,7 +51,8 @@ def simulator(monkeypatch, tmp_path):
     fake = FakeCore()
     monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
     monkeypatch.setattr(every_node, "program", lambda datapath, width, by: None)
-    monkeypatch.setattr(chunks, "CHUNK", 400)
+    for module in (chunks, soak):
+        monkeypatch.setattr(module, "CHUNK", 400)
     monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
     return fake
@@ -94,6 +96,19 @@ def test_fewer_targets_are_the_first_of_more(cli, simulator):
     cli("--targets", "500")
     some = np.concatenate([call["words"] for call in simulator.calls])
     assert np.array_equal(whole[:500], some)
+
+
+def test_special_words(cli, simulator):
+    """All targets of them, from any chunk on; no number and no seed with it."""
+    last = stimuli.SPECIAL // 400
+    status, out, err = cli("--special", "--from", str(last), "--width", "18")
+    (call,) = simulator.calls
+    assert status == 0, err
+    assert call["words"].tolist() == stimuli.of_special(last * 400, 400, 18).tolist() and len(call["words"]) == 384
+    assert "all targets of special words" in out[0]
+    for words in (("--seed", "1"), ("--targets", "5"), ("--from", str(last + 1)), ("--again", "x.csv")):
+        status, _, err = cli("--special", *words)
+        assert status == 2 and "--" in err[-1], words
 
 
 def test_what_it_says_and_writes(cli, simulator, files):

@@ -16,7 +16,7 @@ import numpy as np
 from model.bounds import tolerances
 from model.targets.flags import expected_flags, names
 from model.targets.observed import edges
-from model.targets.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
+from model.targets.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
 from tb.core import hardest
 from tb.sim import every_node
 from tb.sim.env import NATIVE
@@ -29,9 +29,13 @@ CANDIDATES = 1000
 """Targets of a chunk, those with the largest hand errors, that are ranked: the paper's by a prediction."""
 
 
-def chunk(number: int, width: int, seed: int, count: int = CHUNK) -> np.ndarray:
+def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
     """The `number`-th chunk of targets, shuffled: half near singular poses and in the other `REGIONS`, an eighth
-    each clamped, at the edges of formats and of extreme words, every corner, the rest anywhere in reach."""
+    each clamped, at the edges of formats and of extreme words, every corner, the rest anywhere in reach.
+
+    Without a seed the `number`-th part of all targets of special words, in order."""
+    if seed is None:
+        return of_special(number * count, count, width)
     own = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
     named = np.array(list(corners(width).values()), dtype=np.int64)
     parts = [region(name, count // 2 // len(REGIONS), width, own) for name in REGIONS]

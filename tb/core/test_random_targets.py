@@ -6,7 +6,7 @@ import pytest
 
 from model.reference.equations import solve_clamped
 from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.stimuli import corners
+from model.targets.stimuli import SPECIAL, corners, of_special, special
 from model.targets.words import from_words
 from tb.core.random_targets import chunk
 
@@ -23,6 +23,16 @@ def test_chunks_at_other_word_lengths(width):
     words = chunk(0, width, 1)
     assert words.shape == (20000, 6)
     assert (words >= -(1 << (width - 1))).all() and (words < 1 << (width - 1)).all()
+
+
+@pytest.mark.parametrize("width", [16, 32])
+def test_special_words_are_all_that_there_are(width):
+    """In chunks, each of the 12^6 once; the highest and lowest word, 0, 1 and their neighbours are among them."""
+    words = np.concatenate([chunk(n, width, None) for n in range(-(-SPECIAL // 20000))])
+    assert len(words) == len(np.unique(words, axis=0)) == 12**6 and len(of_special(SPECIAL, 5, width)) == 0
+    assert set(words.ravel().tolist()) == set(special(width)) and len(set(special(width))) == 12
+    least, one = -(1 << width - 1), 1 << width - 2
+    assert {least, -one, -1, 0, 1, one - 1, one, one + 1, -1 - least} < set(special(width))
 
 
 def test_a_chunk_has_all_kinds():
