@@ -12,7 +12,7 @@
 
 module ik_paper #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag, 1 or more
     parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
     parameter integer SHORT = 0    // 1: quotients, roots, sine and cosine in shorter words, of W = 32
 ) (
@@ -33,11 +33,17 @@ module ik_paper #(
   `include "ik_paper_nodes.vh"
 
   generate
-    if (W < 16 || W > 32) begin : g_illegal
+    if (W < 16 || W > 32) begin : g_no_words
       ik_paper_needs_W_of_16_to_32 u_stop ();
     end
-    if (SHORT != 0 && W != 32) begin : g_no_cuts
-      ik_paper_of_shorter_words_needs_W_of_32 u_stop ();
+    if (TAG_W < 1) begin : g_no_tag
+      ik_paper_needs_TAG_W_of_1_or_more u_stop ();
+    end
+    if (DIGIT != 0 && DIGIT != 1) begin : g_no_cores
+      ik_paper_needs_DIGIT_of_0_or_1 u_stop ();
+    end
+    if (SHORT != 0 && (SHORT != 1 || W != 32)) begin : g_no_cuts
+      ik_paper_needs_SHORT_of_0_or_with_W_32_of_1 u_stop ();
     end
   endgenerate
 
