@@ -86,6 +86,7 @@ module ik_fold #(
   wire full = m_axis_tvalid && !m_axis_tready;
   reg given;  // results of a target are on their way
   wire giving = f_first_result ? of_first : given;
+  initial {current, m_axis_tvalid} = 2'b00;  // neither ready nor valid before the first clock
   always @(posedge clk)
     if (rst) begin
       go            <= 1'b1;
