@@ -30,7 +30,7 @@ module ik_axis #(
     // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first: Q2.(W-2)
     output wire [    6*W-1:0] m_axis_tdata,
     output wire [TAG_W+8-1:0] m_axis_tuser,  // tag; above it too_far, too_near, on_axis, at_shoulder, bad_length,
-    output wire               m_axis_tvalid, // saturated, 0, 0
+    output wire               m_axis_tvalid, // 0, 0, 0
     input  wire               m_axis_tready
 );
 

@@ -27,7 +27,7 @@ module ik_lean #(
     // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
-    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, saturated, 0, 0
+    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
     output wire [  6*W-1:0] out_data    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
 );
 
