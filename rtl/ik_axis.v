@@ -11,14 +11,14 @@
 
 module ik_axis #(
     parameter integer W     = 32,  // word length, 16 to 32, to 24 with TILE = 16
-    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag, 1 or more
     parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, from 20 on
     parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
-    // the lean products: bits of the multipliers' longer operand; 25 for 25x18, 16 for 16x16, with small tables, and W from
-    // 18 on folded
+    // the lean products: bits of the multipliers' longer operand; 18, 25 for 25x18 and not folded, 16 for 16x16, with small
+    // tables, and W from 18 on folded
     parameter integer TILE  = 18,
     parameter integer SHORT = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
-    parameter integer MIN_W = 16   // least W; less only for the test of every target there is
+    parameter integer MIN_W = 16   // least W; 3 to 15 only for the test of every target there is, lean, TILE from 18
 ) (
     input  wire               clk,
     input  wire               rst,  // synchronous, active high: forgets all targets
@@ -30,7 +30,7 @@ module ik_axis #(
     // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first: Q2.(W-2)
     output wire [    6*W-1:0] m_axis_tdata,
     output wire [TAG_W+8-1:0] m_axis_tuser,  // tag; above it too_far, too_near, on_axis, at_shoulder, bad_length,
-    output wire               m_axis_tvalid, // saturated, 0, 0
+    output wire               m_axis_tvalid, // 0, 0, 0
     input  wire               m_axis_tready
 );
 
@@ -65,19 +65,48 @@ module ik_axis #(
   assign m_axis_tuser = (LEAN == 2) ? fold_user : fifo_user;
   assign m_axis_tdata = (LEAN == 2) ? fold_data : fifo_data;
 
-  // ---- the datapath ----
+  // ---- what the core is not built for has a name, at which every tool stops ----
 
-  localparam LEGAL = W >= MIN_W && W <= ((TILE < 18) ? 24 : 32) && TILE >= 16
-      && (LEAN != 2 || (W % 2 == 0 && W >= ((TILE < 18) ? 18 : 20) && TILE <= 18));
+  localparam TAG_OK = TAG_W >= 1;
+  localparam LEAN_OK = LEAN >= 0 && LEAN <= 2;
+  localparam DIGIT_OK = DIGIT == 0 || DIGIT == 1;
+  localparam TILE_OK = TILE == 16 || TILE == 18 || (TILE == 25 && LEAN != 2);
+  localparam SHORT_OK = SHORT == 0 || (SHORT == 1 && LEAN == 0 && W == 32);
+  localparam MIN_W_OK = MIN_W >= 3 && MIN_W <= 16;
+  localparam integer LEAST = (LEAN == 2) ? ((TILE == 16) ? 18 : 20) : (LEAN == 1 && TILE != 16) ? MIN_W : 16;
+  localparam W_OK = W >= LEAST && W <= ((TILE == 16) ? 24 : 32) && (LEAN != 2 || W % 2 == 0);
+  localparam LEGAL = TAG_OK && LEAN_OK && DIGIT_OK && TILE_OK && SHORT_OK && MIN_W_OK && W_OK;
+  generate
+    if (!TAG_OK) begin : g_no_tag
+      ik_axis_needs_TAG_W_of_1_or_more u_stop ();
+    end
+    if (!LEAN_OK) begin : g_no_datapath
+      ik_axis_needs_LEAN_of_0_1_or_2 u_stop ();
+    end
+    if (!DIGIT_OK) begin : g_no_cores
+      ik_axis_needs_DIGIT_of_0_or_1 u_stop ();
+    end
+    if (!TILE_OK) begin : g_no_tile
+      ik_axis_needs_TILE_of_18_16_or_not_folded_25 u_stop ();
+    end
+    if (!SHORT_OK) begin : g_no_cuts
+      ik_axis_needs_SHORT_of_0_or_with_LEAN_0_and_W_32_of_1 u_stop ();
+    end
+    if (!MIN_W_OK) begin : g_no_least
+      ik_axis_needs_MIN_W_of_3_to_16 u_stop ();
+    end
+    if (!W_OK) begin : g_no_words
+      ik_axis_needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24 u_stop ();
+    end
+  endgenerate
+
+  // ---- the datapath ----
 
   wire core_valid;
   wire [TAG_W-1:0] core_tag;
   wire [7:0] core_flags;
   wire [6*W-1:0] core_data;
   generate
-    if (!LEGAL) begin : g_illegal
-      ik_axis_needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24 u_stop ();
-    end
     if (LEGAL && LEAN == 2) begin : g_fold
       ik_fold #(
           .W    (W),

@@ -9,7 +9,7 @@ package ik_axis_pkg is
   component ik_axis is
     generic (
       W     : integer := 32;  -- word length, 16 to 32
-      TAG_W : integer := 8;   -- width of the tag
+      TAG_W : integer := 8;   -- width of the tag, 1 or more
       LEAN  : integer := 1;   -- datapath: 1 the lean one, 0 the paper's, 2 the lean one folded
       DIGIT : integer := 0;   -- the paper's dividers and roots: 1 made of rows, for synthesis
       TILE  : integer := 18;  -- the lean products: bits of the multipliers' longer operand, 25 for 25x18

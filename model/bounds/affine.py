@@ -146,9 +146,6 @@ class Affine(Domain):
                 terms[symbol] = terms.get(symbol, 0.0) + slope * c
         return Form(centre, terms, rest + spread + SLACK * np.abs(centre))
 
-    def overflowed(self, watched, unless):
-        return False
-
     def product(self, name, a, b, fmt, scale):
         return (a.value * b.value).linear(2.0**scale)
 

@@ -147,9 +147,6 @@ class Ranges(Domain):
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, Bound(value, value))
 
-    def overflowed(self, watched, unless):
-        return Bound(0, 1)
-
     def product(self, name, a, b, fmt, scale):
         p, q = a.value, b.value
         square = a is b

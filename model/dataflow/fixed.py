@@ -14,7 +14,7 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from ..targets.flags import FLAGS
+from ..targets.flags import FLAGS, SATURATED
 from ..targets.words import FIELDS, RESULT_FIELDS
 from . import cores as lean_cores
 from . import trig as lean_trig
@@ -103,10 +103,6 @@ class Bits(Domain):
     def apply(self, name, operands, fmt, bits, real):
         return bits(*(n.value for n in operands))
 
-    def overflowed(self, watched, unless):
-        mask = np.logical_or.reduce([self.overflow[n] for n in watched])
-        return mask & ~self.nodes[unless].value if unless else mask
-
     def _narrow(self, name, value, fmt):
         self.overflow[name] = (value < fmt.low) | (value > fmt.high)
         return np.clip(value, fmt.low, fmt.high)
@@ -187,6 +183,5 @@ def answer(words: np.ndarray, bits: Bits) -> Answer:
     for name, time in times(bits.width).items() if times else ():
         bits.nodes[name].time = time
     value = {k: n.value for k, n in bits.nodes.items()}
-    # The lean datapath has nothing that saturates.
-    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.name in value)
+    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.bit != SATURATED)
     return Answer(np.stack([value[k] for k in RESULT_FIELDS], axis=1), flags, bits)

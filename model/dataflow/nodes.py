@@ -14,8 +14,8 @@ fraction bits.  Products that wait for the sum they belong to, and sums of such 
 division, carry ``GUARD`` more fraction bits (``wide``).
 
 Rounding.  ``mul`` and ``sum`` round half up (add half an ulp, drop the bits); ``div`` and ``root`` take the floor.
-A product always fits its format; a sum and a quotient are narrowed by geometry (|p_e| <= d1, ...), saturate, and
-raise the flag ``saturated``.
+A product always fits its format; a sum and a quotient are narrowed by geometry (|p_e| <= d1, ...), and saturate: by
+proof (:mod:`model.bounds.ranges`) none does but those that a node's ``limited`` names.
 """
 
 from __future__ import annotations
@@ -402,11 +402,6 @@ class Domain(ABC):
         error = self.cordic_error(names[0])
         return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=error) for n, v in values)
 
-    def saturated(self, name: str, *watched: str, unless: str | None = None) -> Node:
-        """One bit: did any of the ``watched`` sums and quotients not fit (and was it needed)?"""
-        nodes = tuple(self.nodes[n] for n in watched) + ((self.nodes[unless],) if unless else ())
-        return self.make(name, "saturated", nodes, self.bit, "mux", self.overflowed(watched, unless))
-
     def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str, **facts) -> Node:
         """Shifts words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
 
@@ -433,9 +428,6 @@ class Domain(ABC):
         """The value of :meth:`op`."""
 
     # The paper's datapath.
-
-    def overflowed(self, watched: tuple[str, ...], unless: str | None) -> Value:
-        raise NotImplementedError
 
     def product(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
         raise NotImplementedError

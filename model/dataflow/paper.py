@@ -29,7 +29,6 @@ SECTIONS = {
     "elbow_q": "3.3 elbow quaternion",
     "to_elbow": "3.4 rotate to the elbow position",
     "to_wrist": "3.5 rotate to the wrist location",
-    "results": "what leaves the datapath",
 }
 """Section name -> what it is; the RTL module is ``ik_<section>``, its instance in ``ik_paper`` is ``u_<section>``."""
 
@@ -51,7 +50,6 @@ def sections(d: Domain, phi: Node) -> None:
     elbow_quaternion(d)
     rotate_to_elbow(d)
     rotate_to_wrist(d)
-    results(d)
 
 
 def half_of(words, clamp, clamped=0):
@@ -225,7 +223,6 @@ def swivel(d: Domain, phi: Node) -> None:
     # (12) and all that follows hold for any plane.  Exact arithmetic with the words gives k_e / 2 = p_e p_w and
     # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
     d.restart("pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
-    d.saturated("sat_swivel", "pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
 
 
 ARMS = Rule(
@@ -364,12 +361,3 @@ def elbow(d: Domain) -> None:
         lambda a, b, c: np.where(c, b >> 1, a >> 1), lambda a, b, c: np.where(c, b / 2, a), FLOOR,
         exact="clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1)",
     )  # fmt: skip
-    quotients = [f"e_{a}_{kind}" for kind in ("num", "quo") for a in "xyz"]
-    d.saturated("sat_elbow", "k_e", "inf_pp", "pp_sq", "pp_pm", "tmp1", *quotients)
-
-
-def results(d: Domain) -> None:
-    """The flag bits that leave with the quaternions; their order is in :mod:`model.targets.flags`."""
-    d.at("results")
-    names = [f"sat_{s}" for s in ("swivel", "elbow", "elbow_q", "to_elbow", "to_wrist")]
-    d.op("saturated", names, d.bit, "mux", lambda *sats: np.logical_or.reduce(sats))

@@ -67,7 +67,6 @@ def elbow_quaternion(d: Domain) -> None:
     d.root("qe_w", n["h4_p"], d.word(1))
     d.root("qe_abs", n["h4_m"], d.word(1))
     d.op("qe_i", ("qe_abs",), d.word(1), "mux", lambda a: -a, lambda a: -a, grows=SAME, exact="-qe_abs")
-    d.saturated("sat_elbow_q", "t_e", unless="clamp")
 
 
 def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
@@ -139,7 +138,6 @@ def rotate_to_elbow(d: Domain) -> None:
     l_m = d.root("l_m", n["tmp2"], d.word(1), within=MIDDLE)
     for unit, a in zip("ijk", "xyz", strict=True):
         d.div(f"q12_{unit}", n[f"l_m_{a}"], l_m, d.word(1), within=TURN)
-    d.saturated("sat_to_elbow", "q12_i", "q12_j", "q12_k")
 
 
 PLANE_SQ = Rule("|pi_swivel| = |b|", "squared, with |b| in [1/2, sqrt 2]", lambda c: (c.b[0] ** 2, c.b[1] ** 2))
@@ -222,4 +220,3 @@ def rotate_to_wrist(d: Domain) -> None:
     d.sum("qs_i", n["i_is"], n["i_jk"], fmt=d.word(1), within=RESULT)
     d.sum("qs_j", n["j_js"], -n["j_ik"], fmt=d.word(1), within=RESULT)
     d.sum("qs_k", zero, n["k_ks"], fmt=d.word(1))
-    d.saturated("sat_to_wrist", "c3_num")

@@ -40,9 +40,6 @@ class Real(Domain):
             return self.bits.nodes[name].value
         return self._moved(name, real(*(n.value for n in operands)), fmt)
 
-    def overflowed(self, watched, unless):
-        return False
-
     def product(self, name, a, b, fmt, scale):
         return self._moved(name, a.value * b.value * 2.0**scale, fmt)
 

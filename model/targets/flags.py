@@ -38,7 +38,7 @@ FLAGS = (
     Flag("on_axis", ON_AXIS, "target on the z axis: azimuth 0 is taken"),
     Flag("at_shoulder", AT_SHOULDER, "target at the shoulder: it has no direction"),
     Flag("bad_length", BAD_LENGTH, "d1 or d2 is not positive"),
-    Flag("saturated", SATURATED, "an internal value did not fit; never for a reachable target"),
+    Flag("saturated", SATURATED, "reserved, always 0: by proof no internal value leaves its format"),
 )
 
 
@@ -52,7 +52,7 @@ def names(flags: int) -> str:
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
     """The flags that the core owes for input words (N, 6) of `width` bits; (N,) int64.
 
-    `SATURATED` is never owed. Raises ValueError for a word that does not fit `width` bits, which the core
+    `SATURATED` is reserved. Raises ValueError for a word that does not fit `width` bits, which the core
     could not be asked.
     """
     words = np.asarray(words, dtype=np.int64)

@@ -298,7 +298,7 @@ def _mismatch_failures(count: int, first: str | None) -> list[str]:
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
-    """Flags other than those owed; `saturated` is never owed, not even by a clamped target."""
+    """Flags other than those owed; `saturated` is reserved, and never owed."""
     wrong = flags != expected
     if not wrong.any():
         return []

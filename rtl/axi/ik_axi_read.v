@@ -66,6 +66,7 @@ module ik_axi_read #(
   wire [P-1:0] asked = ask ? {{(P - N) {1'b0}}, size} : {P{1'b0}};
   wire [7:0] size_8 = {{(8 - N) {1'b0}}, size};
 
+  initial m_axi_arvalid = 1'b0;
   always @(posedge clk) begin
     if (rst) begin
       left  <= 32'd0;

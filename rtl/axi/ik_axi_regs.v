@@ -67,6 +67,8 @@ module ik_axi_regs #(
     for (i = 0; i < 4; i = i + 1) merged[8*i+:8] = strobes[i] ? data[8*i+:8] : old[8*i+:8];
   endfunction
 
+  initial {s_axi_bvalid, s_axi_rvalid, irq} = 3'b000;
+
   // ---- write: address and data wait for each other in a register each ----
 
   reg [9:0] waddr;

@@ -49,6 +49,8 @@ module ik_axi_result #(
   wire room = !m_axi_wvalid || (gone && beat == LAST_BEAT);
   assign result_ready = room && allowed;
 
+  initial m_axi_wvalid = 1'b0;
+
   always @(posedge clk) begin
     if (room) begin
       record <= {index, flags_tag, words};

@@ -79,6 +79,7 @@ module ik_axi_write #(
   wire [N-1:0] answered = m_axi_bvalid ? answer_size : {N{1'b0}};
   wire bad = m_axi_bvalid && m_axi_bresp[1];
 
+  initial m_axi_awvalid = 1'b0;
   always @(posedge clk) begin
     if (go) next <= destination;
     else if (tell) next <= next + {{(ADDR_W - 5 - N) {1'b0}}, size};

@@ -13,7 +13,7 @@
 
 module ik_fold #(
     parameter integer W     = 24,  // word length, even, 20 to 32; 18 to 24 with TILE = 16
-    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag, 1 or more
     parameter integer TILE  = 18   // bits of a tile of a product: 18 or 16
 ) (
     input  wire               clk,
@@ -30,6 +30,18 @@ module ik_fold #(
 
   `include "ik_fold_codes.vh"
   `include "ik_fold_formats.vh"
+
+  generate
+    if (W % 2 != 0 || W < ((TILE == 16) ? 18 : 20) || W > ((TILE == 16) ? 24 : 32)) begin : g_no_words
+      ik_fold_needs_W_even_of_20_to_32_with_TILE_16_of_18_to_24 u_stop ();
+    end
+    if (TAG_W < 1) begin : g_no_tag
+      ik_fold_needs_TAG_W_of_1_or_more u_stop ();
+    end
+    if (TILE != 16 && TILE != 18) begin : g_no_tile
+      ik_fold_needs_TILE_of_16_or_18 u_stop ();
+    end
+  endgenerate
 
   localparam integer XW = 2 * W + 2;  // bits of a sum: those of an exact one
   localparam integer TW = (XW < SINE_SUM_FRAC + 5) ? SINE_SUM_FRAC + 5 : XW;  // and with those of half a sine
@@ -74,6 +86,7 @@ module ik_fold #(
   wire full = m_axis_tvalid && !m_axis_tready;
   reg given;  // results of a target are on their way
   wire giving = f_first_result ? of_first : given;
+  initial {current, m_axis_tvalid} = 2'b00;  // neither ready nor valid before the first clock
   always @(posedge clk)
     if (rst) begin
       go            <= 1'b1;

@@ -13,9 +13,9 @@
 `default_nettype none
 
 module ik_lean #(
-    parameter integer W     = 32,  // word length, 16 to 32; from 3 on for exhaustive tests
-    parameter integer TAG_W = 8,   // width of the tag
-    parameter integer TILE  = 18   // bits of the multipliers' longer operand
+    parameter integer W     = 32,  // word length, 16 to 32, to 24 with TILE = 16, else from 3 on for exhaustive tests
+    parameter integer TAG_W = 8,   // width of the tag, 1 or more
+    parameter integer TILE  = 18   // bits of the multipliers' longer operand: 18, 25 or 16
 ) (
     // Clock
     input  wire             clk,
@@ -27,15 +27,21 @@ module ik_lean #(
     // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
-    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, saturated, 0, 0
+    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
     output wire [  6*W-1:0] out_data    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
 );
 
   `include "ik_lean_nodes.vh"
 
   generate
-    if (W < 3 || W > 32) begin : g_illegal
-      ik_lean_needs_W_of_3_to_32 u_stop ();
+    if (W < ((TILE == 16) ? 16 : 3) || W > ((TILE == 16) ? 24 : 32)) begin : g_no_words
+      ik_lean_needs_W_of_3_to_32_with_TILE_16_of_16_to_24 u_stop ();
+    end
+    if (TAG_W < 1) begin : g_no_tag
+      ik_lean_needs_TAG_W_of_1_or_more u_stop ();
+    end
+    if (TILE != 16 && TILE != 18 && TILE != 25) begin : g_no_tile
+      ik_lean_needs_TILE_of_16_18_or_25 u_stop ();
     end
   endgenerate
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // There is no full flag: whoever writes has reserved the place before (see ik_axis). Memory and output register are not
-// reset; m_valid is.
+// reset; m_valid is, and it is 0 before the first clock.
 // Latency: a word written in one clock is offered two clocks later.
 `default_nettype none
 
@@ -26,6 +26,8 @@ module ik_fifo #(
   reg [LOG2:0] rd_ptr;
   wire empty = (wr_ptr == rd_ptr);
   wire load = !m_valid || m_ready;
+
+  initial m_valid = 1'b0;
 
   always @(posedge clk) begin
     if (wr_en) mem[wr_ptr[LOG2-1:0]] <= wr_data;

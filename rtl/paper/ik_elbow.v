@@ -42,9 +42,7 @@ module ik_elbow #(
     output wire signed [W-1:0] p_e_x,               // T_P_E_X
     output wire signed [W-1:0] p_e_y,
     output wire signed [W-1:0] p_e_z,
-    output reg  signed [W-1:0] d_e,                 // T_D_E: length of the upper arm in the unit of p_e
-    // What did not fit
-    output reg                 sat_elbow            // T_SAT_ELBOW
+    output reg  signed [W-1:0] d_e                  // T_D_E: length of the upper arm in the unit of p_e
 );
 
   `include "ik_paper_nodes.vh"
@@ -61,12 +59,11 @@ module ik_elbow #(
   ik_shift #(.W(W), .RIGHT(1), .DC(T_S-T_SCALE_J)) u_s_j (.clk(clk), .d(s), .count(scale_j), .q(s_j));
 
   wire signed [W-1:0] dd_j, k_e;
-  wire ovf_k_e;
   ik_mul #(.AW(W), .BW(W), .SH(F_D_SUM+F_D_DIF_J-F_DD_J), .OW(W), .DB(T_D_SUM-T_D_DIF_J)) u_dd_j (
       .clk(clk), .a(d_sum), .b(d_dif_j), .q(dd_j)
   );
   ik_sum2 #(.IW(W), .SH(F_S_J-F_K_E), .OW(W), .DA(T_DD_J-T_S_J)) u_k_e (
-      .clk(clk), .a(s_j), .b(dd_j), .q(k_e), .ovf(ovf_k_e)
+      .clk(clk), .a(s_j), .b(dd_j), .q(k_e), .ovf()
   );
 
   // ---- (12) PP_i, PP_j, PP_k ----
@@ -145,32 +142,30 @@ module ik_elbow #(
 
   wire signed [WW-1:0] pp_1_sq, pp_2_sq, pp_3_sq;
   wire signed [W-1:0] inf_pp;
-  wire ovf_inf_pp;
   localparam integer SH_MM = 2 * F_PP_1_M - F_PP_1_SQ;
   ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_1_sq (.clk(clk), .a(pp_1_m), .b(pp_1_m), .q(pp_1_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_2_sq (.clk(clk), .a(pp_2_m), .b(pp_2_m), .q(pp_2_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_3_sq (.clk(clk), .a(pp_3_m), .b(pp_3_m), .q(pp_3_sq));
   ik_sum3 #(.IW(WW), .SH(F_PP_1_SQ-F_INF_PP), .OW(W)) u_inf_pp (
-      .clk(clk), .a(pp_1_sq), .b(pp_2_sq), .c(pp_3_sq), .q(inf_pp), .ovf(ovf_inf_pp)
+      .clk(clk), .a(pp_1_sq), .b(pp_2_sq), .c(pp_3_sq), .q(inf_pp), .ovf()
   );
 
   // ---- (13) tmp1 and its root ----
 
   wire signed [WW-1:0] pp_i_sq, pp_j_sq, pp_k_sq, pp_sq, pp_pm;
   wire signed [W-1:0] tmp1, tmp_sqr;
-  wire ovf_pp_sq, ovf_pp_pm, ovf_tmp1;
   localparam integer SH_II = 2 * F_PP_I - F_PP_I_SQ;
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_i_sq (.clk(clk), .a(pp_i), .b(pp_i), .q(pp_i_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_j_sq (.clk(clk), .a(pp_j), .b(pp_j), .q(pp_j_sq));
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_k_sq (.clk(clk), .a(pp_k), .b(pp_k), .q(pp_k_sq));
   ik_sum3 #(.IW(WW), .SH(F_PP_I_SQ-F_PP_SQ), .OW(WW)) u_pp_sq (
-      .clk(clk), .a(pp_i_sq), .b(pp_j_sq), .c(pp_k_sq), .q(pp_sq), .ovf(ovf_pp_sq)
+      .clk(clk), .a(pp_i_sq), .b(pp_j_sq), .c(pp_k_sq), .q(pp_sq), .ovf()
   );
   ik_sum3 #(.IW(WW), .SH(F_PP_1_PM-F_PP_PM), .OW(WW)) u_pp_pm (
-      .clk(clk), .a(pp_1_pm), .b(pp_2_pm), .c(pp_3_pm), .q(pp_pm), .ovf(ovf_pp_pm)
+      .clk(clk), .a(pp_1_pm), .b(pp_2_pm), .c(pp_3_pm), .q(pp_pm), .ovf()
   );
   ik_sum2 #(.IW(WW), .SH(F_PP_PM-F_TMP1), .OW(W), .SUB_B(1), .DB(T_PP_PM-T_PP_SQ)) u_tmp1 (
-      .clk(clk), .a(pp_pm), .b(pp_sq), .q(tmp1), .ovf(ovf_tmp1)
+      .clk(clk), .a(pp_pm), .b(pp_sq), .q(tmp1), .ovf()
   );
   ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_TMP_SQR)) u_tmp_sqr (
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
@@ -237,39 +232,36 @@ module ik_elbow #(
       .clk(clk), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_x_pp_at_e_x_sqr})
   );
   wire signed [WW-1:0] e_x_num, e_y_num, e_z_num;
-  wire [2:0] ovf_num;
   ik_sum2 #(.IW(WW), .SH(F_E_X_SQR-F_E_X_NUM), .OW(WW)) u_e_x_num (
-      .clk(clk), .a(e_x_pp_at_e_x_sqr), .b(e_x_sqr), .q(e_x_num), .ovf(ovf_num[0])
+      .clk(clk), .a(e_x_pp_at_e_x_sqr), .b(e_x_sqr), .q(e_x_num), .ovf()
   );
   ik_sum2 #(.IW(WW), .SH(F_E_Y_SQR-F_E_Y_NUM), .OW(WW)) u_e_y_num (
-      .clk(clk), .a(e_y_pp_at_e_x_sqr), .b(e_y_sqr), .q(e_y_num), .ovf(ovf_num[1])
+      .clk(clk), .a(e_y_pp_at_e_x_sqr), .b(e_y_sqr), .q(e_y_num), .ovf()
   );
   ik_sum2 #(.IW(WW), .SH(F_E_Z_SQR-F_E_Z_NUM), .OW(WW)) u_e_z_num (
-      .clk(clk), .a(e_z_pp_at_e_x_sqr), .b(e_z_sqr), .q(e_z_num), .ovf(ovf_num[2])
+      .clk(clk), .a(e_z_pp_at_e_x_sqr), .b(e_z_sqr), .q(e_z_num), .ovf()
   );
 
   // ---- (13) p_e: division by inf_PP ----
 
   wire signed [W-1:0] inf_pp_at_e_x_num, e_x_quo, e_y_quo, e_z_quo;
-  wire [2:0] ovf_quo;
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
   ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_at_e_x_num (.clk(clk), .d(inf_pp), .q(inf_pp_at_e_x_num));
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_X_QUO)) u_e_x_quo (
-      .clk(clk), .n(e_x_num), .d(inf_pp_at_e_x_num), .q(e_x_quo), .ovf(ovf_quo[0])
+      .clk(clk), .n(e_x_num), .d(inf_pp_at_e_x_num), .q(e_x_quo), .ovf()
   );
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_Y_QUO)) u_e_y_quo (
-      .clk(clk), .n(e_y_num), .d(inf_pp_at_e_x_num), .q(e_y_quo), .ovf(ovf_quo[1])
+      .clk(clk), .n(e_y_num), .d(inf_pp_at_e_x_num), .q(e_y_quo), .ovf()
   );
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_Z_QUO)) u_e_z_quo (
-      .clk(clk), .n(e_z_num), .d(inf_pp_at_e_x_num), .q(e_z_quo), .ovf(ovf_quo[2])
+      .clk(clk), .n(e_z_num), .d(inf_pp_at_e_x_num), .q(e_z_quo), .ovf()
   );
 
   // A clamped arm's elbow lies on the line to the target: at half its distance, in the target's unit.
   wire clamp_at_e_x_quo, away_at_e_x_quo;
   wire signed [W-1:0] p_w_x_at_e_x_quo, p_w_y_at_e_x_quo, p_w_z_at_e_x_quo;
-  wire ovf_k_e_at_e_x_quo;
-  ik_ring #(.W(3), .N(T_E_X_QUO-T_K_E)) u_clamp_at_e_x_quo (
-      .clk(clk), .d({ovf_k_e, away_at_k_e, clamp_at_k_e}), .q({ovf_k_e_at_e_x_quo, away_at_e_x_quo, clamp_at_e_x_quo})
+  ik_ring #(.W(2), .N(T_E_X_QUO-T_K_E)) u_clamp_at_e_x_quo (
+      .clk(clk), .d({away_at_k_e, clamp_at_k_e}), .q({away_at_e_x_quo, clamp_at_e_x_quo})
   );
   ik_ring #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_at_e_x_quo (
       .clk(clk), .d({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel}),
@@ -293,23 +285,6 @@ module ik_elbow #(
   ik_delay #(.W(1), .N(T_L_SW-T_K_E)) u_clamp_at_l_sw (.clk(clk), .d(clamp_at_k_e), .q(clamp_at_l_sw));
   ik_ring #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_at_l_sw (.clk(clk), .d(d_1), .q(d_1_at_l_sw));
   always @(posedge clk) d_e <= clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1);
-
-  // ---- what did not fit ----
-
-  // One line for all: each flag joins it where it is found.
-  wire ovf_inf_pp_at_tmp1, ovf_pp_sq_at_tmp1, ovf_pp_pm_at_tmp1;
-  wire ovf_at_e_x_num;  // of what comes before the numerators
-  wire ovf_at_e_x_quo;  // and before the quotients
-  ik_delay #(.W(1), .N(T_TMP1-T_INF_PP)) u_ovf_inf_pp_at_tmp1 (.clk(clk), .d(ovf_inf_pp), .q(ovf_inf_pp_at_tmp1));
-  ik_delay #(.W(1), .N(T_TMP1-T_PP_SQ)) u_ovf_pp_sq_at_tmp1 (.clk(clk), .d(ovf_pp_sq), .q(ovf_pp_sq_at_tmp1));
-  ik_delay #(.W(1), .N(T_TMP1-T_PP_PM)) u_ovf_pp_pm_at_tmp1 (.clk(clk), .d(ovf_pp_pm), .q(ovf_pp_pm_at_tmp1));
-  ik_delay #(.W(1), .N(T_E_X_NUM-T_TMP1)) u_ovf_at_e_x_num (
-      .clk(clk), .d(ovf_inf_pp_at_tmp1 | ovf_pp_sq_at_tmp1 | ovf_pp_pm_at_tmp1 | ovf_tmp1), .q(ovf_at_e_x_num)
-  );
-  ik_delay #(.W(1), .N(T_E_X_QUO-T_E_X_NUM)) u_ovf_at_e_x_quo (
-      .clk(clk), .d(ovf_at_e_x_num | (|ovf_num)), .q(ovf_at_e_x_quo)
-  );
-  always @(posedge clk) sat_elbow <= ovf_k_e_at_e_x_quo | ovf_at_e_x_quo | (|ovf_quo);
 
 endmodule
 

@@ -25,9 +25,7 @@ module ik_elbow_q #(
     input  wire signed [W-1:0] p_e_z,
     // Results
     output wire signed [W-1:0] qe_w,        // T_QE_W
-    output reg  signed [W-1:0] qe_i,        // T_QE_I
-    // What did not fit
-    output reg                 sat_elbow_q  // T_SAT_ELBOW_Q
+    output reg  signed [W-1:0] qe_i         // T_QE_I
 );
 
   `include "ik_paper_nodes.vh"
@@ -56,12 +54,13 @@ module ik_elbow_q #(
 
   wire signed [WW-1:0] t_x, t_y, t_z;
   wire signed [W-1:0] t_e;
-  wire ovf_t_e;
   localparam integer SH_T = F_P_E_X + F_F_X - F_T_X;
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_x (.clk(clk), .a(p_e_x), .b(f_x), .q(t_x));
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_y (.clk(clk), .a(p_e_y), .b(f_y), .q(t_y));
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_z (.clk(clk), .a(p_e_z), .b(f_z), .q(t_z));
-  ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (.clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf(ovf_t_e));
+  ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (
+      .clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf()  // too large only of clamped targets, whose c4 is set below
+  );
 
   // ---- (14) c4 = (p_e^2 - p_e p_w) / (d1 d2) ----
 
@@ -95,10 +94,7 @@ module ik_elbow_q #(
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_QE_ABS)) u_qe_abs (
       .clk(clk), .n({1'b0, h4_m}), .q(qe_abs), .neg()
   );
-  always @(posedge clk) begin
-    qe_i        <= -qe_abs;
-    sat_elbow_q <= ovf_t_e && !clamp_at_t_e;
-  end
+  always @(posedge clk) qe_i <= -qe_abs;
 
 endmodule
 

@@ -12,7 +12,7 @@
 
 module ik_paper #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer TAG_W = 8,   // width of the tag
+    parameter integer TAG_W = 8,   // width of the tag, 1 or more
     parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
     parameter integer SHORT = 0    // 1: quotients, roots, sine and cosine in shorter words, of W = 32
 ) (
@@ -26,18 +26,24 @@ module ik_paper #(
     // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
-    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, saturated, 0, 0
+    output wire [      7:0] out_flags,  // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
     output wire [  6*W-1:0] out_data    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
 );
 
   `include "ik_paper_nodes.vh"
 
   generate
-    if (W < 16 || W > 32) begin : g_illegal
+    if (W < 16 || W > 32) begin : g_no_words
       ik_paper_needs_W_of_16_to_32 u_stop ();
     end
-    if (SHORT != 0 && W != 32) begin : g_no_cuts
-      ik_paper_of_shorter_words_needs_W_of_32 u_stop ();
+    if (TAG_W < 1) begin : g_no_tag
+      ik_paper_needs_TAG_W_of_1_or_more u_stop ();
+    end
+    if (DIGIT != 0 && DIGIT != 1) begin : g_no_cores
+      ik_paper_needs_DIGIT_of_0_or_1 u_stop ();
+    end
+    if (SHORT != 0 && (SHORT != 1 || W != 32)) begin : g_no_cuts
+      ik_paper_needs_SHORT_of_0_or_with_W_32_of_1 u_stop ();
     end
   endgenerate
 
@@ -77,12 +83,10 @@ module ik_paper #(
   // ---- 3.1 swivel plane ----
 
   wire signed [W-1:0] s, l_sw, pi_swivel_x, pi_swivel_y, pi_swivel_z;
-  wire sat_swivel;
   ik_swivel #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_swivel (
       .clk(clk),
       .phi(phi), .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
-      .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
-      .sat_swivel(sat_swivel)
+      .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z)
   );
 
   // The target waits for its swivel plane; 3.2 and 3.5 use both.
@@ -96,7 +100,6 @@ module ik_paper #(
   wire signed [W-1:0] pp_1_m, pp_2_m, pp_3_m;
   wire flat, back;
   wire signed [W-1:0] p_e_x, p_e_y, p_e_z, d_e;
-  wire sat_elbow;
   ik_elbow #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_elbow (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .d_dif_j(d_dif_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
@@ -104,34 +107,31 @@ module ik_paper #(
       .p_w_x_at_pi_swivel(p_w_x_at_pi_swivel), .p_w_y_at_pi_swivel(p_w_y_at_pi_swivel),
       .p_w_z_at_pi_swivel(p_w_z_at_pi_swivel),
       .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),
-      .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z), .d_e(d_e), .sat_elbow(sat_elbow)
+      .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z), .d_e(d_e)
   );
 
   // ---- 3.3 elbow quaternion ----
 
   wire signed [W-1:0] qe_w, qe_i;
-  wire sat_elbow_q;
   ik_elbow_q #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_elbow_q (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .fold(fold),
       .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
-      .qe_w(qe_w), .qe_i(qe_i), .sat_elbow_q(sat_elbow_q)
+      .qe_w(qe_w), .qe_i(qe_i)
   );
 
   // ---- 3.4 rotate to the elbow position ----
 
   wire signed [W-1:0] q12_i, q12_j, q12_k;
-  wire sat_to_elbow;
   ik_to_elbow #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_to_elbow (
       .clk(clk),
       .d_e(d_e), .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
-      .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k), .sat_to_elbow(sat_to_elbow)
+      .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k)
   );
 
   // ---- 3.5 rotate to the wrist location ----
 
   wire signed [W-1:0] qs_w, qs_i, qs_j, qs_k;
-  wire sat_to_wrist;
   ik_to_wrist #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_to_wrist (
       .clk(clk),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
@@ -139,7 +139,7 @@ module ik_paper #(
       .p_w_z_at_pi_swivel(p_w_z_at_pi_swivel),
       .pp_1_m(pp_1_m), .pp_2_m(pp_2_m), .pp_3_m(pp_3_m), .flat(flat), .back(back),
       .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k),
-      .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k), .sat_to_wrist(sat_to_wrist)
+      .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
   );
 
   // ---- all results leave together ----
@@ -150,24 +150,7 @@ module ik_paper #(
   ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_at_out (.clk(clk), .d(qe_i), .q(qe_i_at_out));
   assign out_data = {qe_i_at_out, qe_w_at_out, qs_k_at_out, qs_j, qs_i, qs_w};
 
-  // One line for all flags of saturation: each joins it where it is found.
-  wire sat_swivel_at_sat_elbow, sat_at_sat_elbow_q, sat_at_sat_to_elbow, sat_at_sat_to_wrist;
-  ik_delay #(.W(1), .N(T_SAT_ELBOW-T_SAT_SWIVEL)) u_sat_swivel_at_sat_elbow (
-      .clk(clk), .d(sat_swivel), .q(sat_swivel_at_sat_elbow)
-  );
-  ik_delay #(.W(1), .N(T_SAT_ELBOW_Q-T_SAT_ELBOW)) u_sat_at_sat_elbow_q (
-      .clk(clk), .d(sat_swivel_at_sat_elbow | sat_elbow), .q(sat_at_sat_elbow_q)
-  );
-  ik_delay #(.W(1), .N(T_SAT_TO_ELBOW-T_SAT_ELBOW_Q)) u_sat_at_sat_to_elbow (
-      .clk(clk), .d(sat_at_sat_elbow_q | sat_elbow_q), .q(sat_at_sat_to_elbow)
-  );
-  ik_delay #(.W(1), .N(T_SAT_TO_WRIST-T_SAT_TO_ELBOW)) u_sat_at_sat_to_wrist (
-      .clk(clk), .d(sat_at_sat_to_elbow | sat_to_elbow), .q(sat_at_sat_to_wrist)
-  );
-  reg saturated;
-  always @(posedge clk) saturated <= sat_at_sat_to_wrist | sat_to_wrist;
-
-  wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out, saturated_at_out;
+  wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out;
   wire on_axis_at_too_far, at_shoulder_at_too_far, bad_length_at_too_far;
   ik_delay #(.W(3), .N(T_TOO_FAR-T_ON_AXIS)) u_on_axis_at_too_far (
       .clk(clk), .d({bad_length, at_shoulder, on_axis}),
@@ -177,9 +160,8 @@ module ik_paper #(
       .clk(clk), .d({bad_length_at_too_far, at_shoulder_at_too_far, on_axis_at_too_far, too_near, too_far}),
       .q({bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out})
   );
-  ik_delay #(.W(1), .N(T_OUT-T_SATURATED)) u_saturated_at_out (.clk(clk), .d(saturated), .q(saturated_at_out));
   assign out_flags = {
-    2'b00, saturated_at_out, bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out
+    3'b000, bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out
   };
 
 endmodule

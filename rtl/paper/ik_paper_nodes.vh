@@ -92,7 +92,6 @@ localparam integer F_PI_NUM_Z = W + GUARD - 3, T_PI_NUM_Z = T_LCB_Y + LAT_SUM2; 
 localparam integer F_PI_SWIVEL_X = W - 2, T_PI_SWIVEL_X = T_PI_NUM_X + LAT_DIV;  // (11)
 localparam integer F_PI_SWIVEL_Y = W - 2, T_PI_SWIVEL_Y = T_PI_NUM_Y + LAT_DIV;  // (11)
 localparam integer F_PI_SWIVEL_Z = W - 2, T_PI_SWIVEL_Z = T_PI_NUM_Z + LAT_DIV;  // (11)
-localparam integer T_SAT_SWIVEL = T_PI_SWIVEL_X + LAT_MUX;  // (11)
 
 // 3.2 elbow point
 localparam integer F_D_SUM = W - 1, T_D_SUM = T_D_1 + LAT_MUX;  // (12)
@@ -153,7 +152,6 @@ localparam integer F_E_Z_NUM = W + GUARD - 6, T_E_Z_NUM = T_E_Z_SQR + LAT_SUM2; 
 localparam integer F_E_Z_QUO = W - 2, T_E_Z_QUO = T_E_Z_NUM + LAT_DIV;  // (13)
 localparam integer F_P_E_Z = W - 2, T_P_E_Z = T_E_Z_QUO + LAT_MUX;  // (13)
 localparam integer F_D_E = W - 2, T_D_E = T_L_SW + LAT_MUX;  // (13)
-localparam integer T_SAT_ELBOW = T_E_X_QUO + LAT_MUX;  // (13)
 
 // 3.3 elbow quaternion
 localparam integer F_F_X = W - 2, T_F_X = T_P_E_X + LAT_SUM2;  // (14)
@@ -171,7 +169,6 @@ localparam integer T_H4_M = T_C4 + LAT_MUX;  // (14)
 localparam integer F_QE_W = W - 2, T_QE_W = T_H4_P + LAT_ROOT;  // (14)
 localparam integer F_QE_ABS = W - 2, T_QE_ABS = T_H4_M + LAT_ROOT;  // (14)
 localparam integer F_QE_I = W - 2, T_QE_I = T_QE_ABS + LAT_MUX;  // (14)
-localparam integer T_SAT_ELBOW_Q = T_T_E + LAT_MUX;  // (14)
 
 // 3.4 rotate to the elbow position
 localparam integer T_LZ_U = T_P_E_X + LAT_NORM;  // (15)
@@ -198,7 +195,6 @@ localparam integer F_L_M = W - 2, T_L_M = T_TMP2 + LAT_ROOT;  // (15)
 localparam integer F_Q12_I = W - 2, T_Q12_I = T_L_M + LAT_DIV;  // (15)
 localparam integer F_Q12_J = W - 2, T_Q12_J = T_L_M + LAT_DIV;  // (15)
 localparam integer F_Q12_K = W - 2, T_Q12_K = T_L_M + LAT_DIV;  // (15)
-localparam integer T_SAT_TO_ELBOW = T_Q12_I + LAT_MUX;  // (15)
 
 // 3.5 rotate to the wrist location
 localparam integer F_PI_SQ_X = W + GUARD - 3, T_PI_SQ_X = T_PI_SWIVEL_X + LAT_MUL;  // (17)
@@ -242,10 +238,6 @@ localparam integer F_QS_W = W - 2, T_QS_W = T_W_KK + LAT_SUM2;  // (18)
 localparam integer F_QS_I = W - 2, T_QS_I = T_I_JK + LAT_SUM2;  // (18)
 localparam integer F_QS_J = W - 2, T_QS_J = T_J_IK + LAT_SUM2;  // (18)
 localparam integer F_QS_K = W - 2, T_QS_K = T_K_KS + LAT_SUM2;  // (18)
-localparam integer T_SAT_TO_WRIST = T_C3_NUM + LAT_MUX;  // (18)
-
-// what leaves the datapath
-localparam integer T_SATURATED = T_SAT_TO_WRIST + LAT_MUX;
 
 // All results leave together.
 localparam integer T_OUT = T_QS_W;

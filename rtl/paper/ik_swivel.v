@@ -26,9 +26,7 @@ module ik_swivel #(
     output wire signed [W-1:0] l_sw,         // T_L_SW
     output wire signed [W-1:0] pi_swivel_x,  // T_PI_SWIVEL_X
     output wire signed [W-1:0] pi_swivel_y,
-    output wire signed [W-1:0] pi_swivel_z,
-    // What did not fit
-    output reg                 sat_swivel    // T_SAT_SWIVEL
+    output wire signed [W-1:0] pi_swivel_z
 );
 
   `include "ik_paper_nodes.vh"
@@ -135,20 +133,18 @@ module ik_swivel #(
 
   // ---- (11) division by |L_sw| ----
 
-  wire ovf_x, ovf_y, ovf_z;
   ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_X-F_PI_NUM_X+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .DD(T_PI_NUM_X-T_L_SW), .CUT(K_PI_SWIVEL_X), .CUT_D(K_L_SW)) u_pi_swivel_x (
-      .clk(clk), .n(pi_num_x), .d(l_sw), .q(pi_swivel_x), .ovf(ovf_x)
+      .clk(clk), .n(pi_num_x), .d(l_sw), .q(pi_swivel_x), .ovf()
   );
   ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Y-F_PI_NUM_Y+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .DD(T_PI_NUM_X-T_L_SW), .CUT(K_PI_SWIVEL_Y), .CUT_D(K_L_SW)) u_pi_swivel_y (
-      .clk(clk), .n(pi_num_y), .d(l_sw), .q(pi_swivel_y), .ovf(ovf_y)
+      .clk(clk), .n(pi_num_y), .d(l_sw), .q(pi_swivel_y), .ovf()
   );
   ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Z-F_PI_NUM_Z+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .DD(T_PI_NUM_X-T_L_SW), .CUT(K_PI_SWIVEL_Z), .CUT_D(K_L_SW)) u_pi_swivel_z (
-      .clk(clk), .n(pi_num_z), .d(l_sw), .q(pi_swivel_z), .ovf(ovf_z)
+      .clk(clk), .n(pi_num_z), .d(l_sw), .q(pi_swivel_z), .ovf()
   );
-  always @(posedge clk) sat_swivel <= ovf_x | ovf_y | ovf_z;
 
 endmodule
 

@@ -25,9 +25,7 @@ module ik_to_elbow #(
     // Results
     output wire signed [W-1:0] q12_i,        // T_Q12_I
     output wire signed [W-1:0] q12_j,
-    output wire signed [W-1:0] q12_k,
-    // What did not fit
-    output reg                 sat_to_elbow  // T_SAT_TO_ELBOW
+    output wire signed [W-1:0] q12_k
 );
 
   `include "ik_paper_nodes.vh"
@@ -114,24 +112,22 @@ module ik_to_elbow #(
   // ---- (15) q12 = L_m / |L_m| ----
 
   wire signed [W-1:0] l_m_x_at_l_m, l_m_y_at_l_m, l_m_z_at_l_m;
-  wire ovf_i, ovf_j, ovf_k;
   localparam integer SH_Q = F_Q12_I - F_L_M_X + F_L_M;
   ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_at_l_m (
       .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_Q12_I), .CUT_D(K_L_M)) u_q12_i (
-      .clk(clk), .n(l_m_x_at_l_m), .d(l_m), .q(q12_i), .ovf(ovf_i)
+      .clk(clk), .n(l_m_x_at_l_m), .d(l_m), .q(q12_i), .ovf()
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_Q12_J), .CUT_D(K_L_M)) u_q12_j (
-      .clk(clk), .n(l_m_y_at_l_m), .d(l_m), .q(q12_j), .ovf(ovf_j)
+      .clk(clk), .n(l_m_y_at_l_m), .d(l_m), .q(q12_j), .ovf()
   );
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_Q12_K), .CUT_D(K_L_M)) u_q12_k (
-      .clk(clk), .n(l_m_z_at_l_m), .d(l_m), .q(q12_k), .ovf(ovf_k)
+      .clk(clk), .n(l_m_z_at_l_m), .d(l_m), .q(q12_k), .ovf()
   );
-  always @(posedge clk) sat_to_elbow <= ovf_i | ovf_j | ovf_k;
 
   wire unused = &{1'b0, lz_u, lz_m, tmp2[W-1]};
 

@@ -34,9 +34,7 @@ module ik_to_wrist #(
     output wire signed [W-1:0] qs_w,                // T_QS_W
     output wire signed [W-1:0] qs_i,                // T_QS_I
     output wire signed [W-1:0] qs_j,                // T_QS_J
-    output wire signed [W-1:0] qs_k,                // T_QS_K
-    // What did not fit
-    output reg                 sat_to_wrist         // T_SAT_TO_WRIST
+    output wire signed [W-1:0] qs_k                 // T_QS_K
 );
 
   `include "ik_paper_nodes.vh"
@@ -102,7 +100,6 @@ module ik_to_wrist #(
 
   wire signed [WW-1:0] c3_r, c3_g;
   wire signed [W-1:0] c3_num;
-  wire ovf_c3_num;
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_X+F_R_X-F_C3_R), .OW(WW), .DA(T_R_X-T_Q12_I)) u_c3_r (
       .clk(clk), .a(pi_swivel_x_at_q12_i), .b(r_x), .q(c3_r)
   );
@@ -110,9 +107,8 @@ module ik_to_wrist #(
       .clk(clk), .a(q12_i), .b(g), .q(c3_g)
   );
   ik_sum2 #(.IW(WW), .SH(F_C3_R-F_C3_NUM), .OW(W), .SUB_B(1), .DB(T_C3_R-T_C3_G)) u_c3_num (
-      .clk(clk), .a(c3_r), .b(c3_g), .q(c3_num), .ovf(ovf_c3_num)
+      .clk(clk), .a(c3_r), .b(c3_g), .q(c3_num), .ovf()
   );
-  always @(posedge clk) sat_to_wrist <= ovf_c3_num;
 
   wire signed [W-1:0] pi_inv_at_c3_num, c3;
   ik_ring #(.W(W), .N(T_C3_NUM-T_PI_INV)) u_pi_inv_at_c3_num (.clk(clk), .d(pi_inv), .q(pi_inv_at_c3_num));

@@ -25,6 +25,12 @@ CARRIED = {
 """Choices that keep the zeros at the end of their first operands, so many of them."""
 
 
+SATURATING = (
+    "k_e", "inf_pp", "pp_sq", "pp_pm", "tmp1", "e_x_num", "e_y_num", "e_z_num", "t_e", "c3_num",
+)  # fmt: skip
+"""The sums that the RTL does not build with SAT = 0."""
+
+
 def zeros(nodes: Mapping[str, Node], cuts: Mapping[str, int]) -> dict[str, int]:
     """Node -> zeros that its word ends in."""
     ends: dict[str, int] = {}
@@ -51,7 +57,6 @@ def readers(nodes: Mapping[str, Node], cut: Iterable[str]) -> list[str]:
 def luts(nodes: Mapping[str, Node], cuts: Mapping[str, int], of: Iterable[str] | None = None) -> dict[str, float]:
     """Node -> LUT4 of its operator: of all that the model knows, or of some."""
     ends = zeros(nodes, cuts)
-    saturating = {word.name for node in nodes.values() if node.op == "saturated" for word in node.operands}
     found = {}
     for name in nodes if of is None else of:
         node = nodes[name]
@@ -60,7 +65,7 @@ def luts(nodes: Mapping[str, Node], cuts: Mapping[str, int], of: Iterable[str] |
         if node.op == "mul" and node.section != "guard":
             found[name] = product(words, lost, square=node.operands[0] is node.operands[1])
         elif node.op == "sum":
-            found[name] = total(words, result if name in saturating else 0)
+            found[name] = total(words, result if name in SATURATING else 0)
         elif node.op == "div":
             found[name] = quotient(words[0] if node.operands[0].name else 0, words[1], result)
         elif node.op == "root":

@@ -28,7 +28,7 @@ KIND_OF = {
 }  # fmt: skip
 """Operation of `Latency.TABLE` -> its kind."""
 
-FLAGS = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length", "saturated")
+FLAGS = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length")
 
 
 def design(datapath: str, width: int = WIDTH) -> dict[str, Node]:
@@ -55,11 +55,10 @@ def operands(node: Node, nodes: Mapping[str, Node]) -> list[str]:
 
 @dataclass(frozen=True)
 class Delay:
-    """A word that waits, ``bits`` wide, from ``begin`` to ``end``; its overflow bit waits until ``flag``."""
+    """A word that waits, ``bits`` wide, from ``begin`` to ``end``."""
 
     begin: int
     end: int
-    flag: int
     bits: int
 
     @property
@@ -70,7 +69,7 @@ class Delay:
     @property
     def flip_flops(self) -> int:
         """Bits that the delay takes."""
-        return self.clocks * self.bits + self.flag - self.begin
+        return self.clocks * self.bits
 
 
 def check(nodes: Mapping[str, Node], width: int = WIDTH) -> None:
@@ -92,16 +91,14 @@ def check(nodes: Mapping[str, Node], width: int = WIDTH) -> None:
 
 def delays(nodes: Mapping[str, Node], width: int = WIDTH, out: int | None = None) -> dict[str, Delay]:
     """The balancing delay behind every node that has one; results wait for the clock ``out`` in which all leave."""
-    last, flag = ({n: v.time for n, v in nodes.items()} for _ in range(2))
+    last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for o in node.operands:
             if o.name in nodes:
-                # saturated asks a word only whether it fitted
-                which = flag if node.op == "saturated" and o.format.width > 1 else last
-                which[o.name] = max(which[o.name], start(node, width))
+                last[o.name] = max(last[o.name], start(node, width))
     if out is not None:
         last |= {name: out for name in (*RESULT_FIELDS, *FLAGS) if name in nodes}
-    found = {n: Delay(v.time, last[n], flag[n], v.format.width) for n, v in nodes.items()}
+    found = {n: Delay(v.time, last[n], v.format.width) for n, v in nodes.items()}
     return {n: d for n, d in found.items() if d.flip_flops}
 
 

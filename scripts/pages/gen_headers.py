@@ -95,8 +95,7 @@ def nodes_header(datapath: str) -> str:
             parts.insert(0, f"F_{name} = {node.format.frac_expr}")
         comment = f"  // {node.equation}" if node.equation else ""
         lines.append(f"localparam integer {', '.join(parts)};{comment}")
-    leave = (*RESULT_FIELDS, "saturated") if "saturated" in nodes else RESULT_FIELDS
-    outputs = _start(tuple(nodes[n] for n in leave), runs)
+    outputs = _start(tuple(nodes[n] for n in RESULT_FIELDS), runs)
     lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
     return "\n".join(lines)
 

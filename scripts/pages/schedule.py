@@ -33,7 +33,7 @@ def schedule_svg(
     waits = delays(nodes, out=out_clock)
     path = [node.name for node in longest_path(nodes)]
     first = min(n.time if not n.operands else start(n) for n in nodes.values())
-    latest = max([n.time for n in nodes.values()] + [max(d.end, d.flag) for d in waits.values()])
+    latest = max([n.time for n in nodes.values()] + [d.end for d in waits.values()])
     scale = max(4.0, min(20.0, 1100 / (latest - first)))
     step = 10 if scale >= 4 else 50
 

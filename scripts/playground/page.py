@@ -39,7 +39,7 @@ PLAIN = {
     "on_axis": "On the reference axis: no azimuth, 0 is taken.",
     "at_shoulder": "At the shoulder: the target has no direction, that of the axis is taken.",
     "bad_length": "An arm length is not positive.",
-    "saturated": "An internal value did not fit.",
+    "saturated": "Reserved, always 0.",
 }
 """What the page says of a flag."""
 

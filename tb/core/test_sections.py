@@ -41,7 +41,6 @@ def test_a_delayed_copy_is_named_for_its_clock(datapath):
     at = {name: node.time for name, node in nodes.items()} | {"out": max(nodes[n].time for n in fixed.RESULT_FIELDS)}
 
     def clock(name):
-        name = name.removeprefix("ovf_")
         return at[name] if name in at else next(at[node] for node in nodes if node.startswith(name))
 
     seen = 0

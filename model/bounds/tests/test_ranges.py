@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from model.bounds import ranges
-from model.dataflow import fixed, paper, paper_turns
+from model.dataflow import fixed, paper, paper_turns, short
 from model.dataflow.facts import Rule
+from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
 from model.targets import observed
 from model.targets.stimuli import corners, extremes, random_reachable, unreachable
 
@@ -18,6 +19,31 @@ WIDTHS = (16, 18, 24, 32)
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_node_fits(width):
     ranges.check(width)
+
+
+def saturating(width: int, cuts=None) -> set[tuple[str, bool]]:
+    """Sums and quotients that may not fit, and whether only of clamped targets: nothing else can saturate."""
+    found = set()
+    for case in ranges.cases(width):
+        run = ranges.Ranges(width, case, cuts=cuts).run()
+        for name, bound in run.proved.items():
+            if run.nodes[name].op in ("sum", "div") and (name in run.failed or bound.rule == "saturates by design"):
+                found.add((name, case.clamped))
+    return {(name, (name, False) not in found) for name, _ in found}
+
+
+BY_DESIGN = {("t_e", True), ("c4_quo", False)}
+"""What is replaced where there is no elbow, and what (14) limits to [-1, 1]: all else fits, so there is no flag."""
+
+
+@pytest.mark.parametrize(("width", "cuts"), [*((w, None) for w in ALL_WIDTHS), (short.WIDTH, short.CUTS)])
+def test_nothing_saturates_but_by_design(width, cuts):
+    assert saturating(width, cuts) == BY_DESIGN
+
+
+def test_what_saturates_is_found(monkeypatch):
+    monkeypatch.setattr(paper_turns, "ROTATED", None)
+    assert saturating(32) == BY_DESIGN | {("c3_num", False)}
 
 
 @pytest.mark.parametrize("width", WIDTHS)

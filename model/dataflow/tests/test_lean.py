@@ -18,7 +18,7 @@ from model.dataflow.nodes import WIDTHS, root_frac
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
-from model.targets.flags import AT_SHOULDER, FLAGS, UNREACHABLE
+from model.targets.flags import AT_SHOULDER, FLAGS, SATURATED, UNREACHABLE
 from model.targets.scoring import singular_distance
 from model.targets.stimuli import (
     REGIONS,
@@ -238,7 +238,7 @@ def test_every_word_has_a_unit_answer_and_exact_flags(width):
     run = Run(words, width)
     run.check(width)
     seen = np.bitwise_or.reduce(run.answer.flags)
-    assert seen == sum(flag.bit for flag in FLAGS if flag.name != "saturated"), "every kind of target"
+    assert seen == sum(flag.bit for flag in FLAGS if flag.bit != SATURATED), "every kind of target"
 
 
 def tiny(width: int) -> np.ndarray:

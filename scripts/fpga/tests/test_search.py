@@ -2,6 +2,7 @@
 """The search for word lengths: its page, its prediction, its model of area; and what it found, in the core."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from model.bounds import ranges
 from model.dataflow import fixed, short
 from model.targets.stimuli import mixed
 from scripts.fpga import area, search
+from tb.sim.env import ROOT
 
 DATA = json.loads(search.FIGURES.read_text())
 
@@ -22,6 +24,12 @@ def prediction():
 def test_page_is_that_of_the_figures():
     assert search.PAGE.read_text() == search.page(DATA), "run `python -m scripts.fpga.search --page`"
     assert search.FIGURES.read_text() == search.written(DATA)
+
+
+def test_sums_that_saturate_are_those_of_the_rtl():
+    text = "".join(path.read_text() for path in (ROOT / "rtl" / "paper").glob("*.v"))
+    sums = re.findall(r"ik_sum[23] #\((.*)\) u_(\w+) \(", text)
+    assert {name for values, name in sums if ".SAT(0)" not in values} == set(area.SATURATING)
 
 
 # -- the search ------------------------------------------------------------------------------------------------------

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tops are not built for stops elaboration with its name, and its neighbours elaborate."""
+
+import re
+import subprocess
+
+import pytest
+
+from tb.sim.env import ROOT, environment, simulator
+from tb.sim.sources import includes, sources
+
+AXIS = {
+    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}, {"TAG_W": -1}, {"TAG_W": 0, "LEAN": 0}, {"TAG_W": 0, "LEAN": 2}],
+    "needs_LEAN_of_0_1_or_2": [{"LEAN": -1}, {"LEAN": 3}],
+    "needs_DIGIT_of_0_or_1": [{"DIGIT": -1}, {"DIGIT": 2}, {"DIGIT": 2, "LEAN": 0}],
+    "needs_TILE_of_18_16_or_not_folded_25": [
+        *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)), {"TILE": 17, "LEAN": 0},
+        {"TILE": 25, "LEAN": 2}, {"TILE": 17, "LEAN": 2, "W": 24},
+    ],
+    "needs_SHORT_of_0_or_with_LEAN_0_and_W_32_of_1": [
+        *({"SHORT": short, "LEAN": 0} for short in (-1, 2)), *({"SHORT": 1, "LEAN": lean} for lean in (1, 2)),
+        {"SHORT": 1, "LEAN": 0, "W": 31},
+    ],
+    "needs_MIN_W_of_3_to_16": [{"MIN_W": 2}, {"MIN_W": 17}, {"MIN_W": -1}],
+    "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [
+        *({"W": w, "LEAN": lean} for w in (-1, 0, 3, 15, 33, 64) for lean in (0, 1)),
+        *({"W": w, "LEAN": 2} for w in (16, 18, 19, 21, 31, 33, 34)),
+        *({"W": w, "TILE": 16, "LEAN": 2} for w in (16, 17, 19, 25, 26)),
+        *({"W": w, "TILE": 16} for w in (15, 25, 32)),
+        # a lower MIN_W is for the lean one, and not for the small tables
+        *({"W": w, "MIN_W": 3, "LEAN": 0} for w in (3, 15)), *({"W": w, "MIN_W": 3, "LEAN": 2} for w in (14, 18)),
+        {"W": 15, "MIN_W": 3, "TILE": 16}, {"W": 4, "MIN_W": 5},
+    ],
+}  # fmt: skip
+AXI = {
+    "needs_LEAN_of_0_or_1": [{"LEAN": lean} for lean in (-1, 2, 3)],
+    "needs_DATA_W_of_32_64_or_128": [{"DATA_W": bits} for bits in (16, 33, 96, 256)],
+    "needs_ADDR_W_of_12_to_64": [{"ADDR_W": bits} for bits in (11, 65)],
+    "needs_LOG2_BURST_of_1_to_5": [{"LOG2_BURST": log2} for log2 in (0, 6)],
+}
+PASSED_ON = {
+    "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": 2, "LEAN": 0}],
+    "needs_TILE_of_18_16_or_not_folded_25": [{"TILE": 17}, {"TILE": 20}],
+    "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [{"W": 15}, {"W": 33}, {"TILE": 16}],
+}
+"""Of ``ik_axi``, by the names of the core inside."""
+LEAN = {
+    "needs_W_of_3_to_32_with_TILE_16_of_16_to_24": [{"W": 2}, {"W": 33}, *({"W": w, "TILE": 16} for w in (15, 25))],
+    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
+    "needs_TILE_of_16_18_or_25": [{"TILE": 17}, {"TILE": 20}, {"TILE": 26}],
+}
+PAPER = {
+    "needs_W_of_16_to_32": [{"W": 15}, {"W": 33}],
+    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
+    "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": -1}],
+    "needs_SHORT_of_0_or_with_W_32_of_1": [{"SHORT": 2}, {"SHORT": -1}, {"SHORT": 1, "W": 31}],
+}
+FOLD = {
+    "needs_W_even_of_20_to_32_with_TILE_16_of_18_to_24": [
+        *({"W": w} for w in (18, 19, 21, 33, 34)), *({"W": w, "TILE": 16} for w in (16, 17, 19, 25, 26)),
+    ],
+    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
+    "needs_TILE_of_16_or_18": [{"TILE": 17}, {"TILE": 25}],
+}  # fmt: skip
+
+ILLEGAL = [
+    # one of each name in the quick gate
+    pytest.param(top, parameters, f"{named}_{name}", marks=pytest.mark.slow if k else ())
+    for top, named, table in (
+        ("ik_axis", "ik_axis", AXIS), ("ik_axi", "ik_axi", AXI), ("ik_axi", "ik_axis", PASSED_ON),
+        ("ik_lean", "ik_lean", LEAN), ("ik_paper", "ik_paper", PAPER), ("ik_fold", "ik_fold", FOLD),
+    )
+    for name, sets in table.items()
+    for k, parameters in enumerate(sets)
+]  # fmt: skip
+LEGAL = [
+    *(("ik_axis", parameters) for parameters in (
+        {"W": 16, "TAG_W": 1}, {"W": 32}, {"W": 16, "LEAN": 0}, {"W": 32, "LEAN": 0, "DIGIT": 1}, {"DIGIT": 1},
+        {"LEAN": 0, "SHORT": 1}, {"W": 3, "MIN_W": 3}, {"W": 15, "MIN_W": 3, "TILE": 25}, {"W": 16, "TILE": 25},
+        {"W": 16, "TILE": 16}, {"W": 24, "TILE": 16}, {"W": 24, "TILE": 16, "LEAN": 0},
+        {"W": 20, "LEAN": 2}, {"W": 32, "LEAN": 2, "TAG_W": 1}, {"W": 18, "LEAN": 2, "TILE": 16},
+        {"W": 24, "LEAN": 2, "TILE": 16},
+    )),
+    *(("ik_axi", parameters) for parameters in (
+        {"DATA_W": 32, "ADDR_W": 12, "LOG2_BURST": 1}, {"DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 5, "LEAN": 0},
+        {"W": 16, "TILE": 25}, {"W": 24, "TILE": 16},
+    )),
+    ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),
+    ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}), ("ik_paper", {"SHORT": 1}),
+    ("ik_fold", {"W": 20, "TAG_W": 1}), ("ik_fold", {"W": 18, "TILE": 16}), ("ik_fold", {"W": 32}),
+]  # fmt: skip
+
+
+def elaborated(top: str, parameters: dict[str, int]) -> tuple[int, set[str]]:
+    """Exit status of the simulator that SIM names, and the modules that it misses."""
+    folders = [f"-I{folder}" for folder in includes()]
+    if simulator() == "icarus":
+        command = ["iverilog", "-g2001", "-t", "null", "-s", top]
+        command += [f"-P{top}.{name}={value}" for name, value in parameters.items()]
+    else:
+        # warnings are for `make lint`
+        command = ["verilator_bin", "--lint-only", "-Wno-fatal", "--default-language", "1364-2001", "--top-module", top]
+        command += [*(f"-G{name}={value}" for name, value in parameters.items()), str(ROOT / "rtl" / "lint.vlt")]
+    done = subprocess.run(
+        [*command, *folders, *map(str, sources())], env=environment(), capture_output=True, text=True, check=False
+    )
+    return done.returncode, set(re.findall(r"(?:Unknown module type: |containing module: ')(\w+)", done.stderr))
+
+
+def title(value) -> str:
+    return ",".join(f"{k}={v}" for k, v in value.items()) if isinstance(value, dict) else value
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("top", "parameters", "name"), ILLEGAL, ids=title)
+def test_stops_with_its_name(top, parameters, name):
+    status, missing = elaborated(top, parameters)
+    assert status != 0 and name in missing
+    if top == "ik_axis":
+        assert missing == {name}, "the reason is one name, not all that goes wrong below"
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("top", "parameters"), LEGAL, ids=title)
+def test_elaborates(top, parameters):
+    assert elaborated(top, parameters) == (0, set())

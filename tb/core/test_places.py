@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Places of the FIFO against clocks of the datapath, at every word length, as Icarus elaborates them.
+
+A target's place is taken from its admission to the departure of its result: T_OUT clocks, two of the FIFO, and the one
+in which it leaves.  With fewer places the stream has gaps.
+"""
+
+import subprocess
+
+import pytest
+
+from model.dataflow.datapaths import CONFIGURATIONS
+from tb.sim.env import environment
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.sources import includes, sources
+
+WHOLE = ("ik_axis", "ik_axi", "ik_lean", "ik_paper")
+"""The modules that say T_OUT and LOG2; of the others there is only the header."""
+
+PIPELINES = [path for path in CONFIGURATIONS.values() if path.period == 1]
+FORMULA = "clog2(datapath_latency(LEAN, W, TILE) + 3)"
+
+BUGS = [
+    Bug("fewer places than clocks", "rtl/ik_axis.v", FORMULA, FORMULA.replace("+ 3", "+ 0")),
+    Bug("one place too few", "rtl/ik_axis.v", FORMULA, FORMULA.replace("+ 3", "+ 1")),
+    Bug("twice as many", "rtl/ik_axis.v", FORMULA, FORMULA + " + 1"),
+    Bug("of another width", "rtl/ik_axis.v", FORMULA, FORMULA.replace("W,", "W - 1,")),
+    Bug("memory counts others", "rtl/ik_axi.v", "clog2(LATENCY + 1)", "clog2(LATENCY - 2)"),
+    Bug("memory tells others", "rtl/ik_axi.v", "W, TILE) + 2;", "W, TILE);"),
+]
+
+
+def header(text: str) -> str:
+    """A module without what is in it."""
+    return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
+
+
+def wrong(place, root) -> list[str]:
+    """What does not fit in a copy of the RTL, a line each; `place` is a folder to work in."""
+    lines, count = ["module top;"], 0
+    for path in PIPELINES:
+        core = "g_lean.u_core" if path.parameters["LEAN"] else "g_paper.u_core"
+        for width in path.widths:
+            values = {"W": width, "MIN_W": min(width, 16), **path.parameters}
+            u, count = f"{path.name}_{width}", count + 1
+            lines += [
+                f"ik_axis #({', '.join(f'.{k}({v})' for k, v in values.items())}) {u} ();",
+                f'initial $display("{u}: T_OUT %0d, places %0d", {u}.{core}.T_OUT, 1 << {u}.LOG2,,',
+                f"  {u}.{core}.T_OUT + 3 <= 1 << {u}.LOG2 && 1 << {u}.LOG2 < 2 * ({u}.{core}.T_OUT + 3));",
+            ]
+            if path.parameters["SHORT"] == 0 and width >= 16:
+                del values["MIN_W"], values["SHORT"]
+                v, count = f"memory_{u}", count + 1
+                lines += [
+                    f"ik_axi #({', '.join(f'.{k}({n})' for k, n in values.items())}) {v} ();",
+                    f'initial $display("{v}: LATENCY %0d, LOG2_PLACES %0d", {v}.LATENCY, {v}.LOG2_PLACES,,',
+                    f"  {v}.LATENCY == {v}.u_axis.{core}.T_OUT + 2 && {v}.LOG2_PLACES == {v}.u_axis.LOG2);",
+                ]
+    (place / "top.v").write_text("\n".join([*lines, "endmodule", ""]))
+    files = [place / "top.v"]
+    for path in sources(root):
+        files.append(path)
+        if path.stem not in WHOLE:
+            files[-1] = place / path.name
+            files[-1].write_text(header(path.read_text()))
+    folders = [f"-I{folder}" for folder in includes(root)]
+    build = ["iverilog", "-g2001", "-s", "top", "-o", place / "top", *folders, *files]
+    subprocess.run(build, env=environment(), check=True, capture_output=True)
+    done = subprocess.run(["vvp", "-n", place / "top"], env=environment(), check=True, capture_output=True, text=True)
+    said = done.stdout.splitlines()
+    assert len(said) == count, done.stdout
+    return [line for line in said if not line.endswith(" 1")]
+
+
+def test_places_are_as_many_as_clocks_and_not_twice(tmp_path):
+    assert wrong(tmp_path, copy_rtl(tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    "bug", [BUGS[0], *(pytest.param(bug, marks=pytest.mark.slow) for bug in BUGS[1:])], ids=lambda bug: bug.what
+)
+def test_other_places_are_found(bug, tmp_path):
+    assert wrong(tmp_path, copy_rtl(tmp_path, bug)) != []

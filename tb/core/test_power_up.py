@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Before the first clock, in Icarus, whose registers start unknown: nothing is offered, nothing taken under reset."""
+
+import re
+import subprocess
+
+import pytest
+
+from tb.sim.env import environment
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.sources import includes, sources
+
+TOPS = [
+    ("ik_axis", {"W": 16}),
+    ("ik_axis", {"W": 16, "LEAN": 0}),
+    ("ik_axis", {"W": 20, "LEAN": 2}),
+    ("ik_axi", {"W": 16}),
+]
+ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
+KNOWN = {"ik_axis": 1, "ik_axi": 6}
+"""How many outputs offer something, the interrupt with them."""
+
+BUGS = [
+    (1, Bug("pipeline", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "")),
+    (2, Bug("folded", "rtl/fold/ik_fold.v", "initial {current, m_axis_tvalid} = 2'b00;", "initial current = 1'b0;")),
+    (2, Bug("folded ready", "rtl/fold/ik_fold.v", "initial {current, m_axis_tvalid} = 2'b00;",
+            "initial m_axis_tvalid = 1'b0;")),
+    *((3, Bug(file, f"rtl/axi/ik_axi_{file}.v", "  initial ", "  // initial "))
+      for file in ("regs", "read", "write", "result")),
+    (0, Bug("ready under reset", "rtl/ik_axis.v", "!rst && (credits", "(credits")),
+]  # fmt: skip
+
+
+def wrong(place, top: str, parameters: dict[str, int], root) -> list[str]:
+    """Outputs that are not 0, without a reset those that offer, with one those that take as well; a line each."""
+    text = next(path for path in sources(root) if path.stem == top).read_text()
+    ports = re.findall(r"^\s*(in|out)put\s+wire\s*(?:\[.*?\])?\s*(\w+)", text, re.M)
+    outputs = [name for way, name in ports if way == "out"]
+    offers = [name for name in outputs if re.search(r"valid$|^irq$", name)]
+    takes = [name for name in outputs if name.endswith("ready") and name not in ALWAYS_READY]
+    assert len(offers) == KNOWN[top] and takes
+    values = ", ".join(f".{k}({v})" for k, v in parameters.items())
+    wires = ", ".join(f".{name}({name})" for name in ("clk", "rst", *offers, *takes))
+    shown = [f'if ({name} !== 1\'b0) $display("{name} %b", {name});' for name in offers]
+    under = [f'if ({name} !== 1\'b0) $display("{name} %b under reset", {name});' for name in (*offers, *takes)]
+    lines = [
+        "module top;", "reg clk, rst;", f"wire {', '.join((*offers, *takes))};", f"{top} #({values}) u ({wires});",
+        "initial begin", "#1", *shown, "rst = 1; clk = 0; #1", *under, "end", "endmodule", "",
+    ]  # fmt: skip
+    (place / "top.v").write_text("\n".join(lines))
+    folders = [f"-I{folder}" for folder in includes(root)]
+    build = ["iverilog", "-g2001", "-s", "top", "-o", place / "top", *folders, place / "top.v", *sources(root)]
+    subprocess.run(build, env=environment(), check=True, capture_output=True)
+    done = subprocess.run(["vvp", "-n", place / "top"], env=environment(), check=True, capture_output=True, text=True)
+    return done.stdout.splitlines()
+
+
+@pytest.mark.parametrize(("top", "parameters"), TOPS)
+def test_nothing_is_offered(top, parameters, tmp_path):
+    assert wrong(tmp_path, top, parameters, copy_rtl(tmp_path)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("of", "bug"), BUGS, ids=[bug.what for _, bug in BUGS])
+def test_what_is_unknown_is_found(of, bug, tmp_path):
+    assert wrong(tmp_path, *TOPS[of], copy_rtl(tmp_path, bug)) != []
