@@ -117,6 +117,29 @@ async def reset_in_traffic(dut, after):
 
 
 @cocotb.test()
+async def reset_in_any_clock(dut):
+    """A reset of one clock, in clock after clock of 200 with gaps and stalls; what follows is right. The folded core has
+    another clock of its program in each; of the others that with the shortest words stands for all."""
+    bench = await started(dut)
+    every = bench.period > 1 or bench.width <= 18
+    for clocks in range(1, 201, 1 if every else 37):
+        for port, seed in ((bench.source, clocks), (bench.sink, clocks + 1)):
+            port.set_pause_generator(pause("bursts", seed))
+        bench.send(mixed(clocks // bench.period + 3, bench.width, seed=clocks))
+        for _ in range(clocks):
+            await RisingEdge(dut.clk)
+        await bench.reset(clocks=1)
+        before = len(bench.results)
+        for port in (bench.source, bench.sink):
+            port.clear_pause_generator()
+            port.pause = False
+        bench.send(mixed(2, bench.width, seed=clocks))
+        await bench.drain()
+        bench.check()
+        assert len(bench.results) == before + 2, f"after a reset in clock {clocks}"
+
+
+@cocotb.test()
 async def ready_before_valid(dut):
     """After reset a pipeline is ready although nobody offers a target; the folded core takes one when a lap begins.
     Nothing is offered that nobody asked for."""
