@@ -118,7 +118,7 @@ async def reset_in_traffic(dut, after):
 
 @cocotb.test()
 async def reset_in_any_clock(dut):
-    """A reset of one clock, in clock after clock of 200 with gaps and stalls; what follows is right. The folded core has
+    """A reset of one clock, in any clock of 200 with gaps and stalls; what follows is right. The folded core has
     another clock of its program in each; of the others that with the shortest words stands for all."""
     bench = await started(dut)
     every = bench.period > 1 or bench.width <= 18
