@@ -12,7 +12,7 @@ import pytest
 from model.dataflow.datapaths import CONFIGURATIONS
 from tb.sim.env import environment
 from tb.sim.mutants import Bug, copy_rtl
-from tb.sim.sources import includes, sources
+from tb.sim.sources import header, includes, sources
 
 WHOLE = ("ik_axis", "ik_axi", "ik_lean", "ik_paper")
 """The modules that say T_OUT and LOG2; of the others there is only the header."""
@@ -28,11 +28,6 @@ BUGS = [
     Bug("memory counts others", "rtl/ik_axi.v", "clog2(LATENCY + 1)", "clog2(LATENCY - 2)"),
     Bug("memory tells others", "rtl/ik_axi.v", "W, TILE) + 2;", "W, TILE);"),
 ]
-
-
-def header(text: str) -> str:
-    """A module without what is in it."""
-    return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
 
 
 def wrong(place, root) -> list[str]:

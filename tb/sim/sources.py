@@ -67,6 +67,11 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = ()) -> list[P
     return list(found.values())
 
 
+def header(text: str) -> str:
+    """A module without what is in it."""
+    return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
+
+
 # -- digests -----------------------------------------------------------------------------------------------------------
 
 C_LIKE = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/|\s+', re.S)

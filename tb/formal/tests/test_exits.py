@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What leaves a pipeline leaves together: every bit of data, flags and tag as far behind its target as valid.
+
+Followed in the elaborated netlist (tb/formal/netlist.py) from the exits to the nodes, whose clocks ``make formal``
+checks operand by operand; that valid takes as many clocks as it has registers is proved (valid.sby).
+"""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from model.dataflow import fixed
+from model.dataflow.datapaths import CONFIGURATIONS
+from model.targets.flags import FLAG_BITS, FLAGS, SATURATED
+from model.targets.words import RESULT_FIELDS
+from tb.formal.netlist import DELAYS, Bit, Netlist, load
+from tb.formal.tools import missing, yosys
+from tb.sim.env import ROOT
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.sources import closure, header, includes
+
+pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirements-fpga.lock: `make formal`")
+
+TAG_W = 5
+
+
+def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
+    """What does not leave with its valid bit, or is not what it should be; a line each."""
+    path = CONFIGURATIONS[name]
+    top = f"ik_{path.rtl}"
+    folder = f"{name}{width}-{bug.what}" if bug else f"{name}{width}"
+    place = ROOT / "build" / "formal_exits" / folder.replace(" ", "_")
+    shutil.rmtree(place, ignore_errors=True)
+    copy_rtl(place, bug)
+    files = [file for file in closure(top, place) if file.suffix == ".v"]
+    for file in files:
+        if file.parent.name in ("lib", "cores") and file.stem not in DELAYS:
+            file.write_text(header(file.read_text()))
+    here = place.relative_to(ROOT)
+    include = " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(place))
+    values = {"W": width, "TAG_W": TAG_W, **path.parameters}
+    values = {key: values[key] for key in ("W", "TAG_W", "TILE" if path.rtl == "lean" else "SHORT")}
+    sets = " ".join(f"-chparam {key} {value}" for key, value in values.items())
+    own = " ".join(str(file.relative_to(ROOT)) for file in files)
+    lines = [f"read_verilog -defer {include} {own}", f"hierarchy -check -top {top} {sets}", "proc"]
+    assert not yosys(place, "elaborate", [*lines, f"write_json {here}/design.json"])
+
+    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), width, name).bits.nodes
+    at_top = [n.name for n in nodes.values() if n.op == "input" or n.section == "results"]
+    homes = {n.name: ("" if n.name in at_top else f"u_{n.section}", n.format.width) for n in nodes.values()}
+    signed = {n.name: n.format.signed for n in nodes.values()}
+    netlist = Netlist(load(place / "design.json"), top, homes, signed)
+    out = len(netlist.wire("", "valid"))
+    flags = {flag.bit: flag.name for flag in FLAGS if flag.bit != SATURATED}
+    expected = {
+        "out_data": [
+            Bit("node", field, k, clocks=out - nodes[field].time) for field in RESULT_FIELDS for k in range(width)
+        ],
+        "out_flags": [
+            Bit("node", flags[1 << k], clocks=out - nodes[flags[1 << k]].time) if 1 << k in flags else Bit("constant")
+            for k in range(FLAG_BITS)
+        ],
+        "out_tag": [Bit("outside", "in_tag", k, clocks=out) for k in range(TAG_W)],
+    }
+    found = [f"valid takes {out} clocks"] if out != max(nodes[field].time for field in RESULT_FIELDS) else []
+    if netlist.wire("", "out_valid") != netlist.wire("", "valid")[-1:]:
+        found.append("out_valid is not the last of valid")
+    for port, bits in expected.items():
+        for k, (bit, wanted) in enumerate(zip(netlist.wire("", port), bits, strict=True)):
+            if (is_ := netlist.origin("", bit)) != wanted:
+                found.append(f"{port}[{k}]: {is_}, and not {wanted}")
+    return found
+
+
+BUILT = [
+    (path, w) for path in CONFIGURATIONS.values() if path.period == 1 for w in (16, 18, 23, 32) if w in path.widths
+]
+QUICK = [("lean", 32), ("paper", 32)]
+
+
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [pytest.param(p.name, w, marks=() if (p.name, w) in QUICK else pytest.mark.slow) for p, w in BUILT],
+)
+def test_all_leave_together(name, width):
+    assert wrong(name, width) == []
+
+
+PAPER, LEAN = "rtl/paper/ik_paper.v", "rtl/lean/ik_lean.v"
+BUGS = [
+    Bug("data a clock early", PAPER, ".N(T_OUT-T_QE_I)", ".N(T_OUT-T_QE_I-1)", "out_data[90]"),
+    Bug("data a clock late", PAPER, ".N(T_OUT-T_QS_K)", ".N(T_OUT-T_QS_K+1)", "out_data[54]"),
+    Bug("flags a clock early", PAPER, ".N(T_OUT-T_TOO_FAR)", ".N(T_OUT-T_TOO_FAR-1)", "out_flags[0]"),
+    Bug("tag a clock early", PAPER, ".N(T_OUT)) u_tag", ".N(T_OUT-1)) u_tag", "out_tag[0]"),
+    Bug("valid a clock early", PAPER, "valid[T_OUT-1]", "valid[T_OUT-2]", "out_valid"),
+    Bug("a reserved flag", PAPER, "    3'b000, bad", "    3'b001, bad", "out_flags[5]"),
+    Bug("fields the wrong way round", LEAN,
+        "{qe_i_at_out, qe_w_at_out, qs_k,", "{qe_w_at_out, qe_i_at_out, qs_k,", "out_data[72]"),
+    Bug("elbow a clock early", LEAN, ".N(T_OUT-T_QE_W)", ".N(T_OUT-T_QE_W-1)", "out_data[72]"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "bug", [BUGS[0], *(pytest.param(bug, marks=pytest.mark.slow) for bug in BUGS[1:])], ids=lambda bug: bug.what
+)
+def test_what_leaves_alone_is_named(bug):
+    found = wrong("lean" if bug.file == LEAN else "paper", 18, bug)
+    assert found and found[0].startswith(bug.fails), found
