@@ -10,7 +10,7 @@ What each is of, in parts of the reach for a hand, radians for an angle, places 
 
 * ``proved``: the largest error that the proof leaves, of the table as it is; rounded up at the fourth digit.
 * ``max``, ``rms``, ``median``: of errors that were measured, always in the same arguments or targets.
-* ``node median``: of an inner word's error.
+* ``node rms``: of what the rounding of an inner word adds.
 * ``products``: of the lean datapath, the worst of them.
 * ``inner``: the hand of the lean datapath before results are rounded, which hides what is inside at most lengths.
 """
@@ -26,7 +26,6 @@ from pathlib import Path
 import numpy as np
 
 from model.bounds import cordic as cordic_proof
-from model.bounds.predict import rounded_nodes
 from model.dataflow import cores, fixed, trig
 from model.dataflow.reals import Real
 from model.reference.equations import solve_clamped
@@ -158,20 +157,30 @@ INNER = ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")
 """Nodes of the lean datapath that results are rounded from."""
 
 
+class Local(Real):
+    """Every node from the words of its operands, in double precision: ``off`` is what its own rounding does."""
+
+    def __init__(self, bits: fixed.Bits) -> None:
+        self.off: dict[str, np.ndarray] = {}
+        super().__init__(bits, {})
+
+    def _moved(self, name, value, fmt):
+        word = self.bits.nodes[name].value * fmt.ulp
+        self.off[name] = np.asarray(word - value, np.float64)
+        return word
+
+
 NOISE = 1e-14
 """Of double precision, where most words are exact."""
 
 
 def nodes(width: int, datapath: str) -> Figures:
-    """Every rounded node off the dataflow in double precision, which takes the same decisions.  Not in ulps, so that it
-    shows when a word is shorter."""
+    """The rounding of every node, not in ulps, so that it shows when a word is shorter."""
     words = everywhere(width)
-    bits = fixed.run(words, width, datapath).bits
     reached = expected_flags(words, width) & UNREACHABLE == 0
-    real = Real(bits, {}).nodes
-    off = {n.name: np.abs(n.value * n.format.ulp - real[n.name].value) for n in rounded_nodes(bits) if n.name in real}
-    found = {f"{name} median": float(np.median(error[reached])) for name, error in off.items()}
-    return {name: figure for name, figure in found.items() if figure > NOISE}
+    off = Local(fixed.run(words, width, datapath).bits).off
+    rms = {f"{name} rms": float(np.sqrt(np.mean(error[reached] ** 2))) for name, error in off.items()}
+    return {name: figure for name, figure in rms.items() if figure > NOISE}
 
 
 # -- all of them -------------------------------------------------------------------------------------------------------
