@@ -3,26 +3,33 @@
 
 import math
 
+import mpmath
+
+from ..dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, round_shift
+
 
 def sincos_bound(width: int) -> float:
     """Largest error of ``ik_sincos`` in units of its last place, 2^-(width-2).
 
-    With G = 6 guard bits, in units g = 2^-G of the last place:
+    With G guard bits, in units g = 2^-G of the last place:
 
     * x and y lose less than 1 g in each iteration i >= 1 (the shift of iteration 0 is exact), a vector of less than
       sqrt(2) g, which the iterations after it stretch by the product of their sqrt(1 + 4^-j);
-    * the rounded gain is off by 1/2 g, stretched by K = 1.6468;
+    * the rounded gain is off by what its word is off, stretched by K = 1.6468;
     * the angle: one place of z is pi/4 g as an arc.  After n = width iterations at most the last angle,
-      atan(2^-(n-1)) = 32 g, is left to turn.  Each table angle is off by half a place and half a bit of the 48-bit
-      table; once in what has been turned, and once more in what is left, because the rounded angles after a step may
-      be that much short of taking it back;
+      atan(2^-(n-1)), is left to turn.  Each table angle is off by what its word is off; once in what has been turned,
+      and once more in what is left, because the rounded angles after a step may be that much short of taking it back;
     * rounding the result: half a last place.
     """
-    guard = 6
+    inner = width + SINCOS_GUARD
     stretch = [math.prod(math.sqrt(1 + 4.0**-j) for j in range(i + 1, width)) for i in range(width)]
     lost = math.sqrt(2) * sum(stretch[1:])
-    gain = 0.5 * stretch[0] * math.sqrt(2)
-    place = math.pi / 4
-    table = 0.5 + 2.0 ** (width + guard - 49)
-    angle = math.atan(2.0 ** (1 - width)) * 2.0 ** (width - 2 + guard) + 2 * width * table * place
-    return 0.5 + (lost + gain + angle) / 2**guard
+    with mpmath.workprec(200):
+        exact = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
+        off = float(abs(round_shift(cordic_gain(), TABLE_BITS - inner + 2) - exact * 2 ** (inner - 2)))
+        angles = (mpmath.atan(mpmath.mpf(2) ** -i) / mpmath.pi * 2**inner for i in range(width))
+        words = (round_shift(word, TABLE_BITS - inner) for word in atan_table())
+        table = float(sum(abs(word - angle) for word, angle in zip(words, angles, strict=False)))
+    gain = off * stretch[0] * math.sqrt(2)
+    angle = math.atan(2.0 ** (1 - width)) * 2.0 ** (inner - 2) + 2 * table * math.pi / 4
+    return 0.5 + (lost + gain + angle) / 2**SINCOS_GUARD

@@ -13,15 +13,15 @@ import numpy as np
 from ..dataflow.datapaths import CONFIGURATIONS
 from .predict import hand_bar
 
-LEAN = {32: 2e-8, 27: 1.25e-7, 24: 1e-6, 18: 5e-5, 16: 2.05e-4}
+LEAN = {
+    16: 2.05e-4, 17: 1.06e-4, 18: 5e-5, 19: 2.67e-5, 20: 1.33e-5, 21: 6.67e-6, 22: 3.33e-6, 23: 1.66e-6, 24: 1e-6,
+    25: 4.17e-7, 26: 2.08e-7, 27: 1.25e-7, 28: 5.4e-8, 29: 3.12e-8, 30: 2e-8, 31: 2e-8, 32: 2e-8,
+}  # fmt: skip
 """Word length -> largest hand error / reach of the lean datapath, in any pose that was not sought for its error
-(:func:`sought`): 3.3 ulps of a result for 18 bits and 3.4 for 16; 4.2 for 24 and as many for 27; 21.5 for 32, whose
-inner words have three bits more than the results where the others have seven, and whose roots have one."""
-
-LEAN_ULPS = 4.2
-"""The same at other lengths, in ulps of a result (that of 24 and 27 bits), but not below that of 32: from 29 bits on,
-inner words do not grow any more.  In 40000 targets of every kind at each length, no error is above 2.9 ulps up to 30
-bits and 3.9 at 31."""
+(:func:`sought`).  3.3 ulps of a result for 18 bits, 3.4 for 16, 3.5 up to 26 and 3.6 for 28, but 4.2 for 24, 27 and 29;
+then more, up to 21.5 for 32, whose inner words have three bits more than the results where the others have seven, and
+whose roots have one.  Short searches (`python -m scripts.climb`) find up to 3.2 ulps from 17 to 26 bits, 3.3 at 28, 3.9
+at 29, and 1.91e-8 and 1.47e-8 at 30 and 31."""
 
 ROUNDED_ULPS = 2 + 2**0.5
 """Hand error / reach of results rounded to the nearest word, in ulps, where Qs is a quarter turn about an axis of the
@@ -37,14 +37,23 @@ REGULAR_DISTANCE = 0.2
 REGULAR_WIDTH = 32
 """Word length at which a regular trajectory has this fixed tolerance."""
 
-NORM_ULPS = 16
-"""Ulps that abs(norm^2 - 1) of a quaternion may have, of the coarsest of its factors: its words are rounded, and so are
-the factors and the length that they come from."""
+LEAN_NORMS = {
+    16: (2.1, 1.46), 17: (2.21, 1.5), 18: (2.43, 1.6), 19: (2.21, 1.5), 20: (2.21, 1.5), 21: (2.21, 1.5),
+    22: (2.21, 1.5), 23: (2.21, 1.5), 24: (2.21, 1.5), 25: (2.21, 1.5), 26: (2.21, 1.5), 27: (2.43, 1.6),
+    28: (2.87, 1.78), 29: (3.75, 2.16), 30: (5.5, 2.91), 31: (9.0, 4.41), 32: (16.0, 7.41),
+}  # fmt: skip
+"""Word length -> ulps of a result that abs(norm^2 - 1) of Qs and of Qe may have in the lean datapath.  Half an ulp in
+every word changes norm^2 by the sum of their magnitudes, which is 2 at most (Qs), sqrt(2) (Qe); the rest is of the
+roots, whose places are 2^-8 ulps at 16 bits, half an ulp at 32.  Searches find 2.1 at 18 bits, 15.4 at 32."""
+
+PAPER_NORM, SHORT_NORM = 16.0, 2048.0
+"""The same of the paper's datapath, of either quaternion: at most 9.4 was seen, and 670 of the shorter words at 32
+bits, whose factors have places of up to 128 ulps."""
 
 
 def lean(width: int) -> float:
     """Largest hand error / reach of the lean datapath at a word length."""
-    return LEAN.get(width) or max(LEAN_ULPS * 2.0 ** (2 - width), LEAN[32])
+    return LEAN[width]
 
 
 def sought(width: int) -> float:
@@ -70,11 +79,8 @@ def yardstick(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
     return hand_bar(words, width, datapath) if most is None else np.full(len(words), most)
 
 
-FACTORS = ("qe_w", "qe_abs", "l_m", "q12_i", "q12_j", "q12_k", "q3_scalar", "q3_abs")
-"""The quotients and roots that the paper's quaternions are made of: a shortened one has coarser places."""
-
-
 def norm(width: int, datapath: str) -> float:
     """Largest abs(norm^2 - 1) of a quaternion."""
-    cuts = CONFIGURATIONS[datapath].cuts
-    return NORM_ULPS * 2.0 ** (2 - width + max(cuts.get(name, 0) for name in FACTORS))
+    lean = CONFIGURATIONS[datapath].equations == "lean"
+    ulps = max(LEAN_NORMS[width]) if lean else SHORT_NORM if datapath == "short" else PAPER_NORM
+    return ulps * 2.0 ** (2 - width)

@@ -205,9 +205,11 @@ def _derivative(form: Form, row: int) -> mpmath.mpf:
     return mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5)
 
 
+@cache
 def row_error(form: Form, row: int) -> Interval:
     """:func:`quadratic` less 1/(2 sqrt m) for all m of a segment."""
-    return error(form, root, segment(form, row), _derivative(form, row), rises=False)
+    with mpmath.workprec(PRECISION):
+        return error(form, root, segment(form, row), rsqrt_rows(form)[row], _derivative(form, row), rises=False)
 
 
 @cache

@@ -115,8 +115,8 @@ def interpolation_error(form: Form, segment: Segment, derivative: mpmath.mpf) ->
     return derivative * width**2 / 16 if len(form.c_frac) < 3 else derivative * width**3 / 192
 
 
-def error(form: Form, function: Function, segment: Segment, derivative: mpmath.mpf, rises: bool) -> Interval:
-    """:func:`polynomial` less the function, for all u of a segment.
+def error(form: Form, function: Function, segment: Segment, row, derivative: mpmath.mpf, rises: bool) -> Interval:
+    """:func:`polynomial` of a row of the table, as it is, less the function, for all u of its segment.
 
     * The interpolation (:func:`interpolation_error`).
     * The coefficients' rounding, as it is: r0 + r1 u + r2 u^2.
@@ -125,7 +125,6 @@ def error(form: Form, function: Function, segment: Segment, derivative: mpmath.m
     """
     width = segment[1]
     exact = interpolant(form, function, segment)
-    row = words(form, function, segment)
     rounded = (mpmath.sign(c) * word / 2**bits for c, word, bits in zip(exact, row, form.c_frac, strict=True))
     r0, r1, *r2 = (word - c for word, c in zip(rounded, exact, strict=True))
     one = mpmath.mpf(1)

@@ -86,12 +86,14 @@ def sums(a, width: int, form: Form):
     return sin, polynomial(form, columns[:, form.rows - 1 - row], u, rises=False, bends_up=True)
 
 
+@cache
 def _row_error(form: Form, row: int, rises: bool) -> Interval:
     """Of a row as a sine, or with falling u as a cosine, for all t of its segment, both ends included."""
-    left, width = segment(form, row)
-    quarter = mpmath.pi / 2
-    steepest = quarter**3 * mpmath.cos(quarter * left), quarter**2 * sine(left + width)
-    return error(form, sine, (left, width), steepest[len(form.c_frac) < 3], rises)
+    with mpmath.workprec(PRECISION):
+        left, width = segment(form, row)
+        quarter = mpmath.pi / 2
+        steepest = quarter**3 * mpmath.cos(quarter * left), quarter**2 * sine(left + width)
+        return error(form, sine, (left, width), sine_rows(form)[row], steepest[len(form.c_frac) < 3], rises)
 
 
 @cache

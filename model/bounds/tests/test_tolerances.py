@@ -28,6 +28,8 @@ def test_the_lean_datapath():
     table = [tolerances.lean(width) for width in WIDTHS]
     assert table == sorted(table, reverse=True)
     assert all(tolerances.lean(w) <= max(4.2 * 2.0 ** (2 - w), 2e-8) for w in WIDTHS)
+    assert list(tolerances.LEAN) == list(tolerances.LEAN_NORMS) == list(WIDTHS)
+    assert all(max(norms) <= 16 for norms in tolerances.LEAN_NORMS.values())
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -73,8 +75,9 @@ def test_the_paper():
     assert tolerances.hand(31, "paper", regular=True) is None
     assert tolerances.hand(32, "lean", regular=True) == tolerances.hand(32, "lean") == 2e-8
     assert tolerances.hand(18, "lean25") == tolerances.hand(18, "lean")
-    assert tolerances.norm(18, "lean") == tolerances.norm(18, "paper") == 16 / 2**16
-    assert tolerances.norm(32, "short") == 2**7 * tolerances.norm(32, "paper")
+    assert tolerances.norm(18, "lean") == tolerances.norm(18, "fold16") == 2.43 / 2**16
+    assert tolerances.norm(18, "paper") == 16 / 2**16
+    assert tolerances.norm(32, "short") == 2**7 * tolerances.norm(32, "paper") == 2**7 * tolerances.norm(32, "lean")
 
 
 def test_what_errors_are_ranked_by():

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from model.bounds import predict, tolerances
 from model.dataflow import fixed
-from model.dataflow.nodes import WIDTHS, root_frac
+from model.dataflow.nodes import WIDTHS
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
@@ -57,16 +57,6 @@ ANGLE_ULPS = {16: 3, 18: 3, 24: 3, 27: 3, 32: 21}
 def ulp(width: int) -> float:
     """Of a result."""
     return 2.0 ** (2 - width)
-
-
-def norm_bars(width: int) -> tuple[float, float]:
-    """Largest abs(norm^2 - 1) of Qs and Qe, in ulps: what rounding the words can do, and ulps of the roots besides.
-
-    Half an ulp in every word changes norm^2 by the sum of their magnitudes, which is 2 at most (Qs), sqrt(2) (Qe).
-    So 2.9 and 1.8 for W = 18, 16 and 7.4 for W = 32; searches find 2.1 and 15.4 for Qs.
-    """
-    inner = 2.0 ** -root_frac(width) / ulp(width)
-    return 2 + 28 * inner, np.sqrt(2) + 12 * inner
 
 
 # -- a run and what it is held against
@@ -122,7 +112,7 @@ class Run:
 
     def check_norms(self, width: int) -> None:
         """Both quaternions have unit length and the core's signs."""
-        for name, off, bar in zip(("Qs", "Qe"), self.norms, norm_bars(width), strict=True):
+        for name, off, bar in zip(("Qs", "Qe"), self.norms, tolerances.LEAN_NORMS[width], strict=True):
             self.below(off, bar, f"ulps that the squared length of {name} is off 1:")
         results = self.answer.results
         assert (results[:, 3] >= 0).all(), "the k part of Qs is negative"
