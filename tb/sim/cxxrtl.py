@@ -47,7 +47,8 @@ def script(top: str, parameters: dict[str, int], to: Path, root: Path = ROOT) ->
         *([f"chparam {values} {top}"] if values else []),
         f"hierarchy -top {top}", "proc", "memory_collect",
         # -noflatten: a class a module; the paper's datapath as one function takes a compiler a quarter of an hour.
-        # -O4: every name of the Verilog is kept; those that are computed when asked for lack what comes from a cell below.
+        # -O4: every name of the Verilog is kept; those that are computed when asked for lack what comes from a cell
+        # below.
         f"write_cxxrtl -noflatten -O4 -header {os.path.relpath(to, ROOT)}", "",
     ])  # fmt: skip
 
