@@ -61,7 +61,7 @@ def test_a_survivor_is_listed_unless_there_is_a_reason(command, tried, monkeypat
     survivors = [m for m in tried[0] if m.operator == "falling_edge"]
     said = [f"{m.file}:{m.line}: falling_edge" for m in survivors]
     assert status == 1 and said and all(line in out for line in said)
-    assert "  - {}".format(survivors[0].lines()[0]) in out and "  + {}".format(survivors[0].lines()[1]) in out
+    assert f"  - {survivors[0].lines()[0]}" in out and f"  + {survivors[0].lines()[1]}" in out
     rows = [dict(zip(("file", "old", "new"), (m.file, *m.lines()), strict=True), reason="why") for m in survivors]
     monkeypatch.setattr(mutation, "EQUIVALENT", tmp_path / "equivalent.json")
     mutation.EQUIVALENT.write_text(json.dumps(rows))

@@ -134,7 +134,8 @@ def rtl_digest() -> str:
 QUICK = (Nodes("lean", 18, 250), Nodes("fold", 20, 50), Nodes("paper", 18, 250))
 WIDE = (
     Nodes("paper", 18, 200, digit=1), Nodes("lean", 32, 300, corners=True), Nodes("fold", 32, 50),
-    Nodes("short", 32, 200), Nodes("lean25", 18, 200), Nodes("lean16", 24, 200, corners=True), Nodes("fold16", 18, 40), Nodes("paper", 32, 300),
+    Nodes("short", 32, 200), Nodes("lean25", 18, 200), Nodes("lean16", 24, 200, corners=True),
+    Nodes("fold16", 18, 40), Nodes("paper", 32, 300),
     Nodes("lean", 27, 300, corners=True), Nodes("lean", 18, 4000, corners=True), Nodes("fold", 24, 200),
     Nodes("paper", 18, 3000), Nodes("short", 32, 200, digit=1),
 )  # fmt: skip

@@ -17,7 +17,8 @@ TOKEN = re.compile(
 )
 KEYWORDS = frozenset(
     "always assign begin case casez default else end endcase endfunction endgenerate endmodule for function generate "
-    "genvar if initial inout input integer localparam module negedge or output parameter posedge reg signed while wire".split()
+    "genvar if initial inout input integer localparam module negedge or output parameter posedge reg signed while "
+    "wire".split()
 )
 OPENS, CLOSES = "([{", ")]}"
 

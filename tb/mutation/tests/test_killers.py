@@ -35,6 +35,7 @@ def killer(name, file):
 
 
 @pytest.mark.sim
+@pytest.mark.cost(40)
 @pytest.mark.parametrize("name", BUGS)
 def test_the_rtl_survives_and_a_bug_does_not(name, tmp_path, right):
     bug = BUGS[name]
