@@ -28,6 +28,7 @@ TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
 TAKES_test-browser := SIM ONLY
 TAKES_formal   := ONLY
+TAKES_mutants  := COUNT SEED ONLY OUT KEEP
 TAKES_fpga     := DATAPATH WIDTH
 TAKES_table6   := TARGETS SEED
 TAKES_schedule := PERIOD SECONDS
@@ -58,7 +59,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS SEED FROM KEEP AGAIN ONLY PERIOD SECONDS
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN ONLY PERIOD SECONDS
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python.
@@ -77,7 +78,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
@@ -178,6 +179,12 @@ soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece 
 	@$(SETUP) $(soak_sim)
 	@exec $(VENV) -m scripts.soak_memory --sim $(soak_sim) $(call given,JOBS,--jobs="$$CGA_JOBS") \
 	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
+
+mutants: ## small changes of the Verilog, each of which a bench has to notice [COUNT= SEED= ONLY=file OUT=; KEEP=1: mutants.md]
+	@$(SETUP) icarus
+	@exec $(VENV) -m scripts.mutants $(call given,COUNT,--count="$$CGA_COUNT") $(call given,SEED,--seed="$$CGA_SEED") \
+	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") \
+	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
 	@$(SETUP) verilator

@@ -202,6 +202,13 @@ def test_make_exhaustive_and_soak():
     assert made("soak", *words.split())[1] == ["soak", "--sim", "verilator", *options, "--keep"]
 
 
+def test_make_mutants():
+    assert made("mutants") == (["icarus"], ["mutants"])
+    options = [f'--{o}="$CGA_{o.upper()}"' for o in "count seed only out".split()]
+    words = made("mutants", "COUNT=9", "SEED=2", "ONLY=lib", "OUT=o", "KEEP=1")[1]
+    assert words == ["mutants", *options, "--keep"]
+
+
 def test_make_report_and_follow_are_started_as_make_run():
     words = "TRAJECTORY=all OUT=o DATAPATH=paper WIDTH=32 D1=0.3 D2=0.2 PHI=-0.5 BAR=1e-4 SIM=verilator".split()
     (needs, (_, *options)), report = made("run", *words, "WAVES=1"), made("report", *words)

@@ -236,6 +236,29 @@ async def soft_reset(dut, paused):
 
 
 @cocotb.test()
+async def soft_reset_behind_an_error(dut):
+    """An error that the job has met before the soft reset is forgotten, too."""
+    machine = await started(dut, seed=10, latency=100)
+    seen = 0
+    for k in range(6):
+        machine.place(SOURCE, k, 60)
+        machine.memory.faults = {SOURCE: AxiResp.SLVERR}
+        await machine.start(SOURCE, DESTINATION, 60)
+        while dut.u_job.code.value == 0:
+            await FallingEdge(dut.clk)
+        await machine.write("CONTROL", 3)
+        await FallingEdge(dut.clk)
+        seen += dut.u_job.aborted.value == 1
+        await machine.ended()
+        for _ in range(4):
+            await FallingEdge(dut.clk)
+        assert await machine.read("STATUS") == 0
+        await next_job(machine)
+    assert seen, "the job was over each time"
+    machine.check()
+
+
+@cocotb.test()
 async def reset_in_the_middle(dut):
     """The reset of all, memory included: the next job works."""
     machine = await started(dut, seed=9)

@@ -123,6 +123,8 @@ class Monitor:
             self.say(f"{name}: burst at {address:#x} of {beats} beats crosses 4 KiB")
         if (1 << size) * self.record_beats != 32 or (burst, ident) != (1, 0):
             self.say(f"{name}: size {size} burst {burst} id {ident}")
+        if (cache, prot) != (0b0011, 0):
+            self.say(f"{name}: cache {cache} prot {prot}")
         if beats > self.most_beats or beats % self.record_beats or address % 32:
             self.say(f"{name}: {beats} beats at {address:#x}")
         if name == "m_axi_ar":

@@ -40,34 +40,43 @@ EVERY = 1 << 16
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
 
 
-def run_unit(
-    module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, sim: str | None = None
-) -> Path:
-    """Runs the tests of ``bench`` on an instance of ``module`` for each of the parameter sets.
-
-    All of them are in one top (tb/sim/shells.py).  ``sim`` is icarus or verilator (default: ``SIM``).  Raises
-    ``SystemExit`` when a test or the build fails; the log names the set.
-    """
-    from tb.sim.runner import simulate
+def simulation(module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None) -> dict:
+    """What :func:`tb.sim.runner.simulate` is told to run the tests of ``bench`` on an instance of ``module`` for each
+    of the parameter sets; all of them are in one top (tb/sim/shells.py)."""
     from tb.sim.shells import TOP, top_of
 
-    top = top_of({title(parameters): (module, parameters) for parameters in sets})
-    return simulate(
-        TOP,
-        "tb.units.sets",
-        top=top,
-        env={
+    return {
+        "toplevel": TOP,
+        "module": "tb.units.sets",
+        "top": top_of({title(parameters): (module, parameters) for parameters in sets}),
+        "env": {
             "IK_BENCH": f"{bench.__module__}:{bench.__name__}" if bench else "",
             "IK_SETS": json.dumps({title(parameters): parameters for parameters in sets}),
         },
-        name=module,
-        seed=SEED,
-        sim=sim,
-    )
+        "name": module,
+        "seed": SEED,
+    }
+
+
+def run_unit(
+    module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, sim: str | None = None
+) -> Path:
+    """Runs :func:`simulation`.
+
+    ``sim`` is icarus or verilator (default: ``SIM``).  Raises ``SystemExit`` when a test or the build fails; the log
+    names the set.
+    """
+    from tb.sim.runner import simulate
+
+    return simulate(**simulation(module, sets, bench), sim=sim)
 
 
 def runs(module: str, bench: Callable[..., Tests], *few: Parameters, more: Sequence[Parameters] = ()) -> Callable:
-    """A test of ``bench`` on parameter sets of a module: a few in the quick gate, and more in ``make test-all``."""
+    """A test of ``bench`` on parameter sets of a module: a few in the quick gate, and more in ``make test-all``.
+
+    What it runs is its attribute ``simulations``, module and :func:`simulation` of each group, for who runs it on other
+    Verilog (tb/mutation).
+    """
     groups = [pytest.param(few, id="few")]
     if more:
         groups.append(pytest.param(more, id="more", marks=pytest.mark.slow))
@@ -77,6 +86,7 @@ def runs(module: str, bench: Callable[..., Tests], *few: Parameters, more: Seque
     def test(sets):
         run_unit(module, sets, bench)
 
+    test.simulations = module, {group.id: partial(simulation, module, *group.values, bench) for group in groups}
     return test
 
 

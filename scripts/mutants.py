@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Small changes of the Verilog, one at a time, each of which a bench has to notice: what `make mutants` does.
+
+    python -m scripts.mutants [--count N] [--seed S] [--only FILE] [--jobs N] [--keep]
+
+A mutant is a copy of rtl/ with one place changed (tb/mutation/operators.py). Those that do not build, and those of
+which Icarus makes the same program for every bench, do not count and are replaced by others. Each is given to the
+benches that hold its file (tb/mutation/killers.py), the cheapest first, until one notices. The seed says which mutants
+are tried, as many of each file as of the others where there are so many.
+
+Results are lines of OUT/SEED.jsonl as soon as they are there: a second call skips the mutants that it names, but tries
+survivors without a reason again. At the end comes a table by file, and each survivor that
+tb/mutation/equivalent.json gives no reason for.
+
+Exit status: 0 none of these survived, 1 one did or a simulation breaks off, 2 input that cannot be used (one line on
+stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from datetime import date
+from pathlib import Path
+
+from rich.table import Table
+
+from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
+from scripts.pages.render import render
+from scripts.spread import spread
+from tb.mutation.mutant import (
+    COUNTED,
+    HARD,
+    KILLED,
+    SURVIVED,
+    Mutant,
+    Result,
+    append,
+    excused,
+    files,
+    hardest,
+    judge,
+    order,
+    recorded,
+    write_hard,
+)
+from tb.mutation.operators import OPERATORS
+from tb.sim.env import GENERATED
+from tb.sim.simulate import SimulationError
+
+PAGE = GENERATED / "mutants.md"
+COUNT, SEED = 1000, 1
+
+
+@dataclass
+class Campaign:
+    """Mutants of a seed: `count` in all, spread over the files; what became of them."""
+
+    count: int
+    seed: int
+    only: str
+    path: Path
+    results: list[Result] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.files = files(self.only)
+        if not self.files:
+            raise InputError(f"argument --only: no file of rtl/ has {self.only!r} in its name")
+        self.known = recorded(self.path)
+
+    @property
+    def counted(self) -> int:
+        return sum(result.verdict in COUNTED for result in self.results)
+
+    def run(self, each: Callable, done: Callable[[int], None]) -> None:
+        """Tries mutants until enough of them count, or there are no more."""
+        left = {name: order(name, self.seed) for name in self.files}
+        while left and self.counted < self.count:
+            of = {name: self._share(name) for name in left}
+            fewest = min(of.values())
+            batch = []
+            for name in [name for name in left if of[name] == fewest][: self.count - self.counted]:
+                mutant = next(left[name], None)
+                if mutant is None:
+                    del left[name]
+                else:
+                    batch.append(mutant)
+            for result in self._tried(each, batch):
+                self.results.append(result)
+                done(self.counted)
+
+    def _share(self, name: str) -> int:
+        return sum(result.mutant.file == name and result.verdict in COUNTED for result in self.results)
+
+    def _tried(self, each: Callable, batch: list[Mutant]) -> Iterator[Result]:
+        """Known results, then those of the others; what survived and has no reason is another one."""
+        new = []
+        for mutant in batch:
+            result = self.known.get(mutant.key)
+            if result and (result.verdict != SURVIVED or excused(mutant)):
+                yield result
+            else:
+                new.append(mutant)
+        for result in each(judge, new):
+            append(self.path, result)
+            yield result
+
+
+def by_file(results: Sequence[Result]) -> dict[str, list[Result]]:
+    """Those that count."""
+    counted = [result for result in results if result.verdict in COUNTED]
+    return {name: [r for r in counted if r.mutant.file == name] for name in sorted({r.mutant.file for r in counted})}
+
+
+def kind(result: Result) -> str:
+    """The first word of a killer: nodes, unit, streams or memory."""
+    return result.killer.partition(" ")[0]
+
+
+KINDS = ("nodes", "unit", "streams", "memory")
+
+
+def rows(results: Sequence[Result]) -> list[list]:
+    """File, mutants, killed by each kind of bench, survivors with and without a reason."""
+    found = []
+    for name, own in [*by_file(results).items(), ("all", [r for r in results if r.verdict in COUNTED])]:
+        killed = [sum(kind(r) == k for r in own if r.verdict == KILLED) for k in KINDS]
+        survived = [r for r in own if r.verdict == SURVIVED]
+        reason = sum(bool(excused(r.mutant)) for r in survived)
+        found.append([name.removeprefix("rtl/"), len(own), *killed, reason, len(survived) - reason])
+    return found
+
+
+HEAD = ("file", "mutants", *KINDS, "equivalent", "survived")
+
+
+def _table(results: Sequence[Result]) -> Table:
+    table = Table("file")
+    for name in HEAD[1:]:
+        table.add_column(name, justify="right")
+    for row in rows(results):
+        table.add_row(*map(str, row))
+    return table
+
+
+@command("mutants")
+def main(arguments: Sequence[str] | None) -> int:
+    about = "Small changes of the Verilog, each of which a bench has to notice."
+    parser = Parser("mutants", about, fails="one survives")
+    add = parser.add_argument
+    add("--count", type=whole(1), default=COUNT, metavar="N", help="how many (default: %(default)s)")
+    add("--seed", type=whole(0), default=SEED, metavar="S", help="which (default: %(default)s)")
+    add("--only", default="", metavar="FILE", help="of files of rtl/ with this in their name")
+    add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="mutants at a time (default: %(default)s)")
+    about = "folder of the results (default: %(default)s)"
+    add("--out", type=folder_name, default=Path("build/mutants"), metavar="DIR", help=about)
+    about = "of a run over all files: write docs/generated/mutants.md and tb/mutation/hard.json"
+    add("--keep", action="store_true", help=about)
+    options = parser.parse_args(arguments)
+    if options.keep and options.only:
+        raise InputError("argument --keep: goes with all files, not with --only")
+    campaign = Campaign(options.count, options.seed, options.only, options.out / f"{options.seed}.jsonl")
+    with spread(options.jobs) as each, progress("mutants", options.count) as meter:
+        try:
+            campaign.run(each, meter)
+        except AssertionError as error:
+            raise SimulationError(str(error)) from None
+        except Stopped:
+            print(f"mutants: stopped after {campaign.counted}; the same again resumes", file=sys.stderr)
+            raise
+    results = campaign.results
+    show(_table(results))
+    left = [r for r in results if r.verdict == SURVIVED and not excused(r.mutant)]
+    for result in left:
+        old, new = result.mutant.lines()
+        print(f"{result.mutant.file}:{result.mutant.line}: {result.mutant.operator}\n  - {old}\n  + {new}")
+    not_counted = len(results) - campaign.counted
+    print(f"seed {options.seed}: {campaign.counted} mutants, {len(left)} survived; {not_counted} others did not count")
+    if options.keep:
+        with whole_file(PAGE) as place:
+            place.write_text(page(campaign), encoding="utf-8")
+        write_hard(hardest(results))
+        print(f"wrote {PAGE.name} and {HARD.name}")
+    return 1 if left else 0
+
+
+def page(campaign: Campaign) -> str:
+    """docs/generated/mutants.md."""
+    survived = [r.mutant for r in campaign.results if r.verdict == SURVIVED]
+    seconds = [r.seconds for r in campaign.results if r.verdict in COUNTED]
+    return render(
+        "mutants", today=date.today().isoformat(), count=campaign.count, seed=campaign.seed, counted=campaign.counted,
+        tried=len(campaign.results), head=HEAD, rows=rows(campaign.results), operators=len(OPERATORS),
+        mean=sum(seconds) / max(len(seconds), 1),
+        survivors=[(m, *m.lines(), excused(m)) for m in sorted(survived, key=lambda m: (m.file, m.start))],
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Testbenches of the modules of rtl/lib and rtl/cores, one pair a module."""

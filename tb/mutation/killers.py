@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tries to notice a mutant: benches in Verilog that compare every node, and the cocotb benches of the tree.
+
+Which of them may notice a change of a file follows from what the file is part of (:func:`killers_of`); whether it is
+run at all, from whether Icarus makes the same program of both.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from model.dataflow.datapaths import CONFIGURATIONS
+from tb.axi.test_ik_axi import MODULES
+from tb.mutation import nodes
+from tb.mutation.nodes import Nodes
+from tb.sim.children import started
+from tb.sim.env import ROOT
+from tb.sim.runner import alone
+from tb.sim.sources import closure, digest, headers, includes, sources
+
+BUILD = ROOT / "build" / "mutants"
+COMPILE = 120.0
+"""Seconds for Icarus; a mutant that takes longer does not build."""
+
+LEAST, TIMES = 30.0, 10.0
+"""A simulation may take so many seconds, and so many times as long as that of the RTL."""
+
+MEASURED = "latency or clocks"
+"""Begins what is said of a mutant that is right in every bit, and takes another time."""
+
+
+class BuildError(Exception):
+    """A mutant that is no Verilog, or not for these parameters."""
+
+
+LABEL = re.compile(rb"\b[A-Za-z_]*0x[0-9a-f]+(?:_\d+)*\b")
+NO_LOGIC = re.compile(rb"^(?:\S+ )?\s*\.param/.*\n|^:.*\n", re.M)
+LINE = re.compile(rb"^(\S+ \.scope .*?, )\d+ \d+", re.M)
+
+
+def same(program: bytes) -> str:
+    """A digest of Icarus' program that does not depend on where in memory it was made, nor on places in the source."""
+    numbers: dict[bytes, bytes] = {}
+    text = LINE.sub(rb"\1", NO_LOGIC.sub(b"", program.partition(b":file_names")[0]))
+    text = LABEL.sub(lambda m: numbers.setdefault(m[0], b"L%d" % len(numbers)), text)
+    return hashlib.sha256(text).hexdigest()
+
+
+def finished(command: list, place: Path, seconds: float) -> tuple[int | None, str]:
+    """Runs a program to its end: exit status, None where it does not end in time, and what it said."""
+    with open(place / "log", "w+") as log:
+        with started(command, place, stdout=log, stderr=log) as process:
+            try:
+                status = process.wait(seconds)
+            except subprocess.TimeoutExpired:
+                status = None
+        log.seek(0)
+        return status, log.read().strip()
+
+
+def elaborate(place: Path, top: str, own: Path | None = None, **parameters: int) -> str:
+    """Makes `place`/program, Icarus' of a module of the copy there and of a file of its own; what tells it from others.
+    """
+    program = place / "program"
+    values = [f"-P{top}.{name}={value}" for name, value in parameters.items()]
+    command = ["iverilog", "-g2001", "-s", top, *values, *(f"-I{folder}" for folder in includes(place)), "-o", program]
+    status, said = finished([*command, *([own] if own else []), *sources(place)], place, COMPILE)
+    if status != 0:
+        raise BuildError(said[-300:])
+    return same(program.read_bytes())
+
+
+@dataclass(frozen=True)
+class Killer:
+    """``elaborated(place)``: its program's digest of the copy of rtl/ there; ``ran(place, seconds)``: why the copy is
+    wrong, or None and what it measured."""
+
+    name: str
+    elaborated: Callable[[Path], str]
+    ran: Callable[[Path, float], tuple[str | None, str]]
+    key: str = ""
+
+    def right(self) -> dict:
+        """What the RTL itself gives: its program's digest, what was measured and in how many seconds.
+
+        Kept in build/.  Raises :class:`AssertionError` if the RTL is wrong: then nothing can be said of mutants.
+        """
+        of = hashlib.sha256(f"{self.name} {self.key} {rtl_digest()}".encode()).hexdigest()[:16]
+        file = BUILD / "right" / f"{of}.json"
+        with alone(BUILD / "right"):
+            if not file.exists():
+                with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+                    place = Path(folder)
+                    shutil.copytree(ROOT / "rtl", place / "rtl")
+                    program, begin = self.elaborated(place), time.monotonic()
+                    wrong, measured = self.ran(place, 1200.0)
+                    assert wrong is None, f"{self.name}: the RTL itself is wrong: {wrong}"
+                    seconds = time.monotonic() - begin
+                    found = {"killer": self.name, "program": program, "measured": measured, "seconds": seconds}
+                    file.write_text(json.dumps(found))
+        return json.loads(file.read_text())
+
+    def judged(self, place: Path) -> tuple[bool, str | None]:
+        """Whether the copy in `place` is another program than the RTL, and why it is wrong.  Raises BuildError."""
+        right = self.right()
+        if self.elaborated(place) == right["program"]:
+            return False, None
+        wrong, measured = self.ran(place, max(LEAST, TIMES * right["seconds"]))
+        if wrong is None and measured != right["measured"]:
+            wrong = f"{MEASURED}: {measured} instead of {right['measured']}"
+        return True, wrong
+
+
+@cache
+def rtl_digest() -> str:
+    """Of all Verilog, as it is."""
+    return digest([*sources(), *headers()])
+
+
+# ---- every node, in Verilog ------------------------------------------------------------------------------------------
+
+QUICK = (Nodes("lean", 18, 250), Nodes("fold", 20, 50), Nodes("paper", 18, 250))
+WIDE = (
+    Nodes("paper", 18, 200, digit=1), Nodes("lean", 32, 300, corners=True), Nodes("fold", 32, 50),
+    Nodes("short", 32, 200), Nodes("lean25", 18, 200), Nodes("lean16", 24, 200, corners=True),
+    Nodes("fold16", 18, 40), Nodes("paper", 32, 300),
+    Nodes("lean", 27, 300, corners=True), Nodes("lean", 18, 4000, corners=True), Nodes("fold", 24, 200),
+    Nodes("paper", 18, 3000), Nodes("short", 32, 200, digit=1),
+)  # fmt: skip
+"""After these what the first leave is tried by the benches of cocotb."""
+
+
+def _of_nodes(of: Nodes) -> Killer:
+    name = f"nodes {of.datapath} {of.width}{' digit' if of.digit else ''} {of.targets}"
+
+    @cache
+    def written(kept: Path) -> Path:
+        with alone(kept):
+            return of.written(kept)
+
+    def bench() -> Path:
+        return written(BUILD / "nodes" / name.replace(" ", "-"))
+
+    def elaborated(place: Path) -> str:
+        return elaborate(place, nodes.TOP, bench())
+
+    def ran(place: Path, seconds: float) -> tuple[str | None, str]:
+        data = bench().with_name(nodes.DATA)
+        status, said = finished(["vvp", "-n", place / "program", f"+data={data}"], place, seconds)
+        if status is None:
+            return "does not end", ""
+        last = said.splitlines()[-1] if said else "nothing said"
+        return (None, said) if last.startswith(nodes.RIGHT) else (last[-200:], said)
+
+    return Killer(name, elaborated, ran, key=hashlib.sha256(nodes.BENCH.encode()).hexdigest()[:8])
+
+
+def _parts(of: Nodes) -> set[str]:
+    """The files that a configuration of ik_axis is made of."""
+    others = {f"ik_{path.rtl}" for path in CONFIGURATIONS.values()} - {f"ik_{of.path.rtl}"}
+    own = names(f"ik_{of.path.rtl}")
+    return (names("ik_axis") - set().union(*map(names, others))) | own
+
+
+@cache
+def names(top: str) -> frozenset[str]:
+    """The files of a module, from the root."""
+    return frozenset(path.relative_to(ROOT).as_posix() for path in closure(top))
+
+
+# ---- the benches of cocotb -------------------------------------------------------------------------------------------
+
+
+def _of_cocotb(name: str, options: Callable[[], dict], prepared: Callable[[Path], None] = lambda place: None) -> Killer:
+    """`options`: what :func:`tb.sim.runner.simulate` is told; `prepared` changes the copy of the RTL."""
+    given = cache(options)
+
+    def elaborated(place: Path) -> str:
+        prepared(place)
+        own = None
+        if "top" in given():
+            own = place / "top.v"
+            own.write_text(given()["top"])
+        return elaborate(place, given()["toplevel"], own, **given().get("parameters", {}))
+
+    def ran(place: Path, seconds: float) -> tuple[str | None, str]:
+        shutil.rmtree(place / "sim", ignore_errors=True)
+        command = [sys.executable, "-m", "tb.mutation.killers", place, json.dumps(given())]
+        status, said = finished(command, place, seconds)
+        if status is None:
+            return "does not end", ""
+        return (None if status == 0 else failing(said)), ""
+
+    return Killer(name, elaborated, ran)
+
+
+def failing(log: str) -> str:
+    """The first cocotb test that failed, by its name in the log."""
+    found = re.search(r"Failed: (\S+)::(.*)", log)
+    return found[2] if found else (log.splitlines() or ["fails"])[-1][-200:]
+
+
+def _child(place: str, options: str) -> None:
+    """In a process of its own: cocotb-test changes signal handlers and the logging of its process."""
+    from tb.sim import runner
+
+    runner.BUILD = Path(place) / "sim"
+    given = json.loads(options)
+    env = given.pop("env", {}) | {"COCOTB_MAX_FAILURES": "1"}
+    runner.simulate(**given, env=env, sim="icarus", root=Path(place))
+
+
+@cache
+def units() -> dict[str, dict[str, Killer]]:
+    """Module of rtl/lib or rtl/cores -> its benches, the few parameter sets first."""
+    found = {}
+    for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
+        module = importlib.import_module(f"tb.units.{file.stem}")
+        for value in vars(module).values():
+            if hasattr(value, "simulations"):
+                of, groups = value.simulations
+                found[of] = {group: _of_cocotb(f"unit {of} {group}", make) for group, make in groups.items()}
+    return found
+
+
+def _stream(path: str, width: int) -> Killer:
+    parameters = {"W": width, "TAG_W": 3, **CONFIGURATIONS[path].parameters}
+    given = {"toplevel": "ik_axis", "module": "tb.core.ik_axis", "parameters": parameters}
+    return _of_cocotb(f"streams {path}", lambda: given)
+
+
+STREAMS = _stream("lean", 18), _stream("fold", 24)
+
+
+def _memory(bursts: int) -> Killer:
+    def echo(place: Path) -> None:
+        shutil.copy2(ROOT / "tb" / "axi" / "ik_lean.v", place / "rtl" / "lean" / "ik_lean.v")
+
+    env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "80", "IK_AXI_FAULTS": "12"}
+    given = {"toplevel": "ik_axi", "module": MODULES, "parameters": {"W": 18, "LOG2_BURST": bursts}, "env": env}
+    return _of_cocotb(f"memory {bursts}", lambda: given, echo)
+
+
+MEMORY = _memory(3), _memory(1)
+
+
+# ---- who may notice what ---------------------------------------------------------------------------------------------
+
+
+@cache
+def _nodes(of: Nodes) -> Killer:
+    return _of_nodes(of)
+
+
+def killers_of(file: str) -> list[Killer]:
+    """What may notice a change of a file of rtl/, the cheapest first."""
+    if file in names("ik_axi") - names("ik_axis"):
+        return list(MEMORY)
+    module = Path(file).stem
+    own = [module] if module in units() else [top for top in units() if file in names(top)]
+    found = [_nodes(of) for of in QUICK if file in _parts(of)]
+    found += [units()[of]["few"] for of in own]
+    found += [_nodes(of) for of in WIDE if file in _parts(of)]
+    found += [units()[of]["more"] for of in own if "more" in units()[of]]
+    datapaths = frozenset().union(*(names(f"ik_{path.rtl}") for path in CONFIGURATIONS.values()))
+    if file not in datapaths or "s_axis_tvalid" in (ROOT / file).read_text():
+        found += STREAMS
+    return found
+
+
+if __name__ == "__main__":
+    _child(*sys.argv[1:])

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mutant: one place of one file of rtl/ changed; the order in which a seed tries them, and what became of one."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import random
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from tb.mutation.killers import MEASURED, BuildError, killers_of, rtl_digest
+from tb.mutation.operators import SELDOM, edits
+from tb.sim.env import ROOT
+from tb.sim.sources import sources
+
+BROKEN, SAME, KILLED, SURVIVED = "does not build", "no change", "killed", "survived"
+COUNTED = (KILLED, SURVIVED)
+
+EQUIVALENT = Path(__file__).with_name("equivalent.json")
+HARD = Path(__file__).with_name("hard.json")
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """``file`` with the text from ``start`` to ``end`` replaced by ``new``."""
+
+    file: str
+    operator: str
+    start: int
+    end: int
+    new: str
+
+    def text(self) -> str:
+        """The file's text."""
+        text = (ROOT / self.file).read_text(encoding="utf-8")
+        return text[: self.start] + self.new + text[self.end :]
+
+    @property
+    def key(self) -> str:
+        """Of the mutant in the Verilog as it is now."""
+        return hashlib.sha256(json.dumps([*asdict(self).values(), rtl_digest()]).encode()).hexdigest()[:16]
+
+    @property
+    def line(self) -> int:
+        return (ROOT / self.file).read_text(encoding="utf-8").count("\n", 0, self.start) + 1
+
+    def lines(self) -> tuple[str, str]:
+        """The lines that it changes, before and after, each without the blanks around it."""
+        before = (ROOT / self.file).read_text(encoding="utf-8")
+        first = before.rfind("\n", 0, self.start) + 1
+        last = before.find("\n", self.end)
+        after = before[first : self.start] + self.new + before[self.end : last]
+        return tuple(" ".join(text.split()) for text in (before[first:last], after))
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of a mutant: by whom it was noticed, and how."""
+
+    mutant: Mutant
+    verdict: str
+    killer: str = ""
+    why: str = ""
+    seconds: float = 0.0
+
+
+def files(only: str = "") -> list[str]:
+    """The files of rtl/ that are mutated, of a name that holds `only`."""
+    names = [path.relative_to(ROOT).as_posix() for path in sources()]
+    return [name for name in names if only in name]
+
+
+def order(file: str, seed: int) -> Iterator[Mutant]:
+    """The mutants of a file in the order of a seed: operators with equal chances but SELDOM, then one of its places."""
+    chosen = random.Random(f"{seed} {file}")
+    left = {name: list(found) for name, found in edits((ROOT / file).read_text(encoding="utf-8")).items()}
+    while left:
+        name = chosen.choice(sorted(left))
+        if name in SELDOM and chosen.random() < 0.75 and set(left) - SELDOM:
+            name = chosen.choice(sorted(set(left) - SELDOM))
+        start, end, new = left[name].pop(chosen.randrange(len(left[name])))
+        if not left[name]:
+            del left[name]
+        yield Mutant(file, name, start, end, new)
+
+
+@functools.cache
+def _place() -> tempfile.TemporaryDirectory:
+    """This process' copy of rtl/, which goes with it."""
+    return tempfile.TemporaryDirectory(prefix="ik_mutant_")
+
+
+def judge(mutant: Mutant) -> Result:
+    """Tries the mutant's killers one after the other until one notices."""
+    begin = time.monotonic()
+
+    def result(verdict: str, killer: str = "", why: str = "") -> Result:
+        return Result(mutant, verdict, killer, why, time.monotonic() - begin)
+
+    place = Path(_place().name)
+    shutil.rmtree(place / "rtl", ignore_errors=True)
+    shutil.copytree(ROOT / "rtl", place / "rtl")
+    (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
+    changed = False
+    for killer in killers_of(mutant.file):
+        try:
+            differs, why = killer.judged(place)
+        except BuildError as error:
+            return result(BROKEN, killer.name, str(error)[-200:])
+        changed |= differs
+        if why:
+            return result(KILLED, killer.name, why)
+    return result(SURVIVED if changed else SAME)
+
+
+# ---- the hardest ones ------------------------------------------------------------------------------------------------
+
+HARDEST = 40
+SECONDS = 100.0
+"""So many mutants, and so long for all of them, are in the list of those that `make test-all` runs."""
+
+
+@dataclass(frozen=True)
+class Hard:
+    """A mutant that few benches notice, as text: it outlives changes of other lines."""
+
+    file: str
+    old: str
+    new: str
+    killer: str
+
+    def text(self) -> str:
+        """The file's text.  Raises LookupError where the line is not there exactly once."""
+        lines = (ROOT / self.file).read_text(encoding="utf-8").splitlines()
+        found = [n for n, line in enumerate(lines) if " ".join(line.split()) == self.old]
+        if len(found) != 1:
+            raise LookupError(f"{self.file} has not exactly one line {self.old!r}: take it out of {HARD.name}")
+        return "\n".join(lines[: found[0]] + [self.new] + lines[found[0] + 1 :]) + "\n"
+
+
+def hard() -> list[Hard]:
+    """The list."""
+    return [Hard(**row) for row in json.loads(HARD.read_text(encoding="utf-8"))]
+
+
+def hardest(results: list[Result]) -> list[Hard]:
+    """Of results those that the first benches did not notice, the last noticed first, and a bench did by itself."""
+    found = []
+    for result in results:
+        killers = {killer.name: killer for killer in killers_of(result.mutant.file)}
+        late = list(killers).index(result.killer) if result.verdict == KILLED and result.killer in killers else 0
+        mutant = Hard(result.mutant.file, *result.mutant.lines(), result.killer)
+        try:
+            mutant.text()
+        except LookupError:
+            continue
+        if late and not result.why.startswith(MEASURED):
+            found.append((killers[mutant.killer].right()["seconds"], late, mutant))
+    chosen, left = [], SECONDS
+    for seconds, _, mutant in sorted(found, key=lambda one: (-one[1] / (one[0] + 3), one[2].file, one[2].new)):
+        if len(chosen) < HARDEST and seconds + 3 <= left:
+            chosen.append(mutant)
+            left -= seconds + 3
+    return sorted(chosen, key=lambda one: (one.killer, one.file, one.new))
+
+
+def write_hard(mutants: list[Hard]) -> None:
+    HARD.write_text(json.dumps([asdict(one) for one in mutants], indent=1) + "\n", encoding="utf-8")
+
+
+# ---- what is kept ----------------------------------------------------------------------------------------------------
+
+
+def record(result: Result) -> str:
+    """A line of the file of results."""
+    return json.dumps({"key": result.mutant.key} | asdict(result))
+
+
+def recorded(path: Path) -> dict[str, Result]:
+    """Results by key; a line that was cut off is none."""
+    found = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        try:
+            row = json.loads(line)
+        except ValueError:
+            continue
+        key, mutant = row.pop("key"), Mutant(**row.pop("mutant"))
+        found[key] = Result(mutant, **row)
+    return found
+
+
+def append(path: Path, result: Result) -> None:
+    """In one write, so that a signal cuts no line."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+    try:
+        os.write(handle, f"{record(result)}\n".encode())
+    finally:
+        os.close(handle)
+
+
+def equivalent() -> dict[tuple[str, str, str], str]:
+    """(file, line, changed line) of mutants that no test can notice -> why."""
+    rows = json.loads(EQUIVALENT.read_text(encoding="utf-8"))
+    return {(row["file"], row["old"], row["new"]): row["reason"] for row in rows}
+
+
+def excused(mutant: Mutant) -> str:
+    """Why no test can notice a mutant, if the list says so."""
+    return equivalent().get((mutant.file, *mutant.lines()), "")

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A bench of ``ik_axis`` in Verilog alone: every node compared, under stalls, with the FIFO full, after a reset.
+
+Icarus compiles and runs it in the seconds that cocotb takes to begin, so that hundreds of mutants are tried in an hour.
+It ends with the first difference.  What it finds right is what tb/core finds right; it is no second set of rules.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from model.dataflow import fixed, trig
+from model.dataflow.datapaths import CONFIGURATIONS, Datapath
+from model.dataflow.nodes import WIDTHS, inner_frac
+from model.targets.stimuli import mixed
+from model.targets.words import FIELDS
+from tb.core.test_configurations import nearly_rounded_up, shifted
+from tb.sim.every_node import columns
+
+TOP = "ik_mutant"
+DATA = "data.hex"
+TAG_W = 8
+RIGHT = "all right"
+"""How the bench's last line begins, if it is content."""
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """What is built and how many mixed targets it gets; ``corners``: also those next to a rounding."""
+
+    datapath: str
+    width: int
+    targets: int
+    digit: int = 0
+    corners: bool = False
+
+    @property
+    def path(self) -> Datapath:
+        return CONFIGURATIONS[self.datapath]
+
+    def words(self) -> np.ndarray:
+        words = mixed(self.targets, self.width, 4)
+        if self.corners:
+            frac = min(inner_frac(self.width), trig.FRACS[-1])
+            near = nearly_rounded_up(self.width, trig.form_of(frac, self.path.tile), frac)
+            words = np.concatenate([words, shifted(self.width), near])
+        return words
+
+    def written(self, folder: Path) -> Path:
+        """Writes the bench and, beside it, its data."""
+        folder.mkdir(parents=True, exist_ok=True)
+        words = self.words()
+        answer = fixed.run(words, self.width, self.datapath)
+        nodes = list(answer.bits.nodes.values())
+        fields = [(words[:, k], self.width) for k in range(len(FIELDS))]
+        fields += [(answer.results[:, k], self.width) for k in range(len(FIELDS))] + [(answer.flags, 8)]
+        rows = [0] * len(words)
+        at = 0
+        for values, width in fields:
+            rows = [row | (int(v) & (1 << width) - 1) << at for row, v in zip(rows, values, strict=True)]
+            at += width
+        for node in nodes:
+            for number, limb in enumerate(columns(node)):
+                bits = min(64, node.format.width - 64 * number)
+                mask = (1 << bits) - 1
+                rows = [row | (int(v) & mask) << at for row, v in zip(rows, limb.tolist(), strict=True)]
+                at += bits
+        (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
+        bench = folder / f"{TOP}.v"
+        bench.write_text(self._text(nodes, len(words), at))
+        return bench
+
+    def _text(self, nodes, count: int, bits: int) -> str:
+        path, w = self.path, self.width
+        core = f"u_axis.g_{path.rtl}.u_core"
+        given = {"W": w, "MIN_W": min(w, WIDTHS[0]), "TAG_W": TAG_W, "DIGIT": self.digit, **path.parameters}
+        at = 2 * len(FIELDS) * w + 8
+        by_time: dict[int, list[str]] = {}
+        for node in nodes:
+            signal = ".".join(part for part in (core, node.instance, node.name) if part)
+            line = f"if ({signal} !== want[{at}+:{node.format.width}]) differs(\"{node.section}.{node.name}\");"
+            by_time.setdefault(node.time, []).append(line)
+            at += node.format.width
+        compared = "\n".join(
+            f"      find({time});\n      if (target >= 0) begin\n        "
+            + "\n        ".join(lines)
+            + "\n      end"
+            for time, lines in sorted(by_time.items())
+        )
+        latest = max(by_time)
+        values = ", ".join(f".{name}({value})" for name, value in given.items())
+        return BENCH.format(
+            top=TOP, w=w, n=count, bits=bits, tag=TAG_W, values=values, compared=compared,
+            ring=1 << (latest + 2).bit_length(), go=f"{core}.go" if path.times else "1'b1",
+            most=count * (path.period + 8) * 3 + 20 * latest + 4000,
+            full=2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length()),
+        )  # fmt: skip
+
+
+BENCH = """\
+// Written by tb/mutation/nodes.py.
+`timescale 1ns / 1ps
+module {top};
+  localparam W = {w}, N = {n}, FULL = {full};
+  reg clk, rst, in_valid, out_ready;
+  reg [{bits}-1:0] data[0:N-1];
+  reg [{bits}-1:0] want, next, owed;
+  wire in_ready, out_valid;
+  wire [6*W-1:0] result;
+  wire [{tag}+8-1:0] user;
+  integer sent, left, clock, ran, target, quiet, first, blocked, held, k, seed;
+  integer ring[0:{ring}-1];
+  reg stalled;
+  reg [8*1000-1:0] file;
+  reg [6*W+{tag}+8-1:0] stood;
+  reg [{tag}-1:0] tag;
+  ik_axis #({values}) u_axis (
+      .clk(clk), .rst(rst),
+      .s_axis_tdata(next[6*W-1:0]), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
+      .m_axis_tdata(result), .m_axis_tuser(user), .m_axis_tvalid(out_valid), .m_axis_tready(out_ready)
+  );
+  task fails(input [8*40-1:0] why);
+    begin
+      $display("%0s: target %0d in, %0d out, clock %0d", why, sent, left, clock);
+      $finish(0);
+      forever #1000;
+    end
+  endtask
+  task differs(input [8*40-1:0] node);
+    begin
+      $display("%0s of target %0d differs in clock %0d", node, target, clock);
+      $finish(0);
+      forever #1000;
+    end
+  endtask
+  // the target that was admitted so many clocks ago, and its words
+  task find(input integer ago);
+    begin
+      target = ran >= ago ? ring[(ran - ago) % {ring}] : -1;
+      if (target >= 0) want = data[target];
+    end
+  endtask
+  task step;
+    begin
+      #4 clk = 0;
+      #4;
+      clock = clock + 1;
+      if (clock > {most}) fails("no end");
+      if (rst) begin
+        for (k = 0; k < {ring}; k = k + 1) ring[k] = -1;
+        stalled = 0;
+        left = sent;
+      end else begin
+        if ((in_ready ^ out_valid) === 1'bx) fails("X of a handshake");
+        if (in_valid && in_ready) begin
+          ring[ran%{ring}] = sent;
+          sent = sent + 1;
+          if (first < 0) first = clock;
+          blocked = 0;
+        end else blocked = blocked + 1;
+        if (stalled && {{out_valid, result, user}} !== {{1'b1, stood}}) fails("changed while it was stalled");
+        stood = {{result, user}};
+        stalled = out_valid && !out_ready;
+        if (out_valid && out_ready) begin
+          if (left >= sent) fails("a result that nobody asked for");
+          owed = data[left];
+          k = left;
+          if (user[{tag}-1:0] !== k[{tag}-1:0]) fails("tag");
+          if (result !== owed[12*W-1:6*W]) fails("result");
+          if (user[{tag}+:8] !== owed[12*W+:8]) fails("flags");
+          if (left == 0) $display("latency %0d", clock - first);
+          left = left + 1;
+        end
+{compared}
+        if ({go} !== 1'b0) begin
+          ran = ran + 1;
+          ring[ran%{ring}] = -1;
+        end
+      end
+      #1 clk = 1;
+      #1 next = data[sent < N ? sent : N-1];  // and the other inputs, which whoever calls sets
+      tag = sent;
+    end
+  endtask
+  initial begin
+    if (!$value$plusargs("data=%s", file)) fails("no data");
+    $readmemh(file, data);
+    {{clk, in_valid, stalled}} = 0;
+    {{rst, out_ready}} = 3;
+    {{sent, left, clock, ran, blocked, held}} = 0;
+    first = -1;
+    seed = 1;
+    next = data[0];
+    tag = 0;
+    for (k = 0; k < {ring}; k = k + 1) ring[k] = -1;
+    repeat (4) step;
+    rst = 0;
+    // one after the other
+    in_valid = 1;
+    while (sent < N / 2) step;
+    in_valid = 0;
+    while (left < sent) step;
+    $display("clocks %0d", clock);
+    // stalls on both sides
+    while (sent < 3 * N / 4) begin
+      if (held == 0) begin
+        held = $dist_uniform(seed, 1, 8);
+        in_valid = $random(seed) | (in_valid && blocked != 0);  // what was offered stays
+        out_ready = $random(seed);
+      end else held = held - 1;
+      step;
+    end
+    // nobody takes a result until nothing more gets in, then a reset while all is full
+    in_valid = 1;
+    out_ready = 0;
+    blocked = 0;
+    while (sent < N - 12 && blocked < FULL) step;
+    $display("full at %0d", sent);
+    out_ready = 1;
+    repeat (3) step;
+    rst = 1;
+    repeat (3) step;
+    rst = 0;
+    while (sent < N) step;
+    in_valid = 0;
+    while (left < sent) step;
+    repeat (8 + {ring}) step;
+    $display("{right}: %0d targets, %0d clocks", left, clock);
+    $finish(0);
+  end
+endmodule
+""".replace("{right}", RIGHT)
