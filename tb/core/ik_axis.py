@@ -19,6 +19,8 @@ from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 async def started(dut) -> Pipeline:
     bench = Pipeline(dut)
+    if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
+        cocotb.start_soon(bench.unknown_while_idle())
     await bench.reset()
     return bench
 

@@ -126,8 +126,6 @@ class Pipeline:
         self.latencies: list[int] = []
         self.errors: list[str] = []
         cocotb.start_soon(self._watch())
-        if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
-            cocotb.start_soon(self._unknown_while_idle())
 
     # ---- signals -------------------------------------------------------------------------------------------------
 
@@ -229,8 +227,8 @@ class Pipeline:
             self.scoreboard.sample(self.ran, self.clock)
             self.ran += self.go is None or self.go.value == 1
 
-    async def _unknown_while_idle(self) -> None:
-        """What is not valid is X: nobody may look at it. The driver writes a beat after the edge that follows."""
+    async def unknown_while_idle(self) -> None:
+        """To be started: what is not valid is X; nobody may look. The driver writes a beat after the next edge."""
         dut = self.dut
         while True:
             await FallingEdge(dut.clk)
