@@ -85,7 +85,8 @@ def test_a_checkout_with_a_space_is_refused_from_another_folder(stand_in, tmp_pa
 def test_every_variable_that_a_target_takes_reaches_its_command(stand_in, target):
     """Those that it says it takes."""
     taken = set(re.search(r"it takes (.*)\.  Stop", make(target, "NOTHING_LIKE=1").stderr)[1].split(", "))
-    own = {"SIM=verilator": "--sim verilator", "CORES=digit": "--cores digit", "WAVES=1": "--waves", "KEEP=1": "--keep"}
+    own = {"SIM=verilator": "--sim verilator", "CORES=digit": "--cores digit", "WAVES=1": "--waves", "KEEP=1": "--keep",
+           "SPECIAL=1": "--special"}  # fmt: skip
     own = {word: said for word, said in own.items() if word.split("=")[0] in taken}
     valued = sorted(taken - {word.split("=")[0] for word in own})
     given = stand_in(*own, *(f"{name}=a {name}" for name in valued), target=target)
