@@ -181,7 +181,7 @@ soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece 
 	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
 
 mutants: ## small changes of the Verilog, each of which a bench has to notice [COUNT= SEED= ONLY=file OUT=; KEEP=1: mutants.md]
-	@$(SETUP) icarus
+	@$(SETUP) icarus fpga
 	@exec $(VENV) -m scripts.mutants $(call given,COUNT,--count="$$CGA_COUNT") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)

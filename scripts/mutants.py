@@ -5,8 +5,9 @@
 
 A mutant is a copy of rtl/ with one place changed (tb/mutation/operators.py). Those that do not build, and those of
 which Icarus makes the same program for every bench, do not count and are replaced by others. Each is given to the
-benches that hold its file (tb/mutation/killers.py), the cheapest first, until one notices. The seed says which mutants
-are tried, as many of each file as of the others where there are so many.
+benches that hold its file (tb/mutation/killers.py), the cheapest first, until one notices or Yosys proves that none can
+(tb/mutation/equivalence.py). The seed says which mutants are tried, as many of each file as of the others where there
+are so many.
 
 Results are lines of OUT/SEED.jsonl as soon as they are there: a second call skips the mutants that it names, but tries
 survivors without a reason again. At the end comes a table by file, and each survivor that
@@ -34,6 +35,7 @@ from tb.mutation.mutant import (
     COUNTED,
     HARD,
     KILLED,
+    PROVED,
     SURVIVED,
     Mutant,
     Result,
@@ -123,17 +125,18 @@ KINDS = ("nodes", "unit", "streams", "memory")
 
 
 def rows(results: Sequence[Result]) -> list[list]:
-    """File, mutants, killed by each kind of bench, survivors with and without a reason."""
+    """File, mutants, killed by each kind of bench, proved equivalent, survivors with and without a reason."""
     found = []
     for name, own in [*by_file(results).items(), ("all", [r for r in results if r.verdict in COUNTED])]:
         killed = [sum(kind(r) == k for r in own if r.verdict == KILLED) for k in KINDS]
         survived = [r for r in own if r.verdict == SURVIVED]
         reason = sum(bool(excused(r.mutant)) for r in survived)
-        found.append([name.removeprefix("rtl/"), len(own), *killed, reason, len(survived) - reason])
+        proved = sum(r.verdict == PROVED for r in own)
+        found.append([name.removeprefix("rtl/"), len(own), *killed, proved, reason, len(survived) - reason])
     return found
 
 
-HEAD = ("file", "mutants", *KINDS, "equivalent", "survived")
+HEAD = ("file", "mutants", *KINDS, "proved", "argued", "survived")
 
 
 def _table(results: Sequence[Result]) -> Table:

@@ -71,8 +71,7 @@ def finished(command: list, place: Path, seconds: float) -> tuple[int | None, st
 
 
 def elaborate(place: Path, top: str, own: Path | None = None, **parameters: int) -> str:
-    """Makes `place`/program, Icarus' of a module of the copy there and of a file of its own; what tells it from others.
-    """
+    """Makes `place`/program, Icarus' of a module of the copy there and of a file of its own; what tells it from others."""
     program = place / "program"
     values = [f"-P{top}.{name}={value}" for name, value in parameters.items()]
     command = ["iverilog", "-g2001", "-s", top, *values, *(f"-I{folder}" for folder in includes(place)), "-o", program]
@@ -264,16 +263,28 @@ def _nodes(of: Nodes) -> Killer:
     return _of_nodes(of)
 
 
+def _around_the_core(file: str) -> bool:
+    return file in names("ik_axi") - names("ik_axis")
+
+
+def _units_of(file: str) -> list[dict[str, Killer]]:
+    module = Path(file).stem
+    return [units()[of] for of in ([module] if module in units() else [top for top in units() if file in names(top)])]
+
+
+def first_of(file: str) -> list[Killer]:
+    """What notices most changes of a file of rtl/, the cheapest first: before a proof is tried."""
+    if _around_the_core(file):
+        return list(MEMORY[:1])
+    return [_nodes(of) for of in QUICK if file in _parts(of)] + [own["few"] for own in _units_of(file)]
+
+
 def killers_of(file: str) -> list[Killer]:
     """What may notice a change of a file of rtl/, the cheapest first."""
-    if file in names("ik_axi") - names("ik_axis"):
+    if _around_the_core(file):
         return list(MEMORY)
-    module = Path(file).stem
-    own = [module] if module in units() else [top for top in units() if file in names(top)]
-    found = [_nodes(of) for of in QUICK if file in _parts(of)]
-    found += [units()[of]["few"] for of in own]
-    found += [_nodes(of) for of in WIDE if file in _parts(of)]
-    found += [units()[of]["more"] for of in own if "more" in units()[of]]
+    found = first_of(file) + [_nodes(of) for of in WIDE if file in _parts(of)]
+    found += [own["more"] for own in _units_of(file) if "more" in own]
     datapaths = frozenset().union(*(names(f"ik_{path.rtl}") for path in CONFIGURATIONS.values()))
     if file not in datapaths or "s_axis_tvalid" in (ROOT / file).read_text():
         found += STREAMS

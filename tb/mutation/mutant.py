@@ -15,13 +15,14 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from tb.mutation.killers import MEASURED, BuildError, killers_of, rtl_digest
+from tb.mutation.equivalence import equivalent
+from tb.mutation.killers import BUILD, MEASURED, BuildError, first_of, killers_of, rtl_digest
 from tb.mutation.operators import SELDOM, edits
 from tb.sim.env import ROOT
 from tb.sim.sources import sources
 
-BROKEN, SAME, KILLED, SURVIVED = "does not build", "no change", "killed", "survived"
-COUNTED = (KILLED, SURVIVED)
+BROKEN, SAME, KILLED, PROVED, SURVIVED = "does not build", "no change", "killed", "proved equivalent", "survived"
+COUNTED = (KILLED, PROVED, SURVIVED)
 
 EQUIVALENT = Path(__file__).with_name("equivalent.json")
 HARD = Path(__file__).with_name("hard.json")
@@ -93,23 +94,28 @@ def order(file: str, seed: int) -> Iterator[Mutant]:
 
 @functools.cache
 def _place() -> tempfile.TemporaryDirectory:
-    """This process' copy of rtl/, which goes with it."""
-    return tempfile.TemporaryDirectory(prefix="ik_mutant_")
+    """This process' copy of rtl/, in the checkout, which goes with it."""
+    folder = BUILD / "copies"
+    folder.mkdir(parents=True, exist_ok=True)
+    return tempfile.TemporaryDirectory(prefix="ik_mutant_", dir=folder)
 
 
 def judge(mutant: Mutant) -> Result:
-    """Tries the mutant's killers one after the other until one notices."""
+    """Tries the mutant's killers one after the other until one notices, or it is proved that none can."""
     begin = time.monotonic()
 
     def result(verdict: str, killer: str = "", why: str = "") -> Result:
         return Result(mutant, verdict, killer, why, time.monotonic() - begin)
 
     place = Path(_place().name)
-    shutil.rmtree(place / "rtl", ignore_errors=True)
+    for part in place.iterdir():
+        shutil.rmtree(part) if part.is_dir() else part.unlink()
     shutil.copytree(ROOT / "rtl", place / "rtl")
     (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
-    changed = False
-    for killer in killers_of(mutant.file):
+    changed, first = False, len(first_of(mutant.file))
+    for number, killer in enumerate(killers_of(mutant.file)):
+        if changed and number == first and (where := equivalent(mutant.file, place, climb=False)):
+            return result(PROVED, "", where)
         try:
             differs, why = killer.judged(place)
         except BuildError as error:
@@ -117,7 +123,10 @@ def judge(mutant: Mutant) -> Result:
         changed |= differs
         if why:
             return result(KILLED, killer.name, why)
-    return result(SURVIVED if changed else SAME)
+    if not changed:
+        return result(SAME)
+    where = equivalent(mutant.file, place)
+    return result(PROVED, "", where) if where else result(SURVIVED)
 
 
 # ---- the hardest ones ------------------------------------------------------------------------------------------------
@@ -206,7 +215,7 @@ def append(path: Path, result: Result) -> None:
         os.close(handle)
 
 
-def equivalent() -> dict[tuple[str, str, str], str]:
+def reasons() -> dict[tuple[str, str, str], str]:
     """(file, line, changed line) of mutants that no test can notice -> why."""
     rows = json.loads(EQUIVALENT.read_text(encoding="utf-8"))
     return {(row["file"], row["old"], row["new"]): row["reason"] for row in rows}
@@ -214,4 +223,4 @@ def equivalent() -> dict[tuple[str, str, str], str]:
 
 def excused(mutant: Mutant) -> str:
     """Why no test can notice a mutant, if the list says so."""
-    return equivalent().get((mutant.file, *mutant.lines()), "")
+    return reasons().get((mutant.file, *mutant.lines()), "")

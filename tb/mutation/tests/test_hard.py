@@ -4,7 +4,7 @@
 import pytest
 
 from tb.mutation.killers import killers_of
-from tb.mutation.mutant import EQUIVALENT, equivalent, hard
+from tb.mutation.mutant import EQUIVALENT, hard, reasons
 from tb.sim.env import ROOT, simulator
 from tb.sim.mutants import copy_rtl
 
@@ -16,9 +16,9 @@ def test_the_lists_are_of_the_present_verilog():
     for mutant in hard():
         assert mutant.text() != (ROOT / mutant.file).read_text()
         assert mutant.killer in [killer.name for killer in killers_of(mutant.file)], mutant
-    for file, old, new in equivalent():
+    for file, old, new in reasons():
         assert old != new and old in " ".join((ROOT / file).read_text().split()), f"{file}: {old!r}: {EQUIVALENT.name}"
-    assert all(equivalent().values())
+    assert all(reasons().values())
 
 
 @pytest.mark.sim

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is called equivalent is: changes that make no difference are proved, and those that make one never are."""
+
+import pytest
+
+from tb.formal.tools import missing
+from tb.mutation.equivalence import copied, equivalent
+from tb.sim.env import ROOT
+from tb.sim.mutants import Bug
+
+pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirements-fpga.lock: `make mutants`")
+
+SAME = [
+    Bug("a wider port, cut outside", "rtl/axi/ik_axi_result.v", "[      31:0] index", "[      32:0] index"),
+    Bug("a sign of no use", "rtl/cores/ik_div_row.v", "input  wire [W-1:0] d,", "input  wire signed [W-1:0] d,"),
+    Bug("another formula", "rtl/fold/ik_fold_count.v", "{e[4:0], 1'b0}", "({e[4:0], 1'b0} | 6'd0)"),
+]
+OTHER = [
+    Bug("a bit", "rtl/fold/ik_fold_count.v", "{e[4:0], 1'b0}", "{e[4:0], 1'b1}"),
+    Bug("a falling edge", "rtl/fold/ik_fold_flags.v", "always @(posedge clk)", "always @(negedge clk)"),
+    Bug("a beginning", "rtl/axi/ik_axi_read.v", "initial m_axi_arvalid = 1'b0", "initial m_axi_arvalid = 1'b1"),
+    Bug("a bit of a port", "rtl/axi/ik_axi_result.v", "[      31:0] index", "[      30:0] index"),
+    Bug("no Verilog", "rtl/fold/ik_fold_count.v", "{e[4:0], 1'b0}", "{e[4:0], }"),
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bug", [*SAME, *OTHER], ids=lambda bug: bug.what)
+def test_equivalence(bug):
+    place = ROOT / "build" / "mutants" / "copies" / bug.what.replace(" ", "_").replace(",", "")
+    copied(place)
+    file = place / bug.file
+    file.write_text(bug.seeded(file.read_text()))
+    around = bug.file.startswith("rtl/axi")  # small enough to climb
+    assert bool(equivalent(bug.file, place, around)) == (bug in SAME)
