@@ -29,6 +29,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.util import Finalize
 from pathlib import Path
 
 from scripts.console import EVERY, InputError, Parser, command, whole
@@ -171,7 +172,8 @@ def here(payload: bytes, digest: str) -> bytes:
         future = pool.submit(_done, payload)
         while not wait([future], 0.2).done:
             task = worker.state.tasks.get(key)
-            if task is None or task.state == "cancelled":  # the client is gone
+            gone = worker.status.name in ("closing", "closed", "failed")  # with the scheduler
+            if gone or task is None or task.state == "cancelled":  # with the client
                 _end(pool)
                 return b""
         try:
@@ -183,7 +185,9 @@ def here(payload: bytes, digest: str) -> bytes:
 @functools.lru_cache(1)
 def _pool(digest: str) -> ProcessPoolExecutor:
     """A process that has read these sources."""
-    return ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), process_of_its_own)
+    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), process_of_its_own)
+    Finalize(None, _end, (pool,), exitpriority=1)  # a worker that ends waits for its processes
+    return pool
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
@@ -195,7 +199,10 @@ def _end(pool: ProcessPoolExecutor) -> None:
 
 def _done(payload: bytes) -> bytes:
     work, item = pickle.loads(payload)
-    return pickle.dumps(work(item))
+    try:
+        return pickle.dumps(work(item))
+    except SystemExit:
+        os._exit(1)  # after SIGTERM; a pool's process would take it for a result, and wait for more work
 
 
 @command("farm")

@@ -8,11 +8,13 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import NoReturn
 
+from tb.sim.children import GRACE
 from tb.sim.simulate import SimulationError
 
 
@@ -30,6 +32,8 @@ def process_of_its_own() -> None:
     def follow() -> None:
         multiprocessing.parent_process().join()
         os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(2 * GRACE)
+        os._exit(1)  # a pool's process takes SystemExit for a result, and waits for more work
 
     os.setsid()
     signal.signal(signal.SIGTERM, end)

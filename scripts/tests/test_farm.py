@@ -69,8 +69,9 @@ class Farm:
             "-m", "dask", "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
             "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(folder / "scheduler.json"),
         )  # fmt: skip
-        until((folder / "scheduler.json").exists)
-        self.address = json.loads((folder / "scheduler.json").read_text())["address"]
+        file = folder / "scheduler.json"
+        until(lambda: file.exists() and file.read_text().rstrip().endswith("}"))
+        self.address = json.loads(file.read_text())["address"]
 
     def start(self, *words, root=ROOT):
         log = open(self.folder / f"{len(self.groups)}.log", "w")
@@ -98,6 +99,7 @@ def processes(tmp_path):
     yield own
     for process in own.groups:
         own.kill(process)
+    until(lambda: not any(alive(pid) for _, pid in notes(tmp_path, "begin")))
 
 
 # -- workers that die --------------------------------------------------------------------------------------------------
@@ -220,7 +222,7 @@ def test_a_signal_ends_the_client_and_what_the_farm_does_for_it(processes, tmp_p
 @pytest.mark.slow
 @pytest.mark.cost(15)
 def test_a_scheduler_that_goes_is_one_line(processes, tmp_path):
-    processes.worker()
+    worker = processes.worker()
 
     def kill():
         until(lambda: notes(tmp_path, "begin"))
@@ -230,6 +232,19 @@ def test_a_scheduler_that_goes_is_one_line(processes, tmp_path):
     with pytest.raises(BrokenOffError, match=f"^the scheduler {processes.address} is gone$"):
         with farm.shared(1, processes.address) as each:
             list(each(partial(noted, tmp_path, 600), range(9)))
+    assert worker.wait(60) is not None
+
+
+@dask
+@pytest.mark.slow
+@pytest.mark.cost(10)
+def test_a_worker_ends_with_its_scheduler(processes, tmp_path):
+    """With nothing to do, too."""
+    worker = processes.worker()
+    with farm.shared(1, processes.address) as each:
+        assert list(each(partial(noted, tmp_path, 0), [5])) == [25]
+    processes.kill(processes.scheduler)
+    assert worker.wait(60) is not None
 
 
 @dask
