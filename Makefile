@@ -22,14 +22,15 @@ PATHS          := SIM OUT DATAPATH WIDTH
 TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS D1 D2 PHI BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
-TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL
+TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL FARM
 TAKES_soak-memory := SIM JOBS SEED FROM
 TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
 TAKES_test-browser := SIM ONLY
 TAKES_formal   := ONLY
-TAKES_mutants  := COUNT SEED ONLY OUT KEEP
-TAKES_fpga     := DATAPATH WIDTH
+TAKES_mutants  := COUNT SEED ONLY OUT KEEP FARM
+TAKES_fpga     := DATAPATH WIDTH FARM
+TAKES_farm-worker := FARM JOBS
 TAKES_table6   := TARGETS SEED
 TAKES_schedule := PERIOD SECONDS
 TAKES_playground := OUT DATAPATH WIDTH
@@ -59,7 +60,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN ONLY PERIOD SECONDS
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN ONLY PERIOD SECONDS FARM
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python.
@@ -78,10 +79,10 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
-	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-21s%s\n", $$1, $$2}'
+	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
 
 setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
 	@$(SETUP) $(sort icarus $(SIM))
@@ -109,7 +110,7 @@ test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavio
 	@$(pytest) -m "$(only_sim)$(if $(and $(only_sim),$(quick)), and )$(quick)"
 
 test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit]
-	@$(SETUP) $(sort icarus $(SIM)) fpga
+	@$(SETUP) $(sort icarus $(SIM)) fpga farm
 	@$(pytest) -m "$(only_sim)"
 
 test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: all machines of the playground]
@@ -162,16 +163,17 @@ schedule: ## the program of the folded datapath again, after its dataflow has ch
 	@$(SETUP) icarus schedule
 	@exec $(VENV) -m scripts.schedule $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
 
-# Verilator, unless SIM was set: Icarus takes several times as long.
+# Verilator, unless SIM was set: Icarus takes several times as long. FARM= needs what gives work to others.
+farm     = $(call given,FARM, farm)
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
-soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1]
-	@$(SETUP) $(call setup_of,$(soak_sim))
+soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1 FARM=]
+	@$(SETUP) $(call setup_of,$(soak_sim))$(farm)
 	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
-	  $(call given,FROM,--from="$$CGA_FROM") \
+	  $(call given,FROM,--from="$$CGA_FROM") $(call given,FARM,--farm="$$CGA_FARM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep) \
 	  $(if $(filter-out 0,$(call given,SPECIAL,$(value SPECIAL))),--special)
 
@@ -180,11 +182,19 @@ soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece 
 	@exec $(VENV) -m scripts.soak_memory --sim $(soak_sim) $(call given,JOBS,--jobs="$$CGA_JOBS") \
 	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
 
-mutants: ## small changes of the Verilog, each of which a bench has to notice [COUNT= SEED= ONLY=file OUT=; KEEP=1: mutants.md]
-	@$(SETUP) icarus fpga
+mutants: ## small changes of the Verilog, each of which a bench has to notice [COUNT= SEED= ONLY=file OUT= FARM=; KEEP=1: mutants.md]
+	@$(SETUP) icarus fpga$(farm)
 	@exec $(VENV) -m scripts.mutants $(call given,COUNT,--count="$$CGA_COUNT") $(call given,SEED,--seed="$$CGA_SEED") \
-	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") \
+	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") $(call given,FARM,--farm="$$CGA_FARM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
+
+farm-scheduler: ## gives work of FARM=tcp://this-machine:8786 to workers; for networks that you trust only
+	@$(SETUP) farm
+	@exec $(VENV) -m dask scheduler --no-dashboard
+
+farm-worker: ## makes this machine work for a scheduler; what the work needs is set up first [FARM=tcp://scheduler:8786 JOBS=]
+	@$(SETUP) icarus verilator fpga farm
+	@exec $(VENV) -m scripts.farm $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
 
 exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
 	@$(SETUP) verilator
@@ -206,9 +216,10 @@ release-check: ## the same, and fails if one is
 	@$(SETUP)
 	@exec $(VENV) -m scripts.check_proofs --strict
 
-fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH=]
-	@$(SETUP) fpga
-	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
+fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH= FARM=]
+	@$(SETUP) fpga$(farm)
+	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
+	  $(call given,FARM,--farm="$$CGA_FARM")
 
 fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no page
 	@$(SETUP) fpga
@@ -217,13 +228,14 @@ fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write requirements.lock and those of fpga, table6, schedule and playground again (needs uv)
+lock: ## write requirements.lock and those of fpga, table6, schedule, farm and playground again (needs uv)
 	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 	$(compile) --constraint requirements.lock --output-file requirements-table6.lock requirements-table6.in
 	$(compile) --constraint requirements.lock --output-file requirements-schedule.lock requirements-schedule.in
 	$(compile) --constraint requirements.lock --constraint requirements-fpga.lock \
 	  --output-file requirements-playground.lock requirements-playground.in
+	$(compile) --constraint requirements.lock --output-file requirements-farm.lock requirements-farm.in
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

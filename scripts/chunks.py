@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
-from scripts.spread import spread
+from scripts.farm import shared
+from scripts.spread import BrokenOffError
 from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
-from tb.sim.simulate import SimulationError
 
 
 def named(seed: int | None) -> str:
@@ -22,7 +21,7 @@ def named(seed: int | None) -> str:
 
 @dataclass(frozen=True)
 class Chunk:
-    """What became of a chunk: its first target, its words, what :func:`judge` says of them."""
+    """What became of a chunk: its first target, what :func:`judge` says of it; words and hand errors if it fails."""
 
     first: int
     words: np.ndarray
@@ -35,7 +34,16 @@ def piece(core: Core, seed: int | None, end: int, number: int) -> Chunk:
     """Chunk `number` as far as target `end`."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
-    return Chunk(start, words, *judge(core, words, range(start, start + len(words))))
+    core = core if core.program else built(core)
+    found, failures, hand = judge(core, words, range(start, start + len(words)))
+    kept = slice(None if failures else 0)
+    return Chunk(start, words[kept], found, failures, hand[kept])
+
+
+@cache
+def built(core: Core) -> Core:
+    """The same with the program of this machine, which may be another one than that of the command."""
+    return Core.built(core.sim, core.datapath, core.width)
 
 
 class Chunks:
@@ -48,19 +56,18 @@ class Chunks:
         self.end = first * CHUNK + targets
         self.found = Found()
 
-    def run(self, jobs: int, done: Callable[[int], None]) -> Chunk | None:
+    def run(self, jobs: int, done: Callable[[int], None], farm: str | None = None) -> Chunk | None:
         """The first chunk with a failure, if there is one; calls `done` with the number of targets that passed.
         Raises SimulationError if a simulation breaks off."""
         numbers = range(self.number, -(-self.end // CHUNK))
         try:
-            with spread(min(jobs, len(numbers))) as each:
+            with shared(min(jobs, len(numbers)), farm) as each:
                 for run in each(partial(piece, self.core, self.seed, self.end), numbers):
                     if run.failures:
                         return run
                     self.number += 1
                     self.found += run.found
                     done(self.found.targets)
-        except BrokenProcessPool:
-            where = f"in chunk {self.number} of {named(self.seed)} or later"
-            raise SimulationError(f"a process broke off, {where}") from None
+        except BrokenOffError as error:
+            raise BrokenOffError(f"{error}, in chunk {self.number} of {named(self.seed)} or later") from None
         return None

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Small changes of the Verilog, one at a time, each of which a bench has to notice: what `make mutants` does.
 
-    python -m scripts.mutants [--count N] [--seed S] [--only FILE] [--jobs N] [--keep]
+    python -m scripts.mutants [--count N] [--seed S] [--only FILE] [--jobs N] [--farm tcp://HOST:PORT] [--keep]
 
 A mutant is a copy of rtl/ with one place changed (tb/mutation/operators.py). Those that do not build, and those of
 which Icarus makes the same program for every bench, do not count and are replaced by others. Each is given to the
@@ -28,9 +28,9 @@ from pathlib import Path
 
 from rich.table import Table
 
+from scripts import farm
 from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
 from scripts.pages.render import render
-from scripts.spread import spread
 from tb.mutation.mutant import (
     COUNTED,
     HARD,
@@ -157,6 +157,7 @@ def main(arguments: Sequence[str] | None) -> int:
     add("--seed", type=whole(0), default=SEED, metavar="S", help="which (default: %(default)s)")
     add("--only", default="", metavar="FILE", help="of files of rtl/ with this in their name")
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="mutants at a time (default: %(default)s)")
+    farm.option(parser)
     about = "folder of the results (default: %(default)s)"
     add("--out", type=folder_name, default=Path("build/mutants"), metavar="DIR", help=about)
     about = "of a run over all files: write docs/generated/mutants.md and tb/mutation/hard.json"
@@ -165,7 +166,7 @@ def main(arguments: Sequence[str] | None) -> int:
     if options.keep and options.only:
         raise InputError("argument --keep: goes with all files, not with --only")
     campaign = Campaign(options.count, options.seed, options.only, options.out / f"{options.seed}.jsonl")
-    with spread(options.jobs) as each, progress("mutants", options.count) as meter:
+    with farm.shared(options.jobs, options.farm) as each, progress("mutants", options.count) as meter:
         try:
             campaign.run(each, meter)
         except AssertionError as error:

@@ -3,11 +3,13 @@
 
     python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--datapath ...] [--width ...] [--keep] ...
     python -m scripts.soak --special [--from CHUNK] [--datapath ...] [--width ...] ...
+    python -m scripts.soak ... --farm tcp://HOST:PORT
     python -m scripts.soak --again FILE.csv
 
 Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
 --from resumes at any chunk. --special: not random, but all 12^6 targets of twelve special words on each input. With
-Verilator each core of the machine runs chunks of its own. At the end the hardest targets go into OUT/hardest.csv and,
+Verilator each core of the machine runs chunks of its own; with --farm workers on other machines do (scripts/farm.py),
+to the same end. At the end the hardest targets go into OUT/hardest.csv and,
 with --keep, into tb/core/hardest.csv, the regression list.
 
 It stops at the first chunk in which a bit or a flag is wrong, a quaternion is not of unit length or a hand of the lean
@@ -30,6 +32,7 @@ from pathlib import Path
 from model.dataflow.datapaths import DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.targets.stimuli import SPECIAL
+from scripts import farm
 from scripts.chunks import Chunks, named
 from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
 from scripts.failing import read_rows, row_of, tell, write_rows
@@ -46,7 +49,7 @@ SEED = 1
 
 
 DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
-NOT_AGAIN = (*DEFAULTS, "keep", "special")
+NOT_AGAIN = (*DEFAULTS, "keep", "special", "farm")
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -58,6 +61,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--special", action="store_true", help=f"in their place all {SPECIAL} targets of 12 special words an input")
     parser.core(sim="verilator", datapath=None, width=None, sims=ALL_SIMULATORS)
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
+    farm.option(parser)
     add(
         "--out", type=folder_name, default=Path("build/soak"), metavar="DIR",
         help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",
@@ -105,14 +109,14 @@ def _soak(arguments: argparse.Namespace) -> int:
 def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) -> int:
     lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
     earlier = {file: read_rows(file) if file.exists() else [] for file in lists}
-    core = _built(arguments.sim, arguments.datapath, arguments.width)
+    core = (Core if arguments.farm else _built)(arguments.sim, arguments.datapath, arguments.width)
     of = named(arguments.seed)
     what = f"{core}, {of}"
     print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
     chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets)
     with progress("soak", arguments.targets) as meter:
         try:
-            broken = chunks.run(arguments.jobs, meter)
+            broken = chunks.run(arguments.jobs, meter, arguments.farm)
         except Stopped:
             done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
             print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)

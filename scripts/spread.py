@@ -7,20 +7,37 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from typing import NoReturn
 
+from tb.sim.children import GRACE
+from tb.sim.simulate import SimulationError
 
-def _worker() -> None:
-    """A process of its own: Ctrl-C is for the parent, whose SIGTERM is a way out that ends the simulation, too."""
+
+class BrokenOffError(SimulationError):
+    """What did the work has ended, not the work."""
+
+
+def process_of_its_own() -> None:
+    """Ctrl-C is for the parent, whose SIGTERM, or whose end, is a way out that ends the simulation, too."""
 
     def end(*_) -> NoReturn:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise SystemExit
 
+    def follow() -> None:
+        multiprocessing.parent_process().join()
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(2 * GRACE)
+        os._exit(1)  # a pool's process takes SystemExit for a result, and waits for more work
+
     os.setsid()
     signal.signal(signal.SIGTERM, end)
+    threading.Thread(target=follow, daemon=True).start()
 
 
 @contextlib.contextmanager
@@ -30,12 +47,14 @@ def spread(jobs: int) -> Iterator[Callable]:
         yield map
         return
     # Not forked: a progress bar has a thread.
-    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _worker) as pool:
+    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), process_of_its_own) as pool:
         try:
             yield pool.map
-        except BaseException:
+        except BaseException as error:
             for process in multiprocessing.active_children():
                 process.terminate()
+            if isinstance(error, BrokenProcessPool):
+                raise BrokenOffError("a process broke off") from None
             raise
         finally:
             pool.shutdown(cancel_futures=True)

@@ -2,11 +2,13 @@
 """Table 5 of the paper again: logic, multipliers and clock of both datapaths, by open tools (make fpga).
 
     python -m scripts.fpga [--quick] [--datapath lean|lean25|paper|short|memory|fold] [--width BITS] [--page]
+        [--farm tcp://HOST:PORT]
 
 Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
 an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its
-sources, options and tools: a repeated command is quick, an interrupted one resumes.  The figures go to fpga.json, from
-which the page fpga.md is made; --quick does one small width and writes neither, --page only makes the page.
+sources, options and tools: a repeated command is quick, an interrupted one resumes.  With --farm what does not wait for
+other runs is done by workers on other machines at once (scripts/farm.py).  The figures go to fpga.json, from which the
+page fpga.md is made; --quick does one small width and writes neither, --page only makes the page.
 """
 
 from __future__ import annotations
@@ -16,13 +18,14 @@ import json
 import re
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from model.dataflow.fixed import latency
 from model.targets.stimuli import region
-from scripts.console import Parser, command, one_of, word_length
+from scripts import farm
+from scripts.console import Parser, command, one_of, progress, word_length
 from scripts.fpga.page import (
     AIM_MHZ,
     BROKEN_DOWN,
@@ -161,22 +164,65 @@ def code(datapath: str) -> dict:
     return {"rtl": rtl_digest(datapath), "commit": commit()}
 
 
-class Measurement:
-    """Runs whose figures are written after each; ``left_out``: what was not done in time, a line each."""
+Job = tuple[Run, float | None]
+"""A run; or one that is placed from seed after seed until it reaches so many MHz."""
 
-    def __init__(self, figures: Figures):
-        self.figures = figures
-        self.left_out: list[str] = []
 
-    def _attempt(self, run: Run) -> dict | None:
+def attempts(job: Job) -> dict[Run, dict | None]:
+    """The figures of its runs; none of what was not done in time."""
+    found = {}
+    for run in seeds(job):
         try:
-            return run.done()
+            found[run] = run.done()
         except TimeOutError as error:
             say(str(error))
-            return None
+            found[run] = None
+        if reached(found[run], job):
+            break
+    return found
+
+
+def seeds(job: Job) -> list[Run]:
+    first, aim = job
+    return [first] if aim is None else [replace(first, seed=seed) for seed in SEEDS]
+
+
+def reached(figures: dict | None, job: Job) -> bool:
+    return bool(figures) and (job[1] is None or figures["mhz"] >= job[1])
+
+
+class Measurement:
+    """Runs whose figures are written after each; ``left_out``: what was not done in time, a line each.  ``each``: the
+    `map` of a farm, if there is one."""
+
+    def __init__(self, figures: Figures, each: Callable | None = None):
+        self.figures, self.each = figures, each
+        self.left_out: list[str] = []
+        self.known: list[tuple[Job, dict[Run, dict | None]]] = []
+
+    def ahead(self, jobs: Iterable[Job]) -> None:
+        """What a farm can do at once of what is asked for next."""
+        if not self.each:
+            return
+        jobs = [job for job in jobs if not self._kept(job)]
+        with progress("fpga", len(jobs)) as meter:
+            for done, (job, found) in enumerate(zip(jobs, self.each(attempts, jobs), strict=True), 1):
+                meter(done, job[0].name)
+                self.known.append((job, found))
+                for run, figures in found.items():
+                    if figures:
+                        run.keep(figures)
+
+    @staticmethod
+    def _kept(job: Job) -> bool:
+        figures = [run.kept() for run in seeds(job)]
+        return all(figures) or any(reached(done, job) for done in figures)
+
+    def _attempts(self, job: Job) -> dict[Run, dict | None]:
+        return next((found for known, found in self.known if known == job), None) or attempts(job)
 
     def synthesis(self, run: Run) -> dict | None:
-        done = self._attempt(run)
+        done = self._attempts((run, None))[run]
         if not done:
             self.left_out.append(f"{run.name}: not done in time")
         else:
@@ -186,13 +232,7 @@ class Measurement:
 
     def placement(self, first: Run, aim: float) -> bool:
         """The quickest of the seeds that are tried until the aim is reached, with the clocks of all of them."""
-        tried = []
-        for seed in SEEDS:
-            done = self._attempt(replace(first, seed=seed))
-            if done:
-                tried.append({**done, "seed": seed})
-                if done["mhz"] >= aim:
-                    break
+        tried = [{**done, "seed": run.seed} for run, done in self._attempts((first, aim)).items() if done]
         if tried:
             best = max(tried, key=lambda done: done["mhz"])
             self.figures.add(first.title, {**best, "tried": [done["mhz"] for done in tried]})
@@ -202,50 +242,65 @@ class Measurement:
         return bool(tried)
 
 
-def measure(figures: Figures, datapaths: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """All runs of datapaths and widths; what was left out, a line each."""
-    on = Measurement(figures)
+def syntheses(datapath: str, width: int) -> Iterator[Run]:
+    for family in ONLY_COUNTED.get(datapath, FAMILIES):
+        yield synthesis(datapath, width, family)
+        if family == "xc2vp" and width in BROKEN_DOWN and datapath not in ONLY_COUNTED:
+            yield synthesis(datapath, width, family, "tree")
+
+
+def measure(on: Measurement, datapaths: Sequence[str], widths: Sequence[int]) -> None:
+    """All runs of datapaths and widths."""
+    figures = on.figures
     chosen = [(d, w) for d in datapaths for w in sorted(widths or WIDTHS[d])]
+    on.ahead((run, None) for design in chosen for run in syntheses(*design))
     for datapath, width in chosen:
         figures.design(datapath, width).update(describe(datapath, width) | code(datapath))
-        for family in ONLY_COUNTED.get(datapath, FAMILIES):
-            on.synthesis(synthesis(datapath, width, family))
-            if family == "xc2vp" and width in BROKEN_DOWN and datapath not in ONLY_COUNTED:
-                on.synthesis(synthesis(datapath, width, family, "tree"))
+        for run in syntheses(datapath, width):
+            on.synthesis(run)
+    whole, parts = {}, {}
     for datapath, width in ((d, w) for d, w in chosen if d not in ONLY_COUNTED):
         synthesized, aim = on.synthesis(synthesis(datapath, width, "ecp5")), AIM_MHZ[datapath]
         holds = synthesized and fits(synthesized["cells"])
-        holds = holds and on.placement(placement(datapath, width, TOPS[datapath]), aim)
-        figures.design(datapath, width)["placed"] = "whole" if holds else "by module"
-        for module in SECTIONS[datapath]:
-            on.placement(placement(datapath, width, module), aim)
+        whole[datapath, width] = [(placement(datapath, width, TOPS[datapath]), aim)] if holds else []
+        parts[datapath, width] = [(placement(datapath, width, module), aim) for module in SECTIONS[datapath]]
+    on.ahead(job for design in whole for job in whole[design] + parts[design])
+    for design in whole:
+        holds = any(on.placement(*job) for job in whole[design])
+        figures.design(*design)["placed"] = "whole" if holds else "by module"
+        for job in parts[design]:
+            on.placement(*job)
         figures.write()
-    return on.left_out
 
 
-def measure_memory(figures: Figures) -> list[str]:
-    """All runs of ``ik_axi``, around an echo and with the lean datapath; what was left out, a line each."""
-    on = Measurement(figures)
-    figures.data["memory"] = code("memory")
-    for width, echo in MEMORY:
-        run = Run("synth", "ecp5", WHOLE_TOPS["memory"], {"W": width}, instead=ECHO if echo else ())
-        cells = [on.synthesis(replace(run, family=family)) for family in FAMILIES]
-        if cells[-1] and fits(cells[-1]["cells"]):
-            on.placement(replace(run, kind="place"), AIM_MHZ["lean"])
-    return on.left_out
+def measure_memory(on: Measurement) -> None:
+    """All runs of ``ik_axi``, around an echo and with the lean datapath."""
+    on.figures.data["memory"] = code("memory")
+    runs = [
+        [Run("synth", family, WHOLE_TOPS["memory"], {"W": width}, instead=ECHO if echo else ()) for family in FAMILIES]
+        for width, echo in MEMORY
+    ]
+    on.ahead((run, None) for families in runs for run in families)
+    synthesized = [[on.synthesis(run) for run in families][-1] for families in runs]
+    fit = [run for (*_, run), done in zip(runs, synthesized, strict=True) if done and fits(done["cells"])]
+    jobs = [(replace(run, kind="place"), AIM_MHZ["lean"]) for run in fit]
+    on.ahead(jobs)
+    for job in jobs:
+        on.placement(*job)
 
 
-def measure_fold(figures: Figures, widths: Sequence[int]) -> list[str]:
-    """All runs of the folded machine, whole; what was left out, a line each."""
-    on = Measurement(figures)
+def measure_fold(on: Measurement, widths: Sequence[int]) -> None:
+    """All runs of the folded machine, whole."""
+    figures = on.figures
     designs = {f"{datapath}-{width}": describe(datapath, width) for _, datapath, width in FOLD}
     figures.data["fold"] = {**code("fold"), "designs": designs}
-    for family, datapath, width in FOLD:
-        if width in (widths or (width,)):
-            run = Run("synth", family, WHOLE_TOPS["fold"], fold_values(datapath, width))
-            if on.synthesis(run) and family in PLACE:
-                on.placement(replace(run, kind="place"), FOLD_MHZ[family])
-    return on.left_out
+    chosen = [(family, datapath, width) for family, datapath, width in FOLD if width in (widths or (width,))]
+    runs = [Run("synth", family, WHOLE_TOPS["fold"], fold_values(*design)) for family, *design in chosen]
+    jobs = [(replace(run, kind="place"), FOLD_MHZ[run.family]) if run.family in PLACE else (run, None) for run in runs]
+    on.ahead([*((run, None) for run in runs), *(job for job in jobs if job[1])])
+    for run, job in zip(runs, jobs, strict=True):
+        if on.synthesis(run) and job[1]:
+            on.placement(*job)
 
 
 # -- command line ----------------------------------------------------------------------------------------------------
@@ -272,7 +327,10 @@ def main(arguments: Sequence[str] | None) -> int:
     parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, *WHOLE_TOPS)), help=about, **each)
     parser.add_argument("--width", type=word_length, metavar="BITS", help="only this word length, 16 to 32", **each)
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
+    farm.option(parser)
     options = parser.parse_args(arguments)
+    if options.farm and (options.quick or options.page):
+        parser.error("argument --farm: goes with neither --quick nor --page")
     if options.page:
         PAGE.write_text(page(json.loads(FIGURES.read_text())))
         return 0
@@ -281,9 +339,13 @@ def main(arguments: Sequence[str] | None) -> int:
     if options.quick:
         return quick((options.width or [QUICK_WIDTH])[0])
     chosen = options.datapath or [*TOPS, *WHOLE_TOPS]
-    left_out = measure(Figures(), [each for each in chosen if each in TOPS], options.width)
-    left_out += measure_memory(Figures()) if "memory" in chosen else []
-    left_out += measure_fold(Figures(), options.width) if "fold" in chosen else []
+    with farm.shared(1, options.farm) as each:
+        on = Measurement(Figures(), each if options.farm else None)
+        measure(on, [datapath for datapath in chosen if datapath in TOPS], options.width)
+        if "memory" in chosen:
+            measure_memory(on)
+        if "fold" in chosen:
+            measure_fold(on, options.width)
     data = json.loads(FIGURES.read_text())
-    print("\n".join([comparison(data), "", folded(data), *left_out]))
-    return 1 if left_out else 0
+    print("\n".join([comparison(data), "", folded(data), *on.left_out]))
+    return 1 if on.left_out else 0

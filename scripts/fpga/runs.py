@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib import metadata
 from pathlib import Path
 
@@ -201,13 +201,29 @@ class Run:
             parts += [*PLACE[self.family][1:], *ALLOW, str(self.seed), PACKER, version(PLACE[self.family][0])]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
+    def __reduce__(self):
+        """Pickled, a path in this checkout is one of any other."""
+        parts = {one.name: getattr(self, one.name) for one in fields(self)}
+        within = [path.relative_to(ROOT) if path.is_relative_to(ROOT) else path for path in (self.root, *self.instead)]
+        return _of_this_checkout, (parts | {"root": within[0], "instead": tuple(within[1:])},)
+
+    def _kept(self) -> Path:
+        return BUILD / f"{self.name}-{self.key()}" / "figures.json"
+
+    def kept(self) -> dict | None:
+        """Its figures from the last time, if nothing has changed since."""
+        return json.loads(self._kept().read_text()) if self._kept().exists() else None
+
+    def keep(self, figures: dict) -> None:
+        self._kept().parent.mkdir(parents=True, exist_ok=True)
+        self._kept().write_text(json.dumps(figures, indent=1) + "\n")
+
     def done(self) -> dict:
         """Its figures, from the last time if nothing has changed since."""
-        folder = BUILD / f"{self.name}-{self.key()}"
-        kept = folder / "figures.json"
-        if kept.exists():
-            return json.loads(kept.read_text())
+        if known := self.kept():
+            return known
         say(f"{self.name} ...")
+        folder = self._kept().parent
         synthesized = BUILD / f"{self.title}-{self.key(placed=False)}"  # of all seeds
         seconds = self._synthesis(synthesized)
         folder.mkdir(parents=True, exist_ok=True)
@@ -223,7 +239,7 @@ class Run:
         elif self.family == "up5k":  # a logic cell is a LUT, a flip-flop, or both
             self._nextpnr(folder, synthesized / "netlist.json", "--pack-only")
             figures["cells"]["LUT"] = used(json.loads((folder / "report.json").read_text()))["ICESTORM_LC"]
-        kept.write_text(json.dumps(figures, indent=1) + "\n")
+        self.keep(figures)
         return figures
 
     def _synthesis(self, folder: Path) -> int:
@@ -258,3 +274,7 @@ class Run:
         command = [program(tool), *told, *ALLOW, *how, "--json", os.path.relpath(netlist, folder)]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
         return round(call(command, folder, "nextpnr.log", self.name))
+
+
+def _of_this_checkout(parts: dict) -> Run:
+    return Run(**parts | {"root": ROOT / parts["root"], "instead": tuple(ROOT / path for path in parts["instead"])})

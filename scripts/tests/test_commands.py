@@ -98,7 +98,10 @@ MISTAKES = {
         ("--from 1.5", "--from", f"'1.5' {WHOLE} 0"),
         ("--again none.csv", "none.csv: cannot be read: No such file"),
         *((f"--again file {option}", option.split()[0], "--again")
-          for option in ("--targets 5", "--seed 0", "--keep", "--from 0", "--width 18")),
+          for option in ("--targets 5", "--seed 0", "--keep", "--from 0", "--width 18",
+                          "--farm tcp://x:1")),
+        *((f"--farm {text}", "--farm", "is not the address of a scheduler, as in tcp://scheduler:8786")
+          for text in ("x", "tcp://", "tcp://x", "x:8786", "tcp://x:0", "tcp://x:65536", "tcp://x:8786/", "tls://x:1")),
         ("--out o", "--out", "'o/hardest.csv' is a folder"),
     ],
     "exhaustive": [
@@ -197,16 +200,21 @@ def test_make_exhaustive_and_soak():
     assert made("soak") == (["verilator"], ["soak", "--sim", "verilator"])
     assert made("soak", "SIM=icarus")[1] == ["soak", "--sim", "icarus"]
     assert made("soak", "KEEP=")[1] == ["soak", "--sim", "verilator"]
-    words = "TARGETS=9 SEED=2 DATAPATH=lean WIDTH=18 OUT=o AGAIN=f FROM=3 KEEP=1"
-    options = [f'--{o}="$CGA_{o.upper()}"' for o in "targets seed datapath width out again from".split()]
-    assert made("soak", *words.split())[1] == ["soak", "--sim", "verilator", *options, "--keep"]
+    words = "TARGETS=9 SEED=2 DATAPATH=lean WIDTH=18 OUT=o AGAIN=f FROM=3 FARM=x KEEP=1"
+    options = [f'--{o}="$CGA_{o.upper()}"' for o in "targets seed datapath width out again from farm".split()]
+    assert made("soak", *words.split()) == (["verilator farm"], ["soak", "--sim", "verilator", *options, "--keep"])
 
 
 def test_make_mutants():
     assert made("mutants") == (["icarus"], ["mutants"])
-    options = [f'--{o}="$CGA_{o.upper()}"' for o in "count seed only out".split()]
-    words = made("mutants", "COUNT=9", "SEED=2", "ONLY=lib", "OUT=o", "KEEP=1")[1]
-    assert words == ["mutants", *options, "--keep"]
+    options = [f'--{o}="$CGA_{o.upper()}"' for o in "count seed only out farm".split()]
+    made_by = made("mutants", "COUNT=9", "SEED=2", "ONLY=lib", "OUT=o", "FARM=x", "KEEP=1")
+    assert made_by == (["icarus farm"], ["mutants", *options, "--keep"])
+
+
+def test_make_farm_worker():
+    """Set up for all that it may be given."""
+    assert made("farm-worker", "FARM=x") == (["icarus verilator fpga farm"], ["farm", '--farm="$CGA_FARM"'])
 
 
 def test_make_report_and_follow_are_started_as_make_run():
@@ -233,7 +241,7 @@ def refused(*words, cwd=ROOT):
         ("run WIDHT=18", "make run takes no variable WIDHT: perhaps WIDTH is meant"),
         ("report WAVES=1", "make report takes no variable WAVES: it takes ARM, AXIS, BAR, CORES, D1, D2, DATAPATH, "),
         ("compare TRAJECTORY=reach", "make compare takes no variable TRAJECTORY: it takes none"),
-        ("soak D1=3", "make soak takes no variable D1: it takes AGAIN, DATAPATH, FROM, KEEP, OUT, SEED, SIM, "),
+        ("soak D1=3", "make soak takes no variable D1: it takes AGAIN, DATAPATH, FARM, FROM, KEEP, OUT, SEED, SIM, "),
         ("run WAVES=no", "WAVES=no: use 1 or 0"),
         ("soak KEEP=yes", "KEEP=yes: use 1 or 0"),
         ("X=1", "make help takes no variable X: it takes none"),

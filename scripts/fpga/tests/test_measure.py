@@ -2,6 +2,7 @@
 """scripts/fpga without its tools: what it makes of their reports, of the RTL and of its own figures."""
 
 import json
+import pickle
 import re
 
 import pytest
@@ -237,7 +238,22 @@ def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
     assert pack.pack_registers(design)["flip_flops"] == 0
 
 
-def measured(monkeypatch, tmp_path, clocks):
+@pytest.fixture(params=["here", "farm"])
+def begun(request, monkeypatch, tmp_path):
+    """A measurement, here or by a farm that leaves nothing to do here."""
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
+    if request.param == "here":
+        return fpga.Measurement(fpga.Figures(tmp_path / "fpga.json"))
+    attempts, sent = fpga.attempts, lambda thing: pickle.loads(pickle.dumps(thing))
+    monkeypatch.setattr(runs, "BUILD", tmp_path / "build")
+    monkeypatch.setattr(runs, "version", lambda *_: "1")
+    monkeypatch.setattr(fpga, "attempts", lambda job: pytest.fail(f"{job[0].name} is done here"))
+    return fpga.Measurement(
+        fpga.Figures(tmp_path / "fpga.json"), lambda work, jobs: (sent(attempts(sent(job))) for job in jobs)
+    )
+
+
+def measured(monkeypatch, begun, clocks):
     """What fpga.json has of placing the lean datapath at 18 bits, if each seed gives that clock or none in time."""
 
     def done(run):
@@ -249,32 +265,30 @@ def measured(monkeypatch, tmp_path, clocks):
 
     monkeypatch.setattr(runs.Run, "done", done)
     monkeypatch.setattr(fpga, "describe", lambda *_: {})
-    monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
-    figures = fpga.Figures(tmp_path / "fpga.json")
-    left_out = fpga.measure(figures, ["lean"], [18])
-    return figures.data, left_out
+    fpga.measure(begun, ["lean"], [18])
+    return begun.figures.data, begun.left_out
 
 
-def test_the_quickest_of_the_seeds_is_kept(monkeypatch, tmp_path):
-    data, left_out = measured(monkeypatch, tmp_path, {1: 170.0, 2: None, 3: 175.0, 4: 171.0})
+def test_the_quickest_of_the_seeds_is_kept(monkeypatch, begun):
+    data, left_out = measured(monkeypatch, begun, {1: 170.0, 2: None, 3: 175.0, 4: 171.0})
     run = data["runs"]["lean-W18-ecp5-place"]
     assert (run["mhz"], run["seed"], run["tried"]) == (175.0, 3, [170.0, 175.0, 171.0])
     assert data["designs"]["lean-18"]["placed"] == "whole" and not left_out
 
 
-def test_no_seed_is_tried_after_the_aim_is_reached(monkeypatch, tmp_path):
-    data, _ = measured(monkeypatch, tmp_path, {1: 190.0, 2: 201.0, 3: 210.0})
+def test_no_seed_is_tried_after_the_aim_is_reached(monkeypatch, begun):
+    data, _ = measured(monkeypatch, begun, {1: 190.0, 2: 201.0, 3: 210.0})
     assert data["runs"]["lean-W18-ecp5-place"]["tried"] == [190.0, 201.0]
 
 
-def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, tmp_path):
-    data, left_out = measured(monkeypatch, tmp_path, {})
+def test_what_is_not_placed_in_time_is_placed_by_module_and_said(monkeypatch, begun):
+    data, left_out = measured(monkeypatch, begun, {})
     assert data["designs"]["lean-18"]["placed"] == "by module"
     modules = [page.TOPS["lean"], *page.SECTIONS["lean"]]
     assert [line.split("-")[0] for line in left_out] == [name.removeprefix("ik_") for name in modules]
 
 
-def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, tmp_path):
+def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, begun, tmp_path):
     ran = []
 
     def done(run):
@@ -285,9 +299,8 @@ def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, tmp_
         return {"cells": dict.fromkeys(report.KINDS, 1 if held else 200)}
 
     monkeypatch.setattr(runs.Run, "done", done)
-    monkeypatch.setattr(fpga, "version", lambda *_: "1")
-    figures = fpga.Figures(tmp_path / "fpga.json")
-    assert fpga.measure_memory(figures) == []
+    fpga.measure_memory(begun)
+    assert begun.left_out == []
     assert {name for name, lean in ran if lean == {"axi"}} == {name for name, _ in ran if "-echo-" in name}
     assert all(lean == {"lean"} for name, lean in ran if "-echo-" not in name)
     rows = page.memory(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]
@@ -298,21 +311,38 @@ def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, tmp_
     assert rows[0].endswith("| 171, 172, 173, 174 |")
 
 
+def test_a_run_goes_to_another_checkout(monkeypatch, tmp_path):
+    """Its sources are those there."""
+    sent = pickle.dumps(runs.Run("synth", "ecp5", "ik_axi", {"W": 18}, instead=fpga.ECHO))
+    monkeypatch.setattr(runs, "ROOT", tmp_path)
+    run = pickle.loads(sent)
+    assert run.root == tmp_path and run.instead == (tmp_path / "tb" / "axi" / "ik_lean.v",)
+    assert (run.name, run.values) == ("axi-W18-echo-ecp5", {"W": 18})
+
+
+def test_a_farm_is_not_asked_for_what_is_kept(begun, monkeypatch, tmp_path):
+    ran = []
+    monkeypatch.setattr(runs.Run, "done", lambda run: ran.append(run.name) or {"mhz": 99.0 + run.seed})
+    first = runs.Run("place", "ecp5", "ik_lean", {"W": 18})
+    for aim in (101.0, 101.0, 103.0, 103.0):
+        begun.ahead([(first, aim)])
+    assert [name[-1] for name in ran] == (["1", "2", "1", "2", "3", "4"] if begun.each else [])
+
+
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):
     with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
         runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
 
 
-def test_folded_machine_is_measured_on_every_chip(monkeypatch, tmp_path):
+def test_folded_machine_is_measured_on_every_chip(monkeypatch, begun, tmp_path):
     def done(run):
         if run.kind == "place":
             return {"mhz": page.FOLD_MHZ[run.family] - 1.0 + run.seed / 2, "path": {"from": "a", "to": "b"}}
         return {"cells": dict.fromkeys(report.KINDS, run.values["W"])}
 
     monkeypatch.setattr(runs.Run, "done", done)
-    monkeypatch.setattr(fpga, "version", lambda *_: "1")
-    figures = fpga.Figures(tmp_path / "fpga.json")
-    assert fpga.measure_fold(figures, []) == []
+    fpga.measure_fold(begun, [])
+    assert begun.left_out == []
     rows = [row.split(" | ") for row in page.folded(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]]
     assert [row[0] for row in rows] == [f"| {page.CHIPS[chip][0]}, W = {width}" for chip, _, width in page.FOLD]
     assert [row[5].split()[0] for row in rows] == [str(width) for _, _, width in page.FOLD]

