@@ -21,6 +21,7 @@ from unittest import mock
 from cocotb_test.simulator import run
 
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
+from tb.sim.rules import RULES, with_rules
 from tb.sim.sources import headers, includes, sources
 
 BUILD = ROOT / "build" / "sim"
@@ -122,11 +123,13 @@ def simulate(
         extra = [folder / f"{toplevel}.v"]
         if not extra[0].exists():
             extra[0].write_text(top)
+    with alone(folder):
+        files = with_rules(sources(root), folder)
     options: dict = {
         "toplevel": toplevel,
         "module": module,
-        "verilog_sources": [str(p) for p in [*sources(root), *extra]],
-        "includes": [str(folder) for folder in includes(root)],
+        "verilog_sources": [str(p) for p in [*files, *extra]],
+        "includes": [str(folder) for folder in [*includes(root), RULES]],
         "parameters": parameters,
         "sim_build": str(folder),
         "extra_env": {"COCOTB_ANSI_OUTPUT": "0", **(env or {})},
@@ -146,7 +149,8 @@ def simulate(
     # cocotb-test looks at the ages of sources only, not of what they include
     built = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built.exists():
-        options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built.stat().st_mtime
+        included = [*headers(root), *RULES.glob("*.vh")]
+        options["force_compile"] = max(path.stat().st_mtime for path in included) > built.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
         with alone(folder), runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
