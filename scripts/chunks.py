@@ -7,9 +7,11 @@ from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
+from scripts.second import opinions
 from scripts.spread import spread
 from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
 from tb.sim.simulate import SimulationError
@@ -31,20 +33,21 @@ class Chunk:
     hand: np.ndarray
 
 
-def piece(core: Core, seed: int | None, end: int, number: int) -> Chunk:
+def piece(core: Core, seed: int | None, end: int, against: Path | None, number: int) -> Chunk:
     """Chunk `number` as far as target `end`."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
-    return Chunk(start, words, *judge(core, words, range(start, start + len(words))))
+    others = partial(opinions, against) if against else None
+    return Chunk(start, words, *judge(core, words, range(start, start + len(words)), others))
 
 
 class Chunks:
-    """The `targets` from chunk `first` of a seed, or of all of special words.
+    """The `targets` from chunk `first` of a seed, or of all of special words; `against`: the C that has a say, too.
 
     found: of those that passed; number: the chunk that is next."""
 
-    def __init__(self, core: Core, seed: int | None, first: int, targets: int):
-        self.core, self.seed, self.number = core, seed, first
+    def __init__(self, core: Core, seed: int | None, first: int, targets: int, against: Path | None = None):
+        self.core, self.seed, self.number, self.against = core, seed, first, against
         self.end = first * CHUNK + targets
         self.found = Found()
 
@@ -54,7 +57,7 @@ class Chunks:
         numbers = range(self.number, -(-self.end // CHUNK))
         try:
             with spread(min(jobs, len(numbers))) as each:
-                for run in each(partial(piece, self.core, self.seed, self.end), numbers):
+                for run in each(partial(piece, self.core, self.seed, self.end, self.against), numbers):
                     if run.failures:
                         return run
                     self.number += 1
