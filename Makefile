@@ -22,7 +22,7 @@ PATHS          := SIM OUT DATAPATH WIDTH
 TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS D1 D2 PHI BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
-TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL FARM
+TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL FARM AGAINST
 TAKES_soak-memory := SIM JOBS SEED FROM
 TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
@@ -60,7 +60,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN ONLY PERIOD SECONDS FARM
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python.
@@ -167,13 +167,14 @@ schedule: ## the program of the folded datapath again, after its dataflow has ch
 farm     = $(call given,FARM, farm)
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
-soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1 FARM=]
+soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1 AGAINST=c FARM=]
 	@$(SETUP) $(call setup_of,$(soak_sim))$(farm)
 	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,OUT,--out="$$CGA_OUT") $(call given,AGAIN,--again="$$CGA_AGAIN") \
 	  $(call given,FROM,--from="$$CGA_FROM") $(call given,FARM,--farm="$$CGA_FARM") \
+	  $(call given,AGAINST,--against="$$CGA_AGAINST") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep) \
 	  $(if $(filter-out 0,$(call given,SPECIAL,$(value SPECIAL))),--special)
 

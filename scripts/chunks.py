@@ -10,6 +10,7 @@ from functools import cache, partial
 import numpy as np
 
 from scripts.farm import shared
+from scripts.second import opinions
 from scripts.spread import BrokenOffError
 from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
 
@@ -30,12 +31,13 @@ class Chunk:
     hand: np.ndarray
 
 
-def piece(core: Core, seed: int | None, end: int, number: int) -> Chunk:
+def piece(core: Core, seed: int | None, end: int, against: bool, number: int) -> Chunk:
     """Chunk `number` as far as target `end`."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     core = core if core.program else built(core)
-    found, failures, hand = judge(core, words, range(start, start + len(words)))
+    others = opinions if against else None
+    found, failures, hand = judge(core, words, range(start, start + len(words)), others)
     kept = slice(None if failures else 0)
     return Chunk(start, words[kept], found, failures, hand[kept])
 
@@ -47,12 +49,12 @@ def built(core: Core) -> Core:
 
 
 class Chunks:
-    """The `targets` from chunk `first` of a seed, or of all of special words.
+    """The `targets` from chunk `first` of a seed, or of all of special words; `against`: the C has a say, too.
 
     found: of those that passed; number: the chunk that is next."""
 
-    def __init__(self, core: Core, seed: int | None, first: int, targets: int):
-        self.core, self.seed, self.number = core, seed, first
+    def __init__(self, core: Core, seed: int | None, first: int, targets: int, against: bool = False):
+        self.core, self.seed, self.number, self.against = core, seed, first, against
         self.end = first * CHUNK + targets
         self.found = Found()
 
@@ -62,7 +64,7 @@ class Chunks:
         numbers = range(self.number, -(-self.end // CHUNK))
         try:
             with shared(min(jobs, len(numbers)), farm) as each:
-                for run in each(partial(piece, self.core, self.seed, self.end), numbers):
+                for run in each(partial(piece, self.core, self.seed, self.end, self.against), numbers):
                     if run.failures:
                         return run
                     self.number += 1

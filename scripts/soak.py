@@ -2,12 +2,14 @@
 """An unlimited stream of random targets of all kinds through the RTL, every node compared: what `make soak` does.
 
     python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--datapath ...] [--width ...] [--keep] ...
+    python -m scripts.soak --against c ...
     python -m scripts.soak --special [--from CHUNK] [--datapath ...] [--width ...] ...
     python -m scripts.soak ... --farm tcp://HOST:PORT
     python -m scripts.soak --again FILE.csv
 
 Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
---from resumes at any chunk. --special: not random, but all 12^6 targets of twelve special words on each input. With
+--from resumes at any chunk. --against c: results of the lean equations are also held against those of
+scripts/table6/long.c. --special: not random, but all 12^6 targets of twelve special words on each input. With
 Verilator each core of the machine runs chunks of its own; with --farm workers on other machines do (scripts/farm.py),
 to the same end. At the end the hardest targets go into OUT/hardest.csv and,
 with --keep, into tb/core/hardest.csv, the regression list.
@@ -29,10 +31,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from model.dataflow.datapaths import DEFAULT
+from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.targets.stimuli import SPECIAL
-from scripts import farm
+from scripts import farm, second
 from scripts.chunks import Chunks, named
 from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
 from scripts.failing import read_rows, row_of, tell, write_rows
@@ -49,7 +51,7 @@ SEED = 1
 
 
 DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
-NOT_AGAIN = (*DEFAULTS, "keep", "special", "farm")
+NOT_AGAIN = (*DEFAULTS, "keep", "special", "farm", "against")
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -66,6 +68,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--out", type=folder_name, default=Path("build/soak"), metavar="DIR",
         help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",
     )  # fmt: skip
+    add("--against", choices=["c"], help="hold results against those of the C of table 6 in long double, too")
     add("--keep", action="store_true", help="put the hardest targets into tb/core/hardest.csv too")
     add("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
     parsed = parser.parse_args(arguments)
@@ -87,6 +90,8 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
             setattr(parsed, name, value)
     if parsed.special:
         parsed.seed = None
+    if parsed.against and CONFIGURATIONS[parsed.datapath].equations != "lean":
+        raise InputError(f"argument --against: the {parsed.datapath} datapath has no tolerance for it")
     return parsed
 
 
@@ -109,11 +114,13 @@ def _soak(arguments: argparse.Namespace) -> int:
 def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) -> int:
     lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
     earlier = {file: read_rows(file) if file.exists() else [] for file in lists}
+    if arguments.against:
+        second.compiled()
     core = (Core if arguments.farm else _built)(arguments.sim, arguments.datapath, arguments.width)
     of = named(arguments.seed)
     what = f"{core}, {of}"
     print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
-    chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets)
+    chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets, bool(arguments.against))
     with progress("soak", arguments.targets) as meter:
         try:
             broken = chunks.run(arguments.jobs, meter, arguments.farm)

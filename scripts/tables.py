@@ -167,6 +167,11 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
         *([] if most else [("targets seen above their prediction", str(found.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),
+        *(
+            (f"{of}, {n} targets: largest difference of a result", f"{most_apart:.2e}",
+             f"{tolerances.lean(core.width):.2e}")
+            for of, (n, most_apart) in found.apart.items()
+        ),
         ("targets a second, build excluded", f"{rate:.0f}"),
     ):  # fmt: skip
         table.add_row(*row)

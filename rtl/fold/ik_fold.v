@@ -55,6 +55,7 @@ module ik_fold #(
   reg go;
   reg [6:0] fetched, read, clock;  // steps: the next one from the memory, the one out of it, and the present one
   reg [STEP_W-1:0] step_read, step;
+  initial {go, step_read, step} = 0;  // writes nothing until the first step is there: some words of the memory are constants
   `include "ik_fold_program.vh"
   `include "ik_fold_fields.vh"
 

@@ -45,17 +45,21 @@ def compiler_version() -> str:
     return said.splitlines()[0] if said else "cc"
 
 
-def build(folder: Path, extra: tuple[str, ...]) -> ctypes.CDLL:
-    """software.c as a library. InputError if the compiler refuses."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / ("scalar.so" if extra else "vector.so")
+def library(source: Path, path: Path, extra: tuple[str, ...] = ()) -> Path:
+    """A C file as a library at ``path``. InputError if the compiler refuses."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.unlink(missing_ok=True)  # one that is loaded is not to be written into
-    command = [compiler(), *FLAGS, *extra, "-shared", "-fPIC", "-o", str(path), str(SOURCE), "-lm"]
+    command = [compiler(), *FLAGS, *extra, "-shared", "-fPIC", "-o", str(path), str(source), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         wrong = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["?"]
-        raise InputError(f"cc cannot compile {SOURCE.name}: {wrong[0]}")
-    return ctypes.CDLL(str(path))
+        raise InputError(f"cc cannot compile {source.name}: {wrong[0]}")
+    return path
+
+
+def build(folder: Path, extra: tuple[str, ...]) -> ctypes.CDLL:
+    """software.c, loaded. InputError if the compiler refuses."""
+    return ctypes.CDLL(str(library(SOURCE, folder / ("scalar.so" if extra else "vector.so"), extra)))
 
 
 class Bound:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What AXI and the contract of ``ik_axi`` ask of its ports, held in every clock, at the falling edge."""
+"""What the contract of ``ik_axi`` asks of its ports beyond the rules of AXI (tb/rules), held in every clock, at the
+falling edge."""
 
 from __future__ import annotations
 
@@ -14,13 +15,11 @@ PATIENCE = 20000
 OWN = {
     "m_axi_ar": ("addr", "len", "size", "burst", "cache", "prot", "id"),
     "m_axi_aw": ("addr", "len", "size", "burst", "cache", "prot", "id"),
-    "m_axi_w": ("data", "strb", "last"),
-    "s_axi_b": ("resp",),
-    "s_axi_r": ("data", "resp"),
+    "m_axi_w": ("strb", "last"),
 }
-"""Channel that the core is the source of -> its payload."""
+"""Channel -> its payload, as far as it is looked at."""
 
-OTHERS = ("m_axi_r", "m_axi_b", "s_axi_aw", "s_axi_w", "s_axi_ar")
+OTHERS = ("m_axi_r", "m_axi_b", "s_axi_aw", "s_axi_w", "s_axi_ar", "s_axi_b", "s_axi_r")
 
 
 class Monitor:
@@ -39,10 +38,10 @@ class Monitor:
             name: [getattr(dut, f"{name}{part}") for part in ("valid", "ready", *OWN.get(name, ()))]
             for name in (*OWN, *OTHERS)
         }
+        self.asked_of_axis = dut.u_axis.s_axis_tvalid, dut.u_axis.s_axis_tready
         self._forget()
 
     def _forget(self) -> None:
-        self.held: dict[str, list[str]] = {}
         self.reads: list[int] = []  # beats to come of each burst asked for
         self.writes: list[int] = []  # beats to go of each burst announced, offered or taken
         self.unanswered = 0
@@ -68,31 +67,18 @@ class Monitor:
 
     def _look(self) -> None:
         gone = {}
-        for name, handles in self.handles.items():
-            valid, ready = str(handles[0].value), str(handles[1].value)
-            if valid not in "01" or ready not in "01":
-                self.say(f"{name}: valid {valid} ready {ready}")
+        for name, (valid, ready, *payload) in self.handles.items():
+            if valid.value != 1:
                 continue
-            if name in OWN:
-                beat = [str(handle.value) for handle in handles[2:]] if valid == "1" else []
-                if name in self.held and beat != self.held[name]:
-                    self.say(f"{name} changed while it was stalled")
-                self.held.pop(name, None)
-                if beat and ready == "0":
-                    self.held[name] = beat
-                if any(set(bits) - set("01") for bits in beat):
-                    self.say(f"{name} has an X: {beat}")
-                    continue
-                if beat and name in ("m_axi_ar", "m_axi_aw") and name not in self.announced:
-                    self._burst(name, *(int(bits, 2) for bits in beat))
-                self.announced.discard(name) if not beat or ready == "1" else self.announced.add(name)
-                gone[name] = beat if ready == "1" else []
-            else:
-                gone[name] = valid == ready == "1"
+            gone[name] = ready.value == 1
+            if name in ("m_axi_ar", "m_axi_aw"):
+                if name not in self.announced:
+                    self._burst(name, *(int(handle.value) for handle in payload))
+                self.announced.discard(name) if gone[name] else self.announced.add(name)
         if any(gone.values()):
             self.moved = self.clock
         if gone.get("m_axi_w"):
-            self._write(gone["m_axi_w"])
+            self._write(*(str(handle.value) for handle in self.handles["m_axi_w"][2:]))
         if gone.get("m_axi_r"):
             self._read()
             if self.dut.m_axi_rresp.value != 0:
@@ -108,11 +94,13 @@ class Monitor:
         for name in ("m_axi_r", "m_axi_b"):
             if self.handles[name][1].value != 1:
                 self.say(f"{name}ready is low")
-        if self.dut.u_axis.s_axis_tvalid.value == 1 and self.dut.u_axis.s_axis_tready.value != 1:
+        valid, ready = self.asked_of_axis
+        if valid.value == 1 and ready.value != 1:
             self.say("a target that ik_axis has no place for")
-        count = {"reads": len(self.reads), "writes": self.unanswered}
-        count["places"] = -(-(self.asked - self.sent) // self.record_beats)
-        self.most = {name: max(most, count[name]) for name, most in self.most.items()}
+        if any(gone.values()) or self.announced:
+            count = {"reads": len(self.reads), "writes": self.unanswered}
+            count["places"] = -(-(self.asked - self.sent) // self.record_beats)
+            self.most = {name: max(most, count[name]) for name, most in self.most.items()}
 
     def _burst(self, name: str, address: int, length: int, size: int, burst: int, cache: int, prot: int, ident: int):
         beats = length + 1
@@ -140,16 +128,16 @@ class Monitor:
             if self.unanswered > BURSTS:
                 self.say(f"{self.unanswered} bursts to be answered")
 
-    def _write(self, beat: list[str]) -> None:
-        if "0" in beat[1]:
-            self.say(f"strobes {beat[1]}")
+    def _write(self, strobes: str, last: str) -> None:
+        if "0" in strobes:
+            self.say(f"strobes {strobes}")
         self.sent += 1
         if not self.writes:
             self.say("W without a burst")
             return
         self.writes[0] -= 1
-        if (beat[2] == "1") != (self.writes[0] == 0):
-            self.say(f"wlast {beat[2]} with {self.writes[0]} beats to go")
+        if (last == "1") != (self.writes[0] == 0):
+            self.say(f"wlast {last} with {self.writes[0]} beats to go")
         if self.writes[0] <= 0:
             self.writes.pop(0)
             self.complete += 1

@@ -18,6 +18,7 @@ from model.targets.flags import expected_flags, names
 from model.targets.observed import edges
 from model.targets.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
 from tb.core import hardest
+from tb.core.opinion import Apart, Opinion, both
 from tb.sim import every_node
 from tb.sim.env import NATIVE
 from tb.sim.simulate import Job, Run, SimulationError, simulate
@@ -59,7 +60,7 @@ class Hard:
 @dataclass
 class Found:
     """What some targets gave: how many there are, in reach, above their prediction; the largest errors, the hardest
-    targets by either measure."""
+    targets by either measure; of each second opinion to how many targets it was asked, and the largest difference."""
 
     targets: int = 0
     reachable: int = 0
@@ -68,6 +69,7 @@ class Found:
     norm_error_max: float = 0.0
     by_hand: list[Hard] = field(default_factory=list)
     by_norm: list[Hard] = field(default_factory=list)
+    apart: Apart = field(default_factory=dict)
 
     def __add__(self, other: Found) -> Found:
         return Found(
@@ -78,6 +80,7 @@ class Found:
             max(self.norm_error_max, other.norm_error_max),
             _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
             _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
+            both(self.apart, other.apart),
         )
 
 
@@ -120,10 +123,16 @@ class Core:
         return f"{self.datapath} datapath, {self.width} bits, {self.sim}"
 
 
-def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found, list[Failure], np.ndarray]:
+def judge(
+    core: Core,
+    words: np.ndarray,
+    numbers: Sequence[int],
+    opinions: Callable[[np.ndarray, int], list[Opinion]] | None = None,
+) -> tuple[Found, list[Failure], np.ndarray]:
     """Run targets: what they give, what fails, and the hand errors (N,), nan out of reach.
 
-    numbers (N,): of the targets in their sequence. Raises SimulationError, for lost results too.
+    numbers (N,): of the targets in their sequence. opinions: what others say to words of a length, of which no result
+    may differ by more than the tolerance of a hand. Raises SimulationError, for lost results too.
     """
     run, results, flags = core.run(words)
     if run.results.shape != words.shape or run.flags.shape != (len(words),):
@@ -156,6 +165,16 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
             text = f"{what} {error[n]:.3e} is above its tolerance {most[n]:.3e} ({len(rows)} targets)"
             failures.append(Failure([text], worst))
 
+    apart: Apart = {}
+    for opinion in opinions(words, core.width) if opinions else []:
+        difference, most = opinion.apart(run.results, core.width), tolerances.lean(core.width)
+        apart[opinion.of] = int(opinion.asked.sum()), float(difference.max(initial=0.0))
+        rows = np.flatnonzero(difference > most)
+        if len(rows):
+            worst = rows[np.argsort(-difference[rows], kind="stable")].tolist()
+            text = f"{opinion.of}: a result differs by {difference[worst[0]]:.3e}, tolerance {most:.3e}"
+            failures.append(Failure([f"{text} ({len(rows)} targets)"], worst))
+
     by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: hardest.KEPT]
     missing = by_norm[np.isinf(tolerance[by_norm])]
     tolerance[missing] = tolerances.yardstick(words[missing], core.width, core.datapath)
@@ -168,7 +187,7 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
 
     by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: hardest.KEPT]
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
-    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm))
+    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart)
     return Found() + found, failures, hand
 
 

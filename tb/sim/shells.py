@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from pathlib import Path
 
 from tb.sim.sources import sources
 
@@ -19,9 +20,10 @@ HEADER = re.compile(r"^module (\w+) #\((.*?)^\) \((.*?)^\);", re.DOTALL | re.MUL
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*?\])?)\s*(\w+)", re.MULTILINE)
 
 
-def top_of(instances: dict[str, tuple[str, dict[str, int]]]) -> str:
-    """The text of :data:`TOP`, with a shell for each instance: name -> (module, parameters)."""
-    files = {path.stem: path for path in sources()}
+def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path] = ()) -> str:
+    """The text of :data:`TOP`, with a shell for each instance: name -> (module, parameters); ``more`` are files of
+    modules beside those of ``rtl/``."""
+    files = {path.stem: path for path in [*sources(), *more]}
     modules = sorted({module for module, _ in instances.values()})
     shells = [_shell(files[module].read_text()) for module in modules]
     lines = [

@@ -11,6 +11,7 @@ from cocotb_test.simulator import Icarus
 
 from tb.sim import runner, sources
 from tb.sim.env import CORES, ROOT, cores, environment
+from tb.sim.rules import RULES
 
 
 def make(*words, **env):
@@ -116,7 +117,7 @@ def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
         Icarus(toplevel="ik_trig", module="none", verilog_sources=[], sim_build=str(folder)).sim_file
     )
     built.touch()
-    newest = max(path.stat().st_mtime for path in sources.headers())
+    newest = max(path.stat().st_mtime for path in [*sources.headers(), *RULES.glob("*.vh")])
     for age in (1, -1):
         os.utime(built, (newest + age, newest + age))
         runner.simulate("ik_trig", "none", sim="icarus")

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Registers, memories and what is X start at random, with several seeds, under Verilator: nothing that is seen depends
+on them."""
+
+import pytest
+
+from tb.sim.env import simulator
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.runner import simulate
+
+SEEDS = range(2, 12)
+"""All other simulations have 1."""
+
+STREAMS = "power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts"
+TOPS = [  # parameters as of other tests, whose builds serve here
+    pytest.param("ik_axis", "tb.core.ik_axis", {"W": 32, "TAG_W": 8, "LEAN": 1, "SHORT": 0, "TILE": 18}, STREAMS,
+                 id="lean"),
+    pytest.param("ik_axis", "tb.core.ik_axis", {"W": 24, "TAG_W": 8, "LEAN": 2, "SHORT": 0, "TILE": 18}, STREAMS,
+                 id="fold"),
+    pytest.param("ik_axi", "tb.axi.ik_axi,tb.axi.registers", {}, "power_up|one_record|after_a_reset", id="memory"),
+]  # fmt: skip
+BUGS = [  # who sees it, where
+    Bug("an offer", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up"),
+    Bug("places", "rtl/ik_axis.v", "if (rst) credits <=", "if (1'b0) credits <=", "one_result"),
+    Bug("results", "rtl/lib/ik_fifo.v", "      rd_ptr  <= {(LOG2 + 1) {1'b0}};\n", "", "one_result"),
+]
+
+pytestmark = [
+    pytest.mark.sim,
+    pytest.mark.slow,
+    pytest.mark.skipif(simulator() != "verilator", reason="Icarus has X, and one start"),
+]
+
+
+def failing(top: str, modules: str, parameters: dict[str, int], tests: str, **options) -> list[int]:
+    """The seeds with which tests fail, of one build."""
+    found = []
+    for seed in SEEDS:
+        try:
+            env = {"COCOTB_TEST_FILTER": tests, "IK_AXI_JOBS": "4"}
+            simulate(top, f"tb.core.power_up,{modules}", parameters=parameters, env=env, start=seed,
+                     built=seed != SEEDS[0], **options)  # fmt: skip
+        except SystemExit as failed:
+            assert str(failed).startswith("FAILED"), failed  # not the build
+            found.append(seed)
+    return found
+
+
+@pytest.mark.cost(60)
+@pytest.mark.parametrize(("top", "modules", "parameters", "tests"), TOPS)
+def test_nothing_depends_on_the_start(top, modules, parameters, tests):
+    assert failing(top, modules, parameters, tests) == []
+
+
+@pytest.mark.cost(60)
+@pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.what.replace(" ", "_"))
+def test_a_register_without_a_start_is_found(bug, tmp_path):
+    options = {"root": copy_rtl(tmp_path, bug), "name": "start"}
+    assert failing("ik_axis", "tb.core.ik_axis", {"W": 16}, bug.fails, **options)

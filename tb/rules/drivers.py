@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A driver that breaks a rule of AXI on purpose, on ``ik_axis`` or ``ik_axi`` at work: the simulation is to end there.
+
+IK_FORCE is signal=value, several with commas, laid over what the bench drives in every second clock; IK_WHEN says
+from which one on: behind the first, after the reset, in which a signal is a value.
+"""
+
+from __future__ import annotations
+
+import os
+
+import cocotb
+from cocotb.triggers import ClockCycles, FallingEdge
+
+from model.targets.stimuli import mixed
+from tb.axi.machine import CHANNELS, started
+from tb.core.pipeline import Pipeline
+
+FORCE = [item.split("=") for item in os.environ["IK_FORCE"].split(",")]
+WHEN, AT = os.environ["IK_WHEN"].split("=")
+
+
+async def force(dut) -> None:
+    if WHEN != "rst":
+        await ClockCycles(dut.clk, 12)
+    await FallingEdge(dut.clk)
+    while getattr(dut, WHEN).value != int(AT):
+        await FallingEdge(dut.clk)
+    await FallingEdge(dut.clk)
+    while True:
+        for signal, value in FORCE:
+            getattr(dut, signal).value = int(value)
+        await ClockCycles(dut.clk, 2)
+        await FallingEdge(dut.clk)
+
+
+@cocotb.test()
+async def stream(dut):
+    """More targets than there are places, and nobody takes a result."""
+    bench = Pipeline(dut)
+    cocotb.start_soon(force(dut))
+    await bench.reset()
+    bench.sink.pause = True
+    bench.send(mixed(200, bench.width, seed=3))
+    await ClockCycles(dut.clk, 300)
+
+
+@cocotb.test()
+async def memory(dut):
+    """A job, with pauses on all channels."""
+    cocotb.start_soon(force(dut))
+    machine = await started(dut, latency=9)
+    machine.stall(*CHANNELS)
+    await machine.solve(0x40000, 0x80000, 60)

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Appended to ik_axis in every simulation by cocotb: the rules of its streams, either side.
+
+ik_rules_channel #(
+    .N     (6 * W + TAG_W),
+    .STREAM(1)
+) rules_s_axis (
+    .clk    (clk),
+    .rst    (rst),
+    .valid  (s_axis_tvalid),
+    .ready  (s_axis_tready),
+    .payload({s_axis_tuser, s_axis_tdata})
+);
+ik_rules_channel #(
+    .N     (6 * W + 8 + TAG_W),
+    .STREAM(1)
+) rules_m_axis (
+    .clk    (clk),
+    .rst    (rst),
+    .valid  (m_axis_tvalid),
+    .ready  (m_axis_tready),
+    .payload({m_axis_tuser, m_axis_tdata})
+);

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The cocotb side of ``test_rules.py``: traces into the monitors, and which rules they say are broken."""
+
+from __future__ import annotations
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.types import LogicArray
+
+from tb.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
+
+ADDRESS, CHANNEL = "ik_rules_address", "ik_rules_channel"
+CHANNELS = {name: CHANNEL for name in ("aw", "w", "b", "ar", "r")}
+PARTS = {  # port -> instance in it -> module
+    "stream": {"": CHANNEL},
+    "lite": {"": "ik_rules_lite", **CHANNELS},
+    "axi4": {**CHANNELS, "aw_burst": ADDRESS, "ar_burst": ADDRESS, "write": "ik_rules_write", "read": "ik_rules_read"},
+}
+FOUR_STATE = cocotb.SIM_NAME.startswith("Icarus")
+
+
+class Port:
+    """One monitor."""
+
+    def __init__(self, top, name: str) -> None:
+        self.shell = getattr(top, name)
+        self.monitors = [
+            (f"{part}." if part else "", getattr(self.shell.u, part) if part else self.shell.u, names(module))
+            for part, module in PARTS[name].items()
+        ]
+        self.inputs = [
+            handle for handle in self.shell if handle._name.islower() and handle._name not in ("u", "clk", "rst")
+        ]
+        Clock(self.shell.clk, 10, unit="ns").start(start_high=False)
+
+    async def broken(self, trace: Trace) -> set[str]:
+        """The rules that a trace breaks."""
+        for _, monitor, _ in self.monitors:
+            monitor.broken.value = 0
+        for clock in range(max(trace) + 1):
+            self.shell.rst.value = clock < 2
+            row = trace.get(clock, {})
+            for handle in self.inputs:
+                value = row.get(handle._name, 0)
+                handle.value = LogicArray(X * len(handle)) if value == X else value
+            await RisingEdge(self.shell.clk)
+        await FallingEdge(self.shell.clk)
+        return {
+            f"{prefix}{name}"
+            for prefix, monitor, rules in self.monitors
+            for number, name in rules.items()
+            if int(monitor.broken.value) >> number & 1
+        }
+
+
+@cocotb.test()
+async def legal_traces(top):
+    """Break nothing."""
+    for name, base in BASES.items():
+        port = Port(top, name)
+        for over_it in LEGAL if name == "axi4" else [{}]:
+            found = await port.broken(over(base, over_it))
+            assert not found, f"{name} {over_it}: {found}"
+
+
+@cocotb.test()
+async def each_rule(top):
+    """Is broken by its own traces, and nothing else is. There is a trace for each rule of each port."""
+    ports = {name: Port(top, name) for name in PARTS}
+    unbroken = {(name, f"{prefix}{rule}") for name, port in ports.items() for prefix, _, rules in port.monitors
+                for rule in rules.values()}  # fmt: skip
+    wrong = []
+    for each in BREAKS:
+        unbroken -= {(each.port, rule) for rule in each.rules}
+        if not (each.known or FOUR_STATE):
+            continue
+        last = max(each.trace)
+        base = {clock: row for clock, row in BASES[each.port].items() if clock <= last} if each.base else {}
+        found = await ports[each.port].broken(over(base, each.trace))
+        if found != each.rules:
+            wrong.append(f"{each.port} {each.trace if each.base else ''}: {found}, expected {each.rules}")
+    assert not wrong, "\n".join(wrong)
+    assert not unbroken, f"no trace for {sorted(unbroken)}"

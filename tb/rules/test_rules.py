@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The monitors of the rules of AXI: a trace for each rule, and what becomes of a simulation in which one is broken.
+
+A bug in the RTL, or in what drives it, ends a test of the tree's own benches with rule and port.
+"""
+
+import logging
+import re
+
+import pytest
+
+from tb.axi.instances import echoing
+from tb.rules.traces import names
+from tb.sim.env import ROOT, simulator
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.rules import RULES, with_rules
+from tb.sim.runner import simulate
+from tb.sim.shells import TOP, top_of
+
+PORTS = {
+    "stream": ("ik_rules_channel", {"N": 8, "STREAM": 1, "STOP": 0}),
+    "lite": ("ik_rules_lite", {"STOP": 0}),
+    "axi4": ("ik_rules_axi4", {"STOP": 0}),
+}
+
+STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.ik_axis", "tb.axi.ik_axi", "tb.axi.faults", "tb.axi.registers"
+FIFO, AXIS, AXI = "rtl/lib/ik_fifo.v", "rtl/ik_axis.v", "rtl/ik_axi.v"
+READ, WRITE, RESULT, REGS = (f"rtl/axi/ik_axi_{part}.v" for part in ("read", "write", "result", "regs"))
+KIND = "m_axi_{}prot}} = {{1'b0, SIZE, 2'b01, 4'b0011, 3'b000}}"
+
+
+def kind(way: str, size: str = "SIZE", burst: str = "2'b01", cache: str = "4'b0011") -> tuple[str, str]:
+    """The constants of an address channel, and others."""
+    return KIND.format(way), f"m_axi_{way}prot}} = {{1'b0, {size}, {burst}, {cache}, 3'b000}}"
+
+
+BUGS = [  # port and rule, bench, its test, the bug
+    ("m_axis LOW_AFTER_RESET", STREAMS, "after=full", (FIFO, "      m_valid <= 1'b0;\n    end else", "    end else")),
+    ("m_axis VALID_KNOWN", STREAMS, "one_result", (FIFO, "      wr_ptr  <= {(LOG2 + 1) {1'b0}};\n", "")),
+    ("m_axis VALID_STAYS", STREAMS, "bursts/stall=bursts",
+     (AXIS, "fold_valid : fifo_valid;", "fold_valid : fifo_valid && !s_axis_tvalid;")),
+    ("m_axis PAYLOAD_STAYS", STREAMS, "full", (FIFO, "if (load) m_data", "m_data")),
+    ("m_axis PAYLOAD_KNOWN", STREAMS, "one_result", (FIFO, "if (wr_en) mem", "if (wr_en && wr_ptr[0]) mem")),
+    ("s_axis READY_KNOWN", STREAMS, "one_result", (AXIS, "if (rst) credits <= ", "if (1'b0) credits <= ")),
+    ("s_axi.b VALID_STAYS", REGISTERS, "nothing_there", (REGS, "else if (s_axi_bready) s_axi", "else s_axi")),
+    ("s_axi.r VALID_STAYS", REGISTERS, "nothing_there", (REGS, "else if (s_axi_rready) s_axi", "else s_axi")),
+    ("s_axi B_AFTER_ADDRESS", REGISTERS, "strobes", (REGS, "write = waddr_held && ", "write = ")),
+    ("s_axi B_AFTER_DATA", REGISTERS, "strobes", (REGS, "waddr_held && wdata_held &&", "waddr_held &&")),
+    ("s_axi BRESP", REGISTERS, "every_field", (REGS, "s_axi_bresp <= SLVERR", "s_axi_bresp <= 2'b01")),
+    ("s_axi R_AFTER_ADDRESS", REGISTERS, "after_a_reset", (REGS, "read = raddr_held &&", "read =")),
+    ("s_axi RRESP", REGISTERS, "nothing_there", (REGS, "s_axi_rresp <= SLVERR", "s_axi_rresp <= 2'b01")),
+    ("m_axi.ar LOW_AFTER_RESET", FAULTS, "in_the_middle",
+     (READ, "if (rst) m_axi_arvalid <= 1'b0;\n    else if", "if")),
+    ("m_axi.aw LOW_AFTER_RESET", FAULTS, "in_the_middle",
+     (WRITE, "if (rst) m_axi_awvalid <= 1'b0;\n    else if", "if")),
+    ("m_axi.w LOW_AFTER_RESET", FAULTS, "in_the_middle",
+     (RESULT, "if (rst) m_axi_wvalid <= 1'b0;\n    else if", "if")),
+    ("m_axi.ar VALID_STAYS", JOBS, "stalled=ar", (READ, "else if (m_axi_arready) m_axi", "else m_axi")),
+    ("m_axi.aw VALID_STAYS", JOBS, "stalled=aw", (WRITE, "else if (m_axi_awready) m_axi", "else m_axi")),
+    ("m_axi.w PAYLOAD_STAYS", JOBS, "stalled=w", (RESULT, "m_axi_wvalid && m_axi_wready;", "m_axi_wvalid;")),
+    ("m_axi.w PAYLOAD_KNOWN", JOBS, "one_record", (AXI, "(DATA_W / 8) {1'b1}", "(DATA_W / 8) {1'bx}")),
+    ("m_axi.ar_burst BURST_TYPE", JOBS, "one_record", (AXI, *kind("ar", burst="2'b11"))),
+    ("m_axi.aw_burst BURST_TYPE", JOBS, "one_record", (AXI, *kind("aw", burst="2'b11"))),
+    ("m_axi.ar_burst BURST_SIZE", JOBS, "one_record", (AXI, *kind("ar", size="3'd4"))),
+    ("m_axi.aw_burst BURST_SIZE", JOBS, "one_record", (AXI, *kind("aw", size="3'd4"))),
+    ("m_axi.ar_burst FIXED_LENGTH", JOBS, "pages", (AXI, *kind("ar", burst="2'b00"))),
+    ("m_axi.aw_burst FIXED_LENGTH", JOBS, "pages", (AXI, *kind("aw", burst="2'b00"))),
+    ("m_axi.ar_burst WRAP_LENGTH", JOBS, "pages", (AXI, *kind("ar", burst="2'b10"))),
+    ("m_axi.aw_burst WRAP_LENGTH", JOBS, "pages", (AXI, *kind("aw", burst="2'b10"))),
+    ("m_axi.ar_burst WITHIN_4K", JOBS, "pages", (READ, "WHOLE - {1'b0, next[LOG2_BURST-1:0]}", "WHOLE")),
+    ("m_axi.aw_burst WITHIN_4K", JOBS, "pages", (WRITE, "WHOLE - {1'b0, destination[LOG2_BURST+4:5]}", "WHOLE")),
+    ("m_axi.ar_burst CACHE", JOBS, "one_record", (AXI, *kind("ar", cache="4'b0100"))),
+    ("m_axi.aw_burst CACHE", JOBS, "one_record", (AXI, *kind("aw", cache="4'b1001"))),
+    ("m_axi.write WLAST", JOBS, "edges_of_bursts", (WRITE, " || to_send == {{LOG2_PLACES{1'b0}}, 1'b1}", "")),
+    ("m_axi.write WSTRB", JOBS, "one_record", (AXI, *kind("aw", size="3'd2"))),
+]  # fmt: skip
+
+R, B = (
+    "m_axi_rdata=0,m_axi_rid=0,m_axi_rresp=0,m_axi_rlast=0,m_axi_rvalid=1",
+    "m_axi_bid=0,m_axi_bresp=0,m_axi_bvalid=1",
+)
+NOBODY = "s_axi_awready=1"  # has written yet
+FORCED = [  # port and rule, test, what the driver does wrong, when
+    ("s_axis LOW_AFTER_RESET", "stream", "s_axis_tvalid=1", "rst=1"),
+    ("s_axis VALID_STAYS", "stream", "s_axis_tvalid=0", "s_axis_tready=0"),
+    ("s_axis PAYLOAD_STAYS", "stream", "s_axis_tuser=5", "s_axis_tready=0"),
+    *((f"s_axi.{c} LOW_AFTER_RESET", "memory", f"s_axi_{c}valid=1", "rst=1") for c in ("aw", "w", "ar")),
+    *((f"m_axi.{c} LOW_AFTER_RESET", "memory", f"m_axi_{c}valid=1", "rst=1") for c in ("r", "b")),
+    ("m_axi.write B_AFTER_LAST_DATA", "memory", B, NOBODY),
+    ("m_axi.write BRESP", "memory", "m_axi_bresp=1", "m_axi_bvalid=1"),
+    ("m_axi.write BID", "memory", "m_axi_bid=1", "m_axi_bvalid=1"),
+    ("m_axi.read R_AFTER_ADDRESS", "memory", R, NOBODY),
+    ("m_axi.read RLAST", "memory", "m_axi_rlast=1", "m_axi_rvalid=1"),
+    ("m_axi.read RLAST", "memory", "m_axi_rlast=0", "m_axi_rlast=1"),
+    ("m_axi.read RID", "memory", "m_axi_rid=1", "m_axi_rvalid=1"),
+    ("m_axi.read RRESP", "memory", "m_axi_rresp=1", "m_axi_rvalid=1"),
+]
+QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS", "m_axi.write BID")
+
+
+def cases(rows):
+    """In the quick gate one a port and side."""
+    slow = [pytest.mark.slow, pytest.mark.cost(4)]
+    return [
+        pytest.param(*row, id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
+                     marks=[] if row[0] in QUICK else slow)
+        for row in rows
+    ]  # fmt: skip
+
+
+@pytest.fixture
+def said(caplog):
+    """What a simulation prints."""
+    logger = logging.getLogger("cocotb")
+    logger.addHandler(caplog.handler)
+    with caplog.at_level(logging.INFO, "cocotb"):
+        yield lambda: caplog.text
+    logger.removeHandler(caplog.handler)
+
+
+def ends_with(finding: str, text: str) -> None:
+    """The first rule that a simulation says is broken, with its port and time."""
+    port, rule = finding.split()
+    found = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
+    assert found, text[-3000:]
+    assert found[1] == rule and found[2].endswith(f".rules_{port}"), found[0]
+
+
+@pytest.mark.sim
+def test_every_rule_fails_its_own_trace():
+    simulate(TOP, "tb.rules.rules", top=top_of(PORTS, sorted(RULES.glob("*.v"))))
+
+
+only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monitors; Icarus builds them in a second")
+
+
+@pytest.mark.sim
+@only_icarus
+@pytest.mark.parametrize(("finding", "bench", "test", "change"), cases(BUGS))
+def test_a_bug_is_named(finding, bench, test, change, tmp_path, said):
+    bug = Bug(finding, *change)
+    env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "80", "IK_AXI_FAULTS": "12", "COCOTB_TEST_FILTER": test}
+    if bench == STREAMS:
+        top, options = "ik_axis", {"root": copy_rtl(tmp_path, bug)}
+        env.pop("IK_AXI_CORE")
+    else:
+        top, options = "ik_axi", echoing(tmp_path, bug)
+    with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
+        options["name"] = f"rules-{finding.replace(' ', '-')}"
+        simulate(top, bench, parameters={"W": 18}, env=env, seed=1, **options)
+    ends_with(finding, said())
+
+
+@pytest.mark.sim
+@only_icarus
+@pytest.mark.parametrize(("finding", "test", "forced", "when"), cases(FORCED))
+def test_a_wrong_driver_is_named(finding, test, forced, when, tmp_path, said):
+    env = {"IK_AXI_CORE": "echo", "IK_FORCE": forced, "IK_WHEN": when, "COCOTB_TEST_FILTER": f"drivers.{test}$"}
+    top, options = ("ik_axi", echoing(tmp_path)) if test == "memory" else ("ik_axis", {})
+    if test == "stream":
+        env.pop("IK_AXI_CORE")
+    with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
+        simulate(top, "tb.rules.drivers", parameters={"W": 18}, env=env, seed=1, **options)
+    ends_with(finding, said())
+
+
+def test_rules_are_put_in_once(tmp_path):
+    """Into what they are for; a copy that is as it was is not written again."""
+    found = with_rules([ROOT / AXIS, ROOT / FIFO], tmp_path)
+    assert found[:2] == [tmp_path / "ik_axis_rules.v", ROOT / FIFO] and found[2:] == sorted(RULES.glob("*.v"))
+    before = found[0].stat().st_mtime_ns
+    with_rules([ROOT / AXIS], tmp_path)
+    assert found[0].stat().st_mtime_ns == before and found[0].read_text().count("ik_rules_channel") == 2
+    assert names("ik_rules_channel")[3] == "PAYLOAD_STAYS"

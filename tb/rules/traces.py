@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Traces of ports, a row a clock: legal ones, and for each rule of AXI one that breaks it and nothing else.
+
+A trace is what differs from an idle port, clock -> signal -> value; reset is in clocks 0 and 1. A trace that breaks a
+rule is a legal one with something else laid over it, and ends in the last clock of that.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from tb.sim.rules import RULES
+
+Trace = dict[int, dict[str, int | str]]
+
+X = "X"
+
+STREAM = {4: {"valid": 1, "payload": 5}, 5: {"valid": 1, "ready": 1, "payload": 5}, 6: {"valid": 1, "ready": 1}}
+
+AW = {"awvalid": 1, "awaddr": 0x1000, "awlen": 1, "awsize": 3, "awburst": 1, "awcache": 3, "awid": 0}
+AR = {"arvalid": 1, "araddr": 0x2000, "arlen": 1, "arsize": 3, "arburst": 1, "arcache": 3, "arid": 0}
+W = {"wvalid": 1, "wdata": 7, "wstrb": 255}
+LAST = {**W, "wlast": 1}
+READY = {"awready": 1, "wready": 1, "bready": 1, "arready": 1, "rready": 1}
+
+
+def over(*traces: Trace) -> Trace:
+    """One laid over the other."""
+    clocks = sorted(set().union(*traces))
+    return {clock: {k: v for trace in traces for k, v in trace.get(clock, {}).items()} for clock in clocks}
+
+
+WRITES = {  # of ID 0, each channel stalled once; of ID 1, the data before the address
+    4: AW, 5: {**AW, **W, "awready": 1}, 6: {**W, "wready": 1}, 7: {**LAST, "wready": 1},
+    8: {"bvalid": 1}, 9: {"bvalid": 1, "bready": 1},
+    10: {**W, "wready": 1}, 11: {**LAST, "wready": 1}, 12: {**AW, "awid": 1, "awready": 1},
+    14: {"bvalid": 1, "bid": 1, "bresp": 2, "bready": 1},
+}  # fmt: skip
+READS = {  # the burst of ID 1 between address and data of that of ID 0
+    4: AR, 5: {**AR, "arready": 1}, 6: {**AR, "arid": 1, "arlen": 0, "arready": 1},
+    8: {"rvalid": 1, "rid": 1, "rlast": 1, "rready": 1},
+    9: {"rvalid": 1}, 10: {"rvalid": 1, "rready": 1}, 11: {"rvalid": 1, "rlast": 1, "rready": 1},
+}  # fmt: skip
+AXI4 = over(WRITES, READS)
+LITE = {
+    4: {"awvalid": 1, "arvalid": 1, "wvalid": 1, "wstrb": 15},
+    5: {"awvalid": 1, "arvalid": 1, "wvalid": 1, "wstrb": 15, "awready": 1, "arready": 1},
+    6: {"wvalid": 1, "wstrb": 15, "wready": 1},
+    7: {"rvalid": 1},
+    8: {"rvalid": 1, "rready": 1, "bvalid": 1},
+    9: {"bvalid": 1, "bready": 1},
+}
+BASES = {"stream": STREAM, "lite": LITE, "axi4": AXI4}
+
+LEGAL = [
+    {},
+    {4: {"awaddr": 0x1004}, 5: {"awaddr": 0x1004, "wstrb": 0xF0}, 6: {"wstrb": 0xF0}, 7: {"wstrb": 0x80}},
+    {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x0F}, 6: {"wstrb": 0x0F}, 7: {"wstrb": 0xF0}},
+    {4: {"awburst": 0}, 5: {"awburst": 0}, 7: {"wstrb": 0}},
+    {4: {"awburst": 2, "awaddr": 0x1008}, 5: {"awburst": 2, "awaddr": 0x1008}},
+    {4: {"awaddr": 0x1FF0, "araddr": 0x1FF4}, 5: {"awaddr": 0x1FF0, "araddr": 0x1FF4}},
+    {4: {"awcache": 15, "arcache": 2, "awprot": 7}, 5: {"awcache": 15, "arcache": 2, "awprot": 7}},
+    {8: {"rresp": 3, "bresp": 3}, 9: {"bresp": 3}},
+    {12: {"bready": 1, "rready": 1, "wready": 1}},
+]
+"""Laid over :data:`AXI4`."""
+
+
+@dataclass(frozen=True)
+class Break:
+    """``trace`` over the legal one of ``port`` breaks ``rules``, with ``known`` without an X."""
+
+    port: str
+    rules: set[str]
+    trace: Trace
+    base: bool = True
+    known: bool = True
+
+
+CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, payload -> another value
+    ("stream", ""): ("", 4, {"payload": 6}),
+    ("lite", "aw."): ("aw", 4, {"awaddr": 4, "awprot": 1}),
+    ("lite", "w."): ("w", 4, {"wdata": 4, "wstrb": 7}),
+    ("lite", "b."): ("b", 8, {"bresp": 2}),
+    ("lite", "ar."): ("ar", 4, {"araddr": 4, "arprot": 1}),
+    ("lite", "r."): ("r", 7, {"rdata": 4, "rresp": 2}),
+    ("axi4", "aw."): ("aw", 4, {"awaddr": 0x1008, "awlen": 2, "awsize": 2, "awburst": 2, "awcache": 2, "awprot": 1,
+                                "awid": 1}),
+    ("axi4", "w."): ("w", 5, {"wdata": 8, "wstrb": 1, "wlast": 1}),
+    ("axi4", "b."): ("b", 8, {"bresp": 2, "bid": 1}),
+    ("axi4", "ar."): ("ar", 4, {"araddr": 0x1008, "arlen": 2, "arsize": 2, "arburst": 2, "arcache": 2, "arprot": 1,
+                                "arid": 1}),
+    ("axi4", "r."): ("r", 9, {"rdata": 8, "rresp": 2, "rlast": 1, "rid": 1}),
+}  # fmt: skip
+ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
+"""What such a payload breaks as well when it changes: of what else it speaks. An AW offered is looked at once."""
+
+
+def of_channel(port: str, name: str) -> list[Break]:
+    """Each rule of a channel, and of each part of its payload."""
+    prefix, stall, payload = CHANNELS[port, name]
+    valid, ready = f"{prefix}valid", f"{prefix}ready"
+    found = [
+        Break(port, {f"{name}LOW_AFTER_RESET"}, {1: {valid: 1}}),
+        Break(port, {f"{name}VALID_STAYS"}, {stall + 1: {valid: 0}}),
+        Break(port, {f"{name}VALID_KNOWN"}, {3: {valid: X}}, known=False),
+        Break(port, {f"{name}READY_KNOWN"}, {3: {ready: X}}, known=False),
+    ]
+    for part, other in payload.items():
+        also = {ALSO[part]} if part in ALSO and port == "axi4" else set()
+        found.append(Break(port, {f"{name}PAYLOAD_STAYS"} | also, {stall + 1: {part: other}}))
+        found.append(Break(port, {f"{name}PAYLOAD_KNOWN"}, {stall: {part: X}}, known=False))
+    return found
+
+
+def of_address(a: str) -> list[Break]:
+    """The rules of AW or AR."""
+    wrong = [
+        ("BURST_TYPE", {"burst": 3}),
+        ("BURST_SIZE", {"size": 4}),
+        ("FIXED_LENGTH", {"burst": 0, "len": 16}),
+        ("WRAP_LENGTH", {"burst": 2, "len": 2}),
+        ("WRAP_LENGTH", {"burst": 2, "addr": 0x1004}),
+        ("WITHIN_4K", {"addr": 0x1FF8}),
+        ("WITHIN_4K", {"addr": 0x1808, "len": 255}),
+        ("CACHE", {"cache": 4}),
+        ("CACHE", {"cache": 9}),
+    ]
+    return [Break("axi4", {f"{a}_burst.{name}"}, {4: {a + k: v for k, v in at.items()}}) for name, at in wrong]
+
+
+B, R = {"bvalid": 1, "bready": 1}, {"rvalid": 1, "rready": 1}
+MANY = range(4, 205)
+BREAKS = [
+    *(broken for port, name in CHANNELS for broken in of_channel(port, name)),
+    Break("stream", {"LOW_AFTER_RESET"}, {2: {"valid": 1, "ready": 1}}),
+    *of_address("aw"),
+    *of_address("ar"),
+    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {6: B}),
+    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {7: B}),  # with the last beat
+    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {10: B}),  # a second answer
+    Break("axi4", {"write.B_AFTER_ADDRESS"}, {12: {**B, "bid": 1}}),
+    Break("axi4", {"write.BID"}, {14: {"bid": 0}}),
+    Break("axi4", {"write.BRESP"}, {14: {"bresp": 1}}),
+    Break("axi4", {"write.WLAST"}, {7: {"wlast": 0}}),
+    Break("axi4", {"write.WLAST"}, {5: {"wlast": 1}}),
+    Break("axi4", {"write.WLAST"}, {12: {"awlen": 0}}),  # of data that are all there
+    Break("axi4", {"write.WLAST"}, {12: {"awlen": 2}}),
+    Break("axi4", {"write.WLAST"}, {11: {**AW, "awlen": 0, "wvalid": 0}}),  # of some that are there
+    Break("axi4", {"write.WSTRB"}, {4: {"awaddr": 0x1004}, 5: {"awaddr": 0x1004}}),
+    Break("axi4", {"write.WSTRB"}, {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x10}}),
+    Break("axi4", {"write.WSTRB"},
+          {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 15}, 6: {"wstrb": 15}, 7: {"wstrb": 15}}),
+    Break("axi4", {"write.MONITOR_ROOM"}, {k: {"awvalid": 1, "awready": 1} for k in MANY}, base=False),
+    Break("axi4", {"read.R_AFTER_ADDRESS"}, {4: R}),
+    Break("axi4", {"read.R_AFTER_ADDRESS"}, {5: R}),  # with the address
+    Break("axi4", {"read.R_AFTER_ADDRESS"}, {12: R}),  # a beat too many
+    Break("axi4", {"read.RID"}, {6: {**R, "rid": 1}}),
+    Break("axi4", {"read.RLAST"}, {8: {"rlast": 0}}),
+    Break("axi4", {"read.RLAST"}, {9: {"rlast": 1}}),
+    Break("axi4", {"read.RLAST"}, {11: {"rlast": 0}}),
+    Break("axi4", {"read.RRESP"}, {8: {"rresp": 1}}),
+    Break("axi4", {"read.MONITOR_ROOM"}, {k: {"arvalid": 1, "arready": 1} for k in MANY}, base=False),
+    Break("lite", {"B_AFTER_ADDRESS"}, {4: {"awvalid": 0}, 5: {"awvalid": 0}, 7: B}),
+    Break("lite", {"B_AFTER_DATA"}, {6: B}),
+    Break("lite", {"BRESP"}, {8: {"bresp": 1}}),
+    Break("lite", {"R_AFTER_ADDRESS"}, {5: R}),
+    Break("lite", {"RRESP"}, {7: {"rresp": 1}}),
+]  # fmt: skip
+
+
+def names(module: str) -> dict[int, str]:
+    """Number -> name of the rules in a module."""
+    text = (RULES / f"{module}.v").read_text(encoding="utf-8")
+    return {int(k): name for k, name in re.findall(r'`IK_RULE\((\d), [^"]*"(\w+)", "', text)}
