@@ -16,10 +16,10 @@ from pathlib import Path
 
 from scripts import exhaustive
 from scripts.console import Parser, exit_status
-from scripts.formal import RANGES_PAGE, STREAMS_PAGE
+from scripts.formal import ARITHMETIC_PAGE, RANGES_PAGE, STREAMS_PAGE
 from scripts.fpga import measure
 from scripts.pages.tables import table
-from tb.formal import overflow, prove
+from tb.formal import arithmetic_parts, overflow, prove
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ def _page(path: Path, command: str, present: Callable[[], dict[str, str]]) -> Pa
 PAGES = (
     _page(STREAMS_PAGE, "make formal", prove.digests),
     _page(RANGES_PAGE, "make formal", overflow.digests),
+    _page(ARITHMETIC_PAGE, "make formal", arithmetic_parts.digests),
     _page(exhaustive.PAGE, "make exhaustive", exhaustive.digests),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
 )

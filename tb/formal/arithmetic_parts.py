@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of :mod:`tb.formal.arithmetic`, and digests of what they are about."""
+
+from __future__ import annotations
+
+import hashlib
+
+from tb.formal.lean_proofs import ERRORS, RULES
+from tb.sim.env import ROOT
+from tb.sim.sources import digest
+
+ARITHMETIC = (RULES, ERRORS)
+
+FILES = (
+    *(f"model/dataflow/{name}.py" for name in ("facts", "lean", "lean_words", "nodes", "cores")),
+    *(f"model/bounds/{name}.py" for name in ("lean_ranges",)),
+    *(f"tb/formal/{name}.py" for name in ("lean_exact", "lean_rules", "lean_rounded")),
+)
+
+
+def digests() -> dict[str, str]:
+    """What is proved, a file: a digest of it."""
+    found = {name: digest([ROOT / name]) for name in FILES}
+    bugs = repr([(part.name, part.bugs) for part in ARITHMETIC])
+    return {**found, "questions and seeded bugs": hashlib.sha256(bugs.encode()).hexdigest()[:16]}

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proofs about numbers: every range of the lean datapath has one, and fails where its rule does not hold."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from model.dataflow import fixed, lean
+from model.dataflow.nodes import WIDTHS
+from model.targets.stimuli import REGIONS, region
+from tb.formal import arithmetic, lean_rules
+from tb.formal.arithmetic import Part, Question
+from tb.formal.arithmetic_parts import ARITHMETIC
+from tb.formal.lean_exact import Exact
+from tb.formal.lean_proofs import errors, rules, seeded
+from tb.formal.lean_rounded import Rounded
+from tb.formal.lean_rules import BY_WORDS, GEOMETRY, SQUARES, USES, Rules
+from tb.formal.range_bugs import FULL
+from tb.formal.tools import missing
+from tb.formal.unrolled import Answer
+from tb.sim.mutants import Bug
+
+tools = pytest.mark.skipif(
+    bool(missing()), reason="the tools of requirements-fpga.lock are not installed: `make formal` does it"
+)
+HARMLESS = Bug("harmless", "model/dataflow/lean.py", "PAIR = Within(-1.5, 1.5,", "PAIR = Within(-1.6, 1.6,", "wi_0")
+
+
+@pytest.mark.parametrize("width", [16, 17, 32])
+def test_every_range_is_asked_for(width):
+    """A range that the dataflow claims without a question about it would be a rule without a proof."""
+    exact = Exact(width)
+    fractions = {name for name, node in exact.nodes.items() if node.format.frac and node.op != "input"}
+    assert fractions <= set(exact.claimed)
+    assert set(exact.claimed) <= {*Rules(width).names(), *BY_WORDS} and set(BY_WORDS) <= set(Rounded(width).names())
+    assert fractions - set(Rounded(width).names()) == {n for n in fractions if exact.nodes[n].section == "guard"}
+
+
+def test_questions_rest_on_what_is_asked():
+    """Every name is a node, a lemma or a sum of squares, no lemma has a node's name, and nothing goes in circles."""
+    asked = Rules(FULL)
+    nodes = asked.exact.nodes
+    assert not set(GEOMETRY) & set(asked.exact.claimed) and not set(SQUARES) & set(nodes) and set(USES) <= set(nodes)
+    for name in asked.names():
+        for used in asked.uses(name):
+            plain = used.lstrip("=#")
+            known = {*nodes, *SQUARES, "ulp"} if used != plain else {*GEOMETRY, *asked.exact.claimed} - set(BY_WORDS)
+            assert plain in known, (name, used)
+    assert asked.circle() == ""
+    assert [name for name, (_, uses) in GEOMETRY.items() if not uses] == ["reach", "e_far of d1"]
+
+
+def test_circle_is_named(monkeypatch):
+    monkeypatch.setitem(lean_rules.USES, "u_x", ["cos_a", "u_y"])
+    monkeypatch.setitem(lean_rules.USES, "u_y", ["u_x"])
+    assert set(Rules(FULL).circle().split(" <- ")) == {"u_x", "u_y"}
+    with pytest.raises(RuntimeError, match="rest on each other"):
+        next(rules((FULL,)))
+
+
+def test_decision_that_is_not_of_signs_is_free():
+    exact = Exact(FULL)
+    assert exact.equations["low"] == [] and exact.equations["minus"] != []
+    assert exact.signs.keys() == {"u_y", "sin_el", "cos_a", "k_1", "length_sq"}
+
+
+@pytest.mark.parametrize("bug", [bug for part in ARITHMETIC for bug in part.bugs], ids=lambda bug: bug.what)
+def test_bug_can_be_seeded(bug):
+    if bug.file == "model/dataflow/lean.py":
+        assert seeded(bug).lean is not lean.lean
+
+
+@pytest.mark.parametrize("width", [16, 24, 31, 32])
+def test_rounding_is_what_the_questions_take_it_for(width, monkeypatch):
+    """Of operations on words: the words less the value of the operation, in places."""
+    rounded, off, apply = Rounded(width), {}, fixed.Bits.apply
+
+    def watched(self, name, operands, fmt, bits, real):
+        words = apply(self, name, operands, fmt, bits, real)
+        node = rounded.exact.nodes[name]
+        if real is not None and node.section != "guard":
+            exact = real(*(np.asarray(n.value, dtype=np.float64) * n.format.ulp for n in operands))
+            exact = np.minimum(exact, fmt.high * fmt.ulp) if node.facts.limited else exact
+            off[name] = (np.asarray(words, dtype=np.float64) * fmt.ulp - exact) / fmt.ulp
+        return words
+
+    monkeypatch.setattr(fixed.Bits, "apply", watched)
+    words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
+    clamp = fixed.run(words, width, "lean").bits.nodes["clamp"].value
+    usual = ~np.asarray(clamp).astype(bool)
+    for name, places in off.items():
+        low, high = rounded.rounding(rounded.exact.nodes[name])
+        assert low - 1e-3 <= places[usual].min() and places[usual].max() <= high + 1e-3, name
+    assert {"x_n", "k_scaled", "inv_12_far", "az_c", "arm_dif", "w_1", "m_q", "qe_i", "qs_k"} <= set(off)
+
+
+@tools
+def test_rules_and_errors():
+    """All questions of one width."""
+    with ThreadPoolExecutor(2) as pool:
+        for questions in (rules, errors):
+            part = Part("part", "", "", lambda q=questions: q((24,)), lambda bug: (), ())
+            assert arithmetic.run(part, pool, print).failed == []
+
+
+@tools
+@pytest.mark.parametrize("part", ARITHMETIC, ids=lambda part: part.name)
+def test_every_bug_is_noticed(part):
+    assert {bug.what: arithmetic.survives(part, bug) for bug in part.bugs} == dict.fromkeys(
+        (bug.what for bug in part.bugs), ""
+    )
+
+
+@tools
+def test_bug_that_is_none_survives():
+    assert "survives" in arithmetic.survives(ARITHMETIC[0], HARMLESS)
+
+
+def test_what_can_go_wrong_is_said():
+    """A counterexample, no answer, an assumption that nothing meets, a bug without its question or its text."""
+
+    def said(answer, met="sat"):
+        question = Question("q", "", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1))
+        return arithmetic.answer(question).problem
+
+    assert (said("unsat"), said("sat"), said("timeout")) == ("", "counterexample", "timeout")
+    assert said("unsat", "unsat") == "can what is assumed be met? unsat"
+    part = Part("part", "", "", tuple, lambda bug: [bug.seeded("a b")], ())
+    assert "cannot be seeded" in arithmetic.survives(part, Bug("x", "f", "c", "d", "q"))
+    part = Part("part", "", "", tuple, lambda bug: (), ())
+    assert "no question" in arithmetic.survives(part, Bug("x", "f", "a", "d", "q"))
+
+
+def test_widths():
+    """Questions of every width, those that are the same once."""
+    assert len({question.name for question in rules((32, 31))}) == len(list(rules((32, 31))))
+    assert list(WIDTHS) == list(range(16, 33))
