@@ -8,6 +8,7 @@ asked as well: whether it can be met.
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
@@ -17,6 +18,9 @@ from tb.formal.unrolled import Answer
 from tb.sim.mutants import Bug
 
 Say = Callable[[str], None]
+
+ELSEWHERE = re.compile(", [WF]=")
+"""In a question's name: of another width than the full one."""
 
 
 @dataclass
@@ -65,7 +69,7 @@ class Part:
     @staticmethod
     def elsewhere(found: Found) -> list[Asked]:
         """The questions of other widths than the full one."""
-        return [asked for asked in found.asked if ", W=" in asked.name]
+        return [asked for asked in found.asked if ELSEWHERE.search(asked.name)]
 
 
 def answer(question: Question) -> Asked:

@@ -6,19 +6,23 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from model.dataflow import fixed, lean
+from model.dataflow import cores, fixed, lean
 from model.dataflow.nodes import WIDTHS
+from model.dataflow.quadratic import Form
 from model.targets.stimuli import REGIONS, region
 from tb.formal import arithmetic, lean_rules
 from tb.formal.arithmetic import Part, Question
 from tb.formal.arithmetic_parts import ARITHMETIC
+from tb.formal.floors import ROOT_DIGIT, FormulaError, integer
 from tb.formal.lean_exact import Exact
 from tb.formal.lean_proofs import errors, rules, seeded
 from tb.formal.lean_rounded import Rounded
 from tb.formal.lean_rules import BY_WORDS, GEOMETRY, SQUARES, USES, Rules
 from tb.formal.range_bugs import FULL
+from tb.formal.rsqrt_stages import STAGES, Stages, forms, model
 from tb.formal.tools import missing
 from tb.formal.unrolled import Answer
+from tb.sim.env import ROOT
 from tb.sim.mutants import Bug
 
 tools = pytest.mark.skipif(
@@ -67,6 +71,7 @@ def test_decision_that_is_not_of_signs_is_free():
 
 @pytest.mark.parametrize("bug", [bug for part in ARITHMETIC for bug in part.bugs], ids=lambda bug: bug.what)
 def test_bug_can_be_seeded(bug):
+    assert bug.seeded((ROOT / bug.file).read_text())
     if bug.file == "model/dataflow/lean.py":
         assert seeded(bug).lean is not lean.lean
 
@@ -105,7 +110,32 @@ def test_rules_and_errors():
 
 
 @tools
-@pytest.mark.parametrize("part", ARITHMETIC, ids=lambda part: part.name)
+@pytest.mark.slow
+def test_reciprocal_root_of_short_words():
+    """The form with one tile."""
+    for question in Stages(22).questions():
+        assert arithmetic.answer(question).problem == "", question.name
+
+
+@pytest.mark.parametrize(("frac", "tile"), forms())
+def test_terms_are_those_of_the_model(frac, tile):
+    """What is asked of terms is the model's root, of numbers."""
+    form, random = cores.form_of(frac, tile), np.random.default_rng(1)
+    rows, added = cores.rsqrt_rows(form), cores.rounding(form, frac)
+    whole = Form(**{**form.__dict__, "c_frac": (form.sum_frac, *form.c_frac[1:])})
+    ends = [1 << frac + 1, (1 << frac + 2) - 1, 1 << frac + 2, (1 << frac + 3) - 1]
+    for m in [*ends, *map(int, random.integers(1 << frac + 1, 1 << frac + 3, 200))]:
+        c0, *others = rows[int(cores.place(form, m, frac)[0])]
+        y = model(whole, frac, ((c0 << form.sum_frac - form.c_frac[0]) + added, *others), m)[2]
+        assert y == cores.rsqrt(m, frac, tile)
+
+
+@tools
+@pytest.mark.parametrize(
+    "part",
+    [pytest.param(p, marks=pytest.mark.slow if p is STAGES else ()) for p in ARITHMETIC],
+    ids=lambda part: part.name,
+)
 def test_every_bug_is_noticed(part):
     assert {bug.what: arithmetic.survives(part, bug) for bug in part.bugs} == dict.fromkeys(
         (bug.what for bug in part.bugs), ""
@@ -130,6 +160,31 @@ def test_what_can_go_wrong_is_said():
     assert "cannot be seeded" in arithmetic.survives(part, Bug("x", "f", "c", "d", "q"))
     part = Part("part", "", "", tuple, lambda bug: (), ())
     assert "no question" in arithmetic.survives(part, Bug("x", "f", "a", "d", "q"))
+
+
+def test_expressions_are_read():
+    """Verilog's order of operators, shifts by a number or a name, a choice, a constant of zeros, a bit more."""
+    names = {"a": "a", "b": "b", "N": "B", "c": "(= c 1)", "x": "x", "q": "q"}
+    for text, term in (
+        ("a + (b << 2)", "(+ a (* b 4))"), ("a + b << N", "(* (+ a b) B)"),
+        ("c ? a : b - 1", "(ite (= c 1) a (- b 1))"), ("~a", "(- (- 1) a)"),
+        ("c || a >= b", "(or (= c 1) (>= a b))"), ("{(N - 1) {1'b0}}", "0"),
+        ("{x[N-2:0], q}", "(+ (* 2 x) q)"), ("-1 - a", "(- (- 1) a)"),
+    ):  # fmt: skip
+        assert integer(text, names) == term
+    for text in ("a & b", "a b", "(a", "c ? a", "y", ""):
+        with pytest.raises(FormulaError):
+            integer(text, names)
+
+
+@pytest.mark.parametrize(("file", "line"), [
+    ("ik_div_digit", "((MB - ROWS > DW - 1) ? (MB - ROWS) : (DW - 1)) + 2;"), ("ik_div_digit", "XW = HW + ROWS;"),
+    ("ik_root_digit", "? ((VB + 1) / 2) : (QW - 1);"),
+])  # fmt: skip
+def test_words_are_as_long_as_the_floors_take_them_for(file, line):
+    """X = 2^XW >= 2 D = 2^DW; the radicand has 2 ROWS bits."""
+    assert line in (ROOT / "rtl" / "cores" / f"{file}.v").read_text()
+    assert "localparam integer MW = 2 * ROWS;" in (ROOT / ROOT_DIGIT).read_text()
 
 
 def test_widths():
