@@ -7,16 +7,19 @@ import hashlib
 
 from tb.formal.floors import FLOORS
 from tb.formal.lean_proofs import ERRORS, RULES
+from tb.formal.paper_rules import PAPER_RULES
 from tb.formal.rsqrt_stages import STAGES
 from tb.sim.env import ROOT
 from tb.sim.sources import digest
 
-ARITHMETIC = (RULES, ERRORS, FLOORS, STAGES)
+ARITHMETIC = (RULES, ERRORS, PAPER_RULES, FLOORS, STAGES)
 
 FILES = (
-    *(f"model/dataflow/{name}.py" for name in ("facts", "lean", "lean_words", "nodes", "cores")),
-    *(f"model/bounds/{name}.py" for name in ("lean_ranges",)),
-    *(f"tb/formal/{name}.py" for name in ("lean_exact", "lean_rules", "lean_rounded", "floors", "rsqrt_stages")),
+    *(f"model/dataflow/{name}.py" for name in ("facts", "lean", "lean_words", "nodes", "cores", "paper",
+    "paper_turns", "cases")),
+    *(f"model/bounds/{name}.py" for name in ("lean_ranges", "ranges")),
+    *(f"tb/formal/{name}.py" for name in ("lean_exact", "lean_rules", "lean_rounded", "paper_rules", "floors",
+    "rsqrt_stages")),
     "model/dataflow/quadratic.py",
     *("rtl/cores/ik_rsqrt.v", "rtl/cores/ik_rsqrt_table.vh", "rtl/cores/ik_quadratic.v", "rtl/lib/ik_delay.v"),
     "tb/formal/ik_div_digit.vh",

@@ -63,6 +63,13 @@ def between(low: float, term: str, high: float, below: bool = False) -> str:
     return f"(and (<= {number(low)} {term}) ({'<' if below else '<='} {term} {number(high)}))"
 
 
+def real_formula(facts: list[str], goal: str, bits: Callable[[str], bool] = lambda name: False) -> str:
+    """That the facts hold and the goal does not, with all that is named in them declared, real or, of ``bits``, not."""
+    names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
+    lines = [f"(declare-const {name} {'Bool' if bits(name) else 'Real'})" for name in names]
+    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
+
+
 class UnknownOperationError(Exception):
     """The dataflow has an operation that nothing here says in reals; the text names the node."""
 
@@ -113,10 +120,9 @@ class Exact(Domain):
 
     def formula(self, facts: list[str], goal: str) -> str:
         """That the facts hold and the goal does not, with all that is named in them declared."""
-        names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
-        decision = [n.startswith("neg_") or (n in self.nodes and self.nodes[n].format.width == 1) for n in names]
-        lines = [f"(declare-const {n} {'Bool' if bit else 'Real'})" for n, bit in zip(names, decision, strict=True)]
-        return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
+        return real_formula(
+            facts, goal, lambda n: n.startswith("neg_") or (n in self.nodes and self.nodes[n].format.width == 1)
+        )
 
     @property
     def claimed(self) -> list[str]:

@@ -6,11 +6,14 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from model.bounds.ranges import Ranges
 from model.dataflow import cores, fixed, lean
+from model.dataflow.cases import cases
+from model.dataflow.facts import Rule
 from model.dataflow.nodes import WIDTHS
 from model.dataflow.quadratic import Form
 from model.targets.stimuli import REGIONS, region
-from tb.formal import arithmetic, lean_rules
+from tb.formal import arithmetic, lean_rules, paper_rules
 from tb.formal.arithmetic import Part, Question
 from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.floors import ROOT_DIGIT, FormulaError, integer
@@ -61,6 +64,15 @@ def test_circle_is_named(monkeypatch):
     assert set(Rules(FULL).circle().split(" <- ")) == {"u_x", "u_y"}
     with pytest.raises(RuntimeError, match="rest on each other"):
         next(rules((FULL,)))
+
+
+def test_power_of_two_and_word():
+    """The one lemma about integers: 1/e_far, where it is a place or more, is not between d1 and the next word."""
+    claim, ulp = GEOMETRY["e_far of d1"][0], 2.0**-6
+    assert claim == "(or (< 1.0 (* ulp e_far)) (<= 1.0 (* e_far d1)) (<= (* e_far (+ d1 ulp)) 1.0))"
+    for e_far in (2.0**k for k in range(8)):
+        for d1 in (j * ulp for j in range(1, 128)):
+            assert ulp * e_far > 1 or e_far * d1 >= 1 or e_far * (d1 + ulp) <= 1
 
 
 def test_decision_that_is_not_of_signs_is_free():
@@ -160,6 +172,17 @@ def test_what_can_go_wrong_is_said():
     assert "cannot be seeded" in arithmetic.survives(part, Bug("x", "f", "c", "d", "q"))
     part = Part("part", "", "", tuple, lambda bug: (), ())
     assert "no question" in arithmetic.survives(part, Bug("x", "f", "a", "d", "q"))
+
+
+def test_every_rule_of_the_papers_datapath_is_proved_or_named():
+    """A rule without a formula is in the list of those that are open; the one without a name is the law of cosines."""
+    rules = paper_rules.named()
+    assert set(rules) == {*paper_rules.FORMULAS, *paper_rules.OPEN}
+    assert not set(paper_rules.FORMULAS) & set(paper_rules.OPEN) and set(paper_rules.LONG_OPEN) <= set(rules)
+    facts = Ranges(FULL, cases(FULL)[0]).run().facts.values()
+    used = {id(fact.within): fact.within for fact in facts if isinstance(fact.within, Rule)}
+    assert {r.name for r in used.values() if r not in rules.values()} == {"law of cosines"}
+    assert {name for name, rule in rules.items() if id(rule) not in used} == set()
 
 
 def test_expressions_are_read():
