@@ -16,10 +16,10 @@ from pathlib import Path
 
 from scripts import exhaustive
 from scripts.console import Parser, exit_status
-from scripts.formal import RANGES_PAGE, STREAMS_PAGE
+from scripts.formal import ARITHMETIC_PAGE, RANGES_PAGE, STREAMS_PAGE, WIDTHS_PAGE
 from scripts.fpga import measure
 from scripts.pages.tables import table
-from tb.formal import overflow, prove
+from tb.formal import arithmetic_parts, overflow, prove, widths
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,17 @@ def _page(path: Path, command: str, present: Callable[[], dict[str, str]]) -> Pa
     return Page(path, command, lambda: dict(table(path.read_text(), "code")), present)
 
 
+def _widths() -> dict[str, str]:
+    """What `make formal` does of the widths, and what the page has besides."""
+    there = dict(table(WIDTHS_PAGE.read_text(), "code"))
+    return {name: now for name, now in widths.digests().items() if name in there or name.startswith(widths.LIGHT)}
+
+
 PAGES = (
     _page(STREAMS_PAGE, "make formal", prove.digests),
     _page(RANGES_PAGE, "make formal", overflow.digests),
+    _page(ARITHMETIC_PAGE, "make formal", arithmetic_parts.digests),
+    _page(WIDTHS_PAGE, "make formal", _widths),
     _page(exhaustive.PAGE, "make exhaustive", exhaustive.digests),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
 )

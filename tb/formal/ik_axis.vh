@@ -101,6 +101,11 @@ end
 
 // ---- properties ----
 
+// inside: in the pipeline, as its rows hold them (rows_counts, last_row), in the FIFO's memory by its own pointers, offered
+wire [K-1:0] f_flight = f_A - f_D;
+wire [K-1:0] f_in_mem = f_wr_ptr - f_rd_ptr;
+wire [K+1:0] f_inside = {2'b00, f_flight} + {2'b00, f_in_mem} + {{(K + 1) {1'b0}}, m_axis_tvalid};
+
 reg f_stall;
 reg [6*W+8+TAG_W-1:0] f_held;
 always @(posedge clk) begin
@@ -113,7 +118,7 @@ always @* if (f_on) begin
   stable : assert (!f_stall || (m_axis_tvalid && {m_axis_tuser, m_axis_tdata} == f_held));
   in_order : assert (!(f_due && m_axis_tvalid) || {m_axis_tuser, m_axis_tdata} == f_expected);
   nothing_invented : assert (!m_axis_tvalid || f_total != 0);
-  within_places : assert (f_total <= PLACES);
+  within_places : assert (f_inside <= {2'b00, PLACES});
   place_for_every_write : assert (!core_valid || f_D - f_L < PLACES);  // f_contract of ik_fifo.vh
   ready_when_places : assert (s_axis_tready == (!rst && f_total < PLACES));
   offered_in_time : assert (!f_quiet[T] || m_axis_tvalid);               // whatever the receiver does
@@ -193,7 +198,6 @@ always @(posedge clk) begin
   else if (f_mark[T-1]) f_stored <= 1'b1;
 end
 
-wire [K-1:0] f_in_mem = f_wr_ptr - f_rd_ptr;
 wire [K-1:0] f_depth = f_index - f_rd_ptr;
 wire f_is_in_mem = f_depth < f_in_mem;
 wire f_is_out = m_axis_tvalid && (f_index + 1'b1 == f_rd_ptr);
@@ -202,7 +206,8 @@ assign \u_fifo.f_addr = f_index[LOG2-1:0];
 always @* if (f_on) begin
   not_yet_stored : assert (!f_taken || f_stored || f_index - f_D < T_K);
   last_row : assert (f_count[K*(T-1)+:K] == f_D + {{LOG2{1'b0}}, f_valid[T-1]});
-  flight : assert (f_A - f_D <= T_K);
+  flight : assert (f_flight <= T_K);
+  counted : assert (f_total <= PLACES);  // at the ports
   credits_are_free_places : assert (credits == PLACES - f_total);
   count_written : assert (f_wr_ptr == f_D);
   count_left : assert (f_rd_ptr - {{LOG2{1'b0}}, m_axis_tvalid} == f_L);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_fifo: what leaves is what was written, in that order, whatever receiver and reset do.
 //
-// One assumption, on an input: who writes has reserved a place (f_contract). ik_axis keeps it, see ik_axis.vh.
+// One assumption, on an input: who writes has reserved a place (f_contract). ik_axis keeps it, see ik_axis.vh. It is about
+// words written and taken, as they are counted at the ports; within_places is about what the registers hold.
 // Nothing is assumed of a register: the state before the first reset is arbitrary, and a reset may come at any time.
 
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
@@ -56,6 +57,9 @@ end
 
 // ---- properties ----
 
+wire [LOG2:0] f_in_mem = wr_ptr - rd_ptr;
+wire [LOG2+1:0] f_held_words = {1'b0, f_in_mem} + {{(LOG2 + 1) {1'b0}}, m_valid};  // in memory and output register
+
 reg f_stall;  // valid and not taken in the clock before
 reg [W-1:0] f_held;
 reg f_waited;  // in the clock before: a word inside, none offered
@@ -70,20 +74,20 @@ always @* if (f_on) begin
   stable : assert (!f_stall || (m_valid && m_data == f_held));
   in_order : assert (!(f_due && m_valid) || m_data == f_data);
   nothing_invented : assert (!m_valid || f_inside != 0);
-  within_places : assert (f_inside <= PLACES);
+  within_places : assert (f_held_words <= {1'b0, PLACES});
   read_apart : assert (!wr_en || !load || empty || wr_ptr[LOG2-1:0] != rd_ptr[LOG2-1:0]);
   no_deadlock : assert (!f_waited || m_valid);
 end
 
 // ---- helping invariants, asserted as well ----
 
-wire [LOG2:0] f_in_mem = wr_ptr - rd_ptr;
 wire [LOG2:0] f_depth = f_index - rd_ptr;
 wire f_is_in_mem = f_depth < f_in_mem;
 wire f_is_out = m_valid && (f_index + 1'b1 == rd_ptr);
 assign f_addr = f_index[LOG2-1:0];
 
 always @* if (f_on) begin
+  counted : assert (f_inside <= PLACES);  // f_contract alone says so
   count_written : assert (wr_ptr == f_written);
   count_left : assert (rd_ptr - {{LOG2{1'b0}}, m_valid} == f_left);
   memory_fits : assert (f_in_mem <= PLACES);

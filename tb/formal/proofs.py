@@ -21,7 +21,7 @@ FIFO_SAYS = {
     "stable": "a word that is offered and not taken stays, valid and unchanged",
     "in_order": "the n-th word that leaves is the n-th written, for any n: none lost, doubled or reordered",
     "nothing_invented": "no word is offered while none is inside",
-    "within_places": "never more words inside than places",
+    "within_places": "never more words in memory and output register than places, by the FIFO's own pointers",
     "read_apart": "no word is written and read in one clock: what a memory gives then does not matter",
     "no_deadlock": "with a word inside, one is offered at the latest one clock later, whatever the receiver does",
 }
@@ -35,6 +35,8 @@ FIFO_BUGS = (
         "if (wr_en) wr_ptr", "if (wr_en && !load) wr_ptr", "somewhere"),
     Bug("read pointer runs on while stalled", FIFO,
         "if (!empty) rd_ptr", "if (!empty && m_ready) rd_ptr", "count_left"),
+    Bug("a word keeps its place as it is offered", FIFO,
+        "if (!empty) rd_ptr", "if (!empty && m_valid) rd_ptr", "within_places"),
     Bug("reads what is not there yet", FIFO, "wire empty = (wr_ptr == rd_ptr)", "wire empty = 1'b0", "read_apart"),
 )  # fmt: skip
 
@@ -44,7 +46,8 @@ AXIS_SAYS = {
     "in_order": "the n-th result that leaves belongs to the n-th target since the reset and has its tag, for any n: "
     "none lost, doubled or reordered",
     "nothing_invented": "nothing is offered while nothing is inside",
-    "within_places": "never more in flight, in pipeline, FIFO and output register, than places",
+    "within_places": "never more inside than places: in the pipeline, as its rows hold them, in the FIFO's memory by "
+    "its own pointers, and in its output register",
     "ready_when_places": "tready is high exactly when a place is free, and low in a reset: it waits for nobody",
     "offered_in_time": "no deadlock: with anything inside, a result is offered at the latest T+1 clocks later, "
     "even if tready stays low",
@@ -59,6 +62,8 @@ AXIS_BUGS = (
         "core_tag, core_data}),", "s_axis_tuser, core_data}),", "kept_in_memory"),
     Bug("offers the last result again", FIFO, "m_valid <= !empty", "m_valid <= !empty || m_valid", "nothing_invented"),
     Bug("admits without a place", AXIS, "!rst && (credits != 0)", "!rst", "within_places"),
+    Bug("a result keeps its place as it is offered", FIFO,
+        "if (!empty) rd_ptr", "if (!empty && m_valid) rd_ptr", "within_places"),
     Bug("credit comes back with ready alone", AXIS,
         "leave = m_axis_tvalid && m_axis_tready", "leave = m_axis_tready", "credits_are_free_places"),
     Bug("one credit too many", AXIS,
@@ -85,7 +90,22 @@ STORE = [
     "somewhere",
 ]
 AXIS_USES = {
-    "within_places": ["within_places", "credits_are_free_places", "nothing_invented"],
+    "within_places": [
+        "within_places",
+        "counted",
+        "credits_are_free_places",
+        "nothing_invented",
+        "count_written",
+        "count_left",
+        "memory_fits",
+        "flight",
+        "last_row",
+        "rows_bound$",
+        "fifo_part",
+        "fifo_fits",
+        "place_for_every_write",
+    ],
+    "counted": ["counted", "credits_are_free_places", "nothing_invented"],
     "somewhere": [
         "somewhere",
         "rows_mark$",

@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lean dataflow in exact arithmetic, as formulas over the reals: what each node is, and what its range claims.
+
+:class:`Exact` runs the dataflow itself; a node becomes a real number with the equation that its operation gives, a
+count e the number 2^e, so that a shift is a product. A decision is taken on words, which are rounded: where a
+lambda of the dataflow looks at nothing but signs and masks, its truth table becomes a formula over the sign of
+each word, which is free where the word is not exact; any other decision is free. So what holds here holds
+whichever way rounding decides.
+
+What rounding does to a word is :mod:`tb.formal.lean_rounded`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+
+from model.bounds.lean_ranges import LeanRanges
+from model.dataflow import lean
+from model.dataflow.facts import Within
+from model.dataflow.lean_words import (
+    Count,
+    Elbow,
+    HalfLength,
+    HalfPart,
+    Limit,
+    Mantissa,
+    PartSum,
+    Result,
+    Shift,
+    Turned,
+    plus,
+    square,
+    times,
+)
+from model.dataflow.lean_words import minus as less
+from model.dataflow.nodes import Domain, Format, Node
+from model.targets.words import ARMS
+
+LONG = (1 << 60) - 1
+"""Magnitudes up to here are what a decision is looked at with: one that tells them apart is not of signs only."""
+
+
+WORDS = {"and", "or", "not", "ite", "true", "false"}
+"""Of SMT-LIB."""
+
+
+def number(value: float | Fraction) -> str:
+    """Exactly that, in SMT-LIB."""
+    exact = Fraction(value)
+    size = (
+        f"(/ {abs(exact.numerator)}.0 {exact.denominator}.0)" if exact.denominator > 1 else f"{abs(exact.numerator)}.0"
+    )
+    return size if exact >= 0 else f"(- {size})"
+
+
+def between(low: float, term: str, high: float, below: bool = False) -> str:
+    """low <= term <= high, or < high."""
+    return f"(and (<= {number(low)} {term}) ({'<' if below else '<='} {term} {number(high)}))"
+
+
+def real_formula(facts: list[str], goal: str, bits: Callable[[str], bool] = lambda name: False) -> str:
+    """That the facts hold and the goal does not, with all that is named in them declared, real or, of ``bits``, not."""
+    names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
+    lines = [f"(declare-const {name} {'Bool' if bits(name) else 'Real'})" for name in names]
+    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
+
+
+class UnknownOperationError(Exception):
+    """The dataflow has an operation that nothing here says in reals; the text names the node."""
+
+
+class Exact(Domain):
+    """The lean dataflow at one word length, of targets that are not clamped."""
+
+    def __init__(self, width: int, dataflow=lean) -> None:
+        super().__init__(width)
+        self.equations: dict[str, list[str]] = {}
+        self.signs: dict[str, str] = {}  # word -> whether it is negative, where a decision asked for it
+        self.ranges = LeanRanges(width, dataflow=dataflow.lean).nodes
+        self._is("ulp", f"(= ulp {number(self.word(1).ulp)})")
+        inputs = self.inputs(lambda name, fmt: None)
+        for name, node in inputs.items():
+            fmt = node.format
+            low = fmt.ulp if name in ARMS else fmt.low * fmt.ulp
+            self._is(name, between(low, name, fmt.high * fmt.ulp))
+        dataflow.lean(self, inputs)
+
+    def _is(self, name: str, *formulas: str) -> None:
+        self.equations[name] = list(formulas)
+
+    # ---- names ----
+
+    def claim(self, name: str) -> str:
+        """What the dataflow says of a node's exact value; of a count that it is none below 0 nor above 63."""
+        within = self.nodes[name].facts.within
+        if not isinstance(within, Within):
+            raise LookupError(name)
+        if not self.nodes[name].format.frac:  # an integer: above -1 and below 64
+            return f"(and (< 0.5 {name}) (< {name} {number(2.0 ** (within.high + 1))}))"
+        return between(within.low, name, within.high, within.below)
+
+    def known(self, name: str) -> str:
+        """What follows from :meth:`claim`: a count above -1 is 0 or more, as it is an integer."""
+        if self.nodes[name].format.frac:
+            return self.claim(name)
+        return between(1.0, name, 2.0 ** self.nodes[name].facts.within.high)
+
+    def places(self, name: str) -> str:
+        """A word that is exact is 0, a place, or two and more."""
+        if self.ranges[name].value.error:
+            raise LookupError(f"{name} is rounded")
+        ulp = self.nodes[name].format.ulp
+        size = f"(ite (< {name} 0.0) (- {name}) {name})"
+        return f"(or (= {name} 0.0) (= {size} {number(ulp)}) (<= {number(2 * ulp)} {size}))"
+
+    def formula(self, facts: list[str], goal: str) -> str:
+        """That the facts hold and the goal does not, with all that is named in them declared."""
+        return real_formula(
+            facts, goal, lambda n: n.startswith("neg_") or (n in self.nodes and self.nodes[n].format.width == 1)
+        )
+
+    @property
+    def claimed(self) -> list[str]:
+        """The nodes of which the dataflow says a range."""
+        return [name for name, node in self.nodes.items() if isinstance(node.facts.within, Within)]
+
+    def _sign(self, node: Node) -> str:
+        """Whether a node's word is negative: of an input or of what is computed without rounding, its own sign."""
+        if node.op == "input" or node.section == "guard":
+            return f"(< {node.name} 0.0)"
+        self.signs[node.name] = f"neg_{node.name}"
+        return f"neg_{node.name}"
+
+    def _decision(self, operands: tuple[Node, ...], decide: Callable) -> str:
+        """A formula that is true exactly where ``decide`` is, or empty where it does not look at signs alone."""
+
+        def words(node: Node) -> list[tuple[str, tuple[int, ...]]]:
+            if node.format.width == 1:
+                return [(f"(not {node.name})", (0,)), (node.name, (1,))]
+            sign, most = self._sign(node), min(node.format.high, LONG)
+            above, below = (1, 5, most // 3, most), (-1, -5, -most // 3, -most)
+            if sign.startswith("neg_"):
+                return [(sign, below), (f"(not {sign})", (0, *above))]
+            return [(sign, below), (f"(= {node.name} 0.0)", (0,)), (f"(> {node.name} 0.0)", above)]
+
+        parts = []
+        for case in itertools.product(*map(words, operands)):
+            found = {
+                bool(np.atleast_1d(decide(*(np.array([v], dtype=np.int64) for v in values)))[0])
+                for values in itertools.product(*(samples for _, samples in case))
+            }
+            if len(found) > 1:
+                return ""
+            if found == {True}:
+                parts.append(f"(and true {' '.join(condition for condition, _ in case)})")
+        return f"(or false {' '.join(parts)})"
+
+    # ---- the operations ----
+
+    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None):
+        names = [node.name for node in operands]
+        if fmt.width == 1:
+            decision = self._decision(operands, _mask(bits))
+            self._is(name, *([f"(= {name} {decision})"] if decision else []))
+        elif isinstance(bits, Count):
+            up = [n for n, f in zip(names, bits.factors, strict=True) for _ in range(max(f, 0))]
+            down = [n for n, f in zip(names, bits.factors, strict=True) for _ in range(max(-f, 0))]
+            total = " ".join([number(2.0**bits.constant), *up])
+            self._is(name, f"(= (* {' '.join([name, *down, '1.0'])}) (* {total} 1.0))", f"(< 0.0 {name})")
+        elif isinstance(bits, Shift):
+            value, count = names
+            power = number(2.0**bits.power)
+            if bits.sign > 0:
+                self._is(name, f"(= {name} (* {power} {value} {count}))")
+            else:
+                self._is(name, f"(= (* {name} {count}) (* {power} {value}))")
+        else:
+            self._is(name, *self._choice(name, operands, names, bits))
+
+    def _choice(self, name: str, operands: tuple[Node, ...], names: list[str], bits: Callable) -> list[str]:
+        if bits in (plus, less, times):
+            operator = {plus: "+", less: "-", times: "*"}[bits]
+            return [f"(= {name} ({operator} {names[0]} {names[1]}))"]
+        if bits is square:
+            return [f"(= {name} (* {names[0]} {names[0]}))"]
+        if isinstance(bits, Limit):
+            return [f"(= {name} {names[0]})"]
+        if isinstance(bits, Mantissa):
+            return [f"(= {name} (ite {names[1]} (* 4.0 {names[0]}) {names[0]}))"]
+        if isinstance(bits, HalfLength):
+            unit = names[1] if len(names) > 1 else "false"
+            return [f"(= {name} (ite {unit} 1.0 {_half(names[0])}))"]
+        if isinstance(bits, HalfPart):
+            length, cosine, sine, *masks = names
+            large = self._decision((operands[1], *operands[3:]), _mask(bits.large))
+            none = self._decision(operands[3:], _mask(bits.none)) if bits.none else "false"
+            if not large or not none:
+                raise UnknownOperationError(f"{name}: its choice looks at more than signs and masks")
+            length = _half(cosine) if bits.length else length
+            return [f"(= {name} (ite {large} {length} (ite {none} 0.0 (/ {sine} 2.0))))"]
+        if isinstance(bits, PartSum):
+            sign = "+" if bits.sign > 0 else "-"
+            return [f"(= {name} ({sign} {names[0]} (ite {names[2]} 0.0 (/ {names[1]} 2.0))))"]
+        if isinstance(bits, Turned):
+            whole, part, swap = names
+            return [f"(= {name} (ite {swap} (+ {whole} {part}) (- {whole} {part})))"]
+        if isinstance(bits, Elbow):
+            clamped = f"(ite {names[2]} {number(bits.folded)} {number(bits.straight)})"
+            return [f"(= {name} (ite {names[1]} {clamped} (* {number(bits.sign)} {names[0]})))"]
+        if isinstance(bits, Result):
+            return [f"(= {name} (ite {names[1]} (- {names[0]}) {names[0]}))"]
+        raise UnknownOperationError(f"{name}: {bits!r}")
+
+    def product3(self, name: str, a: Node, b: Node, fmt: Format, scale: int):
+        self._is(name, f"(= {name} (* {number(2.0**scale)} {a.name} {b.name}))")
+
+    def even_mantissa(self, count: str, name: str, value: Node, width: int, fmt: Format):
+        """value 4^e 2^(frac - width), in [1/4, 1); of nothing 0, and the largest e that there is."""
+        most = number(2.0 ** (width // 2 - 1))
+        self._is(count, f"(and (<= 1.0 {count}) (<= {count} {most}))")
+        scale = number(2.0 ** (value.format.frac - width))
+        held = f"(=> (< 0.0 {value.name}) (and (<= 0.25 {name}) (< {name} 1.0)))"
+        empty = f"(=> (= {value.name} 0.0) (and (= {name} 0.0) (= {count} {most})))"
+        self._is(name, f"(= {name} (* {scale} {value.name} {count} {count}))", held, empty)
+        return None, None
+
+    def reciprocal_root(self, name: str, m: Node, fmt: Format, twice: Node | None):
+        one = f"(ite {twice.name} 4.0 1.0)" if twice else "1.0"
+        self._is(
+            name, f"(ite (= {m.name} 0.0) (= {name} 1.0) (= (* 4.0 {m.name} {name} {name}) {one}))", f"(< 0.0 {name})"
+        )
+
+    def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format):
+        """Half an angle of up to half a turn either way."""
+        sine, cosine = names
+        for name in names:
+            self._is(name, f"(= 1.0 (+ (* {sine} {sine}) (* {cosine} {cosine})))", f"(<= 0.0 {cosine})")
+        return None, None
+
+
+def _half(cosine: str) -> str:
+    """(1 + |c|)/2."""
+    return f"(/ (+ 1.0 (ite (< {cosine} 0.0) (- {cosine}) {cosine})) 2.0)"
+
+
+def _mask(decide: Callable) -> Callable:
+    """A decision on masks that are booleans, as the dataflow has them."""
+    return lambda *values: np.asarray(decide(*values)).astype(bool)

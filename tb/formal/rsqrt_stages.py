@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ik_rsqrt computes what its model does, by z3, register by register, for every mantissa.
+
+The model's own functions (:func:`model.dataflow.cores.place`, :func:`model.dataflow.quadratic.polynomial`) are run on
+terms, integers of :data:`WIDE` bits in which nothing overflows; the Verilog is the formula that Yosys makes of ik_rsqrt
+with its ik_quadratic, unrolled from any state over its latency. A product is a register: that it holds the product of
+the words before it, that these are the model's factors, and that the product fits are questions of their own, so none
+is about a multiplication with anything else. Of the table, one word is looked at, any one; that all of them are the
+model's is seen one by one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+from model.dataflow import cores
+from model.dataflow.cores import form_of, place, rounding, rsqrt_rows
+from model.dataflow.nodes import WIDTHS, root_frac
+from model.dataflow.quadratic import Form, polynomial
+from tb.formal.arithmetic import Part, Question
+from tb.formal.claims import inside, integers, word
+from tb.formal.tools import yosys
+from tb.formal.unrolled import Answer, Unrolled, ask
+from tb.sim.env import ROOT
+from tb.sim.mutants import Bug, copy_rtl
+
+BUILD = ROOT / "build" / "formal_rsqrt"
+WIDE = 96
+SOLVER = "(check-sat-using (then simplify propagate-values solve-eqs smt))"
+FULL = 31
+"""Fraction bits at W = 32."""
+
+RSQRT = "rtl/cores/ik_rsqrt.v"
+QUADRATIC = "rtl/cores/ik_quadratic.v"
+TABLE = "rtl/cores/ik_rsqrt_table.vh"
+
+
+HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
+"""That a word of the table has its value, at first."""
+
+MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ BitVec \d+\)) \(bvmul .*$", re.M)
+"""A product, which is any word but in the question about it."""
+
+
+class StageError(LookupError):
+    """Yosys makes no formula of the core."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """An integer of the model as a bit vector; a comparison is decided beforehand, a product is the next register."""
+
+    text: str
+    lower: bool = False
+    products: tuple[list, list] | None = None  # the registers, and the factors found
+
+    def _of(self, text: str) -> Term:
+        return Term(text, self.lower, self.products)
+
+    def _with(self, operator: str, other) -> Term:
+        return self._of(f"({operator} {self.text} {_text(other)})")
+
+    def __add__(self, other):
+        return self._with("bvadd", other)
+
+    __radd__ = __add__
+
+    def __sub__(self, other):
+        return self._with("bvsub", other)
+
+    def __neg__(self):
+        return self._of(f"(bvneg {self.text})")
+
+    def __and__(self, other):
+        return self._with("bvand", other)
+
+    def __lshift__(self, other):
+        return self._with("bvshl", other)
+
+    def __rshift__(self, other):
+        return self._with("bvashr", other)
+
+    def __lt__(self, other):
+        return self.lower
+
+    def __mul__(self, other):
+        registers, factors = self.products
+        factors.append((self, other))
+        return self._of(registers[len(factors) - 1])
+
+
+def _text(value) -> str:
+    return value.text if isinstance(value, Term) else _number(int(value), WIDE)
+
+
+def _number(value: int, width: int) -> str:
+    return f"(_ bv{value % (1 << width)} {width})"
+
+
+def model(form: Form, frac: int, row, m):
+    """The model's row, u and result without its doubling, of a mantissa from 1/4 on and its row of the table; of
+    numbers or terms.  c0 comes with what rounds the result."""
+    number, u = place(form, m, frac)
+    y = polynomial(form, row, u, rises=False, bends_up=False)
+    return number, u, y >> form.sum_frac - frac
+
+
+@dataclass(frozen=True)
+class Product:
+    """A product's register and the words that it is of."""
+
+    name: str
+    register: str
+    factors: tuple[str, str]
+
+
+class Stages:
+    """The questions about one number of fraction bits and one kind of tiles."""
+
+    def __init__(self, frac: int, tile: int = cores.TILE, bug: Bug | None = None) -> None:
+        self.frac, self.tile, self.form = frac, tile, form_of(frac, tile)
+        self.bent = len(self.form.c_frac) > 2
+        place = BUILD / (f"bug_{'_'.join(re.findall('[a-z0-9]+', bug.what))}" if bug else f"{frac}_{tile}")
+        copy_rtl(place, bug)
+        here = place.relative_to(ROOT)
+        own = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
+        wrong = yosys(place, "formula", [
+            f"read_verilog -formal -sv -I{here}/rtl/cores {own}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
+            "hierarchy -check -top ik_rsqrt", "proc", "flatten", "opt_clean", "memory_collect", "opt_clean",
+            "async2sync", "dffunmap", f"write_smt2 -wires {here}/formula.smt2",
+        ])  # fmt: skip
+        if wrong:
+            raise StageError(wrong)
+        text = (place / "formula.smt2").read_text()
+        self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
+        text = HELD.sub("true", text)  # any table will do where it is not its words that are asked for
+        self.whole, self.unrolled = Unrolled(text), Unrolled(MULTIPLIED.sub(r"(declare-fun \1 (\2) \3)", text))
+        self.clocks = cores.rsqrt_clocks(frac, tile) + 1
+
+    # ---- the Verilog ----
+
+    def at(self, name: str, clock: int, signed: bool = True) -> str:
+        """A word of the Verilog as an integer of the model's length."""
+        width = self.unrolled.widths[name]
+        return f"((_ {'sign' if signed else 'zero'}_extend {WIDE - width}) {self.unrolled.at(name, clock)})"
+
+    def field(self, low: int, width: int) -> str:
+        """Bits of the table's word."""
+        held = f"|{self.unrolled.top}_m:R0D rom@0|"
+        return f"((_ zero_extend {WIDE - width}) ((_ extract {low + width - 1} {low}) {held}))"
+
+    @property
+    def fields(self) -> list[tuple[int, int]]:
+        """Lowest bit and width of c0, without its one, c1 and c2 in a word of the table."""
+        widths = self.form.c_bits
+        return [(sum(widths[i + 1 :]), width) for i, width in enumerate(widths)]
+
+    # ---- the model ----
+
+    @property
+    def row(self) -> tuple[str, ...]:
+        """c0 in the sum's places with what rounds the result, c1, c2, as the table's word has them."""
+        spare = self.form.sum_frac - self.form.c_frac[0]
+        lowest = rounding(self.form, self.frac) & (1 << spare) - 1
+        c0, *others = (self.field(*field) for field in self.fields)
+        one = 1 << self.form.c_bits[0]
+        whole = f"(bvor (bvshl (bvor {c0} {_number(one, WIDE)}) {_number(spare, WIDE)}) {_number(lowest, WIDE)})"
+        return whole, *others
+
+    def words(self) -> Answer:
+        """Every word of the table is the model's, c0 with what rounds it; slopes are positive and fit."""
+        form, spare = self.form, self.form.sum_frac - self.form.c_frac[0]
+        slope_bits = form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1
+        wrong = [] if len(self.rom) == form.rows else ["length"]
+        for number, (c0, *others) in enumerate(rsqrt_rows(form)):
+            held = self.rom.get(number, 0)
+            fields = [held >> low & (1 << width) - 1 for low, width in self.fields]
+            whole = (fields[0] | 1 << form.c_bits[0]) << spare | rounding(form, self.frac) & (1 << spare) - 1
+            if whole != (c0 << spare) + rounding(form, self.frac) or fields[1:] != list(others):
+                wrong.append(number)
+            slope = others[0] << form.slope_frac - form.c_frac[1]
+            high = 1 << form.u_frac - form.index_bits - form.u_low - 1
+            down = form.c_frac[-1] + form.u_frac - form.u_low - form.slope_frac
+            bends = [others[1] * u >> down for u in (-high, high)] if self.bent else [0]
+            if not all(0 <= slope - bend < 1 << slope_bits - 1 for bend in bends):
+                wrong.append(number)
+        return Answer("sat" if wrong else "unsat", 0.0)
+
+    @property
+    def products(self) -> list[tuple[Product, int]]:
+        """In the order of the model, with the clock of each register."""
+        found = []
+        after = 7 if self.bent else 4
+        if self.bent:
+            found.append((Product("bend", "g_bend.bend", ("g_bend.c2_in", "g_bend.u_in")), 4))
+        found.append((Product("hh", "hh_2", ("slope_hi_1", "u_hi_1")), after))
+        if self.form.tiles > 1:
+            found.append((Product("hl", "g_tiles.hl_2", ("slope_hi_1", "g_tiles.u_lo_1")), after))
+            found.append((Product("lh", "g_tiles.lh_2", ("g_tiles.slope_lo_1", "u_hi_1")), after))
+        return found
+
+    def _ask(self, claim: str, facts: list[str]) -> Answer:
+        formula = self.whole if "bvmul" in claim else self.unrolled
+        lines = [formula.clocks(self.clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
+        return ask("\n".join(lines), SOLVER)
+
+    def questions(self) -> Iterator[Question]:
+        """All of them."""
+        label = "" if (self.frac, self.tile) == (FULL, cores.TILE) else f", F={self.frac}, TILE={self.tile}"  # W < 32
+        yield Question(f"table{label}", "all words are the model's", "", self.words)
+        yield Question(f"products fit{label}", "in their registers", "", self._fit)
+        for name, says, claim in self._claims():
+            yield Question(f"{name}{label}", says, "", partial(self._cases, claim), partial(self._cases, None))
+
+    def _fit(self) -> Answer:
+        """Of numbers as long as the factors' words, the first of which is not negative: c2, and a slope's parts."""
+        widths = self.unrolled.widths
+        for product, _ in self.products:
+            a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
+            facts = [inside("a", 0, (1 << a - 1) - 1), word("b", b)]
+            answer = ask(integers("a b", facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
+            if answer.said != "unsat":
+                return answer
+        return answer
+
+    def _run(self, lower: bool, below: bool):
+        """The model on the terms of the Verilog: row, u, result, its products' factors."""
+        factors: list = []
+        registers = [self.at(f"u_quadratic.{p.register}", clock) for p, clock in self.products]
+        text = self.at("m_next", 0, signed=False)
+        if below:
+            text = f"(bvor {text} {_number(1 << self.frac + 1, WIDE)})"
+        c0, *others = (Term(text, lower, (registers, factors)) for text in self.row)
+        form = Form(**{**self.form.__dict__, "c_frac": (self.form.sum_frac, *self.form.c_frac[1:])})
+        return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
+
+    def _cases(self, claim) -> Answer:
+        """What z3 says for mantissas below 1/4, below 1/2 and from there on; with no claim, whether there are such."""
+        m, seconds = self.unrolled.at("m_next", 0), 0.0
+        half, quarter = (_number(1 << self.frac + bits, self.frac + 3) for bits in (2, 1))
+        for lower, below in ((True, True), (True, False), (False, False)):
+            case = [f"(bvult {m} {half})" if lower else f"(bvuge {m} {half})"]
+            case += [f"(bvult {m} {quarter})" if below else f"(bvuge {m} {quarter})"]
+            found = self._run(lower, below)
+            answer = self._ask(claim(*found) if claim else "false", [*case, self._slope(found[-1])])
+            seconds += answer.seconds
+            if answer.said != ("unsat" if claim else "sat"):
+                break
+        return Answer(answer.said, seconds)
+
+    def _slope(self, factors) -> str:
+        """The high part of a slope is as long as its word, and not negative: so it is with the words of the table."""
+        high, bits = factors[int(self.bent)][0].text, self.unrolled.widths["u_quadratic.slope_hi_1"] - 1
+        return f"(and (bvsle {_number(0, WIDE)} {high}) (bvslt {high} {_number(1 << bits, WIDE)}))"
+
+    def _claims(self) -> Iterator[tuple[str, str, object]]:
+        top = self.unrolled.top
+        width = self.unrolled.widths
+        address = f"|{top}_m:R0A rom@0|"
+        longer = WIDE - self.form.index_bits
+        yield "address", "the table is read at the model's row", lambda row, u, y, f: (
+            f"(= ((_ zero_extend {longer}) {address}) {_text(row)})"
+        )
+        yield "u", "u_1 is the model's u", lambda row, u, y, f: f"(= {self.at('u_1', 2)} {u.text})"
+        for number, (product, clock) in enumerate(self.products):
+            register, (a, b) = product.register, product.factors
+
+            def factors(row, u, y, found, number=number, a=a, b=b, clock=clock):
+                first, second = found[number]
+                one, other = (self.at(f"u_quadratic.{name}", clock - 1) for name in (a, b))
+                return f"(and (= {one} {_text(first)}) (= {other} {_text(second)}))"
+
+            def multiplied(row, u, y, found, register=register, a=a, b=b, clock=clock):
+                long = width[f"u_quadratic.{register}"]
+                terms = (
+                    f"((_ sign_extend {long - width[f'u_quadratic.{name}']}) "
+                    f"{self.unrolled.at(f'u_quadratic.{name}', clock - 1)})"
+                    for name in (a, b)
+                )
+                return f"(= {self.unrolled.at(f'u_quadratic.{register}', clock)} (bvmul {' '.join(terms)}))"
+
+            yield f"{product.name}, factors", f"{a} and {b} are the model's factors", factors
+            yield f"{product.name}, product", f"{register} is their product", multiplied
+        y, twice = self.unrolled.at("y", self.clocks), self.unrolled.at("twice", 1)
+        yield "y", "the result is the model's, doubled where twice says so", lambda row, u, result, f: (
+            f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
+        )
+
+
+def forms() -> list[tuple[int, int]]:
+    """Fraction bits and tiles of every width, and of the small tables."""
+    full = {(root_frac(width), cores.TILE) for width in WIDTHS}
+    return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
+
+
+def stages(bug: Bug | None = None) -> Iterator[Question]:
+    """All questions; of a bug those at W = 32."""
+    for frac, tile in [(FULL, cores.TILE)] if bug else forms():
+        yield from Stages(frac, tile, bug).questions()
+
+
+BUGS = (
+    Bug("a row of the table off by a place", TABLE,
+        "rom[3] = 72'hfe4248abfeb2dd5e61", "rom[3] = 72'hfe4248abfeb2dd5e62", "table"),
+    Bug("address from a bit too high", RSQRT, "m_next[F:RB-1]}]", "m_next[F+1:RB]}]", "address"),
+    Bug("middle of the lower segments with another sign", RSQRT, "{{2{~place[UW-2]}}", "{{2{place[UW-2]}}", "u"),
+    Bug("low part of u among the high", QUADRATIC,
+        "u_in  <= u[UW-1:U_LOW];", "u_in  <= u[UW-2:U_LOW-1];", "bend, factors"),
+    Bug("product of another word", QUADRATIC,
+        "hl_2    <= slope_hi_1 * u_lo_1;", "hl_2    <= u_hi_1 * u_lo_1;", "hl, product"),
+    Bug("c1 not in the slope's places", RSQRT,
+        "row_1[C2_BITS+:C1_BITS]} << C1_UP;", "row_1[C2_BITS+:C1_BITS]};", "hh, factors"),
+    Bug("bends the other way", QUADRATIC,
+        "? c1_at_bend + bend_x : c1_at_bend - bend_x", "? c1_at_bend - bend_x : c1_at_bend + bend_x", "hh, factors"),
+    Bug("u of the next mantissa", QUADRATIC, ".N(3)) u_u_0", ".N(2)) u_u_0", "hl, factors"),
+    Bug("c0 of the next mantissa", QUADRATIC, ".N(C0_CLOCKS)) u_c0_2", ".N(C0_CLOCKS-1)) u_c0_2", "y"),
+    Bug("mixed tile extended by zeros", QUADRATIC, "{(MW - HLC) {hl_2[HLW-1]}}", "{(MW - HLC) {1'b0}}", "y"),
+    Bug("without what rounds it", RSQRT,
+        "row_1[ROW_BITS-1-:C0_BITS], LOWEST}", "row_1[ROW_BITS-1-:C0_BITS], {SPARE{1'b0}}}", "y"),
+    Bug("doubled where the next says so", RSQRT, ".N(CLOCKS)) u_twice_y", ".N(CLOCKS-1)) u_twice_y", "y"),
+)  # fmt: skip
+
+ABOUT = """\
+`ik_rsqrt` with its `ik_quadratic` gives the word of `model/dataflow/cores.py`, `rsqrt`, for every mantissa. The model's
+functions are run on bit vectors of 96 bits; the Verilog is Yosys' formula, unrolled over its latency from any state.
+Products are cut at their registers: factors, product and whether it fits are asked apart, the last of integers, of a
+slope that is not negative and fits, as the slopes of the table are for every u. The table's words are compared one by
+one, as Yosys elaborates them. Widths: fraction bits of every W from 16 to 32, and of the small tables (TILE=16)."""
+
+STAGES = Part("stages", "RTL of the reciprocal root = model", ABOUT, stages, stages, BUGS)
