@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scripts import exhaustive
+from scripts import exhaustive, soak_page
 from scripts.console import Parser, exit_status
 from scripts.formal import ARITHMETIC_PAGE, RANGES_PAGE, STREAMS_PAGE, WIDTHS_PAGE
 from scripts.fpga import measure
@@ -47,6 +47,10 @@ def _widths() -> dict[str, str]:
     return {name: now for name, now in widths.digests().items() if name in there or name.startswith(widths.LIGHT)}
 
 
+def _soaks() -> dict[str, str]:
+    return {name: row["code"] for name, row in soak_page.recorded().items()}
+
+
 PAGES = (
     _page(STREAMS_PAGE, "make formal", prove.digests),
     _page(RANGES_PAGE, "make formal", overflow.digests),
@@ -54,6 +58,7 @@ PAGES = (
     _page(WIDTHS_PAGE, "make formal", _widths),
     _page(exhaustive.PAGE, "make exhaustive", exhaustive.digests),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
+    Page(soak_page.PAGE, "make soak KEEP=1", _soaks, lambda: dict.fromkeys(_soaks(), soak_page.code())),
 )
 
 

@@ -12,7 +12,7 @@ Targets come in chunks of 20000. A chunk is a function of seed, width and its nu
 scripts/table6/long.c. --special: not random, but all 12^6 targets of twelve special words on each input. With
 Verilator each core of the machine runs chunks of its own; with --farm workers on other machines do (scripts/farm.py),
 to the same end. At the end the hardest targets go into OUT/hardest.csv and,
-with --keep, into tb/core/hardest.csv, the regression list.
+with --keep, into tb/core/hardest.csv, the regression list; docs/generated/soak.md then gets what was found.
 
 It stops at the first chunk in which a bit or a flag is wrong, a quaternion is not of unit length or a hand of the lean
 datapath is further off than its tolerance, names seed and chunk, and writes the targets to OUT/failing.csv. For the
@@ -34,7 +34,7 @@ from pathlib import Path
 from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.targets.stimuli import SPECIAL
-from scripts import farm, second
+from scripts import farm, second, soak_page
 from scripts.chunks import Chunks, named
 from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
 from scripts.failing import read_rows, row_of, tell, write_rows
@@ -69,7 +69,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",
     )  # fmt: skip
     add("--against", choices=["c"], help="hold results against those of the C of table 6 in long double, too")
-    add("--keep", action="store_true", help="put the hardest targets into tb/core/hardest.csv too")
+    add("--keep", action="store_true", help="keep the hardest targets in tb/core/hardest.csv, the figures in soak.md")
     add("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
     parsed = parser.parse_args(arguments)
     if parsed.again:
@@ -114,6 +114,8 @@ def _soak(arguments: argparse.Namespace) -> int:
 def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) -> int:
     lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
     earlier = {file: read_rows(file) if file.exists() else [] for file in lists}
+    if arguments.keep:
+        soak_page.recorded()  # a file that is of no use is said before, not after hours
     if arguments.against:
         second.compiled()
     core = (Core if arguments.farm else _built)(arguments.sim, arguments.datapath, arguments.width)
@@ -143,6 +145,9 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
     for file, before in earlier.items():
         write_rows(file, hardest.merge(before + rows))
         print(f"wrote {file}")
+    if arguments.keep:
+        soak_page.keep(core, of, found, arguments.from_)
+        print(f"wrote {soak_page.PAGE.name}")
     return 0
 
 

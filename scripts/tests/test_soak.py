@@ -14,8 +14,8 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.targets import stimuli
-from model.targets.flags import UNREACHABLE, expected_flags
-from scripts import chunks, failing, soak
+from model.targets.flags import FLAGS, UNREACHABLE, expected_flags
+from scripts import check_proofs, chunks, failing, soak, soak_page
 from tb.core import hardest, random_targets
 from tb.sim import every_node
 from tb.sim.simulate import Run, SimulationError
@@ -55,6 +55,8 @@ def simulator(monkeypatch, tmp_path):
         monkeypatch.setattr(module, "CHUNK", 400)
     monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
+    monkeypatch.setattr(soak_page, "FIGURES", tmp_path / "soak.json")
+    monkeypatch.setattr(soak_page, "PAGE", tmp_path / "soak.md")
     return fake
 
 
@@ -369,7 +371,7 @@ def test_lists_that_are_of_no_use(cli, simulator, content, part):
 
 def test_keep(cli, simulator):
     status, out, _ = cli("--targets", "400", "--keep")
-    assert status == 0 and out[-2:] == ["wrote build/soak/hardest.csv", f"wrote {hardest.LIST}"]
+    assert status == 0 and out[-3:] == ["wrote build/soak/hardest.csv", f"wrote {hardest.LIST}", "wrote soak.md"]
     kept = hardest.read(hardest.LIST)
     assert hardest.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()
     assert 10 < len(kept) <= 20
@@ -381,11 +383,33 @@ def test_keep(cli, simulator):
     assert hardest.LIST.read_bytes() == before, "nothing is kept unasked"
 
 
-def test_keep_with_a_list_that_is_of_no_use(cli, simulator):
-    hardest.LIST.write_text("old")
+def test_keep_writes_a_row_of_what_was_found(cli, simulator):
+    """Of each datapath, word length and kind of targets the last one, with as many flags as exact integers give."""
+    assert cli("--targets", "800", "--width", "18", "--keep")[0] == 0
+    assert cli("--targets", "400", "--width", "24", "--keep")[0] == 0
+    assert cli("--targets", "400", "--width", "18", "--seed", "2", "--keep")[0] == 0
+    assert cli("--targets", "400", "--width", "18", "--keep")[0] == 0
+    rows = soak_page.recorded()
+    assert [*rows] == ["lean, 18 bits, seed 1", "lean, 18 bits, seed 2", "lean, 24 bits, seed 1"]
+    row, words = rows["lean, 18 bits, seed 1"], simulator.calls[-1]["words"]
+    owed = expected_flags(words, 18)
+    assert row["targets"] == 400 == len(words)
+    assert row["flags"] == {flag.name: n for flag in FLAGS if (n := int((owed & flag.bit > 0).sum()))}
+    assert sum(row["flags"].values()) > 100
+    page = soak_page.PAGE.read_text()
+    assert all(f" {count} |" in page for count in row["flags"].values())
+    assert check_proofs.PAGES[-1].stale() == []
+    soak_page.FIGURES.write_text(soak_page.FIGURES.read_text().replace(row["code"], "0" * 16, 1))
+    assert len(check_proofs.PAGES[-1].stale()) == 1
+
+
+@pytest.mark.parametrize("file", ["hardest", "figures"])
+def test_keep_with_a_list_that_is_of_no_use(cli, simulator, file):
+    kept = hardest.LIST if file == "hardest" else soak_page.FIGURES
+    kept.write_text("old")
     status, out, err = cli("--targets", "400", "--keep")
     assert (status, out, len(err), simulator.calls) == (2, [], 1, [])
-    assert hardest.LIST.read_text() == "old"
+    assert kept.read_text() == "old"
 
 
 def test_out_where_a_folder_has_the_name_of_a_list(cli, simulator):

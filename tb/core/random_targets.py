@@ -7,6 +7,7 @@ Bits, flags and norms are judged at every target, the hand error where `model.bo
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from model.bounds import tolerances
-from model.targets.flags import expected_flags, names
+from model.targets.flags import FLAGS, expected_flags, names
 from model.targets.observed import edges
 from model.targets.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
 from tb.core import hardest
@@ -60,7 +61,8 @@ class Hard:
 @dataclass
 class Found:
     """What some targets gave: how many there are, in reach, above their prediction; the largest errors, the hardest
-    targets by either measure; of each second opinion to how many targets it was asked, and the largest difference."""
+    targets by either measure; of each second opinion to how many targets it was asked, and the largest difference; how
+    many targets have each flag."""
 
     targets: int = 0
     reachable: int = 0
@@ -70,6 +72,7 @@ class Found:
     by_hand: list[Hard] = field(default_factory=list)
     by_norm: list[Hard] = field(default_factory=list)
     apart: Apart = field(default_factory=dict)
+    flags: Counter[str] = field(default_factory=Counter)
 
     def __add__(self, other: Found) -> Found:
         return Found(
@@ -81,6 +84,7 @@ class Found:
             _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
             _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
             both(self.apart, other.apart),
+            self.flags + other.flags,
         )
 
 
@@ -187,7 +191,8 @@ def judge(
 
     by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: hardest.KEPT]
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
-    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart)
+    flagged = Counter({flag.name: int(np.count_nonzero(run.flags & flag.bit)) for flag in FLAGS})
+    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart, flagged)
     return Found() + found, failures, hand
 
 
