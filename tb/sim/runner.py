@@ -20,10 +20,11 @@ from unittest import mock
 
 from cocotb_test.simulator import run
 
+from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
 from tb.sim.sources import headers, includes, sources
 
-BUILD = ROOT / "build" / "sim"
+BUILD = coverage.build("sim")
 
 VERILATOR_ARGS = [
     "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
@@ -139,7 +140,11 @@ def simulate(
         options["verilog_sources"].append(str(ROOT / "tb" / "sim" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
     else:
-        options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", str(TRACED)] if waves else [])
+        options["compile_args"] = [
+            *VERILATOR_ARGS,
+            *(["--trace-vcd", str(TRACED)] if waves else []),
+            *(coverage.FLAGS if coverage.folder() else []),
+        ]
         options["timescale"] = None
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
         options["plus_args"] = [*RANDOM_START, *(["--trace", "--trace-file", str(waves)] if waves else [])]
@@ -155,4 +160,6 @@ def simulate(
             except BaseException:  # half a program would pass for a new one
                 built.unlink(missing_ok=True)
                 raise
-        return Path(run(**options))
+        with coverage.counting(root) if sim == "verilator" else nullcontext([]) as counts:
+            options["plus_args"] = [*options["plus_args"], *counts]
+            return Path(run(**options))

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""make coverage: what the tests go through in the Verilog, all machines and parameters together.
+
+    python -m scripts.coverage [--only PATTERN] [--again] [--keep]
+
+Runs tests that compare what the RTL gives (SUITE) on Verilator builds with coverage of lines, branches, expressions and
+toggles, adds the counts of a point over instances, parameters and simulations, and writes the annotated source. A point
+that is not reached and that tb/coverage/waivers.json does not excuse is a finding, and so is a waiver that excuses
+nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from datetime import date
+from importlib.metadata import version
+
+from rich.table import Table
+
+from model.targets.files import write_atomically
+from scripts.console import InputError, Parser, command, show, writing
+from scripts.pages.render import render
+from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
+from tb.sim.coverage import Counts, Point, read
+from tb.sim.env import GENERATED, ROOT, environment
+from tb.sim.simulate import SimulationError
+from tb.sim.sources import sources
+
+COUNTS = ROOT / "build" / "coverage" / "counts"
+HTML = ROOT / "build" / "coverage" / "index.html"
+PAGE = GENERATED / "coverage.md"
+
+SUITE = [
+    "tb/units", "tb/core/test_ik_axis.py", "tb/core/test_sections.py", "tb/core/test_configurations.py",
+    "tb/core/test_every_target.py", "tb/axi/test_ik_axi.py",
+]  # fmt: skip
+"""Tests that compare every output, or every node, with a reference."""
+
+KINDS = ("line", "branch", "expr", "toggle")
+MACHINES = {"lean": "rtl/lean/", "paper": "rtl/paper/", "fold": "rtl/fold/", "ik_axi": "rtl/(axi/|ik_axi.v)", "all": ""}
+"""Machine -> how its files begin; the first that fits."""
+
+SHOWN = 100
+"""Findings in the terminal; the page has all."""
+
+
+def machine(file: str) -> str:
+    """The machine that a file of rtl/ belongs to; `all` for what they share."""
+    return next(name for name, of in MACHINES.items() if re.match(of, file))
+
+
+def run(only: str | None) -> int:
+    """The tests, with fresh counts; pytest's status."""
+    shutil.rmtree(COUNTS, ignore_errors=True)
+    words = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim"]
+    env = environment() | {"SIM": "verilator", "IK_COVERAGE": str(COUNTS)}
+    # What has a bug in it counts nothing.
+    chosen = ["-k", f"({only}) and not wrong" if only else "not wrong"]
+    return subprocess.run([*words, *chosen, *SUITE], cwd=ROOT, env=env, check=False).returncode
+
+
+class Verdict:
+    """Counts with what is said of those that are 0."""
+
+    def __init__(self, counts: Counts, given: Sequence[Waiver]) -> None:
+        self.counts = counts
+        missed = [point for point, count in counts.items() if not count]
+        self.reasons, self.idle = excused(missed, given)
+        self.open = sorted(set(missed) - set(self.reasons))
+        self.unseen = sorted({str(p.relative_to(ROOT)) for p in sources()} - {point.file for point in counts})
+
+    def rows(self) -> list[list]:
+        """Machine, then points, reached and waived ones of each kind."""
+        tally: Counter = Counter()
+        for point, count in self.counts.items():
+            at = machine(point.file), point.kind
+            tally[at, "points"] += 1
+            tally[at, "hit"] += count > 0
+            tally[at, "waived"] += point in self.reasons
+        return [
+            [name, *(tally[(name, kind), what] for kind in KINDS for what in ("points", "hit", "waived"))]
+            for name in MACHINES
+        ]
+
+    def findings(self) -> list[str]:
+        """A line each; toggles of a signal together."""
+        lines = [f"{file}: no simulation has it" for file in self.unseen]
+        lines += [f"{WAIVERS.relative_to(ROOT)}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
+        return lines + [
+            f"{file}:{line}: {kind} {what}: {source(file, line)}" for (file, line, kind), what in grouped(self.open)
+        ]
+
+
+def grouped(points: Iterable[Point]) -> list[tuple[tuple[str, int, str], str]]:
+    """Points by file, line and kind, and what tells them apart; bits of a signal together."""
+    places: dict[tuple[str, int, str], list[str]] = defaultdict(list)
+    for point in points:
+        places[point.file, point.line, point.kind].append(point.what)
+    return [(place, "; ".join(bits(what))) for place, what in sorted(places.items())]
+
+
+def bits(what: Iterable[str]) -> list[str]:
+    """`a[0]:0->1`, `a[1]:0->1` become `a[1,0] 0->1`."""
+    signals: dict[tuple[str, str], list[int]] = defaultdict(list)
+    others = []
+    for text in what:
+        if found := re.fullmatch(r"(.*)\[(\d+)\]:(.*)", text):
+            signals[found[1], found[3]].append(int(found[2]))
+        else:
+            others.append(text)
+    return others + [f"{name}[{ranges(of)}] {way}" for (name, way), of in signals.items()]
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """3, 2, 1, 7 as 7,3:1."""
+    runs: list[list[int]] = []
+    for number in sorted(set(numbers), reverse=True):
+        if runs and runs[-1][-1] == number + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ",".join(f"{run[0]}:{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+HEAD = ["machine", *(f"{kind} {what}" for kind in KINDS for what in ("points", "hit", "waived"))]
+
+
+def html(verdict: Verdict) -> str:
+    """The annotated source."""
+    by_line: dict[tuple[str, int], list[Point]] = defaultdict(list)
+    for point in sorted(verdict.counts):
+        by_line[point.file, point.line].append(point)
+    files = []
+    for file in sorted({point.file for point in verdict.counts}):
+        lines = []
+        for number, text in enumerate((ROOT / file).read_text(encoding="utf-8").splitlines(), 1):
+            points = by_line[file, number]
+            missed = [point for point in points if not verdict.counts[point]]
+            is_open = [point for point in missed if point not in verdict.reasons]
+            notes = [f"{kind} {what}" for (_, _, kind), what in grouped(is_open)]
+            notes += sorted({f"waived: {verdict.reasons[point]}" for point in missed if point in verdict.reasons})
+            counts = [verdict.counts[point] for point in points if point.kind != "toggle"]
+            counts = counts or [verdict.counts[point] for point in points]
+            look = "open" if is_open else "waived" if missed else "hit" if points else ""
+            lines.append((number, min(counts) if counts else "", text, look, notes))
+        looks = Counter(look for *_, look, _ in lines)
+        files.append((file, looks["open"], looks["waived"], lines))
+    return render("coverage.html", head=HEAD, rows=verdict.rows(), files=files, findings=len(verdict.findings()))
+
+
+@command("coverage")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser(
+        "coverage", "What the tests go through in the Verilog, and what they do not.",
+        passes="all points are reached or waived", fails="one is not, a waiver excuses nothing, or a test fails",
+    )  # fmt: skip
+    parser.add_argument("--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged")
+    parser.add_argument("--again", action="store_true", help="judge the counts of the last run again")
+    parser.add_argument("--keep", action="store_true", help=f"write {PAGE.relative_to(ROOT)}")
+    options = parser.parse_args(arguments)
+    if options.only and (options.again or options.keep):
+        raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
+    given = waivers()
+    if not options.again and (status := run(options.only)):
+        raise SimulationError(f"pytest ended with status {status}")
+    counts = read(COUNTS)
+    if not counts:
+        raise InputError("there are no counts")
+    verdict = Verdict(counts, given)
+    table = Table(*HEAD)
+    for row in verdict.rows():
+        table.add_row(*map(str, row))
+    show(table)
+    with writing():
+        write_atomically(HTML, html(verdict))
+    print(f"wrote {HTML.relative_to(ROOT)}")
+    if options.only:
+        return 0
+    findings = verdict.findings()
+    print("\n".join(findings[:SHOWN]))
+    if len(findings) > SHOWN:
+        print(f"and {len(findings) - SHOWN} more")
+    if options.keep and not findings:
+        with writing():
+            write_atomically(PAGE, page(verdict))
+        print(f"wrote {PAGE.relative_to(ROOT)}")
+    return 1 if findings else 0
+
+
+def page(verdict: Verdict) -> str:
+    """docs/generated/coverage.md."""
+    reasons = Counter((machine(point.file), reason) for point, reason in verdict.reasons.items())
+    return render(
+        "coverage", today=date.today().isoformat(), verilator=version("verilator"), suite=SUITE, head=HEAD,
+        rows=verdict.rows(), reasons=[[*key, count] for key, count in sorted(reasons.items())],
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(main())
