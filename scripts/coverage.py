@@ -92,7 +92,7 @@ class Verdict:
     def findings(self) -> list[str]:
         """A line each; toggles of a signal together."""
         lines = [f"{file}: no simulation has it" for file in self.unseen]
-        lines += [f"{WAIVERS.relative_to(ROOT)}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
+        lines += [f"{WAIVERS.name}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
         lines += [f"cross not hit: {' x '.join(bin)}" for bin, hits in self.crosses.items() if not hits]
         lines += [] if self.crosses else ["no simulation has crosses"]
         return lines + [
@@ -176,7 +176,7 @@ def main(arguments: Sequence[str] | None) -> int:
     )  # fmt: skip
     parser.add_argument("--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged")
     parser.add_argument("--again", action="store_true", help="judge the counts of the last run again")
-    parser.add_argument("--keep", action="store_true", help=f"write {PAGE.relative_to(ROOT)}")
+    parser.add_argument("--keep", action="store_true", help=f"write {PAGE.name}")
     options = parser.parse_args(arguments)
     if options.only and (options.again or options.keep):
         raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
@@ -195,7 +195,7 @@ def main(arguments: Sequence[str] | None) -> int:
     show(table)
     with writing():
         write_atomically(HTML, html(verdict))
-    print(f"wrote {HTML.relative_to(ROOT)}")
+    print(f"wrote {os.path.relpath(HTML, ROOT)}")
     if options.only:
         return 0
     findings = verdict.findings()
@@ -205,7 +205,7 @@ def main(arguments: Sequence[str] | None) -> int:
     if options.keep and not findings:
         with writing():
             write_atomically(PAGE, page(verdict))
-        print(f"wrote {PAGE.relative_to(ROOT)}")
+        print(f"wrote {PAGE.name}")
     return 1 if findings else 0
 
 

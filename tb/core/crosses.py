@@ -8,13 +8,17 @@ cocotb-coverage is there where coverage is asked for, and needs Python 3.11.
 from __future__ import annotations
 
 import ast
+import itertools
 import uuid
 from collections.abc import Sequence
 from math import isqrt
 from pathlib import Path
 
 
-from model.targets.flags import FLAGS, SATURATED, names
+import numpy as np
+
+from model.targets.flags import FLAGS, SATURATED, expected_flags, names
+from model.targets.stimuli import mixed
 
 NAME = "ik_axis.flag_datapath_region_stall"
 NEAR = 64
@@ -54,6 +58,17 @@ def regions(target: Sequence[int]) -> list[str]:
     return [name for name, is_near in near.items() if is_near] or ["regular"]
 
 
+def every_kind(width: int) -> np.ndarray:
+    """Targets with each flag, and none, in each region where it can be."""
+    k = 1 << width - 5
+    found = {}
+    for target in [*mixed(4000, width, 8).tolist(), (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)]:
+        flags = names(int(expected_flags(np.array([target]), width)[0])).split("+")
+        for kind in itertools.product(flags, regions(target)):
+            found.setdefault(kind, target)
+    return np.array(list(dict.fromkeys(map(tuple, found.values()))))
+
+
 def merged(folder: Path) -> dict[tuple[str, ...], int]:
     """Bins of the cross and how often they were hit in all simulations together; none without one."""
     import yaml
@@ -79,9 +94,12 @@ class Crosses:
         def sample(flag, datapath, region, stall):
             """Each is a list of the bins that are hit."""
 
+        points = [
+            CoverPoint(f"ik_axis.{name}", vname=name, rel=_among, bins=bins, inj=False) for name, bins in AXES.items()
+        ]
         self.sample = CoverCross(NAME, items=[f"ik_axis.{name}" for name in AXES], ign_bins=list(IMPOSSIBLE))(sample)
-        for name, bins in AXES.items():
-            self.sample = CoverPoint(f"ik_axis.{name}", vname=name, rel=_among, bins=bins, inj=False)(self.sample)
+        for point in points:
+            self.sample = point(self.sample)
 
     def result(self, flags: int, datapath: str, target: Sequence[int], gap: bool, held: bool) -> None:
         """A result has left; ``gap``: its target came after clocks without one, ``held``: it had to wait."""

@@ -11,11 +11,17 @@ def bench(W: int, N: int) -> Tests:
         """Each bit alone: none is lost or swapped."""
         return [1 << k for k in range(W)]
 
+    def each_place():
+        """A ring of so many places full of zeros, then of ones, then of zeros: all that a bit of it can do."""
+        lap = 1 << max(N, 1).bit_length()
+        return [word for word in (0, words[-1], 0) for _ in range(lap)]
+
     return checks(
         {"d": words},
         {"q": words},
         each(lambda d: d),
         single_bits,
+        each_place,
         latency=N,
         latencies=[(0, words[-1]), (words[-1], 0)],
     )
