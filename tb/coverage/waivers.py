@@ -10,9 +10,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
+from tb.coverage.proved import still
 from tb.sim.coverage import Point
 from tb.sim.env import ROOT
 
+PROVED = "proved"
 WAIVERS = ROOT / "tb" / "coverage" / "waivers.json"
 
 
@@ -20,7 +22,8 @@ WAIVERS = ROOT / "tb" / "coverage" / "waivers.json"
 class Waiver:
     """Points in files that match ``file`` (with * and ?), of lines with ``text``, blanks aside, of a ``kind`` (several with
     | between).  ``what`` names those of a line, all if it is empty, as they are listed when they are not reached: signals
-    with their bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; else the point itself."""
+    with their bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; else the point itself.  :data:`PROVED` are bits of nodes
+    that are 0 by proof."""
 
     file: str
     text: str
@@ -33,7 +36,7 @@ class Waiver:
             point.kind in self.kind.split("|")
             and fnmatchcase(point.file, self.file)
             and plain(self.text) in plain(source(point.file, point.line))
-            and (not self.what or any(named(point.what, one) for one in self.what.split("; ")))
+            and (still(point) if self.what == PROVED else not self.what or any(named(point.what, one) for one in self.what.split("; ")))
         )
 
 
