@@ -174,7 +174,9 @@ def main(arguments: Sequence[str] | None) -> int:
         "coverage", "What the tests go through in the Verilog, and what they do not.",
         passes="all points are reached or waived", fails="one is not, a waiver excuses nothing, or a test fails",
     )  # fmt: skip
-    parser.add_argument("--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged")
+    parser.add_argument(
+        "--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged"
+    )
     parser.add_argument("--again", action="store_true", help="judge the counts of the last run again")
     parser.add_argument("--keep", action="store_true", help=f"write {PAGE.name}")
     options = parser.parse_args(arguments)

@@ -6,9 +6,9 @@
 makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
 the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`, `table6` the software to compare
 with of requirements-table6.lock, and goes on without what does not install; `farm` adds what gives work to other
-machines, `coverage` what counts bins. What the system lacks is installed with apt-get where that is allowed (root, or sudo without a password);
-otherwise one line says what to install and the exit status is 2. When all is in place it prints nothing and takes a few
-milliseconds.
+machines, `coverage` what counts bins. What the system lacks is installed with apt-get where that is allowed (root, or
+sudo without a password); otherwise one line says what to install and the exit status is 2. When all is in place it
+prints nothing and takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said

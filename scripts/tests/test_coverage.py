@@ -15,7 +15,7 @@ from tb.sim.sources import sources
 
 FIFO = "rtl/lib/ik_fifo.v"
 PLACE = next(k for k, text in enumerate((ROOT / FIFO).read_text().splitlines(), 1) if "m_valid <= !empty;" in text)
-WHY = {"file": "rtl/*/ik_fifo.v", "text": "m_valid<=!empty;", "kind": "line|toggle", "reason": "a test"}
+WHY = {"file": "rtl/*/ik_fifo.v", "text": "m_valid<=!empty;", "kind": "line|toggle"}
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def judged(tmp_path, monkeypatch, command):
         counts |= {Point(FIFO, PLACE, 7, kind, what): count for (kind, what), count in points.items()}
         (tmp_path / "counts").mkdir(exist_ok=True)
         (tmp_path / "counts" / "a.txt").write_text(written(counts))
-        (tmp_path / "waivers.json").write_text(json.dumps(list(given)))
+        (tmp_path / "waivers.json").write_text(json.dumps({"a test": list(given)}))
         hits.update(others)
         return command(coverage.main, *words)
 
@@ -47,10 +47,16 @@ def test_what_is_reached_is_no_finding(judged, tmp_path):
 
 
 def test_what_is_not_reached_is_one(judged):
-    missed = {("line", "block"): 0, **{("toggle", f"q[{bit}]:{way}"): 0 for bit in (0, 2, 3) for way in ("0->1", "1->0")}}
+    missed = {
+        ("line", "block"): 0,
+        **{("toggle", f"q[{bit}]:{way}"): 0 for bit in (0, 2, 3) for way in ("0->1", "1->0")},
+    }
     status, out, _ = judged(missed, words=["--again", "--keep"])
     assert status == 1 and not coverage.PAGE.exists()
-    assert out[-2:] == [f"{FIFO}:{PLACE}: line block: m_valid <= !empty;", f"{FIFO}:{PLACE}: toggle q[3:2,0]: m_valid <= !empty;"]
+    assert out[-2:] == [
+        f"{FIFO}:{PLACE}: line block: m_valid <= !empty;",
+        f"{FIFO}:{PLACE}: toggle q[3:2,0]: m_valid <= !empty;",
+    ]
     page = coverage.HTML.read_text()
     assert "2 findings" in page and "// toggle q[3:2,0]" in page
 
@@ -63,7 +69,9 @@ def test_a_waiver_excuses_its_points_only(judged):
     assert status == 1 and out[-1] == f"{FIFO}:{PLACE}: toggle q[2] 0->1: m_valid <= !empty;"
 
 
-@pytest.mark.parametrize("change", [{"text": "m_valid <= full;"}, {"file": "rtl/lib/ik_ring.v"}, {"kind": "branch"}, {"what": "q"}])
+@pytest.mark.parametrize(
+    "change", [{"text": "m_valid <= full;"}, {"file": "rtl/lib/ik_ring.v"}, {"kind": "branch"}, {"what": "q"}]
+)
 def test_a_waiver_that_excuses_nothing_is_a_finding(judged, change):
     status, out, _ = judged({("line", "block"): 0}, [WHY, WHY | change])
     assert status == 1 and "excuses nothing" in out[-1] and change.popitem()[1] in out[-1]
@@ -98,7 +106,10 @@ def test_waivers_of_the_tree_have_reasons():
 
 
 def test_mistakes(command):
-    for words, said in (("--only x --keep", "argument --keep: not with --only"), ("--ony x", "unrecognized arguments: --ony x")):
+    for words, said in (
+        ("--only x --keep", "argument --keep: not with --only"),
+        ("--ony x", "unrecognized arguments: --ony x"),
+    ):
         status, out, err = command(coverage.main, *words.split())
         assert (status, out) == (2, []) and said in err[0]
 

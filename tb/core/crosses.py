@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from math import isqrt
 from pathlib import Path
 
-
 import numpy as np
 
 from model.targets.flags import FLAGS, SATURATED, expected_flags, names

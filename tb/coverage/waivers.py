@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Points of the RTL that no test can reach: ``waivers.json``, matched by the text of their line, each with its reason."""
+"""Points of the RTL that no test can reach: ``waivers.json``, by the text of their line, each with its reason."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ WAIVERS = ROOT / "tb" / "coverage" / "waivers.json"
 
 @dataclass(frozen=True)
 class Waiver:
-    """Points in files that match ``file`` (with * and ?), of lines with ``text``, blanks aside, of a ``kind`` (several with
-    | between).  ``what`` names those of a line, all if it is empty, as they are listed when they are not reached: signals
-    with their bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; else the point itself.  :data:`PROVED` are bits of nodes
-    that are 0 by proof."""
+    """Points in files that match ``file`` (with * and ?), of lines with ``text``, blanks aside, of a ``kind`` (several
+    with | between).  ``what`` names those of a line, all if it is empty, as they are listed when they are not reached:
+    signals with their bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; else the point itself.  :data:`PROVED` are
+    bits of nodes that are 0 by proof."""
 
     file: str
     text: str
@@ -36,7 +36,11 @@ class Waiver:
             point.kind in self.kind.split("|")
             and fnmatchcase(point.file, self.file)
             and plain(self.text) in plain(source(point.file, point.line))
-            and (still(point) if self.what == PROVED else not self.what or any(named(point.what, one) for one in self.what.split("; ")))
+            and (
+                still(point)
+                if self.what == PROVED
+                else not self.what or any(named(point.what, one) for one in self.what.split("; "))
+            )
         )
 
 
@@ -70,8 +74,9 @@ def source(file: str, line: int) -> str:
 
 
 def waivers() -> list[Waiver]:
-    """Those of the file."""
-    return [Waiver(**fields) for fields in json.loads(WAIVERS.read_text(encoding="utf-8"))]
+    """Those of the file, which has them by their reasons."""
+    given = json.loads(WAIVERS.read_text(encoding="utf-8"))
+    return [Waiver(reason=reason, **fields) for reason, some in given.items() for fields in some]
 
 
 def excused(missed: Iterable[Point], given: Sequence[Waiver]) -> tuple[dict[Point, str], list[Waiver]]:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Coverage of the Verilog: what IK_COVERAGE, the name of a folder, adds to a simulation by Verilator.
 
-Builds go to ``build/coverage`` then, and each simulation leaves a file of counts in the folder, with paths from the root
-of the checkout.  A copy of ``rtl/`` counts for those files that are as they are in the checkout, and not at all where
-somebody has put a bug in one.
+Builds go to ``build/coverage`` then, and each simulation leaves a file of counts in the folder, with paths from the
+root of the checkout.  A copy of ``rtl/`` counts for those files that are as they are in the checkout, and not at all
+where somebody has put a bug in one.
 """
 
 from __future__ import annotations
@@ -91,7 +91,8 @@ def totals(text: str, root: Path, same: set[str]) -> Counts:
         name = os.path.relpath(fields["f"], root)
         if name in same:
             kind = fields["page"].split("/")[0].removeprefix("v_")
-            counts[Point(name, int(fields["l"]), int(fields["n"]), kind, fields["o"])] += int(count)
+            what = re.sub(r"\[\d+:\d+\]", "[..]", fields["o"])  # which bits a term is of goes with the parameters
+            counts[Point(name, int(fields["l"]), int(fields["n"]), kind, what)] += int(count)
     return counts
 
 

@@ -138,8 +138,12 @@ def compare(
     sizes = []
     with coverage.counting(root) as counts, tempfile.NamedTemporaryFile(prefix="ik_") as file:
         process = subprocess.Popen(
-            [path, file.name, *counts], env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        )  # fmt: skip
+            [path, file.name, *counts],
+            env=environment(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         try:
             try:
                 process.stdin.write(np.array(header, dtype="<u8").tobytes())

@@ -29,7 +29,9 @@ def bench(W: int, N: int) -> Tests:
 
 delay = sets_of("W N")
 test_ik_delay = runs("ik_delay", bench, delay(8, 0), delay(70, 5), more=[delay(8, 1), delay(32, 40)])
-test_ik_ring = runs("ik_ring", bench, delay(40, 18), more=[delay(8, 3), delay(96, 65)])
+test_ik_ring = runs(
+    "ik_ring", bench, delay(40, 18), more=[delay(*of) for of in ((8, 3), (96, 65), (8, 18), (2, 100), (2, 300))]
+)
 
 test_ik_delay_of_negative_length_does_not_elaborate = stops(
     "ik_delay", delay(8, -1), says="ik_delay_needs_N_of_at_least_0"
