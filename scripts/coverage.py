@@ -42,6 +42,8 @@ SUITE = [
     "tb/core/test_every_target.py", "tb/axi/test_ik_axi.py",
 ]  # fmt: skip
 """Tests that compare every output, or every node, with a reference."""
+LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not ring)"
+"""RTL with bugs, which counts nothing, and what takes Verilator minutes and reaches no point more."""
 
 KINDS = ("line", "branch", "expr", "toggle")
 MACHINES = {"lean": "rtl/lean/", "paper": "rtl/paper/", "fold": "rtl/fold/", "ik_axi": "rtl/(axi/|ik_axi.v)", "all": ""}
@@ -61,8 +63,7 @@ def run(only: str | None) -> int:
     shutil.rmtree(COUNTS, ignore_errors=True)
     words = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim"]
     env = environment() | {"SIM": "verilator", "IK_COVERAGE": str(COUNTS)}
-    # What has a bug in it counts nothing.
-    chosen = ["-k", f"({only}) and not wrong" if only else "not wrong"]
+    chosen = ["-k", f"({only}) and not ({LEFT_OUT})" if only else f"not ({LEFT_OUT})"]
     return subprocess.run([*words, *chosen, *SUITE], cwd=ROOT, env=env, check=False).returncode
 
 
@@ -201,7 +202,8 @@ def main(arguments: Sequence[str] | None) -> int:
     if options.only:
         return 0
     findings = verdict.findings()
-    print("\n".join(findings[:SHOWN]))
+    for line in findings[:SHOWN]:
+        print(line)
     if len(findings) > SHOWN:
         print(f"and {len(findings) - SHOWN} more")
     if options.keep and not findings:

@@ -105,15 +105,6 @@ def test_waivers_of_the_tree_have_reasons():
     assert given == list(dict.fromkeys(given)) and all(isinstance(one, Waiver) and len(one.reason) > 8 for one in given)
 
 
-def test_mistakes(command):
-    for words, said in (
-        ("--only x --keep", "argument --keep: not with --only"),
-        ("--ony x", "unrecognized arguments: --ony x"),
-    ):
-        status, out, err = command(coverage.main, *words.split())
-        assert (status, out) == (2, []) and said in err[0]
-
-
 def test_regions_of_targets():
     from tb.core.crosses import regions
 
