@@ -14,8 +14,8 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 import sys
+import tempfile
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from datetime import date
@@ -28,8 +28,9 @@ from scripts.console import InputError, Parser, command, show, writing
 from scripts.pages.render import render
 from tb.core.crosses import AXES, IMPOSSIBLE, merged
 from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
+from tb.sim.children import started
 from tb.sim.coverage import Counts, Point, read
-from tb.sim.env import GENERATED, ROOT, environment
+from tb.sim.env import GENERATED, ROOT
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import sources
 
@@ -61,10 +62,11 @@ def machine(file: str) -> str:
 def run(only: str | None) -> int:
     """The tests, with fresh counts; pytest's status."""
     shutil.rmtree(COUNTS, ignore_errors=True)
-    words = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim"]
-    env = environment() | {"SIM": "verilator", "IK_COVERAGE": str(COUNTS)}
-    chosen = ["-k", f"({only}) and not ({LEFT_OUT})" if only else f"not ({LEFT_OUT})"]
-    return subprocess.run([*words, *chosen, *SUITE], cwd=ROOT, env=env, check=False).returncode
+    chosen = f"({only}) and not ({LEFT_OUT})" if only else f"not ({LEFT_OUT})"
+    words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", sys.executable, "-m", "pytest", "-n", "auto"]
+    words += ["--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim", "-k", chosen, *SUITE]
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder, started(words, folder) as process:
+        return process.wait()
 
 
 class Verdict:

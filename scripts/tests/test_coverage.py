@@ -84,6 +84,12 @@ def test_a_bin_or_a_file_that_nobody_has_is_a_finding(judged, monkeypatch):
     assert "rtl/lib/ik_new.v: no simulation has it" in judged({})[1]
 
 
+def test_nothing_is_judged_when_a_test_fails(judged, monkeypatch):
+    monkeypatch.setattr(coverage, "run", lambda only: 1)
+    status, out, err = judged({}, words=[])
+    assert (status, out, err) == (1, [], ["coverage: pytest ended with status 1"])
+
+
 @pytest.mark.parametrize(
     ("by", "which"),
     [
