@@ -27,6 +27,7 @@ TAKES_soak-memory := SIM JOBS SEED FROM
 TAKES_test     := SIM CORES ONLY
 TAKES_test-all := SIM CORES
 TAKES_test-browser := SIM ONLY
+TAKES_coverage := ONLY KEEP
 TAKES_formal   := ONLY
 TAKES_mutants  := COUNT SEED ONLY OUT KEEP FARM
 TAKES_fpga     := DATAPATH WIDTH FARM
@@ -79,7 +80,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser coverage docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
@@ -117,6 +118,10 @@ test-browser: ## tests of report and playground in headless Chromium [SIM=icarus
 	@$(SETUP) $(SIM) chromium playground
 	@SIM=$(SIM) exec $(VENV) -m pytest scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
 	  $(call given,ONLY,-k "$$CGA_ONLY") -m "$(quick)"
+
+coverage: ## what the tests go through in the Verilog: build/coverage/index.html [ONLY=pattern; KEEP=1: coverage.md]
+	@$(SETUP) verilator coverage
+	@exec $(VENV) -m scripts.coverage $(call given,ONLY,--only="$$CGA_ONLY") $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
 	@$(SETUP) $(SIM)
@@ -229,7 +234,7 @@ fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write requirements.lock and those of fpga, table6, schedule, farm and playground again (needs uv)
+lock: ## write requirements.lock and those of fpga, table6, schedule, farm, coverage and playground again (needs uv)
 	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
 	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
 	$(compile) --constraint requirements.lock --output-file requirements-table6.lock requirements-table6.in
@@ -237,6 +242,7 @@ lock: ## write requirements.lock and those of fpga, table6, schedule, farm and p
 	$(compile) --constraint requirements.lock --constraint requirements-fpga.lock \
 	  --output-file requirements-playground.lock requirements-playground.in
 	$(compile) --constraint requirements.lock --output-file requirements-farm.lock requirements-farm.in
+	$(compile) --constraint requirements.lock --output-file requirements-coverage.lock requirements-coverage.in
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

@@ -55,7 +55,8 @@ module ik_fold #(
   reg go;
   reg [6:0] fetched, read, clock;  // steps: the next one from the memory, the one out of it, and the present one
   reg [STEP_W-1:0] step_read, step;
-  initial {go, step_read, step} = 0;  // writes nothing until the first step is there: some words of the memory are constants
+  // Neither ready nor writing until the first step is there: some words of the memory are constants.
+  initial {go, step_read, step} = 0;
   `include "ik_fold_program.vh"
   `include "ik_fold_fields.vh"
 
@@ -87,7 +88,7 @@ module ik_fold #(
   wire full = m_axis_tvalid && !m_axis_tready;
   reg given;  // results of a target are on their way
   wire giving = f_first_result ? of_first : given;
-  initial {current, m_axis_tvalid} = 2'b00;  // neither ready nor valid before the first clock
+  initial m_axis_tvalid = 1'b0;
   always @(posedge clk)
     if (rst) begin
       go            <= 1'b1;

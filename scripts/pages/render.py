@@ -41,8 +41,8 @@ TEMPLATES.globals |= {"table": table}
 
 
 def render(name: str, **values: Any) -> str:
-    """The page of ``templates/<name>.md.j2``, or the picture of a name in .svg; a missing value is an error."""
-    return TEMPLATES.get_template(f"{name}.j2" if name.endswith(".svg") else f"{name}.md.j2").render(values)
+    """The page of ``templates/<name>.md.j2``, or of a name with another suffix; a missing value is an error."""
+    return TEMPLATES.get_template(f"{name}.j2" if "." in name else f"{name}.md.j2").render(values)
 
 
 def svg(paint: Callable) -> Callable[..., bytes]:

@@ -6,9 +6,9 @@
 makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
 the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`, `table6` the software to compare
 with of requirements-table6.lock, and goes on without what does not install; `farm` adds what gives work to other
-machines. What the system lacks is installed with apt-get where that is allowed (root, or sudo without a password);
-otherwise one line says what to install and the exit status is 2. When all is in place it prints nothing and takes a few
-milliseconds.
+machines, `coverage` what counts bins. What the system lacks is installed with apt-get where that is allowed (root, or
+sudo without a password); otherwise one line says what to install and the exit status is 2. When all is in place it
+prints nothing and takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said
@@ -33,12 +33,13 @@ PROGRAMS = {
     "schedule": [],  # all from requirements-schedule.lock
     "playground": [],  # all from requirements-playground.lock
     "farm": [],  # all from requirements-farm.lock
+    "coverage": [],  # all from requirements-coverage.lock
 }
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # others as their program; g++ brings libc's headers, too
 # of requirements-NAME.lock
 EXTRAS = {
     "fpga": "the tools", "table6": "the software", "schedule": "the solver", "playground": "the compilers",
-    "farm": "the workers",
+    "farm": "the workers", "coverage": "the crosses",
 }  # fmt: skip
 OPTIONAL = ["table6"]  # who needs it does without what is missing
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator

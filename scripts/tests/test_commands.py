@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts import compare, exhaustive, follow, formal, run, soak
+from scripts import compare, coverage, exhaustive, follow, formal, run, soak
 from scripts.fpga import measure
 from scripts.pages import wordlengths
 from scripts.playground import page as playground
@@ -19,7 +19,7 @@ from tb.sim.env import ROOT, environment
 MAINS = {
     "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main,
     "compare": compare.main, "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
-    "playground": playground.main,
+    "playground": playground.main, "coverage": coverage.main,
 }  # fmt: skip
 
 WHOLE = "is not a whole number of at least"
@@ -110,6 +110,11 @@ MISTAKES = {
         ("--jobs two", f"argument --jobs: 'two' {WHOLE} 1"),
         ("--smal", "unrecognized arguments: --smal"),
     ],
+    "coverage": [
+        ("--only x --keep", "argument --keep: not with --only"),
+        ("--only x --again", "argument --again: not with --only"),
+        ("--out o", "unrecognized arguments: --out o"),
+    ],
     "compare": SAMPLE,
     "wordlengths": SAMPLE,
     "formal": [("--only nothing", "argument --only: no proof or node 'nothing'; --list says which there are")],
@@ -152,6 +157,7 @@ OPTIONS = {
     "soak": "targets seed from datapath width sim jobs out keep again",
     "exhaustive": "only small jobs list",
     "compare": "targets seed",
+    "coverage": "only again keep",
     "wordlengths": "targets seed",
     "playground": "out datapath width",
 }
@@ -206,10 +212,15 @@ def test_make_exhaustive_and_soak():
 
 
 def test_make_mutants():
-    assert made("mutants") == (["icarus"], ["mutants"])
+    assert made("mutants") == (["icarus fpga"], ["mutants"])
     options = [f'--{o}="$CGA_{o.upper()}"' for o in "count seed only out farm".split()]
     made_by = made("mutants", "COUNT=9", "SEED=2", "ONLY=lib", "OUT=o", "FARM=x", "KEEP=1")
     assert made_by == (["icarus farm"], ["mutants", *options, "--keep"])
+
+
+def test_make_coverage():
+    assert made("coverage") == (["verilator coverage"], ["coverage"])
+    assert made("coverage", "ONLY=x y", "KEEP=1")[1] == ["coverage", '--only="$CGA_ONLY"', "--keep"]
 
 
 def test_make_farm_worker():
@@ -241,7 +252,7 @@ def refused(*words, cwd=ROOT):
         ("run WIDHT=18", "make run takes no variable WIDHT: perhaps WIDTH is meant"),
         ("report WAVES=1", "make report takes no variable WAVES: it takes ARM, AXIS, BAR, CORES, D1, D2, DATAPATH, "),
         ("compare TRAJECTORY=reach", "make compare takes no variable TRAJECTORY: it takes none"),
-        ("soak D1=3", "make soak takes no variable D1: it takes AGAIN, DATAPATH, FARM, FROM, KEEP, OUT, SEED, SIM, "),
+        ("soak D1=3", "make soak takes no variable D1: it takes AGAIN, AGAINST, DATAPATH, FARM, FROM, KEEP, OUT, "),
         ("run WAVES=no", "WAVES=no: use 1 or 0"),
         ("soak KEEP=yes", "KEEP=yes: use 1 or 0"),
         ("X=1", "make help takes no variable X: it takes none"),

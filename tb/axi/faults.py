@@ -150,6 +150,20 @@ async def error_on_write(dut, answer):
 
 
 @cocotb.test()
+async def errors_in_turn(dut):
+    """DECERR and then SLVERR, of reads and of writes: each job tells of its own."""
+    machine = await started(dut)
+    for answer in ("decerr", "slverr", "decerr"):
+        for side, address in (("read", SOURCE), ("write", DESTINATION)):
+            machine.place(SOURCE, 0, 3)
+            machine.memory.faults = {address: AxiResp[answer.upper()]}
+            await machine.start(SOURCE, DESTINATION, 3)
+            await ends_with(machine, f"{side}_{answer}", address)
+    await next_job(machine)
+    machine.check()
+
+
+@cocotb.test()
 async def errors_on_both(dut):
     """One on each side: the first that comes is reported, and what is said to be written is."""
     machine = await started(dut, seed=7)

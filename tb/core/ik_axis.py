@@ -14,6 +14,7 @@ from model.dataflow import fixed
 from model.dataflow.fold import timing
 from model.dataflow.fold.program import program
 from model.targets.stimuli import mixed
+from tb.core.crosses import every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 
@@ -73,6 +74,22 @@ async def stalls(dut, idle, stall):
     await bench.drain()
     bench.check()
     assert len(bench.results) == count, f"{len(bench.results)} results of {count} targets"
+
+
+@cocotb.test()
+@cocotb.parametrize(idle=[False, True], stall=[False, True])
+async def every_flag_in_every_region(dut, idle, stall):
+    """Near each singular pose and far from all, with and without gaps and results that wait."""
+    bench = await started(dut)
+    random = np.random.default_rng(7)
+    for port, pauses in ((bench.source, idle), (bench.sink, stall)):
+        if pauses:
+            port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
+    targets = np.tile(every_kind(bench.width), (4, 1))
+    bench.send(targets)
+    await bench.drain()
+    bench.check()
+    assert len(bench.results) == len(targets)
 
 
 @cocotb.test()

@@ -22,6 +22,8 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from model.targets.words import FIELDS, pack, unpack
+from tb.core.crosses import Crosses
+from tb.sim import coverage
 from tb.sim.difference import KEPT, Difference, report
 
 
@@ -125,6 +127,10 @@ class Pipeline:
         self.results: list[tuple[tuple[int, ...], int, int, int]] = []
         self.latencies: list[int] = []
         self.errors: list[str] = []
+        folder = coverage.folder()
+        self.crosses = Crosses(folder) if folder else None
+        self.gap = self.held = False  # a clock without a target since the last one; a result that waits
+        self.gaps: list[bool] = []
         cocotb.start_soon(self._watch())
 
     # ---- signals -------------------------------------------------------------------------------------------------
@@ -193,6 +199,8 @@ class Pipeline:
         board = self.scoreboard
         assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
         assert board.compared or not self.results, "the scoreboard compared nothing"
+        if self.crosses:
+            self.crosses.keep()
 
     # ---- what watches --------------------------------------------------------------------------------------------
 
@@ -211,11 +219,14 @@ class Pipeline:
             if dut.rst.value != 0:
                 self.scoreboard.forget()
                 self.due.clear()
+                self.gap = self.held = False
                 # The flip-flops are reset at the first rising edge with rst; nothing before it counts.
                 continue
             for valid, ready, data, user, taken in streams:
                 if valid.value == 1 and ready.value == 1:
                     taken(str(data.value), str(user.value))
+            self.gap |= dut.s_axis_tvalid.value == 0
+            self.held |= dut.m_axis_tvalid.value == 1 and dut.m_axis_tready.value == 0
             self.scoreboard.sample(self.ran, self.clock)
             self.ran += self.go is None or self.go.value == 1
 
@@ -232,6 +243,8 @@ class Pipeline:
         target = len(self.admitted)
         self.admitted.append(self.clock)
         self.due.append(target)
+        self.gaps.append(self.gap)
+        self.gap = False
         if target >= len(self.words):
             self.errors.append(f"target {target} was admitted and never sent")
         else:
@@ -248,6 +261,10 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
+        if self.crosses:
+            path = CONFIGURATIONS[self.datapath].rtl
+            self.crosses.result(flags, path, self.words[target], self.gaps[target], self.held)
+        self.held = False
         self.latencies.append(self.clock - self.admitted[target])
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])
         if (words, tag, flags) != expected:

@@ -14,7 +14,8 @@ from tb.sim.env import CORES, simulator
 from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
-WORDS = mixed(40, short.WIDTH, 3)
+# Rows take Icarus long; more targets than tags.
+WORDS = mixed(40 if simulator() == "icarus" else 300, short.WIDTH, 3)
 JOBS = [Job("short", WORDS)]
 
 BUGS = [

@@ -22,9 +22,8 @@ KNOWN = {"ik_axis": 1, "ik_axi": 6}
 
 BUGS = [
     (1, Bug("pipeline", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "")),
-    (2, Bug("folded", "rtl/fold/ik_fold.v", "initial {current, m_axis_tvalid} = 2'b00;", "initial current = 1'b0;")),
-    (2, Bug("folded ready", "rtl/fold/ik_fold.v", "initial {current, m_axis_tvalid} = 2'b00;",
-            "initial m_axis_tvalid = 1'b0;")),
+    (2, Bug("folded", "rtl/fold/ik_fold.v", "  initial m_axis_tvalid = 1'b0;\n", "")),
+    (2, Bug("folded ready", "rtl/fold/ik_fold.v", "  initial {go, step_read, step} = 0;\n", "")),
     *((3, Bug(file, f"rtl/axi/ik_axi_{file}.v", "  initial ", "  // initial "))
       for file in ("regs", "read", "write", "result")),
     (0, Bug("ready under reset", "rtl/ik_axis.v", "!rst && (credits", "(credits")),

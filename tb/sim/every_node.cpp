@@ -22,6 +22,9 @@
 
 #include "Vtop.h"
 #include "verilated.h"
+#if VM_COVERAGE
+#include "verilated_cov.h"
+#endif
 
 namespace {
 
@@ -84,7 +87,7 @@ std::string hex(uint64_t word) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc < 2) return 2;
   std::FILE* results = std::fopen(argv[1], "wb");
   if (!results) stop(2, std::string("cannot write ") + argv[1]);
 
@@ -109,6 +112,9 @@ int main(int argc, char** argv) {
   }
 
   VerilatedContext context;
+#if VM_COVERAGE
+  context.commandArgs(argc, argv);
+#endif
   context.randReset(2);  // registers start at random, as they do in a chip
   context.randSeed(1);
   const auto owner = std::make_unique<Vtop>(&context);
@@ -225,6 +231,9 @@ int main(int argc, char** argv) {
   }
   if (std::fclose(results)) stop(2, "cannot write results");
   top.final();
+#if VM_COVERAGE
+  context.coveragep()->write();
+#endif
   std::printf("done %llu %llu %llu %llu\n", static_cast<unsigned long long>(left), static_cast<unsigned long long>(latency),
               static_cast<unsigned long long>(left ? last_out - first_in + 1 : 0), static_cast<unsigned long long>(bits));
   for (const Difference& d : differences) {

@@ -19,7 +19,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
 from model.targets.words import FIELDS
-from tb.sim import cxxrtl
+from tb.sim import coverage, cxxrtl
 from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment
 from tb.sim.job import Job, Run, SimulationError
@@ -126,19 +126,24 @@ def compare(
     width: int,
     datapath: str,
     progress: Callable[[int], None] | None = None,
+    root: Path = ROOT,
 ) -> Run:
     """Runs the targets of all frames one after the other, a target a clock.
 
     ``progress(done)`` is called after each frame.  Raises :class:`SimulationError` for lost or disordered results, a
-    changing latency, and a program that breaks off.
+    changing latency, and a program that breaks off.  ``root`` is whose RTL the program is.
     """
     nodes = nodes_of(datapath, width)
     header = [width, len(nodes), *(fact for node in nodes for fact in (node.time, node.format.width))]
     sizes = []
-    with tempfile.NamedTemporaryFile(prefix="ik_") as file:
+    with coverage.counting(root) as counts, tempfile.NamedTemporaryFile(prefix="ik_") as file:
         process = subprocess.Popen(
-            [path, file.name], env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        )  # fmt: skip
+            [path, file.name, *counts],
+            env=environment(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         try:
             try:
                 process.stdin.write(np.array(header, dtype="<u8").tobytes())
@@ -164,13 +169,18 @@ def compare(
 
 
 def run(
-    path: Path, jobs: list[Job], width: int, datapath: str, progress: Callable[[int, int], None] | None = None
+    path: Path,
+    jobs: list[Job],
+    width: int,
+    datapath: str,
+    progress: Callable[[int, int], None] | None = None,
+    root: Path = ROOT,
 ) -> list[Run]:
     """Runs each job after a reset of its own; ``progress(done, total)``.  Raises :class:`SimulationError`."""
     total, before, runs = sum(len(job.words) for job in jobs), 0, []
     for job in jobs:
         told = (lambda done, since=before: progress(since + done, total)) if progress else None
-        runs.append(compare(path, answered(job.words, width, datapath), width, datapath, told))
+        runs.append(compare(path, answered(job.words, width, datapath), width, datapath, told, root))
         before += len(job.words)
     return runs
 

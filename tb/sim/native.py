@@ -9,12 +9,13 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from tb.sim import coverage
 from tb.sim.children import compiled, full
 from tb.sim.env import ROOT
 from tb.sim.runner import MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
 
-BUILD = ROOT / "build" / "native"
+BUILD = coverage.build("native")
 
 
 def build(
@@ -35,7 +36,7 @@ def build(
     top = folder / f"{toplevel}.v"
     command = [
         "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique",
-        "--prefix", "Vtop", "--top-module", toplevel,
+        *(coverage.FLAGS if coverage.folder() else []), "--prefix", "Vtop", "--top-module", toplevel,
         *(f"-G{key}={value}" for key, value in parameters.items()),
         *(f"-I{folder}" for folder in includes(root)),
         "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),

@@ -20,11 +20,12 @@ from unittest import mock
 
 from cocotb_test.simulator import Verilator, run
 
+from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
 from tb.sim.rules import RULES, with_rules
 from tb.sim.sources import headers, includes, sources
 
-BUILD = ROOT / "build" / "sim"
+BUILD = coverage.build("sim")
 
 VERILATOR_ARGS = [
     "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
@@ -146,7 +147,11 @@ def simulate(
         options["verilog_sources"].append(str(ROOT / "tb" / "sim" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
     else:
-        options["compile_args"] = VERILATOR_ARGS + (["--trace-vcd", str(TRACED)] if waves else [])
+        options["compile_args"] = [
+            *VERILATOR_ARGS,
+            *(["--trace-vcd", str(TRACED)] if waves else []),
+            *(coverage.FLAGS if coverage.folder() else []),
+        ]
         options["timescale"] = None
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
         random_start = [word.format(start) for word in RANDOM_START]
@@ -160,7 +165,11 @@ def simulate(
     with mock.patch.dict(os.environ, SIM=sim), _signals():
         if not built:
             _compile(options, folder, built_as, "" if sim == "icarus" else "waves" if waves else "plain")
-        with mock.patch.object(Verilator, "build_command", _started):  # which would build again
+        with (
+            mock.patch.object(Verilator, "build_command", _started),  # which would build again
+            coverage.counting(root) if sim == "verilator" else nullcontext([]) as counts,
+        ):
+            options["plus_args"] = [*options["plus_args"], *counts]
             return Path(run(**options))
 
 

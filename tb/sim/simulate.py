@@ -52,7 +52,7 @@ def simulate(
         if simulator not in NATIVE or waves:
             raise ValueError(f"only {' and '.join(NATIVE)} run natively, and without waves")
         program = every_node.program(datapath, width, root, name, cores, simulator)
-        return every_node.run(program, jobs, width, datapath, progress)
+        return every_node.run(program, jobs, width, datapath, progress, root)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
         with naming(place / "jobs.npz") as file:

@@ -11,11 +11,17 @@ def bench(W: int, N: int) -> Tests:
         """Each bit alone: none is lost or swapped."""
         return [1 << k for k in range(W)]
 
+    def each_place():
+        """A ring of so many places full of zeros, then of ones, then of zeros: all that a bit of it can do."""
+        lap = 1 << max(N, 1).bit_length()
+        return [word for word in (0, words[-1], 0) for _ in range(lap)]
+
     return checks(
         {"d": words},
         {"q": words},
         each(lambda d: d),
         single_bits,
+        each_place,
         latency=N,
         latencies=[(0, words[-1]), (words[-1], 0)],
     )
@@ -23,7 +29,9 @@ def bench(W: int, N: int) -> Tests:
 
 delay = sets_of("W N")
 test_ik_delay = runs("ik_delay", bench, delay(8, 0), delay(70, 5), more=[delay(8, 1), delay(32, 40)])
-test_ik_ring = runs("ik_ring", bench, delay(40, 18), more=[delay(8, 3), delay(96, 65)])
+test_ik_ring = runs(
+    "ik_ring", bench, delay(40, 18), more=[delay(*of) for of in ((8, 3), (96, 65), (8, 18), (2, 100), (2, 300))]
+)
 
 test_ik_delay_of_negative_length_does_not_elaborate = stops(
     "ik_delay", delay(8, -1), says="ik_delay_needs_N_of_at_least_0"

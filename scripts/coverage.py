@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""make coverage: what the tests go through in the Verilog, all machines and parameters together.
+
+    python -m scripts.coverage [--only PATTERN] [--again] [--keep]
+
+Runs tests that compare what the RTL gives (SUITE) on Verilator builds with coverage of lines, branches, expressions and
+toggles, adds the counts of a point over instances, parameters and simulations, and writes the annotated source. A point
+that is not reached and that tb/coverage/waivers.json does not excuse is a finding, and so is a waiver that excuses
+nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from datetime import date
+from importlib.metadata import version
+
+from rich.table import Table
+
+from model.targets.files import write_atomically
+from scripts.console import InputError, Parser, command, show, writing
+from scripts.pages.render import render
+from tb.core.crosses import AXES, IMPOSSIBLE, merged
+from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
+from tb.sim.children import started
+from tb.sim.coverage import Counts, Point, read
+from tb.sim.env import GENERATED, ROOT
+from tb.sim.simulate import SimulationError
+from tb.sim.sources import sources
+
+COUNTS = ROOT / "build" / "coverage" / "counts"
+HTML = ROOT / "build" / "coverage" / "index.html"
+PAGE = GENERATED / "coverage.md"
+
+SUITE = [
+    "tb/units", "tb/core/test_ik_axis.py", "tb/core/test_sections.py", "tb/core/test_configurations.py",
+    "tb/core/test_every_target.py", "tb/axi/test_ik_axi.py",
+]  # fmt: skip
+"""Tests that compare every output, or every node, with a reference."""
+LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not ring)"
+"""RTL with bugs, which counts nothing, and what takes Verilator minutes and reaches no point more."""
+
+KINDS = ("line", "branch", "expr", "toggle")
+MACHINES = {"lean": "rtl/lean/", "paper": "rtl/paper/", "fold": "rtl/fold/", "ik_axi": "rtl/(axi/|ik_axi.v)", "all": ""}
+"""Machine -> how its files begin; the first that fits."""
+
+SHOWN = 100
+"""Findings in the terminal; the page has all."""
+
+
+def machine(file: str) -> str:
+    """The machine that a file of rtl/ belongs to; `all` for what they share."""
+    return next(name for name, of in MACHINES.items() if re.match(of, file))
+
+
+def run(only: str | None) -> int:
+    """The tests, with fresh counts; pytest's status."""
+    shutil.rmtree(COUNTS, ignore_errors=True)
+    chosen = f"({only}) and not ({LEFT_OUT})" if only else f"not ({LEFT_OUT})"
+    words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", sys.executable, "-m", "pytest", "-n", "auto"]
+    words += ["--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim", "-k", chosen, *SUITE]
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder, started(words, folder) as process:
+        return process.wait()
+
+
+class Verdict:
+    """Counts with what is said of those that are 0."""
+
+    def __init__(self, counts: Counts, given: Sequence[Waiver], crosses: dict[tuple[str, ...], int]) -> None:
+        self.counts, self.crosses = counts, crosses
+        missed = [point for point, count in counts.items() if not count]
+        self.reasons, self.idle = excused(missed, given)
+        self.open = sorted(set(missed) - set(self.reasons))
+        self.unseen = sorted({str(p.relative_to(ROOT)) for p in sources()} - {point.file for point in counts})
+
+    def rows(self) -> list[list]:
+        """Machine, then points, reached and waived ones of each kind."""
+        tally: Counter = Counter()
+        for point, count in self.counts.items():
+            at = machine(point.file), point.kind
+            tally[at, "points"] += 1
+            tally[at, "hit"] += count > 0
+            tally[at, "waived"] += point in self.reasons
+        return [
+            [name, *(tally[(name, kind), what] for kind in KINDS for what in ("points", "hit", "waived"))]
+            for name in MACHINES
+        ]
+
+    def findings(self) -> list[str]:
+        """A line each; toggles of a signal together."""
+        lines = [f"{file}: no simulation has it" for file in self.unseen]
+        lines += [f"{WAIVERS.name}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
+        lines += [f"cross not hit: {' x '.join(bin)}" for bin, hits in self.crosses.items() if not hits]
+        lines += [] if self.crosses else ["no simulation has crosses"]
+        return lines + [
+            f"{file}:{line}: {kind} {what}: {source(file, line)}" for (file, line, kind), what in grouped(self.open)
+        ]
+
+
+def grouped(points: Iterable[Point]) -> list[tuple[tuple[str, int, str], str]]:
+    """Points by file, line and kind, and what tells them apart; bits of a signal together."""
+    places: dict[tuple[str, int, str], list[str]] = defaultdict(list)
+    for point in points:
+        places[point.file, point.line, point.kind].append(point.what)
+    return [(place, "; ".join(bits(what))) for place, what in sorted(places.items())]
+
+
+def bits(what: Iterable[str]) -> list[str]:
+    """Toggles of signals as a waiver names them: `a[7:5,0]; b`, with ` 0->1` where the other way is reached."""
+    ways: dict[tuple[str, int], set[str]] = defaultdict(set)
+    others = []
+    for text in what:
+        if found := re.fullmatch(r"(.*?)(?:\[(\d+)\])?:([01]->[01])", text):
+            ways[found[1], int(found[2] or -1)].add(found[3])
+        else:
+            others.append(text)
+    signals: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for (name, bit), of in ways.items():
+        signals[name, "" if len(of) == 2 else f" {min(of)}"].append(bit)
+    return others + [f"{name}{'' if of == [-1] else f'[{ranges(of)}]'}{way}" for (name, way), of in signals.items()]
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """3, 2, 1, 7 as 7,3:1."""
+    runs: list[list[int]] = []
+    for number in sorted(set(numbers), reverse=True):
+        if runs and runs[-1][-1] == number + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ",".join(f"{run[0]}:{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+def crosses(verdict: Verdict) -> list[list]:
+    """Datapath and region; least hits of a bin for each flag."""
+    table: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
+    for (flag, path, region, _), hits in verdict.crosses.items():
+        table[path, region][flag].append(hits)
+    return [[*key, *(min(row[flag]) if flag in row else "" for flag in AXES["flag"])] for key, row in table.items()]
+
+
+HEAD = ["machine", *(f"{kind} {what}" for kind in KINDS for what in ("points", "hit", "waived"))]
+
+
+def html(verdict: Verdict) -> str:
+    """The annotated source."""
+    by_line: dict[tuple[str, int], list[Point]] = defaultdict(list)
+    for point in sorted(verdict.counts):
+        by_line[point.file, point.line].append(point)
+    files = []
+    for file in sorted({point.file for point in verdict.counts}):
+        lines = []
+        for number, text in enumerate((ROOT / file).read_text(encoding="utf-8").splitlines(), 1):
+            points = by_line[file, number]
+            missed = [point for point in points if not verdict.counts[point]]
+            is_open = [point for point in missed if point not in verdict.reasons]
+            notes = [f"{kind} {what}" for (_, _, kind), what in grouped(is_open)]
+            notes += sorted({f"waived: {verdict.reasons[point]}" for point in missed if point in verdict.reasons})
+            counts = [verdict.counts[point] for point in points if point.kind != "toggle"]
+            counts = counts or [verdict.counts[point] for point in points]
+            look = "open" if is_open else "waived" if missed else "hit" if points else ""
+            lines.append((number, min(counts) if counts else "", text, look, notes))
+        looks = Counter(look for *_, look, _ in lines)
+        files.append((file, looks["open"], looks["waived"], lines))
+    return render("coverage.html", head=HEAD, rows=verdict.rows(), files=files, findings=len(verdict.findings()))
+
+
+@command("coverage")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser(
+        "coverage", "What the tests go through in the Verilog, and what they do not.",
+        passes="all points are reached or waived", fails="one is not, a waiver excuses nothing, or a test fails",
+    )  # fmt: skip
+    parser.add_argument(
+        "--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged"
+    )
+    parser.add_argument("--again", action="store_true", help="judge the counts of the last run again")
+    parser.add_argument("--keep", action="store_true", help=f"write {PAGE.name}")
+    options = parser.parse_args(arguments)
+    if options.only and (options.again or options.keep):
+        raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
+    if sys.version_info < (3, 11):
+        raise InputError("cocotb-coverage needs Python 3.11 or later")
+    given = waivers()
+    if not options.again and (status := run(options.only)):
+        raise SimulationError(f"pytest ended with status {status}")
+    counts = read(COUNTS)
+    if not counts:
+        raise InputError("there are no counts")
+    verdict = Verdict(counts, given, merged(COUNTS))
+    table = Table(*HEAD)
+    for row in verdict.rows():
+        table.add_row(*map(str, row))
+    show(table)
+    with writing():
+        write_atomically(HTML, html(verdict))
+    print(f"wrote {os.path.relpath(HTML, ROOT)}")
+    if options.only:
+        return 0
+    findings = verdict.findings()
+    for line in findings[:SHOWN]:
+        print(line)
+    if len(findings) > SHOWN:
+        print(f"and {len(findings) - SHOWN} more")
+    if options.keep and not findings:
+        with writing():
+            write_atomically(PAGE, page(verdict))
+        print(f"wrote {PAGE.name}")
+    return 1 if findings else 0
+
+
+def page(verdict: Verdict) -> str:
+    """docs/generated/coverage.md."""
+    reasons = Counter((machine(point.file), reason) for point, reason in verdict.reasons.items())
+    return render(
+        "coverage", today=date.today().isoformat(), verilator=version("verilator"), suite=SUITE, head=HEAD,
+        rows=verdict.rows(), axes=AXES, impossible=IMPOSSIBLE, crosses=crosses(verdict),
+        reasons=[[*key, count] for key, count in sorted(reasons.items())],
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(main())
