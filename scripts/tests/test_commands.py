@@ -215,7 +215,7 @@ def test_make_mutants():
     assert made("mutants") == (["icarus fpga"], ["mutants"])
     options = [f'--{o}="$CGA_{o.upper()}"' for o in "count seed only out farm".split()]
     made_by = made("mutants", "COUNT=9", "SEED=2", "ONLY=lib", "OUT=o", "FARM=x", "KEEP=1")
-    assert made_by == (["icarus farm"], ["mutants", *options, "--keep"])
+    assert made_by == (["icarus fpga farm"], ["mutants", *options, "--keep"])
 
 
 def test_make_coverage():
