@@ -12,7 +12,7 @@ pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirement
 
 SAME = [
     Bug("a wider port, cut outside", "rtl/axi/ik_axi_result.v", "[      31:0] index", "[      32:0] index"),
-    Bug("a sign of no use", "rtl/cores/ik_div_row.v", "input  wire [W-1:0] d,", "input  wire signed [W-1:0] d,"),
+    Bug("a sign of no use", "rtl/fold/ik_fold_count.v", "wire [5:0] term", "wire signed [5:0] term"),
     Bug("another formula", "rtl/fold/ik_fold_count.v", "{e[4:0], 1'b0}", "({e[4:0], 1'b0} | 6'd0)"),
 ]
 OTHER = [
