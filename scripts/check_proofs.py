@@ -47,8 +47,8 @@ def _widths() -> dict[str, str]:
     return {name: now for name, now in widths.digests().items() if name in there or name.startswith(widths.LIGHT)}
 
 
-def _soaks() -> dict[str, str]:
-    return {name: row["code"] for name, row in soak_page.recorded().items()}
+def _soaks(code: Callable[[dict], str]) -> Callable[[], dict[str, str]]:
+    return lambda: {name: code(row) for name, row in soak_page.recorded().items()}
 
 
 PAGES = (
@@ -58,7 +58,12 @@ PAGES = (
     _page(WIDTHS_PAGE, "make formal", _widths),
     _page(exhaustive.PAGE, "make exhaustive", exhaustive.digests),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
-    Page(soak_page.PAGE, "make soak KEEP=1", _soaks, lambda: dict.fromkeys(_soaks(), soak_page.code())),
+    Page(
+        soak_page.PAGE,
+        "make soak KEEP=1",
+        _soaks(lambda row: row["code"]),
+        _soaks(lambda row: soak_page.code(row["datapath"])),
+    ),
 )
 
 

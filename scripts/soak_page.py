@@ -7,12 +7,13 @@ import json
 from datetime import date
 
 from model.bounds import tolerances
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.targets.flags import FLAGS, SATURATED
 from scripts.console import InputError, whole_file
 from scripts.pages.render import render
 from tb.core.random_targets import Core, Found
 from tb.sim.env import GENERATED
-from tb.sim.sources import digest, headers, sources
+from tb.sim.sources import closure, digest
 
 PAGE, FIGURES = GENERATED / "soak.md", GENERATED / "soak.json"
 
@@ -25,9 +26,9 @@ def recorded() -> dict[str, dict]:
         raise InputError(f"{FIGURES}: {error}") from None
 
 
-def code() -> str:
-    """A digest of the Verilog."""
-    return digest([*sources(), *headers()])
+def code(datapath: str) -> str:
+    """A digest of the Verilog of a datapath, and of ik_axis.v."""
+    return digest({*closure(f"ik_{CONFIGURATIONS[datapath].rtl}"), *closure("ik_axis")[:1]})
 
 
 def keep(core: Core, of: str, found: Found, first: int) -> None:
@@ -35,8 +36,8 @@ def keep(core: Core, of: str, found: Found, first: int) -> None:
     kind = f"{core.datapath}, {core.width} bits, {of}"
     row = {
         "datapath": core.datapath, "width": core.width, "of": of, "simulator": core.sim, "from": first,
-        "date": date.today().isoformat(), "code": code(), "targets": found.targets, "reachable": found.reachable,
-        "hand": found.hand_error_max, "tolerance": tolerances.hand(core.width, core.datapath),
+        "date": date.today().isoformat(), "code": code(core.datapath),
+        "targets": found.targets, "reachable": found.reachable, "hand": found.hand_error_max, "tolerance": tolerances.hand(core.width, core.datapath),
         "norm": found.norm_error_max, "flags": dict(found.flags), "apart": found.apart,
     }  # fmt: skip
     rows = dict(sorted((recorded() | {kind: row}).items()))

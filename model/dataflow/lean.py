@@ -81,7 +81,7 @@ RISES = "e_rho >= e_s, because rho <= |p|"
 RISEN = Within(0.0, 1.0, RISES)
 ARMS_UNIT = Within(0.0, 2.0, "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2")
 LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
-LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4")
+LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4, or 0 and |d1 - d2| a place or more")
 K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
 # And how errors come out, and what sections compute themselves, in Verilog.

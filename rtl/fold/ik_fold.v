@@ -165,7 +165,7 @@ module ik_fold #(
     if (go) begin
       down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE || (f_cut == CUT_POWER && !few);
       less  <= taken;
-      carry <= f_carry == CARRY_ALWAYS || (f_carry == CARRY_MINUS && taken);
+      carry <= f_carry == CARRY_MINUS && taken;
     end
   wire [TW-1:0] sum;
   ik_fold_sum #(

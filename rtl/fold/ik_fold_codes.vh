@@ -4,7 +4,7 @@
 // For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.
 
 /* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
-localparam integer STEP_W = 89;  // bits of a step
+localparam integer STEP_W = 88;  // bits of a step
 
 localparam [1:0] A_BY_NONE = 2'd0;
 localparam [1:0] A_BY_U_Y = 2'd1;
@@ -65,9 +65,8 @@ localparam [3:0] S_VALUE = 4'd10;
 localparam [3:0] S_LENGTH = 4'd11;
 localparam [3:0] S_NONE_OR_HALF = 4'd12;
 
-localparam [1:0] CARRY_NONE = 2'd0;
-localparam [1:0] CARRY_ALWAYS = 2'd1;
-localparam [1:0] CARRY_MINUS = 2'd2;
+localparam [0:0] CARRY_NONE = 1'd0;
+localparam [0:0] CARRY_MINUS = 1'd1;
 
 localparam [1:0] WINDOW_PLAIN = 2'd0;
 localparam [1:0] WINDOW_DOUBLE = 2'd1;

@@ -103,9 +103,9 @@ count e is the number 2^e, a shift a product. A decision is taken on a rounded w
 exact words: the ranges hold whichever way it goes. Clamped targets are left out. `=node`: what a node is; `node`: its
 range; `#node`: an exact word is of whole places; other names are lemmas of the same table.
 
-A count above -1 is 0 or more: it is an integer. `e_far of d1` is the other place where integers count: of a folded arm
-(B = 0) whose lengths differ by one place, "sin a <= 1, and root_ab >= 1/4" says nothing, as root_ab is 0, and 2 in the
-law's unit is reached. `m_q` is decided by a word, and is with the errors."""
+A count above -1 is 0 or more: it is an integer. `e_far of d1` is the other place where integers count: an arm that is
+folded exactly (B = 0) has a root_ab of 0, and one whose lengths differ by a single place reaches 2 in the law's unit.
+`m_q` is decided by a word, and is with the errors."""
 
 ERRORS_ABOUT = """\
 How far a word can be from its exact value, as `model/bounds/lean_ranges.py` counts it: from its operands' words, each

@@ -126,7 +126,7 @@ class Step:
     addend: str = "zero"
     addend_by: str = ""  # the flag of the addends length and none_or_half
     minus: str = ""  # the product is taken from the addend: "always", or the flag that says so
-    carry: str = ""  # a carry below the last bit of the sum: "always", or "minus": with it
+    carry: str = ""  # a carry below the last bit of the sum: "minus": with it
     place: str = ""  # b is the place in a row's segment: "all" of it, or its "high" part
     write: Write | None = None
     norm: Normal | None = None
