@@ -37,7 +37,8 @@ def keep(core: Core, of: str, found: Found, first: int) -> None:
     row = {
         "datapath": core.datapath, "width": core.width, "of": of, "simulator": core.sim, "from": first,
         "date": date.today().isoformat(), "code": code(core.datapath),
-        "targets": found.targets, "reachable": found.reachable, "hand": found.hand_error_max, "tolerance": tolerances.hand(core.width, core.datapath),
+        "targets": found.targets, "reachable": found.reachable,
+        "hand": found.hand_error_max, "tolerance": tolerances.hand(core.width, core.datapath),
         "norm": found.norm_error_max, "flags": dict(found.flags), "apart": found.apart,
     }  # fmt: skip
     rows = dict(sorted((recorded() | {kind: row}).items()))
