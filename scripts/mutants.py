@@ -79,22 +79,25 @@ class Campaign:
     def run(self, each: Callable, done: Callable[[int], None]) -> None:
         """Tries mutants until enough of them count, or there are no more."""
         left = {name: order(name, self.seed) for name in self.files}
-        while left and self.counted < self.count:
-            of = {name: self._share(name) for name in left}
-            fewest = min(of.values())
-            batch = []
-            for name in [name for name in left if of[name] == fewest][: self.count - self.counted]:
-                mutant = next(left[name], None)
-                if mutant is None:
-                    del left[name]
-                else:
-                    batch.append(mutant)
+        while batch := self._batch(left):
             for result in self._tried(each, batch):
                 self.results.append(result)
                 done(self.counted)
 
-    def _share(self, name: str) -> int:
-        return sum(result.mutant.file == name and result.verdict in COUNTED for result in self.results)
+    def _batch(self, left: dict[str, Iterator[Mutant]]) -> list[Mutant]:
+        """As many as are missing, each of the file that has the fewest by then; files without more leave `left`."""
+        batch: list[Mutant] = []
+        counted = [result.mutant for result in self.results if result.verdict in COUNTED]
+        of = {name: sum(mutant.file == name for mutant in counted) for name in left}
+        while left and len(counted) + len(batch) < self.count:
+            name = min(left, key=lambda name: of[name])
+            mutant = next(left[name], None)
+            if mutant is None:
+                del left[name]
+            else:
+                batch.append(mutant)
+                of[name] += 1
+        return batch
 
     def _tried(self, each: Callable, batch: list[Mutant]) -> Iterator[Result]:
         """Known results, then those of the others; what survived and has no reason is another one."""
