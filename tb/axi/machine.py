@@ -55,7 +55,8 @@ class Machine:
         self.datapath = "lean" if int(dut.LEAN.value) else "paper"
         self.beats = 256 // self.data_width  # of a record
         self.whole = 1 << int(dut.LOG2_BURST.value)  # records
-        self.places = 1 << int(dut.LOG2_PLACES.value)
+        self.latency = fixed.latency(self.datapath, self.width)
+        self.places = 1 << self.latency.bit_length()  # a result a clock, with nobody waiting for a place
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats, self.whole * self.beats, self.places)
         cocotb.start_soon(self.monitor.run())

@@ -30,7 +30,7 @@ def after_reset(machine: Machine) -> dict[str, int]:
         "addr_width": machine.addr_width,
         "lean": int(machine.datapath == "lean"),
         "digit": int(machine.dut.DIGIT.value),
-        "latency": int(machine.dut.LATENCY.value),
+        "latency": machine.latency,
         "places": machine.places,
     }
     values = {}

@@ -99,8 +99,10 @@ class Pipeline:
 
     def __init__(self, dut) -> None:
         self.dut = dut
-        self.width = len(dut.s_axis_tdata) // len(FIELDS)
-        self.tag_width = len(dut.s_axis_tuser)
+        self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
+        data, tag = len(FIELDS) * self.width, self.tag_width
+        ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
+        assert [len(port) for port in ports] == [data, tag, data, tag + 8]
         self.datapath = configuration(dut)
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """``ik_delay`` and ``ik_ring``: every word comes out N clocks later, of ``ik_delay`` N = 0 included."""
 
-from tb.units.unit import Tests, checks, each, runs, sets_of, stops, unsigned
+from tb.units.unit import Tests, checks, each, places, runs, sets_of, stops, unsigned
 
 
 def bench(W: int, N: int) -> Tests:
@@ -27,10 +27,14 @@ def bench(W: int, N: int) -> Tests:
     )
 
 
+def bench_of_ring(W: int, N: int) -> Tests:
+    return bench(W, N) | {"places": places("ring", 1 << (N - 2).bit_length(), W)}
+
+
 delay = sets_of("W N")
 test_ik_delay = runs("ik_delay", bench, delay(8, 0), delay(70, 5), more=[delay(8, 1), delay(32, 40)])
 test_ik_ring = runs(
-    "ik_ring", bench, delay(40, 18), more=[delay(*of) for of in ((8, 3), (96, 65), (8, 18), (2, 100), (2, 300))]
+    "ik_ring", bench_of_ring, delay(40, 18), more=[delay(*of) for of in ((8, 3), (96, 65), (8, 18), (2, 100), (2, 300))]
 )
 
 test_ik_delay_of_negative_length_does_not_elaborate = stops(

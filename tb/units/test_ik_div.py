@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from model.dataflow.nodes import GUARD, Latency
 from tb.sim.env import simulator
-from tb.units.unit import BIT, Tests, checks, corners, each, instances, runs, sets_of, signed, some, stops
+from tb.units.unit import BIT, Tests, built, checks, corners, each, instances, runs, sets_of, signed, some, stops
 
 
 def bench(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, CUT: int = 0, **delays: int) -> Tests:
@@ -91,7 +91,7 @@ def bench(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, CUT: int
         delays=delays,
         corners=cases,
         good=(min(3, N[-1]), D[-1] // 2 + 1),
-    )
+    ) | {"recurrence": built("g_digit", DIGIT != 0)}
 
 
 div = sets_of("NW DW SH QW LAT")

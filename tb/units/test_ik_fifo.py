@@ -9,7 +9,7 @@ from functools import partial
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from tb.units.unit import Tests, runs, sets_of
+from tb.units.unit import Tests, places, runs, sets_of
 
 LATENCY = 2  # clocks from a word's writing to its offer
 
@@ -171,7 +171,7 @@ def bench(W: int, LOG2: int) -> Tests:
         await fifo.reset()
         await test(fifo)
 
-    return {name: partial(started, test) for name, test in tests.items()}
+    return {name: partial(started, test) for name, test in tests.items()} | {"places": places("mem", 1 << LOG2, W)}
 
 
 fifo = sets_of("W LOG2")

@@ -4,15 +4,16 @@
 import numpy as np
 
 from model.dataflow.cores import MUL3_CLOCKS, TILE, mul3, unseen
-from tb.units.unit import Tests, checks, crossed, runs, sets_of, signed, stops
+from tb.units.unit import Tests, built, checks, crossed, runs, sets_of, signed, stops
 
 
-def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, **delays: int) -> Tests:
+def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0, **delays: int) -> Tests:
     A, B, Q = signed(AW), signed(BW), signed(OW)
     a_last, b_last = (1 << bits for bits in unseen(AW, BW, TILE))
     a_low, b_low = 1 << max(AW - TILE, 0), 1 << max(BW - min(TILE, 18), 0)
 
     def exact(a, b):
+        b = a if SQUARE else b
         a, b = a - a % a_last, b - b % b_last
         a_lo, b_lo = a % a_low, b % b_low
         tiles = [(a - a_lo) * (b - b_lo), (a - a_lo) * b_lo, a_lo * (b - b_lo)]
@@ -25,7 +26,7 @@ def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, **delays: int) -
         return (q + Q[-1] + 1) % len(Q) + Q[0]
 
     def reference(a, b):
-        words = list(map(exact, a, b))
+        words, b = list(map(exact, a, b)), a if SQUARE else b
         assert mul3(np.array(a), np.array(b), SH, AW, BW, TILE).tolist() == words, "the model is no product of tiles"
         return (map(low, words),)
 
@@ -58,7 +59,7 @@ def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, **delays: int) -
         delays=delays,
         corners={name: (vector, low(exact(*vector))) for name, vector in cases.items()},
         good=(A[-1] // 2, b_low + 1),
-    )
+    ) | {"square": built("g_square", SQUARE != 0 and a_low == b_low)}
 
 
 sets = sets_of("AW BW SH OW")
@@ -67,7 +68,10 @@ test_ik_mul3 = runs(
     bench,
     sets(5, 6, 5, 8, TILE=4),
     sets(35, 35, 33, 36),
+    sets(6, 6, 6, 8, TILE=4, SQUARE=1),
     more=[
+        sets(33, 33, 31, 33, SQUARE=1),
+        sets(25, 25, 23, 25, TILE=25, SQUARE=1),  # a whole
         sets(33, 33, 31, 35),
         sets(33, 35, 31, 35),
         sets(35, 35, 32, 35),

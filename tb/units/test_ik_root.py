@@ -5,7 +5,7 @@ import math
 import random
 
 from model.dataflow.nodes import Latency
-from tb.units.unit import BIT, Tests, checks, each, instances, runs, sets_of, signed, some, stops
+from tb.units.unit import BIT, Tests, built, checks, each, instances, runs, sets_of, signed, some, stops
 
 
 def bench(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, CUT: int = 0) -> Tests:
@@ -54,7 +54,7 @@ def bench(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, CUT: int = 0) -> 
         latencies=[(min(4, N[-1]), -1), (N[0], N[-1])],
         corners=cases,
         good=min(5, N[-1]),
-    )
+    ) | {"recurrence": built("g_digit", DIGIT != 0)}
 
 
 root = sets_of("NW SH QW LAT")

@@ -18,6 +18,7 @@ from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
+import cocotb
 import pytest
 from apytypes import APyFixedArray, OverflowMode, QuantizationMode
 from cocotb.clock import Clock
@@ -127,6 +128,26 @@ def instances(op: str, count: int, of: Callable[..., Parameters]) -> list[Parame
 
 
 # ---- inside a simulation (cocotb) ------------------------------------------------------------------------------------
+
+
+def places(memory: str, count: int, width: int) -> Callable[..., Awaitable[None]]:
+    """A test that a memory has so many places of so many bits: with one more it may not fit the blocks of a chip."""
+
+    async def counted(dut) -> None:
+        if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator shows no memories
+            found = getattr(dut.u, memory)  # behind the shell of tb/sim/shells.py
+            assert (len(found), len(found[0])) == (count, width), f"{len(found)} places of {len(found[0])} bits"
+
+    return counted
+
+
+def built(block: str, there: bool) -> Callable[..., Awaitable[None]]:
+    """A test that a generate block is in the module, or is not: where two make the same words, and differ in size."""
+
+    async def found(dut) -> None:
+        assert hasattr(dut.u, block) == there, f"{block} is {'not ' if there else ''}there"
+
+    return found
 
 
 def checks(
