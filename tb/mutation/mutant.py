@@ -112,9 +112,9 @@ def judge(mutant: Mutant) -> Result:
         shutil.rmtree(part) if part.is_dir() else part.unlink()
     shutil.copytree(ROOT / "rtl", place / "rtl")
     (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
-    changed, first = False, len(first_of(mutant.file))
+    changed, first, known = False, len(first_of(mutant.file)), {}
     for number, killer in enumerate(killers_of(mutant.file)):
-        if changed and number == first and (where := equivalent(mutant.file, place, climb=False)):
+        if changed and number == first and (where := equivalent(mutant.file, place, known, climb=False)):
             return result(PROVED, "", where)
         try:
             differs, why = killer.judged(place)
@@ -125,7 +125,7 @@ def judge(mutant: Mutant) -> Result:
             return result(KILLED, killer.name, why)
     if not changed:
         return result(SAME)
-    where = equivalent(mutant.file, place)
+    where = equivalent(mutant.file, place, known)
     return result(PROVED, "", where) if where else result(SURVIVED)
 
 
