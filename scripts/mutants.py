@@ -9,9 +9,9 @@ benches that hold its file (tb/mutation/killers.py), the cheapest first, until o
 (tb/mutation/equivalence.py). The seed says which mutants are tried, as many of each file as of the others where there
 are so many.
 
-Results are lines of OUT/SEED.jsonl as soon as they are there: a second call skips the mutants that it names, but tries
-survivors without a reason again. At the end comes a table by file, and each survivor that
-tb/mutation/equivalent.json gives no reason for.
+Results are lines of OUT/SEED.jsonl as soon as they are there: a second call skips the mutants that it names, or that
+tb/mutation/results.jsonl names, but tries survivors without a reason again, and those around which the Verilog has
+changed. At the end comes a table by file, and each survivor that tb/mutation/equivalent.json gives no reason for.
 
 Exit status: 0 none of these survived, 1 one did or a simulation breaks off, 2 input that cannot be used (one line on
 stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
@@ -36,6 +36,7 @@ from tb.mutation.mutant import (
     HARD,
     KILLED,
     PROVED,
+    RESULTS,
     SURVIVED,
     Mutant,
     Result,
@@ -47,6 +48,7 @@ from tb.mutation.mutant import (
     order,
     recorded,
     write_hard,
+    write_results,
 )
 from tb.mutation.operators import OPERATORS
 from tb.sim.env import GENERATED
@@ -103,7 +105,8 @@ class Campaign:
         """Known results, then those of the others; what survived and has no reason is another one."""
         new = []
         for mutant in batch:
-            result = self.known.get(mutant.key)
+            row = self.known.get(mutant.key)
+            result = row and Result(**row | {"mutant": mutant})
             if result and (result.verdict != SURVIVED or excused(mutant)):
                 yield result
             else:
@@ -163,7 +166,7 @@ def main(arguments: Sequence[str] | None) -> int:
     farm.option(parser)
     about = "folder of the results (default: %(default)s)"
     add("--out", type=folder_name, default=Path("build/mutants"), metavar="DIR", help=about)
-    about = "of a run over all files: write docs/generated/mutants.md and tb/mutation/hard.json"
+    about = "of a run over all files: write docs/generated/mutants.md, tb/mutation/hard.json and results.jsonl"
     add("--keep", action="store_true", help=about)
     options = parser.parse_args(arguments)
     if options.keep and options.only:
@@ -189,7 +192,8 @@ def main(arguments: Sequence[str] | None) -> int:
         with whole_file(PAGE) as place:
             place.write_text(page(campaign), encoding="utf-8")
         write_hard(hardest(results))
-        print(f"wrote {PAGE.name} and {HARD.name}")
+        write_results(results)
+        print(f"wrote {PAGE.name}, {HARD.name} and {RESULTS.name}")
     return 1 if left else 0
 
 

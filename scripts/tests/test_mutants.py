@@ -13,7 +13,7 @@ from tb.mutation.mutant import BROKEN, KILLED, SURVIVED, Result
 
 
 @pytest.fixture
-def tried(monkeypatch):
+def tried(monkeypatch, tmp_path):
     """Stands in for the benches: every fifth does not build, ik_half's survive where their operator is one of these."""
     seen, surviving = [], set()
 
@@ -24,6 +24,7 @@ def tried(monkeypatch):
         return Result(mutant, BROKEN if len(seen) % 5 == 0 else KILLED, "unit ik_half few", "q", 0.5)
 
     monkeypatch.setattr(mutants, "judge", judge)
+    monkeypatch.setattr(mutation, "RESULTS", tmp_path / "results.jsonl")
     return seen, surviving
 
 
@@ -79,6 +80,10 @@ def test_writes_the_page_only_where_it_is_asked_to(command, tried, monkeypatch, 
     text = mutants.PAGE.read_text()
     assert "`make mutants COUNT=60 SEED=1 KEEP=1`" in text and "| all | 60 |" in text
     assert json.loads(mutation.HARD.read_text()) == []
+    Path("build/mutants/1.jsonl").unlink()
+    tried[0].clear()
+    command(mutants.main, *words(60))
+    assert {m.operator for m in tried[0]} == {"falling_edge"}  # the others are in the results that were kept
 
 
 @pytest.mark.parametrize(

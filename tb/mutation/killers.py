@@ -166,11 +166,19 @@ def _of_nodes(of: Nodes) -> Killer:
     return Killer(name, elaborated, ran, key=hashlib.sha256(nodes.BENCH.encode()).hexdigest()[:8])
 
 
-def _parts(of: Nodes) -> set[str]:
-    """The files that a configuration of ik_axis is made of."""
-    others = {f"ik_{path.rtl}" for path in CONFIGURATIONS.values()} - {f"ik_{of.path.rtl}"}
-    own = names(f"ik_{of.path.rtl}")
-    return (names("ik_axis") - set().union(*map(names, others))) | own
+@cache
+def parts(rtl: str) -> frozenset[str]:
+    """The files that ik_axis is made of with one of its cores."""
+    others = {f"ik_{path.rtl}" for path in CONFIGURATIONS.values()} - {f"ik_{rtl}"}
+    return (names("ik_axis") - frozenset().union(*map(names, others))) | names(f"ik_{rtl}")
+
+
+@cache
+def digest_around(file: str) -> str:
+    """Of all Verilog that is built where a file of rtl/ is."""
+    cores = [parts(path.rtl) for path in CONFIGURATIONS.values()]
+    together = frozenset().union(*(files for files in cores if file in files)) or names("ik_axi")
+    return digest([*(ROOT / name for name in sorted(together)), *headers()])
 
 
 @cache
@@ -276,14 +284,14 @@ def first_of(file: str) -> list[Killer]:
     """What notices most changes of a file of rtl/, the cheapest first: before a proof is tried."""
     if _around_the_core(file):
         return list(MEMORY[:1])
-    return [_nodes(of) for of in QUICK if file in _parts(of)] + [own["few"] for own in _units_of(file)]
+    return [_nodes(of) for of in QUICK if file in parts(of.path.rtl)] + [own["few"] for own in _units_of(file)]
 
 
 def killers_of(file: str) -> list[Killer]:
     """What may notice a change of a file of rtl/, the cheapest first."""
     if _around_the_core(file):
         return list(MEMORY)
-    found = first_of(file) + [_nodes(of) for of in WIDE if file in _parts(of)]
+    found = first_of(file) + [_nodes(of) for of in WIDE if file in parts(of.path.rtl)]
     found += [own["more"] for own in _units_of(file) if "more" in own]
     datapaths = frozenset().union(*(names(f"ik_{path.rtl}") for path in CONFIGURATIONS.values()))
     if file not in datapaths or "s_axis_tvalid" in (ROOT / file).read_text():

@@ -12,11 +12,12 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from tb.mutation.equivalence import equivalent
-from tb.mutation.killers import BUILD, MEASURED, BuildError, first_of, killers_of, rtl_digest
+from tb.mutation.killers import BUILD, MEASURED, BuildError, digest_around, first_of, killers_of
 from tb.mutation.operators import SELDOM, edits
 from tb.sim.env import ROOT
 from tb.sim.sources import sources
@@ -26,6 +27,8 @@ COUNTED = (KILLED, PROVED, SURVIVED)
 
 EQUIVALENT = Path(__file__).with_name("equivalent.json")
 HARD = Path(__file__).with_name("hard.json")
+RESULTS = Path(__file__).with_name("results.jsonl")
+RECORD = ("key", "verdict", "killer", "why", "seconds")
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,9 @@ class Mutant:
 
     @property
     def key(self) -> str:
-        """Of the mutant in the Verilog as it is now."""
-        return hashlib.sha256(json.dumps([*asdict(self).values(), rtl_digest()]).encode()).hexdigest()[:16]
+        """Of the mutant in the Verilog around it as it is now."""
+        own = [*asdict(self).values(), digest_around(self.file)]
+        return hashlib.sha256(json.dumps(own).encode()).hexdigest()[:16]
 
     @property
     def line(self) -> int:
@@ -131,8 +135,8 @@ def judge(mutant: Mutant) -> Result:
 
 # ---- the hardest ones ------------------------------------------------------------------------------------------------
 
-HARDEST = 40
-SECONDS = 100.0
+HARDEST = 60
+SECONDS = 200.0
 """So many mutants, and so long for all of them, are in the list of those that `make test-all` runs."""
 
 
@@ -192,17 +196,22 @@ def record(result: Result) -> str:
     return json.dumps({"key": result.mutant.key} | asdict(result))
 
 
-def recorded(path: Path) -> dict[str, Result]:
-    """Results by key; a line that was cut off is none."""
-    found = {}
+def recorded(path: Path) -> dict[str, dict]:
+    """Key -> what became of a mutant, as :class:`Result` has it: from RESULTS and `path`.  Half a line is none."""
+    rows = (dict(zip(RECORD, row, strict=True)) for row in _rows(RESULTS))
+    return {row.pop("key"): row for row in (*rows, *_rows(path))}
+
+
+def _rows(path: Path) -> Iterator:
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        try:
-            row = json.loads(line)
-        except ValueError:
-            continue
-        key, mutant = row.pop("key"), Mutant(**row.pop("mutant"))
-        found[key] = Result(mutant, **row)
-    return found
+        with suppress(ValueError):
+            yield json.loads(line)
+
+
+def write_results(results: list[Result]) -> None:
+    """RESULTS: so that the next campaign has only those to try around which the Verilog is another."""
+    rows = [(r.mutant.key, r.verdict, r.killer, r.why[:20], round(r.seconds)) for r in results]
+    RESULTS.write_text("".join(f"{json.dumps(row)}\n" for row in sorted(rows)), encoding="utf-8")
 
 
 def append(path: Path, result: Result) -> None:
