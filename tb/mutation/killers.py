@@ -251,16 +251,17 @@ def _stream(path: str, width: int) -> Killer:
 STREAMS = _stream("lean", 18), _stream("fold", 24)
 
 
-def _memory(bursts: int) -> Killer:
+def _memory(bursts: int, data: int) -> Killer:
     def echo(place: Path) -> None:
         shutil.copy2(ROOT / "tb" / "axi" / "ik_lean.v", place / "rtl" / "lean" / "ik_lean.v")
 
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "80", "IK_AXI_FAULTS": "12"}
-    given = {"toplevel": "ik_axi", "module": MODULES, "parameters": {"W": 18, "LOG2_BURST": bursts}, "env": env}
-    return _of_cocotb(f"memory {bursts}", lambda: given, echo)
+    parameters = {"W": 18, "LOG2_BURST": bursts, "DATA_W": data}
+    given = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
+    return _of_cocotb(f"memory {bursts} {data}", lambda: given, echo)
 
 
-MEMORY = _memory(3), _memory(1)
+MEMORY = _memory(3, 64), _memory(1, 32)
 
 
 # ---- who may notice what ---------------------------------------------------------------------------------------------

@@ -246,7 +246,8 @@ class Unit:
         self.inputs, self.outputs, self.expected = inputs, outputs, expected
         self.handles = {name: getattr(dut, name) for name in (*inputs, *outputs)}
         for name, words in (inputs | outputs).items():
-            assert 1 << len(self.handles[name]) == size(words), f"{name} has {len(self.handles[name])} bits"
+            bits = {len(self.handles[name]), len(getattr(dut.u, name))}  # of the shell, and of the port itself
+            assert bits == {size(words).bit_length() - 1}, f"{name} has {bits} bits"
         clocks = [delays.get(f"D{name[0].upper()}", 0) for name in inputs]
         self.late = [max(clocks) - delay for delay in clocks]  # clocks from a vector's first word to each input's
         self.latency = latency + max(clocks)
