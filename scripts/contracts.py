@@ -19,7 +19,10 @@ from tb.sim.env import ROOT, environment
 LONGEST = 500
 """Lines of a file that is written by hand."""
 
-GENERATED = ("docs/generated/*", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh", "*/ik_regs.*", "*.lock")
+GENERATED = (
+    "docs/generated/*", "tb/mutation/results.jsonl", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh", "*/ik_regs.*",
+    "*.lock",
+)  # fmt: skip
 """Files that a command writes."""
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
