@@ -20,8 +20,8 @@ LONGEST = 500
 """Lines of a file that is written by hand."""
 
 GENERATED = (
-    "docs/generated/*", "tb/mutation/results.jsonl", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh", "*/ik_regs.*",
-    "*.lock",
+    "docs/generated/*", "tb/mutation/results.jsonl", "rtl/*_nodes.vh", "rtl/*_table.vh", "rtl/ik_latency.vh",
+    "*/ik_regs.*", "*.lock",
 )  # fmt: skip
 """Files that a command writes."""
 
