@@ -43,12 +43,12 @@ from tb.mutation.mutant import (
     append,
     excused,
     files,
+    hard_text,
     hardest,
     judge,
     order,
     recorded,
-    write_hard,
-    write_results,
+    results_text,
 )
 from tb.mutation.operators import OPERATORS
 from tb.sim.env import GENERATED
@@ -189,11 +189,11 @@ def main(arguments: Sequence[str] | None) -> int:
     not_counted = len(results) - campaign.counted
     print(f"seed {options.seed}: {campaign.counted} mutants, {len(left)} survived; {not_counted} others did not count")
     if options.keep:
-        with whole_file(PAGE) as place:
-            place.write_text(page(campaign), encoding="utf-8")
-        write_hard(hardest(results))
-        write_results(results)
-        print(f"wrote {PAGE.name}, {HARD.name} and {RESULTS.name}")
+        texts = {PAGE: page(campaign), HARD: hard_text(hardest(results)), RESULTS: results_text(results)}
+        for path, text in texts.items():
+            with whole_file(path) as place:
+                place.write_text(text, encoding="utf-8")
+            print(f"wrote {path.name}")
     return 1 if left else 0
 
 

@@ -24,7 +24,8 @@ def tried(monkeypatch, tmp_path):
         return Result(mutant, BROKEN if len(seen) % 5 == 0 else KILLED, "unit ik_half few", "q", 0.5)
 
     monkeypatch.setattr(mutants, "judge", judge)
-    monkeypatch.setattr(mutation, "RESULTS", tmp_path / "results.jsonl")
+    for module in (mutation, mutants):
+        monkeypatch.setattr(module, "RESULTS", tmp_path / "results.jsonl")
     return seen, surviving
 
 
@@ -71,7 +72,7 @@ def test_a_survivor_is_listed_unless_there_is_a_reason(command, tried, monkeypat
 
 def test_writes_the_page_only_where_it_is_asked_to(command, tried, monkeypatch, tmp_path):
     monkeypatch.setattr(mutants, "PAGE", tmp_path / "mutants.md")
-    monkeypatch.setattr(mutation, "HARD", tmp_path / "hard.json")
+    monkeypatch.setattr(mutants, "HARD", tmp_path / "hard.json")
     monkeypatch.setattr(mutants, "hardest", lambda results: [])
     tried[1].add("falling_edge")
     command(mutants.main, *words(60))
@@ -79,7 +80,7 @@ def test_writes_the_page_only_where_it_is_asked_to(command, tried, monkeypatch, 
     command(mutants.main, *words(60, "--keep"))
     text = mutants.PAGE.read_text()
     assert "`make mutants COUNT=60 SEED=1 KEEP=1`" in text and "| all | 60 |" in text
-    assert json.loads(mutation.HARD.read_text()) == []
+    assert json.loads(mutants.HARD.read_text()) == []
     Path("build/mutants/1.jsonl").unlink()
     tried[0].clear()
     command(mutants.main, *words(60))

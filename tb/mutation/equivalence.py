@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mutants that no test can notice, shown by Yosys: a module that makes the same of the same, changed or not.
 
-Both versions of it are flattened, wires of one name are cut, and each is proved to be the same function of the others:
-by ``equiv_struct``, and ``equiv_simple``, which has a SAT solver.  That is asked of every set of parameters with which
-the module is in one of :data:`DESIGNS`, two word lengths of each configuration.  Where it does not hold by itself it
-may hold where the module is used: then it is asked of the modules around it, and so on as far as the top.
+Bits of wires of one name are cut in both versions of it, and each is proved to be the same function of the others: by
+``equiv_simple``, which has a SAT solver.  First the modules in it are left as they are, then it is flattened.  That is
+asked of every set of parameters with which the module is in one of :data:`DESIGNS`, two word lengths of each
+configuration.  Where it does not hold by itself it may hold where the module is used: then it is asked of the modules
+around it, flattened, and so on as far as the top.
+
+A register without an initial value that is only ever loaded with one constant counts as that constant (``opt_dff``),
+before it is loaded for the first time, too: there Icarus' X is what looks.
 """
 
 from __future__ import annotations

@@ -184,8 +184,9 @@ def hardest(results: list[Result]) -> list[Hard]:
     return sorted(chosen, key=lambda one: (one.killer, one.file, one.new))
 
 
-def write_hard(mutants: list[Hard]) -> None:
-    HARD.write_text(json.dumps([asdict(one) for one in mutants], indent=1) + "\n", encoding="utf-8")
+def hard_text(mutants: list[Hard]) -> str:
+    """What HARD holds."""
+    return json.dumps([asdict(one) for one in mutants], indent=1) + "\n"
 
 
 # ---- what is kept ----------------------------------------------------------------------------------------------------
@@ -208,11 +209,17 @@ def _rows(path: Path) -> Iterator:
             yield json.loads(line)
 
 
-def write_results(results: list[Result]) -> None:
-    """RESULTS: so that the next campaign has only those to try around which the Verilog is another, and survivors."""
+def results_text(results: list[Result]) -> str:
+    """What RESULTS holds: all but survivors without a reason, which the next campaign tries again.
+
+    Of what was said only whether it was :data:`MEASURED`: the rest names folders.
+    """
     kept = [r for r in results if r.verdict != SURVIVED or excused(r.mutant)]
-    rows = [(r.mutant.key, r.verdict, r.killer, r.why[:20], round(r.seconds)) for r in kept]
-    RESULTS.write_text("".join(f"{json.dumps(row)}\n" for row in sorted(rows)), encoding="utf-8")
+    rows = [
+        (r.mutant.key, r.verdict, r.killer, MEASURED if r.why.startswith(MEASURED) else "", round(r.seconds))
+        for r in kept
+    ]
+    return "".join(f"{json.dumps(row)}\n" for row in sorted(rows))
 
 
 def append(path: Path, result: Result) -> None:
