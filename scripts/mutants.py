@@ -31,6 +31,7 @@ from rich.table import Table
 from scripts import farm
 from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
 from scripts.pages.render import render
+from tb.mutation.killers import LINT
 from tb.mutation.mutant import (
     COUNTED,
     HARD,
@@ -123,11 +124,11 @@ def by_file(results: Sequence[Result]) -> dict[str, list[Result]]:
 
 
 def kind(result: Result) -> str:
-    """The first word of a killer: nodes, unit, streams or memory."""
+    """The first word of a killer: one of KINDS."""
     return result.killer.partition(" ")[0]
 
 
-KINDS = ("nodes", "unit", "streams", "memory")
+KINDS = ("nodes", "unit", "streams", "memory", LINT)
 
 
 def rows(results: Sequence[Result]) -> list[list]:

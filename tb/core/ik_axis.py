@@ -11,6 +11,7 @@ import numpy as np
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import fixed
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.fold import timing
 from model.dataflow.fold.program import program
 from model.targets.stimuli import mixed
@@ -58,6 +59,17 @@ async def one_result_per_clock(dut):
     # The authors' later version had 363; the lean datapath took no more when this was written.
     most = {"paper": 363, "fold": 115}.get(bench.datapath, 38 if bench.width <= 18 else 44)
     assert expected <= most, f"latency {expected}, more than {most}"
+
+
+@cocotb.test()
+async def recurrences(dut):
+    """Each divider and root of the paper's datapath is of the kind that DIGIT asks for: both make the same words."""
+    bench = await started(dut)
+    if CONFIGURATIONS[bench.datapath].rtl == "paper":
+        cores = [node for node in bench.scoreboard.nodes if node.op in ("div", "root")]
+        built = [hasattr(getattr(bench.module(node), f"u_{node.name}"), "g_digit") for node in cores]
+        others = [node.name for node, digit in zip(cores, built, strict=True) if digit != (int(dut.DIGIT.value) == 1)]
+        assert built and not others, f"{len(built)} dividers and roots; of the other kind {others}"
 
 
 @cocotb.test()

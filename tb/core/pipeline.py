@@ -137,12 +137,14 @@ class Pipeline:
 
     # ---- signals -------------------------------------------------------------------------------------------------
 
+    def module(self, node: Node):
+        """The instance of the module that a node is in."""
+        core = getattr(self.dut, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
+        return getattr(core, node.instance) if node.instance else core
+
     def _handle(self, node: Node):
         """The signal of a node."""
-        place = getattr(self.dut, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
-        if node.instance:
-            place = getattr(place, node.instance)
-        return getattr(place, node.name)
+        return getattr(self.module(node), node.name)
 
     # ---- what tests do -------------------------------------------------------------------------------------------
 

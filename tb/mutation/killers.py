@@ -31,6 +31,8 @@ from tb.sim.runner import alone
 from tb.sim.sources import closure, digest, headers, includes, sources
 
 BUILD = ROOT / "build" / "mutants"
+LINT = "lint"
+"""The killer of what Verilator or Icarus warns of."""
 COMPILE = 120.0
 """Seconds for Icarus; a mutant that takes longer does not build."""
 
@@ -249,6 +251,8 @@ def _stream(path: str, width: int) -> Killer:
 
 
 STREAMS = _stream("lean", 18), _stream("fold", 24)
+PAPER = _stream("paper", 18)
+"""Which core a divider or a root is, no node tells."""
 
 
 def _memory(bursts: int, data: int) -> Killer:
@@ -297,7 +301,16 @@ def killers_of(file: str) -> list[Killer]:
     datapaths = frozenset().union(*(names(f"ik_{path.rtl}") for path in CONFIGURATIONS.values()))
     if file not in datapaths or "s_axis_tvalid" in (ROOT / file).read_text():
         found += STREAMS
+    if file in names("ik_paper") - names("ik_lean"):
+        found.append(PAPER)
     return found
+
+
+def linted(place: Path) -> str:
+    """What `make lint` says of the Verilog of a copy; empty if nothing."""
+    command = [sys.executable, "-m", "scripts.lint", "--no-python", "--root", place]
+    status, said = finished(command, place, COMPILE)
+    return next((line for line in said.splitlines() if "arning" in line), said)[-200:] if status == 1 else ""
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from tb.mutation.equivalence import equivalent
-from tb.mutation.killers import BUILD, MEASURED, BuildError, digest_around, first_of, killers_of
+from tb.mutation.killers import BUILD, LINT, MEASURED, BuildError, digest_around, first_of, killers_of, linted
 from tb.mutation.operators import SELDOM, edits
 from tb.sim.env import ROOT
 from tb.sim.sources import sources
@@ -118,8 +118,11 @@ def judge(mutant: Mutant) -> Result:
     (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
     changed, first, known = False, len(first_of(mutant.file)), {}
     for number, killer in enumerate(killers_of(mutant.file)):
-        if changed and number == first and (where := equivalent(mutant.file, place, known, climb=False)):
-            return result(PROVED, "", where)
+        if changed and number == first:
+            if where := equivalent(mutant.file, place, known, climb=False):
+                return result(PROVED, "", where)
+            if why := linted(place):
+                return result(KILLED, LINT, why)
         try:
             differs, why = killer.judged(place)
         except BuildError as error:

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What tries to notice mutants: it is content with the RTL, notices a bug, and says what it cannot build."""
 
+import re
 import shutil
 
 import pytest
 
 from tb.mutation import killers
-from tb.mutation.killers import BuildError, Killer, killers_of, names, units
+from tb.mutation.killers import BuildError, Killer, killers_of, linted, names, units
 from tb.mutation.mutant import files
 from tb.sim.env import ROOT, simulator
 from tb.sim.mutants import Bug, copy_rtl
@@ -45,6 +46,16 @@ def test_the_rtl_survives_and_a_bug_does_not(name, tmp_path, right):
     assert notices.ran(place, 600)[0] is None
     differs, why = notices.judged(copy_rtl(tmp_path, bug))
     assert differs and bug.fails in why
+
+
+@pytest.mark.sim
+@pytest.mark.slow
+@pytest.mark.cost(30)
+def test_lint_warns_of_a_bit_more_and_not_of_the_rtl(tmp_path):
+    file = copy_rtl(tmp_path) / "rtl" / "lib" / "ik_half.v"
+    assert linted(tmp_path) == ""
+    file.write_text(re.sub(r"output reg +\[W-1:0\] q", "output reg [W:0] q", file.read_text()))
+    assert "WIDTHEXPAND" in linted(tmp_path)
 
 
 @pytest.mark.sim
