@@ -119,10 +119,10 @@ def judge(mutant: Mutant) -> Result:
     changed, first, known = False, len(first_of(mutant.file)), {}
     for number, killer in enumerate(killers_of(mutant.file)):
         if changed and number == first:
-            if where := equivalent(mutant.file, place, known, climb=False):
-                return result(PROVED, "", where)
             if why := linted(place):
                 return result(KILLED, LINT, why)
+            if where := equivalent(mutant.file, place, known, climb=False):
+                return result(PROVED, "", where)
         try:
             differs, why = killer.judged(place)
         except BuildError as error:
