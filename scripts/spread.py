@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import os
 import signal
@@ -22,11 +23,15 @@ class BrokenOffError(SimulationError):
     """What did the work has ended, not the work."""
 
 
+_ends = threading.Event()
+
+
 def process_of_its_own() -> None:
     """Ctrl-C is for the parent, whose SIGTERM, or whose end, is a way out that ends the simulation, too."""
 
     def end(*_) -> NoReturn:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        _ends.set()
         raise SystemExit
 
     def follow() -> None:
@@ -40,6 +45,13 @@ def process_of_its_own() -> None:
     threading.Thread(target=follow, daemon=True).start()
 
 
+def _unless_it_ends(work: Callable, *items):
+    """A pool's process takes SystemExit for a result, and goes on with what has been queued for it."""
+    if _ends.is_set():
+        raise SystemExit
+    return work(*items)
+
+
 @contextlib.contextmanager
 def spread(jobs: int) -> Iterator[Callable]:
     """A `map` that keeps the order; with more than one job, over processes, which end with the block."""
@@ -49,7 +61,7 @@ def spread(jobs: int) -> Iterator[Callable]:
     # Not forked: a progress bar has a thread.
     with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), process_of_its_own) as pool:
         try:
-            yield pool.map
+            yield lambda work, *items: pool.map(functools.partial(_unless_it_ends, work), *items)
         except BaseException as error:
             for process in multiprocessing.active_children():
                 process.terminate()
