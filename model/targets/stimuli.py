@@ -103,6 +103,7 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
         "arms of 1 lsb, far": (top, 1, low, 0, 1, 1),
         "forearm of 1 lsb": (0, top, 0, quarter, top, 1),
         "forearm of 1 lsb, down": (0, 1, 2 - top, quarter, top - 2, 1),  # d1 + |p_ez| is rounded to 2
+        "forearm of 1 lsb, up": (0, 0, top - 1, quarter, top - 1, 1),  # p_ez is rounded to 1
         "odd long arms, 2 lsb apart": (1, 0, 2, top, quarter + 3 * k + 1, quarter + 3 * k - 1),
         "odd long arms, 1 lsb apart": (-1, 0, -1, low, quarter + 3 * k, quarter + 3 * k - 1),
         "upper arm of 1 lsb": (top, 0, 0, quarter, 1, top),

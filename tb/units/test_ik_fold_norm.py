@@ -43,4 +43,5 @@ def bench(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
 
 
 norm = sets_of("W D XW LAST DROP")
-test_ik_fold_norm = runs("ik_fold_norm", bench, norm(18, 26, 38, 11, 1), norm(24, 33, 50, 17, 2), norm(32, 35, 66, 29, 0))
+few = norm(18, 26, 38, 11, 1), norm(24, 33, 50, 17, 2), norm(32, 35, 66, 29, 0)
+test_ik_fold_norm = runs("ik_fold_norm", bench, *few)
