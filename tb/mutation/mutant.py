@@ -104,6 +104,16 @@ def _place() -> tempfile.TemporaryDirectory:
     return tempfile.TemporaryDirectory(prefix="ik_mutant_", dir=folder)
 
 
+def _copied(mutant: Mutant) -> Path:
+    """The copy of rtl/, changed by the mutant and nothing else."""
+    place = Path(_place().name)
+    for part in place.iterdir():
+        shutil.rmtree(part) if part.is_dir() else part.unlink()
+    shutil.copytree(ROOT / "rtl", place / "rtl")
+    (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
+    return place
+
+
 def judge(mutant: Mutant) -> Result:
     """Tries the mutant's killers one after the other until one notices, or it is proved that none can."""
     begin = time.monotonic()
@@ -111,15 +121,11 @@ def judge(mutant: Mutant) -> Result:
     def result(verdict: str, killer: str = "", why: str = "") -> Result:
         return Result(mutant, verdict, killer, why, time.monotonic() - begin)
 
-    place = Path(_place().name)
-    for part in place.iterdir():
-        shutil.rmtree(part) if part.is_dir() else part.unlink()
-    shutil.copytree(ROOT / "rtl", place / "rtl")
-    (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
+    place = _copied(mutant)
     changed, first, known = False, len(first_of(mutant.file)), {}
     for number, killer in enumerate(killers_of(mutant.file)):
         if changed and number == first:
-            if why := linted(place):
+            if why := linted(_copied(mutant)):  # benches put modules of their own into it
                 return result(KILLED, LINT, why)
             if where := equivalent(mutant.file, place, known, climb=False):
                 return result(PROVED, "", where)
