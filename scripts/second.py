@@ -2,7 +2,7 @@
 """A second opinion on what the core answers: the C of table 6 in long double, which shares no code with the model.
 
 `make soak AGAINST=c` asks it: the lean equations for every target without a flag, the paper's for those that keep
-`REGULAR_DISTANCE` from every singular pose, next to which they lose digits.
+`REGULAR_DISTANCE` from every singular pose, next to which they lose digits, and whose arms are not too unequal.
 """
 
 from __future__ import annotations
@@ -23,7 +23,11 @@ from tb.core.opinion import Opinion
 
 LONG = SOURCE.with_name("long.c")
 EQUATIONS = ("lean", "paper")
-PHI = 3  # its place among the words
+PHI, D1, D2 = 3, 4, 5  # their places among the words
+
+UNEQUAL = 2.0**-24
+"""The paper's equations add the squares of the arms: of one that is so much shorter than the other, 16 bits are left
+of the 64 of a long double."""
 
 
 @cache
@@ -41,6 +45,8 @@ def opinions(words: np.ndarray, width: int) -> list[Opinion]:
     plain = expected_flags(words, width) == 0
     regular = plain.copy()
     regular[plain] = singular_distance(from_words(words[plain], 0, width, "soak")) >= REGULAR_DISTANCE
+    shorter, longer = np.sort(words[:, [D1, D2]].astype(float)).T
+    regular &= shorter >= UNEQUAL * longer
     found = []
     for name, rows in zip(EQUATIONS, (plain, regular), strict=True):
         answers = np.full(words.shape, np.nan)

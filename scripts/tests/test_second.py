@@ -71,6 +71,14 @@ def test_no_answer_is_a_failure():
     assert any("nobody: a result differs by inf" in line for failure in failures for line in failure.lines)
 
 
+def test_the_papers_equations_are_not_asked_of_arms_too_unequal():
+    """Found by a soak: with a forearm of 1 lsb they say something else, far from every singular pose."""
+    unequal = 1209551299, 91371512, 458362240, -1772665960, 1296710854, 1
+    words = np.array([unequal, (5 << 24, 0, 0, 0, 1 << 26, 1 << 25)])
+    lean, paper = second.opinions(words, 32)
+    assert list(lean.asked) == [True, True] and list(paper.asked) == [False, True]
+
+
 def test_it_is_long_double():
     """Where that is longer than double: a target of which the difference of squares needs 64 bits."""
     if np.finfo(np.longdouble).nmant < 63:
