@@ -112,9 +112,13 @@ def text(rows: Iterable[Row]) -> str:
     write = csv.writer(out, lineterminator="\n").writerow
     write(COLUMNS)
     for row in rows:
-        error = "" if row.hand_error is None else f"{row.hand_error:.6e}"
+        error = "" if row.hand_error is None else _written(row.hand_error)
         write((row.datapath, row.width, *row.words, error, row.found))
     return out.getvalue()
+
+
+def _written(error: float) -> str:
+    return f"{error:.6e}"
 
 
 # -- what is kept ----------------------------------------------------------------------------------------------------
@@ -137,6 +141,6 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         by_norm = reachable[np.argsort(-norm[reachable], kind="stable")]
         chosen = by_hand[:KEPT].tolist()
         chosen += [n for n in by_norm.tolist() if n not in chosen][:KEPT]
-        chosen.sort(key=lambda n: (-hand[n], unique[n].words))
+        chosen.sort(key=lambda n: (-float(_written(hand[n])), unique[n].words))
         kept += [replace(unique[n], hand_error=float(hand[n])) for n in chosen]
     return kept

@@ -310,7 +310,7 @@ def linted(place: Path) -> str:
     """What `make lint` says of the Verilog of a copy; empty if nothing."""
     command = [sys.executable, "-m", "scripts.lint", "--no-python", "--root", place]
     status, said = finished(command, place, COMPILE)
-    return next((line for line in said.splitlines() if "arning" in line), said)[-200:] if status == 1 else ""
+    return next((line for line in said.splitlines() if "arning" in line), said)[:200] if status == 1 else ""
 
 
 if __name__ == "__main__":
