@@ -306,9 +306,10 @@ def killers_of(file: str) -> list[Killer]:
     return found
 
 
-def linted(place: Path) -> str:
-    """What `make lint` says of the Verilog of a copy; empty if nothing."""
-    command = [sys.executable, "-m", "scripts.lint", "--no-python", "--root", place]
+def linted(place: Path, file: str) -> str:
+    """What `make lint` says of the modules of a copy that hold a file; empty if nothing."""
+    modules = [path.stem for path in sources() if file in names(path.stem)]
+    command = [sys.executable, "-m", "scripts.lint", "--root", place, *modules]
     status, said = finished(command, place, COMPILE)
     return next((line for line in said.splitlines() if "arning" in line), said)[:200] if status == 1 else ""
 

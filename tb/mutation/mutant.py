@@ -125,7 +125,7 @@ def judge(mutant: Mutant) -> Result:
     changed, first, known = False, len(first_of(mutant.file)), {}
     for number, killer in enumerate(killers_of(mutant.file)):
         if changed and number == first:
-            if why := linted(_copied(mutant)):  # benches put modules of their own into it
+            if why := linted(_copied(mutant), mutant.file):  # benches put modules of their own into it
                 return result(KILLED, LINT, why)
             if where := equivalent(mutant.file, place, known, climb=False):
                 return result(PROVED, "", where)
