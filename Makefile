@@ -116,7 +116,8 @@ test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behaviou
 
 test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: all machines of the playground]
 	@$(SETUP) $(SIM) chromium playground
-	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
+	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile \
+	  scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
 	  $(call given,ONLY,-k "$$CGA_ONLY") -m "$(quick)"
 
 coverage: ## what the tests go through in the Verilog: build/coverage/index.html [ONLY=pattern; KEEP=1: coverage.md]

@@ -25,7 +25,7 @@ class Standing:
     taken: list[Given] = field(default_factory=list)
 
     async def check(self, vectors: Iterable[Given]) -> None:
-        """One after the other, each given for as many clocks as it takes until one has ``go``, or for one without."""
+        """One a clock, three in ten without ``go``: of those nothing may be taken."""
         dut = self.dut
         Clock(dut.clk, 10, unit="ns").start()
         for now in vectors:

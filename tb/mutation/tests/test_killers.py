@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from tb.mutation import killers
+from tb.mutation import killers, mutant
 from tb.mutation.killers import BuildError, Killer, killers_of, linted, names, units
 from tb.mutation.mutant import files
 from tb.sim.env import ROOT, simulator
@@ -55,6 +55,22 @@ def test_lint_warns_of_a_bit_more_and_not_of_the_rtl(tmp_path):
     assert linted(tmp_path, name) == ""
     file.write_text(file.read_text().replace("[      31:0] index", "[      32:0] index"))
     assert "WIDTHTRUNC" in linted(tmp_path, name)
+
+
+def test_lint_sees_the_mutant_alone(monkeypatch):
+    """Not what a bench has put in the place of a module."""
+
+    def bench(place, seconds):
+        (place / "rtl" / "ik_axis.v").unlink()
+        return None, ""
+
+    monkeypatch.setattr(Killer, "right", lambda self: {"program": "", "measured": "", "seconds": 0})
+    notices = Killer("echo", lambda place: "another", bench)
+    monkeypatch.setattr(mutant, "first_of", lambda file: [notices])
+    monkeypatch.setattr(mutant, "killers_of", lambda file: [notices, notices])
+    monkeypatch.setattr(mutant, "linted", lambda place, file: "warns" * (place / "rtl" / "ik_axis.v").exists())
+    changed = next(mutant.order("rtl/lib/ik_lzc.v", 1))
+    assert mutant.judge(changed).killer == killers.LINT
 
 
 @pytest.mark.sim
