@@ -70,7 +70,7 @@ MODULE_SETS = {
 }
 
 PREFIX = "ik_"
-EXAMPLES = ("examples/icebreaker",)
+BESIDE = ("examples/icebreaker", "tb/rules")
 MODELS = ("tb/icebreaker",)
 """Folders of modules that are linted with those of rtl/, and of what stands for a vendor's in them."""
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
@@ -89,8 +89,9 @@ def parameter_sets(name: str, text: str) -> list[dict]:
 
 def commands(source: Path, root: Path, parameters: dict) -> list[list[str]]:
     name = source.stem
-    where = [f"-I{folder}" for folder in includes(root)]
-    folders = [*dict.fromkeys(path.parent for path in sources(root)), *(root / name for name in (*EXAMPLES, *MODELS))]
+    beside = [root / name for name in (*BESIDE, *MODELS)]
+    where = [f"-I{folder}" for folder in (*includes(root), *beside)]
+    folders = [*dict.fromkeys(path.parent for path in sources(root)), *beside]
     where += [word for folder in folders for word in ("-y", str(folder))]
     lint_vlt = root / "rtl" / "lint.vlt"
     waivers = [str(lint_vlt)] if lint_vlt.exists() else []
@@ -142,7 +143,7 @@ def main(arguments: Sequence[str] | None) -> int:
 
     root = options.root.resolve()
     found = sources(root) if (root / LIST).exists() else []
-    found += [path for name in EXAMPLES for path in sorted((root / name).glob("*.v"))]
+    found += [path for name in BESIDE for path in sorted((root / name).glob("*.v"))]
     unknown = set(options.modules) - {s.stem for s in found}
     if unknown or not found:
         what = f"no module {', '.join(sorted(unknown))}" if unknown else "no Verilog"

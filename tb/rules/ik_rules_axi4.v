@@ -73,7 +73,8 @@ module ik_rules_axi4 #(
 
   // ---- bursts; what has an X is the channel's finding ----
 
-  reg on = 1'b0;  // there was a reset
+  reg on;  // there was a reset
+  initial on = 1'b0;
   always @(posedge clk) if (rst === 1'b1) on <= 1'b1;
   wire off = !on || rst !== 1'b0;
   wire aw_known = awvalid === 1'b1 && !off && (^aw_beat) !== 1'bx;

@@ -18,9 +18,10 @@ module ik_rules_channel #(
 );
 
   reg [5:0] broken = 6'd0;
-  reg on = 1'b0;  // there was a reset
-  reg was_reset = 1'b0;
-  reg waits = 1'b0;  // offered and not taken
+  reg on;  // there was a reset
+  reg was_reset;
+  reg waits;  // offered and not taken
+  initial {on, was_reset, waits} = 3'b000;
   reg [N-1:0] held;
 
   always @(posedge clk) begin

@@ -49,7 +49,8 @@ module ik_rules_lite #(
 
   reg [4:0] broken = 5'd0;
   reg [7:0] addresses, words, reads;  // taken at edges before, and not answered
-  reg on = 1'b0;  // there was a reset
+  reg on;  // there was a reset
+  initial on = 1'b0;
 
   always @(posedge clk) begin
     if (rst === 1'b1) on = 1'b1;
@@ -68,9 +69,9 @@ module ik_rules_lite #(
       end
       if (bvalid === 1'b1 && bready === 1'b1) {addresses, words} = {addresses - 8'd1, words - 8'd1};
       if (rvalid === 1'b1 && rready === 1'b1) reads = reads - 8'd1;
-      addresses = addresses + (awvalid === 1'b1 && awready === 1'b1);
-      words = words + (wvalid === 1'b1 && wready === 1'b1);
-      reads = reads + (arvalid === 1'b1 && arready === 1'b1);
+      if (awvalid === 1'b1 && awready === 1'b1) addresses = addresses + 8'd1;
+      if (wvalid === 1'b1 && wready === 1'b1) words = words + 8'd1;
+      if (arvalid === 1'b1 && arready === 1'b1) reads = reads + 8'd1;
     end
   end
 

@@ -99,7 +99,7 @@ module ik_rules_write #(
           at = (beat == 0 || bursts[ended] == FIXED) ? addrs[ended] : base + ({3'd0, beat} << sizes[ended]);
           base = at >> sizes[ended] << sizes[ended];
           for (k = 0; k < LANES; k = k + 1) begin
-            allowed[k] = k >= at % LANES && k < base % LANES + (1 << sizes[ended]);
+            allowed[k] = k >= {20'd0, at} % LANES && k < {20'd0, base} % LANES + (1 << sizes[ended]);
           end
           if (bursts[ended] == FIXED || bursts[ended] == INCR) begin
             `IK_RULE(5, (wstrb & ~allowed) == 0, "WSTRB", "IHI 0022E A3.4.3")
