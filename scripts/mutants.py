@@ -7,7 +7,7 @@ A mutant is a copy of rtl/ with one place changed (tb/mutation/operators.py). Th
 which Icarus makes the same program for every bench, do not count and are replaced by others. Each is given to the
 benches that hold its file (tb/mutation/killers.py), the cheapest first, until one notices or Yosys proves that none can
 (tb/mutation/equivalence.py). The seed says which mutants are tried, as many of each file as of the others where there
-are so many.
+are so many. To N of them come N / 4 of netlists, by Yosys' `mutate` (tb/mutation/netlist.py).
 
 Results are lines of OUT/SEED.jsonl as soon as they are there: a second call skips the mutants that it names, or that
 tb/mutation/results.jsonl names, but tries survivors without a reason again, and those around which the Verilog has
@@ -31,6 +31,7 @@ from rich.table import Table
 from scripts import farm
 from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
 from scripts.pages.render import render
+from tb.mutation import netlist
 from tb.mutation.killers import LINT
 from tb.mutation.mutant import (
     COUNTED,
@@ -51,22 +52,26 @@ from tb.mutation.mutant import (
     recorded,
     results_text,
 )
+from tb.mutation.netlist import Wired
 from tb.mutation.operators import OPERATORS
 from tb.sim.env import GENERATED
 from tb.sim.simulate import SimulationError
 
 PAGE = GENERATED / "mutants.md"
 COUNT, SEED = 1000, 1
+NETLISTS = 4
+"""To so many mutants of the text comes one of a netlist."""
 
 
 @dataclass
 class Campaign:
-    """Mutants of a seed: `count` in all, spread over the files; what became of them."""
+    """Mutants of a seed: `count` in all, spread over the files, each file's in an `order`; what became of them."""
 
     count: int
     seed: int
     only: str
     path: Path
+    order: Callable[[str, int], Iterator[Mutant | Wired]] = order
     results: list[Result] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -81,7 +86,7 @@ class Campaign:
 
     def run(self, each: Callable, done: Callable[[int], None]) -> None:
         """Tries mutants until enough of them count, or there are no more."""
-        left = {name: order(name, self.seed) for name in self.files}
+        left = {name: self.order(name, self.seed) for name in self.files}
         while batch := self._batch(left):
             for result in self._tried(each, batch):
                 self.results.append(result)
@@ -172,25 +177,30 @@ def main(arguments: Sequence[str] | None) -> int:
     options = parser.parse_args(arguments)
     if options.keep and options.only:
         raise InputError("argument --keep: goes with all files, not with --only")
-    campaign = Campaign(options.count, options.seed, options.only, options.out / f"{options.seed}.jsonl")
-    with farm.shared(options.jobs, options.farm) as each, progress("mutants", options.count) as meter:
+    given = options.seed, options.only, options.out / f"{options.seed}.jsonl"
+    text = Campaign(options.count, *given)
+    netlists = Campaign(options.count // NETLISTS, *given, netlist.order)
+    with farm.shared(options.jobs, options.farm) as each, progress("mutants", text.count + netlists.count) as meter:
         try:
-            campaign.run(each, meter)
+            text.run(each, meter)
+            netlists.run(each, lambda done: meter(text.counted + done))
         except AssertionError as error:
             raise SimulationError(str(error)) from None
         except Stopped:
-            print(f"mutants: stopped after {campaign.counted}; the same again resumes", file=sys.stderr)
+            counted = text.counted + netlists.counted
+            print(f"mutants: stopped after {counted}; the same again resumes", file=sys.stderr)
             raise
-    results = campaign.results
+    results = text.results + netlists.results
     show(_table(results))
     left = [r for r in results if r.verdict == SURVIVED and not excused(r.mutant)]
     for result in left:
         old, new = result.mutant.lines()
         print(f"{result.mutant.file}:{result.mutant.line}: {result.mutant.operator}\n  - {old}\n  + {new}")
-    not_counted = len(results) - campaign.counted
-    print(f"seed {options.seed}: {campaign.counted} mutants, {len(left)} survived; {not_counted} others did not count")
+    counted = text.counted + netlists.counted
+    others = len(results) - counted
+    print(f"seed {options.seed}: {counted} mutants, {len(left)} survived; {others} others did not count")
     if options.keep:
-        texts = {PAGE: page(campaign), HARD: hard_text(hardest(results)), RESULTS: results_text(results)}
+        texts = {PAGE: page(text, netlists), HARD: hard_text(hardest(results)), RESULTS: results_text(results)}
         for path, text in texts.items():
             with whole_file(path) as place:
                 place.write_text(text, encoding="utf-8")
@@ -198,15 +208,16 @@ def main(arguments: Sequence[str] | None) -> int:
     return 1 if left else 0
 
 
-def page(campaign: Campaign) -> str:
+def page(text: Campaign, netlists: Campaign) -> str:
     """docs/generated/mutants.md."""
-    survived = [r.mutant for r in campaign.results if r.verdict == SURVIVED]
-    seconds = [r.seconds for r in campaign.results if r.verdict in COUNTED]
+    results = text.results + netlists.results
+    survived = [r.mutant for r in results if r.verdict == SURVIVED]
+    seconds = [r.seconds for r in results if r.verdict in COUNTED]
     return render(
-        "mutants", today=date.today().isoformat(), count=campaign.count, seed=campaign.seed, counted=campaign.counted,
-        tried=len(campaign.results), head=HEAD, rows=rows(campaign.results), operators=len(OPERATORS),
-        mean=sum(seconds) / max(len(seconds), 1),
-        survivors=[(m, *m.lines(), excused(m)) for m in sorted(survived, key=lambda m: (m.file, m.start))],
+        "mutants", today=date.today().isoformat(), text=text, netlists=netlists, head=HEAD,
+        rows=rows(results), rows_of_netlists=rows(netlists.results)[-1:], operators=len(OPERATORS),
+        machines=[of.name for of in netlist.MACHINES], mean=sum(seconds) / max(len(seconds), 1),
+        survivors=[(m, *m.lines(), excused(m)) for m in sorted(survived, key=lambda m: (m.file, m.line))],
     )  # fmt: skip
 
 

@@ -48,7 +48,7 @@ SYNTHESIZE = {
 }
 """Of chips that only the folded machine is built for."""
 
-LIMIT = 20 * 60.0
+LIMIT = 60 * 60.0
 """Seconds for one tool run."""
 
 
@@ -165,9 +165,11 @@ class Run:
         """For Yosys."""
         files = [p.name for p in self.files() if p.suffix == ".v"]
         top = "fpga_top" if self.kind == "place" else self.top
-        lines = [f"read_verilog -I. {' '.join(files)}{' fpga_top.v' if self.kind == 'place' else ''}"]
-        if self.kind != "place":
-            lines += [f"chparam -set {k} {v} {self.top}" for k, v in self.values.items()]
+        # deferred: of three datapaths a top has one
+        lines = [f"read_verilog -defer -I. {' '.join(files)}{' fpga_top.v' if self.kind == 'place' else ''}"]
+        if self.kind != "place" and self.values:
+            given = " ".join(f"-chparam {k} {v}" for k, v in self.values.items())
+            lines.append(f"hierarchy -check -top {self.top} {given}")
         flat = self.kind != "tree"
         if self.family in SYNTHESIZE:
             lines += [*(f"{SYNTHESIZE[self.family]} -top {top}".split("; ")), "write_json netlist.json"]

@@ -9,6 +9,7 @@ import pytest
 
 from scripts import mutants
 from tb.mutation import mutant as mutation
+from tb.mutation import netlist
 from tb.mutation.mutant import BROKEN, KILLED, SURVIVED, Result
 
 
@@ -24,6 +25,7 @@ def tried(monkeypatch, tmp_path):
         return Result(mutant, BROKEN if len(seen) % 5 == 0 else KILLED, "unit ik_half few", "q", 0.5)
 
     monkeypatch.setattr(mutants, "judge", judge)
+    monkeypatch.setattr(netlist, "order", lambda file, seed: iter(()))
     for module in (mutation, mutants):
         monkeypatch.setattr(module, "RESULTS", tmp_path / "results.jsonl")
     return seen, surviving
@@ -39,6 +41,21 @@ def test_counts_what_builds_and_spreads_it_over_the_files(command, tried):
     assert set(Counter(m.file for m in tried[0]).values()) <= {1, 2, 3, 4}
     lines = Path("build/mutants/1.jsonl").read_text().splitlines()
     assert len({m.key for m in tried[0]}) == len(tried[0]) == len(lines)
+
+
+def test_to_four_of_the_text_comes_one_of_a_netlist(command, tried, monkeypatch):
+    monkeypatch.setattr(netlist.Netlist, "key", "key")
+    commands = [f"mutate -mode inv -module ik_half -cell u -port a -portbit {bit}" for bit in range(24)]
+    found = [netlist.Wired("rtl/lib/ik_half.v", "lean 18", 1, n, 5, one) for n, one in enumerate(commands)]
+    monkeypatch.setattr(netlist, "order", lambda file, seed: iter(found))
+    tried[1].add("mutate inv")
+    status, out, _ = command(mutants.main, *words(20, "--only", "lib/ik_half"))
+    assert status == 1 and out[-1].startswith("seed 1: 25 mutants, 5 survived")
+    assert tried[0][-5:] == found[:5] and "rtl/lib/ik_half.v:5: mutate inv" in out
+    assert "  + inv ik_half: u.a[0], lean 18" in out
+    tried[0].clear()
+    command(mutants.main, *words(24, "--only", "lib/ik_half"))
+    assert tried[0][-6:] == found[:6]
 
 
 def test_resumes_but_tries_survivors_again(command, tried):

@@ -187,22 +187,26 @@ def plain(file: Path) -> str:
 def same(module: Module, place: Path, deep: bool) -> bool:
     """Whether a module is shown to be the same in the copy as it is in rtl/."""
     try:
-        files = right(module, deep), flat(module, place, "changed", deep)
+        return alike((right(module, deep), flat(module, place, "changed", deep)), place)
     except BuildError:
         return False
+
+
+def alike(files: Sequence[Path], place: Path, unknown: bool = True) -> bool:
+    """Whether two versions of a module, called `right` and `changed`, are shown to be the same; `unknown`: with X, too."""
     if plain(files[0]) == plain(files[1]):
         return True
     texts = [NO_LOGIC.sub("", file.read_text(encoding="utf-8")) for file in files]
     edges, ports = ([sorted(of.findall(text)) for text in texts] for of in (EDGE, PORT))
     if edges[0] != edges[1] or ports[0] != ports[1]:
         return False  # the solver does not look at a clock's edge
-    return proved(files, {name for _, name in ports[0]}, place)
+    return proved(files, {name for _, name in ports[0]}, place, unknown)
 
 
 UNPROVEN = re.compile(r"Unproven \$equiv \S+: \\(\S+)_gold ")
 
 
-def proved(files: Sequence[Path], ports: set[str], place: Path) -> bool:
+def proved(files: Sequence[Path], ports: set[str], place: Path, unknown: bool) -> bool:
     """Whether every wire's bit is the same function of others in both.
 
     Bits that are not are no longer compared, until all are the same; a port's have to be.
@@ -215,7 +219,8 @@ def proved(files: Sequence[Path], ports: set[str], place: Path) -> bool:
             *(f"read_rtlil -overwrite {file.relative_to(ROOT)}" for file in files),
             "opt_dff", "dffunmap", "opt_expr", "wreduce", "opt_clean", "splitnets",
             f"equiv_make -blacklist {apart.relative_to(ROOT)} right changed both", "cd both",
-            "opt_merge", "equiv_simple -undef -seq 10", f"tee -q -o {status.relative_to(ROOT)} equiv_status",
+            "opt_merge", f"equiv_simple {'-undef ' * unknown}-seq 10",
+            f"tee -q -o {status.relative_to(ROOT)} equiv_status",
         ]  # fmt: skip
         if yosys(place, lines, end - time.monotonic()):
             return False

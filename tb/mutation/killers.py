@@ -31,6 +31,8 @@ from tb.sim.runner import alone
 from tb.sim.sources import closure, digest, headers, includes, sources
 
 BUILD = ROOT / "build" / "mutants"
+BROKEN, SAME, KILLED, PROVED, SURVIVED = "does not build", "no change", "killed", "proved equivalent", "survived"
+"""What becomes of a mutant."""
 LINT = "lint"
 """The killer of what Verilator or Icarus warns of."""
 COMPILE = 120.0
@@ -144,28 +146,30 @@ WIDE = (
 
 
 def _of_nodes(of: Nodes) -> Killer:
-    name = f"nodes {of.datapath} {of.width}{' digit' if of.digit else ''} {of.targets}"
-
     @cache
     def written(kept: Path) -> Path:
         with alone(kept):
             return of.written(kept)
 
     def bench() -> Path:
-        return written(BUILD / "nodes" / name.replace(" ", "-"))
+        return written(BUILD / "nodes" / of.name.replace(" ", "-"))
 
     def elaborated(place: Path) -> str:
         return elaborate(place, nodes.TOP, bench())
 
     def ran(place: Path, seconds: float) -> tuple[str | None, str]:
-        data = bench().with_name(nodes.DATA)
-        status, said = finished(["vvp", "-n", place / "program", f"+data={data}"], place, seconds)
-        if status is None:
-            return "does not end", ""
-        last = said.splitlines()[-1] if said else "nothing said"
-        return (None, said) if last.startswith(nodes.RIGHT) else (last[-200:], said)
+        return ended(place / "program", bench().with_name(nodes.DATA), place, seconds)
 
-    return Killer(name, elaborated, ran, key=hashlib.sha256(nodes.BENCH.encode()).hexdigest()[:8])
+    return Killer(of.name, elaborated, ran, key=hashlib.sha256(nodes.BENCH.encode()).hexdigest()[:8])
+
+
+def ended(program: Path, data: Path, place: Path, seconds: float, *options: str) -> tuple[str | None, str]:
+    """What is wrong by a bench of nodes, and what it said; `place` gets the log."""
+    status, said = finished(["vvp", "-n", program, f"+data={data}", *options], place, seconds)
+    if status is None:
+        return "does not end", ""
+    last = said.splitlines()[-1] if said else "nothing said"
+    return (None, said) if last.startswith(nodes.RIGHT) else (last[-200:], said)
 
 
 @cache
@@ -255,17 +259,19 @@ PAPER = _stream("paper", 18)
 """Which core a divider or a root is, no node tells."""
 
 
-def _memory(bursts: int, data: int) -> Killer:
+def memory(bursts: int, data: int, jobs: int = 80) -> Killer:
+    """Jobs of memory to memory, with an echo in the place of the datapath."""
+
     def echo(place: Path) -> None:
         shutil.copy2(ROOT / "tb" / "axi" / "ik_lean.v", place / "rtl" / "lean" / "ik_lean.v")
 
-    env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "80", "IK_AXI_FAULTS": "12"}
+    env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(jobs * 3 // 20)}
     parameters = {"W": 18, "LOG2_BURST": bursts, "DATA_W": data}
     given = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
     return _of_cocotb(f"memory {bursts} {data}", lambda: given, echo)
 
 
-MEMORY = _memory(3, 64), _memory(1, 32)
+MEMORY = memory(3, 64), memory(1, 32)
 
 
 # ---- who may notice what ---------------------------------------------------------------------------------------------
@@ -276,7 +282,7 @@ def _nodes(of: Nodes) -> Killer:
     return _of_nodes(of)
 
 
-def _around_the_core(file: str) -> bool:
+def around_the_core(file: str) -> bool:
     return file in names("ik_axi") - names("ik_axis")
 
 
@@ -287,14 +293,14 @@ def _units_of(file: str) -> list[dict[str, Killer]]:
 
 def first_of(file: str) -> list[Killer]:
     """What notices most changes of a file of rtl/, the cheapest first: before a proof is tried."""
-    if _around_the_core(file):
+    if around_the_core(file):
         return list(MEMORY[:1])
     return [_nodes(of) for of in QUICK if file in parts(of.path.rtl)] + [own["few"] for own in _units_of(file)]
 
 
 def killers_of(file: str) -> list[Killer]:
     """What may notice a change of a file of rtl/, the cheapest first."""
-    if _around_the_core(file):
+    if around_the_core(file):
         return list(MEMORY)
     found = first_of(file) + [_nodes(of) for of in WIDE if file in parts(of.path.rtl)]
     found += [own["more"] for own in _units_of(file) if "more" in own]

@@ -16,13 +16,28 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from tb.mutation import netlist
 from tb.mutation.equivalence import equivalent
-from tb.mutation.killers import BUILD, LINT, MEASURED, BuildError, digest_around, first_of, killers_of, linted
+from tb.mutation.killers import (
+    BROKEN,
+    BUILD,
+    KILLED,
+    LINT,
+    MEASURED,
+    PROVED,
+    SAME,
+    SURVIVED,
+    BuildError,
+    digest_around,
+    first_of,
+    killers_of,
+    linted,
+)
+from tb.mutation.netlist import Wired
 from tb.mutation.operators import SELDOM, edits
 from tb.sim.env import ROOT
 from tb.sim.sources import sources
 
-BROKEN, SAME, KILLED, PROVED, SURVIVED = "does not build", "no change", "killed", "proved equivalent", "survived"
 COUNTED = (KILLED, PROVED, SURVIVED)
 
 EQUIVALENT = Path(__file__).with_name("equivalent.json")
@@ -69,7 +84,7 @@ class Mutant:
 class Result:
     """What became of a mutant: by whom it was noticed, and how."""
 
-    mutant: Mutant
+    mutant: Mutant | Wired
     verdict: str
     killer: str = ""
     why: str = ""
@@ -104,23 +119,31 @@ def _place() -> tempfile.TemporaryDirectory:
     return tempfile.TemporaryDirectory(prefix="ik_mutant_", dir=folder)
 
 
-def _copied(mutant: Mutant) -> Path:
-    """The copy of rtl/, changed by the mutant and nothing else."""
+def _emptied() -> Path:
+    """The same without anything in it."""
     place = Path(_place().name)
     for part in place.iterdir():
         shutil.rmtree(part) if part.is_dir() else part.unlink()
+    return place
+
+
+def _copied(mutant: Mutant) -> Path:
+    """The copy of rtl/, changed by the mutant and nothing else."""
+    place = _emptied()
     shutil.copytree(ROOT / "rtl", place / "rtl")
     (place / mutant.file).write_text(mutant.text(), encoding="utf-8")
     return place
 
 
-def judge(mutant: Mutant) -> Result:
+def judge(mutant: Mutant | Wired) -> Result:
     """Tries the mutant's killers one after the other until one notices, or it is proved that none can."""
     begin = time.monotonic()
 
     def result(verdict: str, killer: str = "", why: str = "") -> Result:
         return Result(mutant, verdict, killer, why, time.monotonic() - begin)
 
+    if isinstance(mutant, Wired):
+        return result(*netlist.judged(mutant, _emptied()))
     place = _copied(mutant)
     changed, first, known = False, len(first_of(mutant.file)), {}
     for number, killer in enumerate(killers_of(mutant.file)):
@@ -176,6 +199,8 @@ def hardest(results: list[Result]) -> list[Hard]:
     """Of results those that the first benches did not notice, the last noticed first, and a bench did by itself."""
     found = []
     for result in results:
+        if isinstance(result.mutant, Wired):
+            continue
         killers = {killer.name: killer for killer in killers_of(result.mutant.file)}
         late = list(killers).index(result.killer) if result.verdict == KILLED and result.killer in killers else 0
         mutant = Hard(result.mutant.file, *result.mutant.lines(), result.killer)
@@ -247,6 +272,6 @@ def reasons() -> dict[tuple[str, str, str], str]:
     return {(row["file"], row["old"], row["new"]): row["reason"] for row in rows}
 
 
-def excused(mutant: Mutant) -> str:
+def excused(mutant: Mutant | Wired) -> str:
     """Why no test can notice a mutant, if the list says so."""
     return reasons().get((mutant.file, *mutant.lines()), "")

@@ -38,8 +38,18 @@ class Nodes:
     corners: bool = False
 
     @property
+    def name(self) -> str:
+        return f"nodes {self.datapath} {self.width}{' digit' if self.digit else ''} {self.targets}"
+
+    @property
     def path(self) -> Datapath:
         return CONFIGURATIONS[self.datapath]
+
+    @property
+    def parameters(self) -> dict[str, int]:
+        """Of ``ik_axis``."""
+        given = {"W": self.width, "MIN_W": min(self.width, WIDTHS[0]), "TAG_W": TAG_W, "DIGIT": self.digit}
+        return given | self.path.parameters
 
     def words(self) -> np.ndarray:
         words = mixed(self.targets, self.width, 4)
@@ -49,8 +59,8 @@ class Nodes:
             words = np.concatenate([words, shifted(self.width), near])
         return words
 
-    def written(self, folder: Path) -> Path:
-        """Writes the bench and, beside it, its data."""
+    def written(self, folder: Path, netlist: bool = False) -> Path:
+        """Writes the bench and, beside it, its data; ``netlist``: of what Yosys has made of these parameters."""
         folder.mkdir(parents=True, exist_ok=True)
         words = self.words()
         answer = fixed.run(words, self.width, self.datapath)
@@ -70,24 +80,22 @@ class Nodes:
                 at += bits
         (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
         bench = folder / f"{TOP}.v"
-        bench.write_text(self._text(nodes, len(words), at))
+        bench.write_text(self._text(nodes, len(words), at, netlist))
         return bench
 
-    def _text(self, nodes, count: int, bits: int) -> str:
+    def _text(self, nodes, count: int, bits: int, netlist: bool) -> str:
         path, w = self.path, self.width
-        core = f"u_axis.g_{path.rtl}.u_core"
-        given = {"W": w, "MIN_W": min(w, WIDTHS[0]), "TAG_W": TAG_W, "DIGIT": self.digit, **path.parameters}
+        core = f"u_axis.\\g_{path.rtl}.u_core " if netlist else f"u_axis.g_{path.rtl}.u_core"
+        given = {} if netlist else self.parameters
         at = 2 * len(FIELDS) * w + 8
         by_time: dict[int, list[str]] = {}
         for node in nodes:
             signal = ".".join(part for part in (core, node.instance, node.name) if part)
-            line = f"if ({signal} !== want[{at}+:{node.format.width}]) differs(\"{node.section}.{node.name}\");"
+            line = f'if ({signal} !== want[{at}+:{node.format.width}]) differs("{node.section}.{node.name}");'
             by_time.setdefault(node.time, []).append(line)
             at += node.format.width
         compared = "\n".join(
-            f"      find({time});\n      if (target >= 0) begin\n        "
-            + "\n        ".join(lines)
-            + "\n      end"
+            f"      find({time});\n      if (target >= 0) begin\n        " + "\n        ".join(lines) + "\n      end"
             for time, lines in sorted(by_time.items())
         )
         latest = max(by_time)
