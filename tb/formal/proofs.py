@@ -248,6 +248,14 @@ def axis(datapath: str, stages: int, places: int) -> tuple[Proof, Proof, Proof]:
     )
 
 
+PLACES_SAY = ("within_places", "credits_are_free_places", "ready_when_places", "full_rate")
+AXIS_256 = Proof(
+    "axis", "256", "ik_axis", "W=22, paper: 248 stages, 256 places", AXIS_SAYS,
+    tuple(bug for bug in AXIS_BUGS if bug.fails in PLACES_SAY), AXIS_USES, AXIS_AFTER,
+)  # fmt: skip
+"""The last word length of the paper's datapath for which so many will do."""
+
+
 def div(width: int, shift: int) -> Proof:
     said = f"NW={width}, SH={shift}, QW=32, LAT=34, DW=32"
     uses = {name: [*ROW, *DIV_FIRST] for name in ROW}
@@ -264,6 +272,7 @@ PROOFS = (
     fifo(512),
     *axis("lean", 42, 64),
     *axis("paper", 318, 512),
+    AXIS_256,
     Proof("div_row", "31", "ik_div_row", "31-bit divisor", DIV_ROW_SAYS, DIV_ROW_BUGS),
     *(Proof("root_row", k, "ik_root_row", f"{k}-bit root so far", ROOT_ROW_SAYS, ROOT_ROW_BUGS) for k in ("15", "30")),
     *(div(width, shift) for width, shift in ((32, 29), (32, 30), (40, 22), (40, 23))),

@@ -193,7 +193,7 @@ def same(module: Module, place: Path, deep: bool) -> bool:
 
 
 def alike(files: Sequence[Path], place: Path, unknown: bool = True) -> bool:
-    """Whether two versions of a module, called `right` and `changed`, are shown to be the same; `unknown`: with X, too."""
+    """Whether two versions of a module, called `right` and `changed`, are shown to be the same; `unknown`: X, too."""
     if plain(files[0]) == plain(files[1]):
         return True
     texts = [NO_LOGIC.sub("", file.read_text(encoding="utf-8")) for file in files]

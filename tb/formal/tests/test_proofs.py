@@ -46,7 +46,7 @@ def test_every_task_is_a_proof():
     for path in (ROOT / "tb" / "formal").glob("*.sby"):
         listed = path.read_text().split("[tasks]\n")[1].split("\n\n")[0]
         there |= {(path.stem, line.split()[0]) for line in listed.splitlines()}
-    assert tasks == there and len(set(NAMES)) == len(NAMES) == 27
+    assert tasks == there and len(set(NAMES)) == len(NAMES) == 28
 
 
 def test_properties_do_not_change_the_rtl():
@@ -113,9 +113,16 @@ def test_every_divider_and_root_of_the_model_is_proved(op):
 def test_stages_and_places_are_those_of_the_rtl():
     latency = (ROOT / "rtl" / "ik_latency.vh").read_text()
     assert "clog2(datapath_latency(LEAN, W, TILE) + 3)" in (ROOT / AXIS).read_text()
+
+    def of(lean, width):
+        stages = int(re.search(rf"^\s*{100 * lean + width}: datapath_latency = (\d+);", latency, re.M)[1])
+        return stages, 1 << (stages + 2).bit_length()
+
+    stages, places = of(0, 22)
+    (most,) = (proof for proof in PROOFS if proof.name == "axis_256")
+    assert places == 256 and of(0, 23)[1] == 512 and most.width == f"W=22, paper: {stages} stages, 256 places"
     for lean, datapath in enumerate(("paper", "lean")):
-        stages = int(re.search(rf"^\s*{100 * lean + 32}: datapath_latency = (\d+);", latency, re.M)[1])
-        places = 1 << (stages + 2).bit_length()
+        stages, places = of(lean, 32)
         axis, valid, fifo = (next(p for p in PROOFS if p.name == name) for name in (
             f"axis_{datapath}", f"valid_{datapath}", f"fifo_{places}"))  # fmt: skip
         assert axis.width == f"W=32, {datapath}: {stages} stages, {places} places"
