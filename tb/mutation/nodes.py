@@ -90,7 +90,10 @@ class Nodes:
         at = 2 * len(FIELDS) * w + 8
         by_time: dict[int, list[str]] = {}
         for node in nodes:
-            signal = ".".join(part for part in (core, node.instance, node.name) if part)
+            within = ".".join(part for part in (node.instance, node.name) if part)
+            if netlist and path.times and node.instance:  # a block of the folded core, and no instance
+                within = f"\\{within} "
+            signal = f"{core}.{within}"
             line = f'if ({signal} !== want[{at}+:{node.format.width}]) differs("{node.section}.{node.name}");'
             by_time.setdefault(node.time, []).append(line)
             at += node.format.width
