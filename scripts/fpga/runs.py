@@ -48,7 +48,7 @@ SYNTHESIZE = {
 }
 """Of chips that only the folded machine is built for."""
 
-LIMIT = 60 * 60.0
+LIMIT = 40 * 60.0
 """Seconds for one tool run."""
 
 
