@@ -165,7 +165,8 @@ def main(arguments: Sequence[str] | None) -> int:
     about = "Small changes of the Verilog, each of which a bench has to notice."
     parser = Parser("mutants", about, fails="one survives")
     add = parser.add_argument
-    add("--count", type=whole(1), default=COUNT, metavar="N", help="how many (default: %(default)s)")
+    about = "how many, and N / 4 of netlists (default: %(default)s)"
+    add("--count", type=whole(1), default=COUNT, metavar="N", help=about)
     add("--seed", type=whole(0), default=SEED, metavar="S", help="which (default: %(default)s)")
     add("--only", default="", metavar="FILE", help="of files of rtl/ with this in their name")
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="mutants at a time (default: %(default)s)")

@@ -81,6 +81,14 @@ def test_systemverilog_fails(tmp_path, capsys):
     assert lint_text(tmp_path, capsys, text)[0] == 1
 
 
+def test_what_lies_beside_rtl_is_looked_at(tmp_path, capsys):
+    rules = tmp_path / "tb" / "rules"
+    rules.mkdir(parents=True)
+    (rules / "ik_rule.v").write_text(HEAD + WIDTH.replace("ik_sum", "ik_rule") + TAIL)
+    status, out = lint_text(tmp_path, capsys, CLEAN)
+    assert status == 1 and "FAIL ik_rule" in out and "1 of 2" in out
+
+
 def test_modules_find_each_other_across_folders(tmp_path, capsys):
     (tmp_path / "rtl/cores").mkdir(parents=True)
     (tmp_path / "rtl/cores/ik_width.vh").write_text("`define IK_WIDTH 8\n")

@@ -147,7 +147,8 @@ class Netlist:
 
     @functools.cached_property
     def key(self) -> str:
-        own = [self.of.top, self.of.parameters, EACH, self.seed, rtl_digest(), metadata.version(YOSYS)]
+        own = [self.of.top, self.of.parameters, EACH, sorted(LEFT_OUT), self.seed]
+        own += [rtl_digest(), metadata.version(YOSYS)]
         return hashlib.sha256(json.dumps(own).encode()).hexdigest()[:16]
 
     @functools.cached_property
@@ -273,7 +274,16 @@ class Netlist:
             right = kept / "right.il" if (kept / "right.il").exists() else self.flat(module, kept, "", deep)
         return right, self.flat(module, place, mutant.command, deep)
 
+    def stuck(self, mutant: Wired, place: Path) -> bool:
+        """Whether it is no change of its module: what is stuck was so before."""
+        try:
+            before, after = self.versions(mutant, mutant.told["module"], place, deep=False)
+        except BuildError:
+            return False
+        return plain(before) == plain(after)
+
     def same(self, mutant: Wired, module: str, place: Path, deep: bool) -> bool:
+        """Whether a module is shown to be the same with a mutant in it."""
         try:
             return alike(self.versions(mutant, module, place, deep), place, unknown=False)
         except BuildError:
@@ -317,15 +327,18 @@ def judged(mutant: Wired, place: Path) -> tuple[str, str, str]:
     """Verdict of a mutant, who noticed it, and how or where it is shown to make no difference; `place` is an empty
     folder of the checkout."""
     of = netlist(mutant.machine, mutant.seed)
-    for climb, bench in enumerate(of.of.benches):
+    first, *more = of.of.benches
+    if why := of.wrong(first, mutant.number, place):
+        return KILLED, first.name, why
+    if of.stuck(mutant, place):
+        return SAME, "", ""
+    if where := of.equivalent(mutant, place, climb=not more):
+        return PROVED, "", where
+    for bench in more:
         if why := of.wrong(bench, mutant.number, place):
             return KILLED, bench.name, why
-        before, after = of.versions(mutant, mutant.told["module"], place, deep=False)
-        if plain(before) == plain(after):  # what was stuck is stuck
-            return SAME, "", ""
-        if where := of.equivalent(mutant, place, bool(climb) or len(of.of.benches) == 1):
-            return PROVED, "", where
-    return SURVIVED, "", ""
+    where = more and of.equivalent(mutant, place, climb=True)
+    return (PROVED, "", where) if where else (SURVIVED, "", "")
 
 
 def run(folder: Path, lines: Sequence[str]) -> None:
