@@ -22,6 +22,7 @@ from model.targets.files import write_atomically
 from scripts.console import InputError, Parser, exit_status, word_length
 from scripts.pages import ranges_proofs
 from scripts.pages.render import render
+from scripts.pages.tables import table
 from tb.formal import arithmetic, arithmetic_parts, overflow, prove, widths
 from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.proofs import PROOFS
@@ -138,6 +139,19 @@ def widths_page(results: Sequence[widths.Result], missing: Sequence[str], digest
     )  # fmt: skip
 
 
+def widths_before(digests: dict[str, str]) -> dict[tuple[str, int], widths.Result]:
+    """Datapath and width -> the row of the page as it is, of those that are of the present code and tools."""
+    text = WIDTHS_PAGE.read_text(encoding="utf-8")
+    if f", with {versions()};" not in text:
+        return {}
+    fresh = {name for name, digest in table(text, "code") if digests.get(name) == digest}
+    rows = [
+        widths.Result(datapath, int(width), *map(int, counts), float(seconds), float(seeded.removesuffix(" s")))
+        for width, datapath, *counts, seconds, seeded in table(text, "width")
+    ]
+    return {(row.datapath, row.width): row for row in rows if f"{row.datapath}, W={row.width}" in fresh}
+
+
 def every_width(options: Namespace) -> bool:
     """The fourth part; whether all is well."""
     chosen = [datapath for datapath in DATAPATHS if datapath in (options.only or widths.LIGHT)]
@@ -158,7 +172,8 @@ def every_width(options: Namespace) -> bool:
     if any(result.failed for result in found) or len(lengths) < len(widths.OTHERS):
         return not any(result.failed for result in found)
     pairs = [(datapath, width) for width in widths.OTHERS for datapath in DATAPATHS]
-    results = {pair: result for pair in pairs if (result := widths.recall(*pair))}
+    earlier = widths_before(before)
+    results = {pair: result for pair in pairs if (result := widths.recall(*pair) or earlier.get(pair))}
     absent = [f"{datapath} W={width}" for datapath, width in pairs if (datapath, width) not in results]
     now = {name: value for name, value in before.items() if name.replace(",", "") not in absent}
     return written(WIDTHS_PAGE, widths_page(list(results.values()), absent, now), before == widths.digests())
