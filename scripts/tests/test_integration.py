@@ -114,3 +114,9 @@ def test_fusesoc_has_the_files_of_the_lists():
     assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
     assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
     assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
+
+
+def test_fusesoc_and_the_package_have_one_version():
+    core = yaml.safe_load((ROOT / "cga_ik.core").read_text().split("\n", 1)[1])
+    version = re.search(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.M)[1]
+    assert core["name"] == f"cga-ik:cga:ik_axis:{version}"
