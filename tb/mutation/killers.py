@@ -16,9 +16,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
+from inspect import signature
 from pathlib import Path
 
 from model.dataflow.datapaths import CONFIGURATIONS
@@ -235,17 +236,33 @@ def _child(place: str, options: str) -> None:
     runner.simulate(**given, env=env, sim="icarus", root=Path(place))
 
 
+def _simulations() -> Iterator[tuple[str, dict[str, partial]]]:
+    """Module of rtl/ -> what makes the simulations of its bench, as :func:`tb.units.unit.runs` has it."""
+    for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
+        module = importlib.import_module(f"tb.units.{file.stem}")
+        yield from (value.simulations for value in vars(module).values() if hasattr(value, "simulations"))
+
+
 @cache
 def units() -> dict[str, dict[str, Killer]]:
     """Module of rtl/lib or rtl/cores -> its benches, the few parameter sets first."""
-    found = {}
-    for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
-        module = importlib.import_module(f"tb.units.{file.stem}")
-        for value in vars(module).values():
-            if hasattr(value, "simulations"):
-                of, groups = value.simulations
-                found[of] = {group: _of_cocotb(f"unit {of} {group}", make) for group, make in groups.items()}
-    return found
+    return {
+        of: {group: _of_cocotb(f"unit {of} {group}", make) for group, make in groups.items()}
+        for of, groups in _simulations()
+    }
+
+
+def flat_unit(module: str, parameters: dict[str, int]) -> Killer | None:
+    """The bench of a module for a netlist of it with these parameters; none if there is none of such ones."""
+    few = dict(_simulations()).get(module, {}).get("few")
+    if not few:
+        return None
+    *_, bench = few.args
+    try:
+        signature(bench).bind(**parameters)
+    except TypeError:
+        return None
+    return _of_cocotb(f"unit {module}", partial(few.func, module, [parameters], bench, flat=True))
 
 
 def _stream(path: str, width: int) -> Killer:

@@ -168,8 +168,7 @@ def judge(mutant: Mutant | Wired) -> Result:
 # ---- the hardest ones ------------------------------------------------------------------------------------------------
 
 HARDEST = 60
-SECONDS = 400.0
-"""So many mutants, and so long for all of them, are in the list of those that `make test-all` runs."""
+"""So many mutants are in the list of those that `make test-all` runs."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +195,8 @@ def hard() -> list[Hard]:
 
 
 def hardest(results: list[Result]) -> list[Hard]:
-    """Of results those that the first benches did not notice, the last noticed first, and a bench did by itself."""
+    """Of results those that the first benches did not notice, and a bench did by itself: those first that were noticed
+    last for the time that it takes."""
     found = []
     for result in results:
         if isinstance(result.mutant, Wired):
@@ -210,12 +210,8 @@ def hardest(results: list[Result]) -> list[Hard]:
             continue
         if late and not result.why.startswith(MEASURED):
             found.append((killers[mutant.killer].right()["seconds"], late, mutant))
-    chosen, left = [], SECONDS
-    for seconds, _, mutant in sorted(found, key=lambda one: (-one[1] / (one[0] + 3), one[2].file, one[2].new)):
-        if len(chosen) < HARDEST and seconds + 3 <= left:
-            chosen.append(mutant)
-            left -= seconds + 3
-    return sorted(chosen, key=lambda one: (one.killer, one.file, one.new))
+    found.sort(key=lambda one: (-one[1] / (one[0] + 3), one[2].file, one[2].new))
+    return sorted((mutant for *_, mutant in found[:HARDEST]), key=lambda one: (one.killer, one.file, one.new))
 
 
 def hard_text(mutants: list[Hard]) -> str:

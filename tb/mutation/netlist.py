@@ -38,6 +38,7 @@ from tb.mutation.killers import (
     around_the_core,
     ended,
     finished,
+    flat_unit,
     memory,
     parts,
     rtl_digest,
@@ -274,6 +275,33 @@ class Netlist:
             right = kept / "right.il" if (kept / "right.il").exists() else self.flat(module, kept, "", deep)
         return right, self.flat(module, place, mutant.command, deep)
 
+    def unit(self, mutant: Wired, place: Path) -> tuple[str, str]:
+        """The bench of its module that notices a mutant, with the parameters of this machine, and why; or empty."""
+        module = mutant.told["module"]
+        try:
+            right, changed = self.versions(mutant, module, place, deep=True)
+        except BuildError:
+            return "", ""
+        given = {name: number(value) for name, value in PARAMETER.findall(right.read_text())}
+        bench = flat_unit(plain_name(module), given)
+        if not bench or self._of_unit(bench, right, module, given):  # it does not suit these parameters
+            return "", ""
+        why = self._of_unit(bench, changed, module, given)
+        return (bench.name, why) if why else ("", "")
+
+    def _of_unit(self, bench: Killer, flat: Path, module: str, given: dict[str, int]) -> str | None:
+        """Why a version of a module is wrong."""
+        name = plain_name(module)
+        with tempfile.TemporaryDirectory(prefix="ik_", dir=flat.parent) as folder:
+            place = Path(folder)
+            copied(place)
+            (file,) = (place / "rtl").rglob(f"{name}.v")
+            verilog = f"write_verilog -noattr {file.relative_to(ROOT)}"
+            run(place, [f"read_rtlil {flat.relative_to(ROOT)}", f"rename -top {name}", verilog])
+            head = re.compile(r"^module [^;]*;\n", re.M)
+            file.write_text(head.sub(lambda m: m[0] + declared(given), file.read_text(), count=1))
+            return bench.ran(place, SECONDS)[0]
+
     def stuck(self, mutant: Wired, place: Path) -> bool:
         """Whether it is no change of its module: what is stuck was so before."""
         try:
@@ -334,6 +362,9 @@ def judged(mutant: Wired, place: Path) -> tuple[str, str, str]:
         return SAME, "", ""
     if where := of.equivalent(mutant, place, climb=not more):
         return PROVED, "", where
+    name, why = of.unit(mutant, place)
+    if why:
+        return KILLED, name, why
     for bench in more:
         if why := of.wrong(bench, mutant.number, place):
             return KILLED, bench.name, why
@@ -358,7 +389,7 @@ def parents(modules: dict) -> dict[str, list[str]]:
 
 def switched(text: str, top: str, parameters: dict[str, int]) -> str:
     """Verilog in whose top a plusarg says which mutant is on, and parameters are what they were."""
-    given = "".join(f"  parameter {name} = {value};\n" for name, value in parameters.items())
+    given = declared(parameters)
     text, ports = re.subn(rf"^(module {top}\([^;]*), {SELECT}\);", rf"\1);\n{given}", text, flags=re.M)
     head, own = text[: text.index(f"module {top}(")], text[text.index(f"module {top}(") :]
     switch = f'  reg [{BITS - 1}:0] {SELECT} = 0;\n  initial if ($value$plusargs("{SELECT}=%d", {SELECT})) ;\n'
@@ -366,6 +397,19 @@ def switched(text: str, top: str, parameters: dict[str, int]) -> str:
     own, inputs = re.subn(port, lambda _: switch, own, count=1)
     assert ports == inputs == 1, f"{top} has no {SELECT}"
     return head + own
+
+
+def declared(parameters: dict[str, int]) -> str:
+    """As Verilog, for a netlist whose instances still give them."""
+    return "".join(f"  parameter {name} = {value};\n" for name, value in parameters.items())
+
+
+PARAMETER = re.compile(r"^  parameter (?:signed )?\\(\w+) (.*)$", re.M)
+
+
+def number(value: str) -> int:
+    """A parameter's value as Yosys' RTLIL has it: an integer, or bits."""
+    return signed(value.partition("'")[2].removeprefix("s")) if "'" in value else int(value)
 
 
 def divided(text: str, top: str) -> tuple[str, str]:

@@ -2,7 +2,7 @@
 """The cocotb side of :func:`tb.units.unit.run_unit`: the tests of a bench, for every instance of the generated top.
 
 IK_BENCH is the file and the function of the bench, IK_SETS maps instances to their parameters.  A test gets its
-instance as ``dut``, and is named after it.
+instance as ``dut``, and is named after it.  With IK_FLAT what looks inside of a module is left out.
 """
 
 import importlib
@@ -25,5 +25,7 @@ _file, _, _function = os.environ["IK_BENCH"].partition(":")
 _bench = getattr(importlib.import_module(_file), _function)
 for _instance, _parameters in json.loads(os.environ["IK_SETS"]).items():
     for _name, _test in _bench(**_parameters).items():
+        if os.environ["IK_FLAT"] and hasattr(_test, "inside"):
+            continue
         _title = f"{_instance}.{_name}"
         globals()[_title] = cocotb.test(name=_title)(_on(_instance, _test))

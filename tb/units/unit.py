@@ -41,9 +41,11 @@ EVERY = 1 << 16
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
 
 
-def simulation(module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None) -> dict:
+def simulation(
+    module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, flat: bool = False
+) -> dict:
     """What :func:`tb.sim.runner.simulate` is told to run the tests of ``bench`` on an instance of ``module`` for each
-    of the parameter sets; all of them are in one top (tb/sim/shells.py)."""
+    of the parameter sets; all of them are in one top (tb/sim/shells.py).  ``flat``: nothing inside has a name."""
     from tb.sim.shells import TOP, top_of
 
     return {
@@ -53,6 +55,7 @@ def simulation(module: str, sets: Sequence[Parameters], bench: Callable[..., Tes
         "env": {
             "IK_BENCH": f"{bench.__module__}:{bench.__name__}" if bench else "",
             "IK_SETS": json.dumps({title(parameters): parameters for parameters in sets}),
+            "IK_FLAT": "1" if flat else "",
         },
         "name": module,
         "seed": SEED,
@@ -130,9 +133,16 @@ def instances(op: str, count: int, of: Callable[..., Parameters]) -> list[Parame
 # ---- inside a simulation (cocotb) ------------------------------------------------------------------------------------
 
 
+def inside(test: Callable[..., Awaitable[None]]) -> Callable[..., Awaitable[None]]:
+    """Marks a test that looks for what a module consists of."""
+    test.inside = True
+    return test
+
+
 def places(memory: str, count: int, width: int) -> Callable[..., Awaitable[None]]:
     """A test that a memory has so many places of so many bits: with one more it may not fit the blocks of a chip."""
 
+    @inside
     async def counted(dut) -> None:
         if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator shows no memories
             found = getattr(dut.u, memory)  # behind the shell of tb/sim/shells.py
@@ -144,6 +154,7 @@ def places(memory: str, count: int, width: int) -> Callable[..., Awaitable[None]
 def built(block: str, there: bool) -> Callable[..., Awaitable[None]]:
     """A test that a generate block is in the module, or is not: where two make the same words, and differ in size."""
 
+    @inside
     async def found(dut) -> None:
         assert hasattr(dut.u, block) == there, f"{block} is {'not ' if there else ''}there"
 

@@ -3,6 +3,7 @@
 difference is proved."""
 
 import json
+import re
 
 import pytest
 
@@ -47,6 +48,18 @@ def test_a_mutant_is_noticed_where_it_is_on(lean, place):
     assert found and all(lean.wrong(first, one.number, place) for one in found[:3])
     assert judged(found[0], place)[:2] == (KILLED, first.name)
     assert judged(of(lean, "const0", "b", 0), place)[0] == SAME  # it is 0
+
+
+@pytest.mark.slow
+@pytest.mark.sim
+@pytest.mark.cost(20)
+def test_the_bench_of_its_module_notices_what_the_machine_never_asks_for(lean, place):
+    """A sign that the operand never has in it; no bench is of a module that has none."""
+    module = re.search(r" cell (\S+) \\u_az_tilt_sq\n", (lean.folder / "design.il").read_text())[1]
+    command = f"mutate -mode cnot1 -module {module} -cell u_a -port q -portbit 22 -ctrlbit 24"
+    mutant = Wired("rtl/lib/ik_mul3.v", "lean 18", SEED, 0, 50, command)
+    assert lean.unit(mutant, place)[0] == "unit ik_mul3"
+    assert lean.unit(of(lean, "inv", "p", 0), place) == ("", "")
 
 
 @pytest.mark.slow
