@@ -40,7 +40,7 @@ CONNECT = 10
 """Seconds in which a scheduler has to answer."""
 
 AHEAD = 2
-"""Pieces of work that each worker has or is about to get: the results that wait for an earlier one are as few."""
+"""Pieces of work that each worker has or is about to get."""
 
 CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".sby", ".rdl", ".vlt"}
 
@@ -94,13 +94,18 @@ def needs_dask() -> None:
 def _each(client, farm: str, work: Callable, items: Iterable) -> Iterator:
     left, flying = iter(items), deque()
     digest = sources()
-    while True:
-        room = AHEAD * max(1, _workers(client, farm))
-        for item in itertools.islice(left, max(0, room - len(flying))):
+
+    def feed() -> None:
+        """Results may wait for an earlier one, workers do not."""
+        room = AHEAD * max(1, _workers(client, farm)) - sum(not future.done() for future in flying)
+        for item in itertools.islice(left, max(0, room)):
             flying.append(client.submit(here, pickle.dumps((work, item)), digest, pure=False))
-        if not flying:
-            return
-        yield pickle.loads(_result(client, farm, flying.popleft()))
+
+    feed()
+    while flying:
+        yield pickle.loads(_result(client, farm, flying[0], feed))
+        flying.popleft()
+        feed()
 
 
 def _workers(client, farm: str) -> int:
@@ -114,7 +119,7 @@ def _gone(farm: str) -> BrokenOffError:
     return BrokenOffError(f"the scheduler {farm} is gone")
 
 
-def _result(client, farm: str, future) -> bytes:
+def _result(client, farm: str, future, meanwhile: Callable[[], None]) -> bytes:
     import distributed
 
     said = False
@@ -124,6 +129,7 @@ def _result(client, farm: str, future) -> bytes:
         if not future.done() and not said and not _workers(client, farm):
             said = True
             print(f"farm: {farm} has no workers, waiting for one", file=sys.stderr, flush=True)
+        meanwhile()
     try:
         return future.result()
     except CancelledError:

@@ -48,6 +48,13 @@ def notes(folder, what):
     return [(int(number), int(pid)) for said, number, pid in rows if said == what]
 
 
+def waits_for(folder, other, number):
+    """The first one waits for another one's end."""
+    if number == 0:
+        until(lambda: any(ended == other for ended, _ in notes(folder, "end")), seconds=30)
+    return noted(folder, 0, number)
+
+
 def ends(folder, number):
     raise InputError(f"{number} in {folder} cannot be")
 
@@ -149,6 +156,17 @@ def test_a_soak_with_a_worker_that_dies_is_the_same_soak(processes):
     assert shared.run(1, done, processes.address) is None
     assert len(workers) == 2 and said == told
     assert (shared.found, shared.number) == (alone.found, alone.number)
+
+
+@dask
+@pytest.mark.slow
+@pytest.mark.cost(10)
+def test_workers_do_not_wait_for_the_slowest_piece(processes, tmp_path):
+    """What is behind it is done meanwhile, and comes behind it."""
+    processes.worker()
+    processes.worker()
+    with farm.shared(1, processes.address) as each:
+        assert list(each(partial(waits_for, tmp_path, 9), range(10))) == [n * n for n in range(10)]
 
 
 @dask
