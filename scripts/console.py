@@ -17,6 +17,7 @@ import signal
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
@@ -364,25 +365,41 @@ def show(*tables: Table) -> None:
 # -- progress --------------------------------------------------------------------------------------
 
 
+RECENT = 120.0
+"""Seconds of which a rate is."""
+
+
+def pace(rate: float) -> str:
+    """Things a second, a minute or an hour."""
+    of, seconds = next(((of, k) for of, k in (("s", 1), ("min", 60)) if rate * k >= 1 or not rate), ("h", 3600))
+    return f"{rate * seconds:.0f}/{of}"
+
+
 class Meter:
     """How far a command is, on stderr: a bar on a terminal; elsewhere a line every `every` seconds.
 
-    name: of the command, before each line. total, first: things to do in all, and done before. rate: of this run.
+    name: of the command, before each line. total, first: things to do in all, and done before. rate: things a second in
+    the last RECENT seconds: what an earlier run has done counts at once, and says nothing of the rest.
     """
 
     def __init__(self, name: str, total: int, first: int = 0, every: float = EVERY, bar: Progress | None = None):
-        self.name, self.total, self.first, self.every, self.bar = name, total, first, every, bar
+        self.name, self.total, self.every, self.bar = name, total, every, bar
         self.done, self.what, self.lock = first, "", threading.Lock()
         self.begin = self.said = time.monotonic()
-        self.rate = 0.0
-        self.task = bar.add_task(name, total=total, completed=first, rate=0.0) if bar else None
+        self.recent, self.rate = deque([(self.begin, first)]), 0.0
+        self.task = bar.add_task(name, total=total, completed=first, rate=pace(0.0)) if bar else None
 
     def __call__(self, done: int, what: str = "") -> None:
         """So many are done; `what` is being done."""
         self.done, self.what = done, what
-        self.rate = (done - self.first) / max(time.monotonic() - self.begin, 1e-9)
+        now = time.monotonic()
+        while len(self.recent) > 1 and now - self.recent[1][0] > RECENT:
+            self.recent.popleft()
+        since, before = self.recent[0]
+        self.recent.append((now, done))
+        self.rate = (done - before) / max(now - since, 1e-9)
         if self.bar:
-            self.bar.update(self.task, description=what or self.name, completed=done, rate=self.rate)
+            self.bar.update(self.task, description=what or self.name, completed=done, rate=pace(self.rate))
         else:
             self.beat()
 
@@ -396,7 +413,7 @@ class Meter:
         of = f"{now - self.begin:.0f} s so far"
         if self.rate:
             left = (self.total - self.done) / self.rate
-            of = f"{self.done} of {self.total} done, {self.rate:.0f}/s, {left:.0f} s left"
+            of = f"{self.done} of {self.total} done, {pace(self.rate)}, {left:.0f} s left"
         self.line(": ".join(part for part in (self.name, self.what, of) if part))
 
     def line(self, text: str) -> None:
@@ -448,8 +465,8 @@ def progress(name: str, total: int, first: int = 0, every: float = EVERY) -> Ite
                 _speaking[-1].said = meter.said
         return
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]:.0f}/s"),
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
-    with Progress(*columns, console=console, transient=True, speed_estimate_period=120) as bar:
+    with Progress(*columns, console=console, transient=True, speed_estimate_period=RECENT) as bar:
         yield Meter(name, total, first, bar=bar)

@@ -11,7 +11,7 @@ import pytest
 from rich.progress import Progress
 
 from scripts import console
-from scripts.console import InputError, Meter, Parser, exit_status, progress, writing
+from scripts.console import InputError, Meter, Parser, exit_status, pace, progress, writing
 
 
 def test_a_mistake_is_one_line_and_status_2(capsys):
@@ -52,6 +52,17 @@ def test_without_a_terminal_a_line_now_and_then(clock, capsys):
         clock[0] += 20
         meter(4000)
     assert capsys.readouterr().err == "some: half: 3000 of 5000 done, 50/s, 40 s left\n"
+
+
+def test_what_is_left_is_estimated_by_the_last_minutes(clock, capsys):
+    """Not by what was there before; slow work has a rate, too."""
+    with progress("some", 1250, every=300) as meter:
+        meter(1000)
+        for done in range(1, 5):
+            clock[0] += 100
+            meter(1000 + done)
+    assert capsys.readouterr().err == "some: 1003 of 1250 done, 36/h, 24700 s left\n"
+    assert [pace(rate) for rate in (0.0, 0.999, 1 / 60, 0.01, 50.4)] == ["0/s", "60/min", "1/min", "36/h", "50/s"]
 
 
 def test_a_line_also_while_nothing_gets_done(clock, capsys):
@@ -125,7 +136,7 @@ def test_the_inner_of_two_meters_speaks_and_none_twice(clock, capsys):
         clock[0] += 5
         outer.beat()
         inner.line("some: target 3 is wrong")
-    said = ["inner: 1 of 10 done, 0/s, 18 s left", "some: 11 s so far", "some: target 3 is wrong"]
+    said = ["inner: 1 of 10 done, 30/min, 18 s left", "some: 11 s so far", "some: target 3 is wrong"]
     assert capsys.readouterr().err.splitlines() == said
 
 
@@ -152,6 +163,6 @@ def test_on_a_terminal_a_bar_with_the_same_figures(clock):
     clock[0] += 2
     meter(50, "half [3/4]")
     (task,) = bar.tasks
-    assert (task.completed, task.total, task.fields["rate"], task.description) == (50, 100, 25.0, "half [3/4]")
+    assert (task.completed, task.total, task.fields["rate"], task.description) == (50, 100, "25/s", "half [3/4]")
     meter.line("some: [a] line")
     assert re.search(r"some: \[a\] line", out.getvalue())
