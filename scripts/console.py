@@ -378,30 +378,35 @@ def pace(rate: float) -> str:
 class Meter:
     """How far a command is, on stderr: a bar on a terminal; elsewhere a line every `every` seconds.
 
-    name: of the command, before each line. total, first: things to do in all, and done before. rate: things a second in
-    the last RECENT seconds: what an earlier run has done counts at once, and says nothing of the rest.
+    name: of the command, before each line. total, first: things to do in all, and done before.
     """
 
     def __init__(self, name: str, total: int, first: int = 0, every: float = EVERY, bar: Progress | None = None):
         self.name, self.total, self.every, self.bar = name, total, every, bar
         self.done, self.what, self.lock = first, "", threading.Lock()
         self.begin = self.said = time.monotonic()
-        self.recent, self.rate = deque([(self.begin, first)]), 0.0
+        self.recent = deque([(self.begin, first)])
         self.task = bar.add_task(name, total=total, completed=first, rate=pace(0.0)) if bar else None
 
     def __call__(self, done: int, what: str = "") -> None:
         """So many are done; `what` is being done."""
-        self.done, self.what = done, what
-        now = time.monotonic()
-        while len(self.recent) > 1 and now - self.recent[1][0] > RECENT:
-            self.recent.popleft()
-        since, before = self.recent[0]
-        self.recent.append((now, done))
-        self.rate = (done - before) / max(now - since, 1e-9)
+        with self.lock:
+            self.done, self.what = done, what
+            self.recent.append((time.monotonic(), done))
         if self.bar:
-            self.bar.update(self.task, description=what or self.name, completed=done, rate=pace(self.rate))
+            self.bar.update(self.task, description=what or self.name, completed=done, rate=pace(self.rate()))
         else:
             self.beat()
+
+    def rate(self) -> float:
+        """Things a second in the last RECENT seconds, or between the last two: what an earlier run has done counts at
+        once, and says nothing of the rest."""
+        with self.lock:
+            now = time.monotonic()
+            while len(self.recent) > 2 and now - self.recent[1][0] > RECENT:
+                self.recent.popleft()
+            since, before = self.recent[0]
+            return (self.done - before) / max(now - since, 1e-9)
 
     def beat(self) -> None:
         """Say how far it is if that is due, whether or not anything was done since."""
@@ -411,9 +416,9 @@ class Meter:
                 return
             self.said = now
         of = f"{now - self.begin:.0f} s so far"
-        if self.rate:
-            left = (self.total - self.done) / self.rate
-            of = f"{self.done} of {self.total} done, {pace(self.rate)}, {left:.0f} s left"
+        if rate := self.rate():
+            left = (self.total - self.done) / rate
+            of = f"{self.done} of {self.total} done, {pace(rate)}, {left:.0f} s left"
         self.line(": ".join(part for part in (self.name, self.what, of) if part))
 
     def line(self, text: str) -> None:

@@ -126,7 +126,9 @@ def _result(client, farm: str, future, meanwhile: Callable[[], None]) -> bytes:
     while not future.done():
         with contextlib.suppress(distributed.TimeoutError, CancelledError):
             distributed.wait(future, EVERY)
-        if not future.done() and not said and not _workers(client, farm):
+        if future.done():
+            break
+        if not said and not _workers(client, farm):
             said = True
             print(f"farm: {farm} has no workers, waiting for one", file=sys.stderr, flush=True)
         meanwhile()

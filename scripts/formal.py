@@ -141,7 +141,7 @@ def widths_page(results: Sequence[widths.Result], missing: Sequence[str], digest
 
 def widths_before(digests: dict[str, str]) -> dict[tuple[str, int], widths.Result]:
     """Datapath and width -> the row of the page as it is, of those that are of the present code and tools."""
-    text = WIDTHS_PAGE.read_text(encoding="utf-8")
+    text = WIDTHS_PAGE.read_text(encoding="utf-8") if WIDTHS_PAGE.exists() else ""
     if f", with {versions()};" not in text:
         return {}
     fresh = {name for name, digest in table(text, "code") if digests.get(name) == digest}

@@ -28,6 +28,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -126,6 +127,7 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
     with progress("soak", arguments.targets) as meter:
         try:
             broken = chunks.run(arguments.jobs, meter, arguments.farm)
+            rate = chunks.found.targets / (time.monotonic() - meter.begin)
         except Stopped:
             done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
             print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)
@@ -139,7 +141,7 @@ def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) ->
         print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
         return 1
     found = chunks.found
-    show(table_of_soak(what, core, found, meter.rate), table_of_hardest(found))
+    show(table_of_soak(what, core, found, rate), table_of_hardest(found))
     hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
     rows = [row_of(core, h.words, h.hand_error, f"{of} target {h.target}") for h in hards]
     for file, before in earlier.items():

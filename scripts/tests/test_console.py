@@ -55,13 +55,17 @@ def test_without_a_terminal_a_line_now_and_then(clock, capsys):
 
 
 def test_what_is_left_is_estimated_by_the_last_minutes(clock, capsys):
-    """Not by what was there before; slow work has a rate, too."""
-    with progress("some", 1250, every=300) as meter:
-        meter(1000)
-        for done in range(1, 5):
-            clock[0] += 100
-            meter(1000 + done)
-    assert capsys.readouterr().err == "some: 1003 of 1250 done, 36/h, 24700 s left\n"
+    """Not by what was there before, also while nothing gets done; slow work has a rate, too."""
+    meter = Meter("some", 1250, every=300)
+    for done in (999, 1000):
+        meter(done)
+    clock[0] += 360
+    meter.beat()
+    for done in range(1001, 1005):
+        clock[0] += 100
+        meter(done)
+    said = ["some: 1000 of 1250 done, 10/h, 90000 s left", "some: 1003 of 1250 done, 36/h, 24700 s left"]
+    assert capsys.readouterr().err.splitlines() == said
     assert [pace(rate) for rate in (0.0, 0.999, 1 / 60, 0.01, 50.4)] == ["0/s", "60/min", "1/min", "36/h", "50/s"]
 
 

