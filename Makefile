@@ -197,7 +197,7 @@ mutants: ## small changes of the Verilog, each of which a bench has to notice [C
 
 farm-scheduler: ## gives work of FARM=tcp://this-machine:8786 to workers; for networks that you trust only
 	@$(SETUP) farm
-	@exec $(VENV) -m dask scheduler --no-dashboard
+	@DASK_TEMPORARY_DIRECTORY=build/farm exec $(VENV) -m dask scheduler --no-dashboard
 
 farm-worker: ## makes this machine work for a scheduler; what the work needs is set up first [FARM=tcp://scheduler:8786 JOBS=]
 	@$(SETUP) icarus verilator fpga farm

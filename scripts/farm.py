@@ -224,6 +224,7 @@ def main(arguments: Sequence[str] | None) -> int:
         raise InputError("argument --farm: which scheduler, as in tcp://scheduler:8786")
     needs_dask()
     words = [options.farm, "--nworkers", str(options.jobs), "--nthreads", "1", "--no-dashboard"]
+    words += ["--local-directory", str(ROOT / "build" / "farm")]
     # Not a daemon, which would have no processes of its own.
     env = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
     os.chdir(ROOT)

@@ -82,10 +82,9 @@ class Farm:
 
     def start(self, *words, root=ROOT):
         log = open(self.folder / f"{len(self.groups)}.log", "w")
-        env = environment() | {"DASK_TEMPORARY_DIRECTORY": str(self.folder)}
         process = subprocess.Popen(
-            [sys.executable, *words], cwd=root, env=env, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-            start_new_session=True,
+            [sys.executable, *words], cwd=root, env=environment() | {"TMPDIR": str(self.folder)},
+            stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
         )  # fmt: skip
         self.groups.append(process)
         return process
@@ -261,6 +260,7 @@ def test_a_worker_ends_with_its_scheduler(processes, tmp_path):
     worker = processes.worker()
     with farm.shared(1, processes.address) as each:
         assert list(each(partial(noted, tmp_path, 0), [5])) == [25]
+    assert not list(tmp_path.glob("dask*/worker*"))  # TMPDIR: what it writes lies in build/
     processes.kill(processes.scheduler)
     assert worker.wait(60) is not None
 
