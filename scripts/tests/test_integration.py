@@ -116,7 +116,9 @@ def test_fusesoc_has_the_files_of_the_lists():
     assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
 
 
-def test_fusesoc_and_the_package_have_one_version():
+def test_fusesoc_package_and_changelog_have_one_version():
     core = yaml.safe_load((ROOT / "cga_ik.core").read_text().split("\n", 1)[1])
     version = re.search(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.M)[1]
     assert core["name"] == f"cga-ik:cga:ik_axis:{version}"
+    newest = re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    assert newest and newest[1] == version
