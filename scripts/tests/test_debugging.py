@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """docs/debugging.md, followed word for word in a copy of the checkout: what it says is printed is printed."""
 
+import json
 import os
 import re
 import shutil
@@ -45,9 +46,13 @@ def checkout(tmp_path_factory):
         if (ROOT / name).is_file():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, copy / name)
-    (copy / ".venv").mkdir()
+    venv, stamp = copy / ".venv", "cga-ik.json"
+    venv.mkdir()
     for entry in (ROOT / ".venv").iterdir():
-        (copy / ".venv" / entry.name).symlink_to(entry)
+        if entry.name != stamp:
+            (venv / entry.name).symlink_to(entry)
+    made = json.loads((ROOT / ".venv" / stamp).read_text(encoding="utf-8"))
+    (venv / stamp).write_text(json.dumps(made | {"venv": str(venv)}), encoding="utf-8")
     # A window cannot be opened here: in place of gtkwave, something that wants both its files.
     tools = copy / "build" / "tools"
     tools.mkdir(parents=True)
@@ -88,6 +93,7 @@ def test_what_the_page_says_is_printed_is_printed(said):
     for script, done, shown in said:
         finds = script.splitlines()[-1].startswith(("make", ".venv/bin/python -m pytest"))
         assert bool(done.returncode) == finds, f"{script}\n{done.stdout}"
+        assert "cga-ik: " not in done.stdout, "set-up found something to do"
         lines = [line.rstrip() for line in done.stdout.splitlines()]
         if "pytest" in script:  # each behind a logger's columns
             lines = [re.sub(r"^INFO +cocotb:\S+ +", "", line) for line in lines]
