@@ -16,7 +16,7 @@ import numpy as np
 from model.bounds import predict
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from model.targets.stimuli import random_reachable
+from model.io.stimuli import random_reachable
 from scripts.console import Parser, command
 from tb.sim.simulate import Job, simulate
 

@@ -11,7 +11,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from model.targets.scoring import Score
+from model.io.scoring import Score
 from scripts import published
 from scripts.fpga.page import CHIPS, FIGURES, FOLD, TOPS, clock, fold_runs, synthesized
 from scripts.tables import CLOCKS, LATENCY, RATE, figures, outcome

@@ -20,7 +20,7 @@ import numpy as np
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
-from model.targets.stimuli import REGIONS, mixed, region
+from model.io.stimuli import REGIONS, mixed, region
 from scripts.console import Meter, Parser, command, progress, whole, word_length
 from tb.core import hardest
 

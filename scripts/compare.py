@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 
 from model.dataflow.fixed import latency
-from model.targets.stimuli import region
+from model.io.stimuli import region
 from scripts.console import Parser, command
 from scripts.pages.comparison import BATCH, MACHINES, PAGE, PLOT, WIDTH, Measured, batch_clocks, page, plot
 from tb.sim.env import SIMULATORS

@@ -28,10 +28,10 @@ from rich.table import Table
 
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
 from model.dataflow.nodes import WIDTHS
+from model.io.words import TargetError
 from model.motion import axes
 from model.motion.axes import Axis
 from model.motion.clip import TORSO
-from model.targets.words import TargetError
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
 

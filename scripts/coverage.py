@@ -23,7 +23,7 @@ from importlib.metadata import version
 
 from rich.table import Table
 
-from model.targets.files import write_atomically
+from model.io.files import write_atomically
 from scripts.console import InputError, Parser, command, show, writing
 from scripts.pages.render import render
 from tb.core.crosses import AXES, IMPOSSIBLE, merged

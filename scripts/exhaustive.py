@@ -29,7 +29,7 @@ from pathlib import Path
 
 from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
-from model.targets.files import write_atomically
+from model.io.files import write_atomically
 from scripts.console import InputError, Meter, Parser, command, progress, whole, writing
 from scripts.pages.render import render
 from tb.sim.env import CORES, GENERATED, ROOT

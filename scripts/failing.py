@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from model.targets.files import write_atomically
-from model.targets.words import FIELDS
+from model.io.files import write_atomically
+from model.io.words import FIELDS
 from scripts.console import InputError, writing
 from tb.core import hardest
 from tb.core.random_targets import Core, Failure

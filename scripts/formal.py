@@ -18,7 +18,7 @@ from datetime import date
 from os import cpu_count
 from pathlib import Path
 
-from model.targets.files import write_atomically
+from model.io.files import write_atomically
 from scripts.console import InputError, Parser, exit_status, word_length
 from scripts.pages import ranges_proofs
 from scripts.pages.render import render

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pybvh
 
+from model.io.files import write_atomically
+from model.io.scoring import Score, write_results_csv, write_results_npz, write_score_json
+from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
-from model.targets.files import write_atomically
-from model.targets.scoring import Score, write_results_csv, write_results_npz, write_score_json
-from model.targets.words import result_values
 from scripts.console import writing
 from scripts.trajectory import Prepared
 from tb.sim.simulate import Run

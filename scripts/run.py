@@ -20,8 +20,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from model.bounds.predict import hand_bar
-from model.targets import trajectories
-from model.targets.scoring import Score, score
+from model.io import trajectories
+from model.io.scoring import Score, score
 from scripts.beside import table_beside_the_paper
 from scripts.console import InputError, Parser, command, output, progress, show, whole_file, writing
 from scripts.recording import ALIGNED, VCD, WAVES, align

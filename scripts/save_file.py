@@ -21,7 +21,7 @@ from vcd.reader import TokenKind, tokenize
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format, Node
-from model.targets.words import FIELDS, RESULT_FIELDS
+from model.io.words import FIELDS, RESULT_FIELDS
 
 TOP = "ik_axis"
 SHOWN_BITS = 64

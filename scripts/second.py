@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from model.bounds.tolerances import REGULAR_DISTANCE
-from model.targets.flags import expected_flags
-from model.targets.scoring import singular_distance
-from model.targets.words import from_words
+from model.io.flags import expected_flags
+from model.io.scoring import singular_distance
+from model.io.words import from_words
 from scripts.table6.compiled import SOURCE, library
 from tb.core.opinion import Opinion
 

@@ -34,7 +34,7 @@ from pathlib import Path
 
 from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
 from model.dataflow.nodes import WIDTHS
-from model.targets.stimuli import SPECIAL
+from model.io.stimuli import SPECIAL
 from scripts import farm, second, soak_page
 from scripts.chunks import Chunks, named
 from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole

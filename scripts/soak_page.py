@@ -8,7 +8,7 @@ from datetime import date
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.targets.flags import FLAGS, SATURATED
+from model.io.flags import FLAGS, SATURATED
 from scripts.console import InputError, whole_file
 from scripts.pages.render import render
 from tb.core.random_targets import Core, Found

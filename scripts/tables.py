@@ -13,9 +13,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from model.bounds import tolerances
-from model.targets import flags as flag_bits
-from model.targets.scoring import Score
-from model.targets.words import FIELDS
+from model.io import flags as flag_bits
+from model.io.scoring import Score
+from model.io.words import FIELDS
 from tb.core.random_targets import Core, Found
 
 NOT_ASKED = "not asked"

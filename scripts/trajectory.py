@@ -16,13 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
+from model.io import trajectories
+from model.io.files import read_csv
+from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
 from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
 from model.motion.pose import hanging
-from model.targets import trajectories
-from model.targets.files import read_csv
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
 from scripts.console import InputError, Parser, accuracy, arm_length, folder_name, reference_axis, swivel_angle
 from tb.sim.env import ALL_SIMULATORS, CORES, SIMULATORS
 

@@ -3,7 +3,7 @@
 
 A node's :class:`Bound` holds what exact arithmetic can give, from geometry, and how far rounding can have taken the
 word from it: each operation's own rounding and what its operands bring, multiplied by the largest other operand.  The
-word is within the sum of both, and that must fit.  Geometry's ranges (:class:`model.dataflow.facts.Within`) and how
+word is within the sum of both, and that must fit.  Geometry's ranges (:class:`.annotations.Within`) and how
 errors grow are stated at the nodes, in :mod:`model.dataflow.lean`; `make formal` proves both
 (``tb/formal/lean_rules.py``, ``lean_rounded.py``).
 
@@ -15,10 +15,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..dataflow.facts import Within
+from ..dataflow.annotations import Within
 from ..dataflow.lean import lean
 from ..dataflow.nodes import Domain, Format, Node
-from ..targets.words import ARMS
+from ..io.words import ARMS
 from .ranges import RangeError
 
 UP = 1 + 2.0**-50

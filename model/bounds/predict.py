@@ -13,7 +13,7 @@ import numpy as np
 from ..dataflow import fixed
 from ..dataflow.nodes import Node
 from ..dataflow.reals import Real
-from ..targets.words import ARMS
+from ..io.words import ARMS
 
 
 def rounded_nodes(bits: fixed.Bits) -> list[Node]:

@@ -3,11 +3,11 @@
 
 A node's :class:`Bound` is the interval that exact arithmetic gives (``low``, ``high``), and how far rounding can have
 taken the word from it (``error``): precision, propagated forward.  Plain intervals know nothing of geometry, so at
-single nodes a :class:`~model.dataflow.facts.Rule` narrows what exact arithmetic can give; each rule says why in a
+single nodes a :class:`~model.dataflow.annotations.Rule` narrows what exact arithmetic can give; each rule says why in a
 sentence.  The rules, how errors grow, and what saturates on purpose are stated at the nodes, in
 :mod:`model.dataflow.paper`.
 
-The input words fall into :func:`model.dataflow.cases.cases`, and a node's range is the union over them.
+The input words fall into :func:`model.dataflow.interval_cases.cases`, and a node's range is the union over them.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from functools import cache, reduce
 
 import numpy as np
 
-from ..dataflow.cases import Case, cases
-from ..dataflow.facts import ANYTHING, Given, Rule
+from ..dataflow.annotations import ANYTHING, Given, Rule
+from ..dataflow.interval_cases import Case, cases
 from ..dataflow.nodes import Domain, Format, Node
 from ..dataflow.paper import paper
-from ..targets.words import ARMS
+from ..io.words import ARMS
 
 SLACK = 2.0**-48
 """Relative allowance for the double precision in which the bounds themselves are computed."""

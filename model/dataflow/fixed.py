@@ -14,8 +14,8 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from ..targets.flags import FLAGS, SATURATED
-from ..targets.words import FIELDS, RESULT_FIELDS
+from ..io.flags import FLAGS, SATURATED
+from ..io.words import FIELDS, RESULT_FIELDS
 from . import cores as lean_cores
 from . import trig as lean_trig
 from .datapaths import CONFIGURATIONS

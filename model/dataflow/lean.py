@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .facts import SUM, Growth, Limited, Within
+from .annotations import SUM, Growth, Limited, Within
 from .lean_words import (
     Count,
     Elbow,
@@ -124,7 +124,7 @@ class Lean:
 
 
 def lean(d: Domain, target: dict[str, Node]) -> None:
-    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.targets.words`) to the
+    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
     results.
 
     Every node ends up in ``d.nodes`` under its name, which is also the name of its signal in the RTL.

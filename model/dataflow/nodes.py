@@ -28,10 +28,10 @@ from typing import Any
 
 import numpy as np
 
-from ..targets.words import FIELDS, LENGTHS
-from .cases import Case
+from ..io.words import FIELDS, LENGTHS
+from .annotations import Facts, Within, leading
 from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, places, rsqrt_clocks
-from .facts import Facts, Within, leading
+from .interval_cases import Case
 from .trig import FRACS, trig_clocks
 from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
 

@@ -17,8 +17,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .cases import SQRT3, Case
-from .facts import COSINE, SUM, Given, Growth, Rule, leading, not_negative, upto, used
+from .annotations import COSINE, SUM, Given, Growth, Rule, leading, not_negative, upto, used
+from .interval_cases import SQRT3, Case
 from .nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
 from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
 
@@ -34,7 +34,7 @@ SECTIONS = {
 
 
 def paper(d: Domain, target: dict[str, Node]) -> None:
-    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.targets.words`) to the
+    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
     results.
 
     Every node ends up in ``d.nodes`` under its name, which is also the name of its signal in the RTL.

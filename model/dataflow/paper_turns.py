@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from .cases import SQRT2, SQRT3, Case
-from .facts import COSINE, SAME, SUM, Given, Growth, Limited, Rule, not_negative, upto, used
+from .annotations import COSINE, SAME, SUM, Given, Growth, Limited, Rule, not_negative, upto, used
+from .interval_cases import SQRT2, SQRT3, Case
 from .nodes import HALF_UP, Domain
 
 

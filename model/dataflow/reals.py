@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..io.words import RESULT_FIELDS
 from ..reference.kinematics import forward
-from ..targets.words import RESULT_FIELDS
 from . import fixed
 from .datapaths import CONFIGURATIONS
 from .nodes import Domain, Node

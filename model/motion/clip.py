@@ -20,8 +20,8 @@ import numpy as np
 import pybvh
 from pybvh.rotations import rotmat_to_quat
 
+from ..io.words import TargetError, Targets
 from ..reference.kinematics import conjugate, matrix, multiply, rotate
-from ..targets.words import TargetError, Targets
 from . import axes
 from .axes import Axis
 from .pose import swivel

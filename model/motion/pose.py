@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 from ..dataflow import fixed
 from ..dataflow.datapaths import CONFIGURATIONS
 from ..dataflow.nodes import WIDTHS
+from ..io.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
 from ..reference import kinematics
 from ..reference.equations import solve_clamped
 from ..reference.kinematics import continuous, matrix
 from ..reference.lean_equations import solve_lean
-from ..targets.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
 from . import axes
 from .axes import Axis
 
@@ -43,7 +43,7 @@ class Pose:
     """N poses.
 
     * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; in words of ``width`` bits their values are exact
-    * flags (N,): int64, see :mod:`model.targets.flags`; 0 where the hand is at the target
+    * flags (N,): int64, see :mod:`model.io.flags`; 0 where the hand is at the target
     * elbow, wrist (N, 3): where forward kinematics puts them, in the unit of the targets
     * phi (N,): the swivel angle that was asked for, rad
     """

@@ -18,7 +18,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+from ..io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
 
 LENGTH_RANGE = (1e-15, 1e15)
 """Arm lengths outside this range are refused: products of six lengths would leave the range of doubles."""
@@ -269,7 +269,7 @@ def _compare(x, y, z, radius):
 
 
 def pose_flags(x, y, z, d1, d2):
-    """The flags of `model.targets.flags` for N targets in double precision, (N,) int64, exact for the given doubles.
+    """The flags of `model.io.flags` for N targets in double precision, (N,) int64, exact for the given doubles.
 
     Lengths in one unit. With bad_length the arm has no reach, so too_far and too_near stay clear. d1 + d2 and
     d1 - d2 must be exact in double precision for the flags to be, as they are for words of the core. Raises

@@ -21,7 +21,7 @@ of its digits. Lengths have any one unit, angles are in radians, arrays are floa
 
 import numpy as np
 
-from ..targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+from ..io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
 from .equations import LENGTH_RANGE, columns, pose_flags
 
 _SPLIT = 2.0**27 + 1

@@ -23,7 +23,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from model.dataflow.fixed import latency
-from model.targets.stimuli import region
+from model.io.stimuli import region
 from scripts import farm
 from scripts.console import Parser, command, one_of, progress, word_length
 from scripts.fpga.page import (

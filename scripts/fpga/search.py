@@ -21,11 +21,11 @@ from model.bounds import predict, tolerances
 from model.dataflow import fixed, short
 from model.dataflow.nodes import FLOOR, SHORT_CORDIC, Node
 from model.dataflow.reals import Real
+from model.io import trajectories
+from model.io.monte_carlo import default_arm, regular_poses, words_of
+from model.io.stimuli import mixed
+from model.io.words import from_words, result_values, to_words
 from model.reference.kinematics import forward
-from model.targets import trajectories
-from model.targets.observed import default_arm, regular_poses, words_of
-from model.targets.stimuli import mixed
-from model.targets.words import from_words, result_values, to_words
 from scripts.console import Parser, command, progress
 from scripts.fpga import area
 from scripts.fpga import page as fpga_page

@@ -13,8 +13,8 @@ import numpy as np
 
 from model import solve
 from model.dataflow import fixed
+from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, to_words
 from model.reference.kinematics import forward
-from model.targets.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, to_words
 from scripts.pages.render import render
 
 TARGET = (0.38, -0.14, 0.05)

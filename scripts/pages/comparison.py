@@ -12,10 +12,10 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.nodes import WIDTHS
+from model.io.stimuli import REGIONS, SINGULAR, at_distance, region
+from model.io.words import RESULT_FIELDS, from_words, result_values
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
-from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
-from model.targets.words import RESULT_FIELDS, from_words, result_values
 from scripts.pages import counts
 from scripts.pages.render import error, render, svg
 from tb.sim.env import GENERATED

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Format, Latency, Node
-from model.targets.words import RESULT_FIELDS
+from model.io.words import RESULT_FIELDS
 from scripts.pages.counts import WIDTH, counted_run
 
 KINDS = {

@@ -16,7 +16,7 @@ from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import FIFO_CLOCKS
 from model.dataflow.nodes import Latency
-from model.targets import trajectories
+from model.io import trajectories
 from scripts import run
 from scripts.console import Parser, command
 from scripts.pages import arm

@@ -23,7 +23,7 @@ from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node
 from model.dataflow.quadratic import Form
-from model.targets.words import RESULT_FIELDS
+from model.io.words import RESULT_FIELDS
 from scripts.pages import fold_headers
 from tb.sim.env import ROOT
 

@@ -18,10 +18,10 @@ import numpy as np
 from model.bounds import affine, predict, ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.facts import Rule
+from model.dataflow.annotations import Rule
 from model.dataflow.nodes import WIDTHS, FormatError, Node
 from model.dataflow.reals import Real
-from model.targets.observed import (
+from model.io.monte_carlo import (
     REACH,
     Observed,
     default_arm,
@@ -31,7 +31,7 @@ from model.targets.observed import (
     shown,
     words_of,
 )
-from model.targets.words import DEFAULT_D1, DEFAULT_D2
+from model.io.words import DEFAULT_D1, DEFAULT_D2
 from scripts.console import Parser, command, progress
 from scripts.pages.render import error, render, svg
 from scripts.pages.tables import table

@@ -13,7 +13,7 @@ function even(v) { // round half to even
 }
 
 // The words of a target {x, y, z, phi, d1, d2}, lengths in one unit and z along the axis, and the exponent of the scaling:
-// the longest arm that has its reach in [1, 2), as model.targets.words does it. `fits`: whether the format holds them.
+// the longest arm that has its reach in [1, 2), as model.io.words does it. `fits`: whether the format holds them.
 function toWords(target, width) {
   let e = 1 - exponentOf(target.d1 + target.d2);
   const lowest = e - HEADROOM_BITS;

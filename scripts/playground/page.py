@@ -20,12 +20,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from model.io import trajectories
+from model.io.files import write_atomically
+from model.io.flags import FLAGS
+from model.io.words import FIELDS, HEADROOM_BITS
 from model.motion.axes import NAMED, to_z
 from model.reference.kinematics import matrix
-from model.targets import trajectories
-from model.targets.files import write_atomically
-from model.targets.flags import FLAGS
-from model.targets.words import FIELDS, HEADROOM_BITS
 from scripts.console import Parser, command, folder_name, output, some_of, word_length, writing
 from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
 

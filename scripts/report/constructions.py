@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from model.io.words import from_words
 from model.reference import cga, geometry
 from model.reference.cga import e3
-from model.targets.words import from_words
 from scripts.trajectory import Prepared
 
 STEPS = 32000

@@ -23,12 +23,12 @@ from typing import Any
 
 import numpy as np
 
+from model.io import flags as flag_bits
+from model.io import trajectories
+from model.io.files import write_atomically
+from model.io.scoring import Score
+from model.io.words import from_words, result_values
 from model.reference.equations import swivel_normal
-from model.targets import flags as flag_bits
-from model.targets import trajectories
-from model.targets.files import write_atomically
-from model.targets.scoring import Score
-from model.targets.words import from_words, result_values
 from scripts.console import command, output, writing
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles

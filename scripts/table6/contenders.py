@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from model.io.words import FIELDS, RESULT_FIELDS, Targets
 from model.reference import equations
 from model.reference.kinematics import forward
 from model.reference.lean_equations import solve_lean
-from model.targets.words import FIELDS, RESULT_FIELDS, Targets
 from scripts.table6.arrays import lean, lean_of
 from scripts.table6.compiled import EQUATIONS, REALS, WAYS, Software
 

@@ -13,8 +13,8 @@ from functools import partial
 import numpy as np
 
 from model.dataflow import fixed
-from model.targets.trajectories import make
-from model.targets.words import from_words, result_values, to_words
+from model.io.trajectories import make
+from model.io.words import from_words, result_values, to_words
 from scripts.pages.memory import measured
 from scripts.table6.contenders import hand_errors
 from tb.axi.rates import LATENCIES

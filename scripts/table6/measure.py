@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from model.targets.stimuli import random_reachable
-from model.targets.trajectories import STEPS, make
-from model.targets.words import Targets, from_words
+from model.io.stimuli import random_reachable
+from model.io.trajectories import STEPS, make
+from model.io.words import Targets, from_words
 from scripts.console import InputError, Parser, command
 from scripts.fpga.page import FIGURES as FPGA
 from scripts.table6 import hardware

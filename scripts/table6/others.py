@@ -15,9 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from model.io.words import FIELDS, LENGTHS, Targets
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import solve_lean
-from model.targets.words import FIELDS, LENGTHS, Targets
 from scripts.table6.contenders import Bound, Contender, columns, found, repeated
 
 FEW = {"eaik": 1000, "ikpy": 20}

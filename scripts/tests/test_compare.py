@@ -9,10 +9,10 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
+from model.io.flags import AT_SHOULDER, UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, SINGULAR, at_distance, region
+from model.io.words import result_values
 from model.reference.kinematics import forward
-from model.targets.flags import AT_SHOULDER, UNREACHABLE, expected_flags
-from model.targets.stimuli import REGIONS, SINGULAR, at_distance, region
-from model.targets.words import result_values
 from scripts import compare
 from scripts.pages import comparison
 from scripts.pages.tables import differing

@@ -18,12 +18,12 @@ def run(folder, *command):
 def checkout(tmp_path):
     """A checkout with the settings of this one and a module a room."""
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    rooms = ("reference", "dataflow", "bounds", "motion", "targets")
+    rooms = ("reference", "dataflow", "bounds", "motion", "io")
     for name in ("model", *(f"model/{room}" for room in rooms), "tb", "scripts"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("")
-    for name in ("observed", "scoring", "stimuli", "trajectories", "files", "flags", "words"):
-        (tmp_path / "model" / "targets" / f"{name}.py").write_text("")
+    for name in ("monte_carlo", "scoring", "stimuli", "trajectories", "files", "flags", "words"):
+        (tmp_path / "model" / "io" / f"{name}.py").write_text("")
     run(tmp_path, "git", "init", "-q")
     return tmp_path
 
@@ -69,9 +69,9 @@ def test_a_source_without_its_licence_is_found(checkout):
         ("model/bounds/a.py", "tb"),
         ("model/reference/a.py", "model.dataflow"),
         ("model/dataflow/a.py", "model.bounds"),
-        ("model/bounds/a.py", "model.targets.scoring"),
+        ("model/bounds/a.py", "model.io.scoring"),
         ("model/dataflow/a.py", "model.motion"),
-        ("model/reference/a.py", "model.targets.words"),
+        ("model/reference/a.py", "model.io.words"),
     ],
 )
 def test_an_import_of_a_room_above_is_found(checkout, name, imports):

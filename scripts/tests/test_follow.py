@@ -12,8 +12,8 @@ from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from model.targets import trajectories
-from model.targets.words import to_words
+from model.io import trajectories
+from model.io.words import to_words
 from scripts import follow, recording, run
 from scripts.save_file import names as names_in
 from scripts.save_file import place, signals

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.io import trajectories
+from model.io.flags import expected_flags
+from model.io.words import FIELDS, RESULT_FIELDS, from_words
 from model.motion.pose import solve
 from model.reference.equations import solve_clamped
-from model.targets import trajectories
-from model.targets.flags import expected_flags
-from model.targets.words import FIELDS, RESULT_FIELDS, from_words
 from scripts import results, run
 from scripts.fpga.page import CHIPS, FIGURES, clock, fold_runs
 from scripts.recording import WAVES

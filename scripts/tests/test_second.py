@@ -10,7 +10,7 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
-from model.targets.flags import expected_flags
+from model.io.flags import expected_flags
 from scripts import second
 from tb.core.random_targets import chunk, judge
 from tb.sim.simulate import Run

@@ -13,8 +13,8 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
-from model.targets import stimuli
-from model.targets.flags import FLAGS, UNREACHABLE, expected_flags
+from model.io import stimuli
+from model.io.flags import FLAGS, UNREACHABLE, expected_flags
 from scripts import check_proofs, chunks, failing, soak, soak_page
 from tb.core import hardest, random_targets
 from tb.sim import every_node

@@ -7,7 +7,7 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
-from model.targets import trajectories
+from model.io import trajectories
 from scripts import run
 from scripts.pages import gen_docs
 from tb.sim import simulate

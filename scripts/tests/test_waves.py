@@ -6,7 +6,7 @@ from vcd.gtkw import GTKWFlag
 from vcd.reader import TokenKind, tokenize
 
 from model.dataflow import fixed
-from model.targets.stimuli import random_reachable
+from model.io.stimuli import random_reachable
 from scripts import waves
 from scripts.save_file import names, place, signals, write_save_file
 from tb.sim.env import simulator

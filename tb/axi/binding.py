@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from model.targets.words import FIELDS
+from model.io.words import FIELDS
 from tb.axi.ik_regs import CODES as HARDWARE
 from tb.sim.env import ROOT
 

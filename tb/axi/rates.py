@@ -10,9 +10,9 @@ from pathlib import Path
 import cocotb
 from cocotb.triggers import FallingEdge
 
-from model.targets.records import BYTES, result_words
-from model.targets.trajectories import make
-from model.targets.words import to_words
+from model.io.axi_records import BYTES, result_words
+from model.io.trajectories import make
+from model.io.words import to_words
 from tb.axi.machine import started
 
 QUICKEST = 2

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from model.targets.flags import FLAGS, SATURATED, expected_flags, names
-from model.targets.stimuli import mixed
+from model.io.flags import FLAGS, SATURATED, expected_flags, names
+from model.io.stimuli import mixed
 
 NAME = "ik_axis.flag_datapath_region_stall"
 NEAR = 64

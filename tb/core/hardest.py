@@ -22,9 +22,9 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.words import FIELDS, result_values
 from model.reference.kinematics import forward
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.words import FIELDS, result_values
 from tb.sim.env import ROOT
 
 LIST = ROOT / "tb" / "core" / "hardest.csv"

@@ -14,7 +14,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.fold import timing
 from model.dataflow.fold.program import program
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from tb.core.crosses import every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.targets.words import result_values
+from model.io.words import result_values
 
 Apart = dict[str, tuple[int, float]]
 """Opinion -> how many targets it was asked, and the largest difference of a result."""

@@ -21,7 +21,7 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
-from model.targets.words import FIELDS, pack, unpack
+from model.io.words import FIELDS, pack, unpack
 from tb.core.crosses import Crosses
 from tb.sim import coverage
 from tb.sim.difference import KEPT, Difference, report

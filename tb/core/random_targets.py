@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from model.bounds import tolerances
-from model.targets.flags import FLAGS, expected_flags, names
-from model.targets.observed import edges
-from model.targets.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
+from model.io.flags import FLAGS, expected_flags, names
+from model.io.monte_carlo import edges
+from model.io.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
 from tb.core import hardest
 from tb.core.opinion import Apart, Opinion, both
 from tb.sim import every_node

@@ -17,7 +17,7 @@ from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from tb.core.pipeline import Scoreboard
 from tb.core.ports import inputs
 

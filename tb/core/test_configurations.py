@@ -9,7 +9,7 @@ import pytest
 from model.dataflow import fixed, short, trig
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import inner_frac
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from tb.sim.env import CORES, simulator
 from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate

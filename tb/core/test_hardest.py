@@ -7,8 +7,8 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.stimuli import REGIONS, region, unreachable
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, region, unreachable
 from tb.core import hardest
 from tb.sim.env import simulator
 from tb.sim.simulate import Job, simulate

@@ -8,7 +8,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.targets.stimuli import random_reachable, unreachable
+from model.io.stimuli import random_reachable, unreachable
 from tb.sim.env import ROOT, simulator
 from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate

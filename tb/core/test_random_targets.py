@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.stimuli import SPECIAL, corners, of_special, special
+from model.io.words import from_words
 from model.reference.equations import solve_clamped
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.stimuli import SPECIAL, corners, of_special, special
-from model.targets.words import from_words
 from tb.core.random_targets import chunk
 
 

@@ -15,8 +15,8 @@ from tb.sim.sources import digest
 ARITHMETIC = (RULES, ERRORS, PAPER_RULES, FLOORS, STAGES)
 
 FILES = (
-    *(f"model/dataflow/{name}.py" for name in ("facts", "lean", "lean_words", "nodes", "cores", "paper",
-    "paper_turns", "cases")),
+    *(f"model/dataflow/{name}.py" for name in ("annotations", "lean", "lean_words", "nodes", "cores", "paper",
+    "paper_turns", "interval_cases")),
     *(f"model/bounds/{name}.py" for name in ("lean_ranges", "ranges")),
     *(f"tb/formal/{name}.py" for name in ("lean_exact", "lean_rules", "lean_rounded", "paper_rules", "floors",
     "rsqrt_stages")),

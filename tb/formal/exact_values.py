@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the nodes that a section computes itself, without an operator module, are in exact arithmetic.
 
-The dataflow says it at the node (:class:`model.dataflow.facts.Facts`). ``tb/formal/overflow.py`` evaluates it in a word
+The dataflow says it at the node (:class:`.annotations.Facts`). ``tb/formal/overflow.py`` evaluates it in a word
 so long that nothing can be lost, and proves that the node holds all of it. Every word in an expression is signed,
 unsigned nodes behind ``$signed({1'b0, ...})``, so that Verilog extends signs. Nodes of one bit are left out: they have
 nothing to overflow.
@@ -17,7 +17,7 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import WIDTHS, Latency, Node
-from model.targets.words import FIELDS
+from model.io.words import FIELDS
 
 
 @dataclass(frozen=True)

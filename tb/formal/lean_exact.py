@@ -21,7 +21,7 @@ import numpy as np
 
 from model.bounds.lean_ranges import LeanRanges
 from model.dataflow import lean
-from model.dataflow.facts import Within
+from model.dataflow.annotations import Within
 from model.dataflow.lean_words import (
     Count,
     Elbow,
@@ -39,7 +39,7 @@ from model.dataflow.lean_words import (
 )
 from model.dataflow.lean_words import minus as less
 from model.dataflow.nodes import Domain, Format, Node
-from model.targets.words import ARMS
+from model.io.words import ARMS
 
 LONG = (1 << 60) - 1
 """Magnitudes up to here are what a decision is looked at with: one that tells them apart is not of signs only."""

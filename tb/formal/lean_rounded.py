@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 
 from model.dataflow import lean
-from model.dataflow.facts import Limited
+from model.dataflow.annotations import Limited
 from model.dataflow.nodes import FLOOR, JAM, Node
 from tb.formal.lean_exact import Exact, between, number
 from tb.formal.unrolled import Answer, ask

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """That the lean dataflow's ranges in exact arithmetic are so, by z3 over the reals.
 
-Of each node the dataflow claims a range and says why in a sentence (:class:`model.dataflow.facts.Within`). Here each is
+Of each node the dataflow claims a range and says why in a sentence (:class:`.annotations.Within`). Here each is
 asked of z3, from equations that :mod:`tb.formal.lean_exact` takes from the dataflow itself. A question names what it
 rests on (:data:`USES`): ``=node`` is what a node is, ``node`` its range, and geometry is in :data:`GEOMETRY`,
 lemmas that are asked as well; ``#node`` says that a word that is exact is of whole places. Without an entry, a

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules of the paper's datapath, in exact arithmetic, by z3 over the reals.
 
-A rule (:class:`model.dataflow.facts.Rule`) narrows a node's range case by case. Here its geometry is a formula, typed,
+A rule (:class:`.annotations.Rule`) narrows a node's range case by case. Here its geometry is a formula, typed,
 and the limits are those that the rule itself gives for each case of a run of :mod:`model.bounds.ranges`, with the box
 of lengths and the tilt of that case. :data:`OPEN` names the rules that are not proved here.
 """
@@ -14,9 +14,9 @@ from functools import cache, partial
 from types import ModuleType
 
 from model.bounds.ranges import SLACK, Ranges
-from model.dataflow import facts, paper, paper_turns
-from model.dataflow.cases import SQRT3, Case, cases
-from model.dataflow.facts import Rule
+from model.dataflow import annotations, paper, paper_turns
+from model.dataflow.annotations import Rule
+from model.dataflow.interval_cases import SQRT3, Case, cases
 from tb.formal.arithmetic import Part, Question
 from tb.formal.lean_exact import between, number, real_formula
 from tb.formal.range_bugs import FULL
@@ -27,7 +27,7 @@ from tb.sim.mutants import Bug
 SOLVER = "(check-sat-using qfnra-nlsat)"
 LIMIT = 60  # seconds for one question
 
-MODULES = {"facts": facts, "paper": paper, "paper_turns": paper_turns}
+MODULES = {"annotations": annotations, "paper": paper, "paper_turns": paper_turns}
 
 OPEN = {
     "ARMS": "of words: halves are rounded",
@@ -290,7 +290,7 @@ BUGS = (
 )  # fmt: skip
 
 ABOUT = """\
-A rule narrows a node's range in each case of `model/dataflow/cases.py`; the limits asked for are those that it gives
+A rule narrows a node's range in each case of `interval_cases.py`; the limits asked for are those that it gives
 there, with the box of lengths and, behind the swivel plane, the tilt that its words have in the run of
 `model/bounds/ranges.py` at W = 32. What a rule is about is a formula, typed, in exact arithmetic
 (`tb/formal/paper_rules.py`); lemmas come first. Not proved here: `ARMS`, `NOT_NEAR`, `FOREARM`, the law of cosines of

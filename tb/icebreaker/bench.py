@@ -16,7 +16,7 @@ from cocotbext.uart import UartSink, UartSource
 from examples.icebreaker.frames import ANSWER_BYTES, TARGET, WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 
 PERIOD = 40
 """Of the clock (ns)."""

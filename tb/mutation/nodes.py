@@ -15,8 +15,8 @@ import numpy as np
 from model.dataflow import fixed, trig
 from model.dataflow.datapaths import CONFIGURATIONS, Datapath
 from model.dataflow.nodes import WIDTHS, inner_frac
-from model.targets.stimuli import mixed
-from model.targets.words import FIELDS
+from model.io.stimuli import mixed
+from model.io.words import FIELDS
 from tb.core.test_configurations import nearly_rounded_up, shifted
 from tb.sim.every_node import columns
 

@@ -12,7 +12,7 @@ import os
 import cocotb
 from cocotb.triggers import ClockCycles, FallingEdge
 
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from tb.axi.machine import CHANNELS, started
 from tb.core.pipeline import Pipeline
 

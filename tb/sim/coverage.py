@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from model.targets.files import write_atomically
+from model.io.files import write_atomically
 from tb.sim.env import ROOT
 from tb.sim.rules import END
 from tb.sim.sources import headers, sources

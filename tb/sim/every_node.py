@@ -18,7 +18,7 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
-from model.targets.words import FIELDS
+from model.io.words import FIELDS
 from tb.sim import coverage, cxxrtl
 from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment

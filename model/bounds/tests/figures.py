@@ -28,13 +28,13 @@ import numpy as np
 from model.bounds import cordic as cordic_proof
 from model.dataflow import cores, fixed, trig
 from model.dataflow.reals import Real
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.scoring import singular_distance
+from model.io.stimuli import REGIONS, random_reachable, region, unreachable
+from model.io.words import RESULT_FIELDS, from_words, result_values
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.scoring import singular_distance
-from model.targets.stimuli import REGIONS, random_reachable, region, unreachable
-from model.targets.words import RESULT_FIELDS, from_words, result_values
 
 FILE = Path(__file__).with_name("figures.json")
 Figures = dict[str, float]

@@ -8,14 +8,14 @@ from model.bounds import affine, predict, ranges
 from model.bounds.affine import Form
 from model.dataflow import fixed
 from model.dataflow.reals import Real
-from model.targets import observed
+from model.io import monte_carlo
 
 WIDTHS = (18, 24, 32)
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_node_is_enclosed(width):
-    bits = fixed.run(observed.words_of(observed.regular_poses(1000, 3), width), width).bits
+    bits = fixed.run(monte_carlo.words_of(monte_carlo.regular_poses(1000, 3), width), width).bits
     forms, exact = affine.Affine(bits), Real(bits, {}).nodes
     checked = 0
     for name, node in bits.nodes.items():
@@ -34,16 +34,16 @@ def test_every_node_is_enclosed(width):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_hand_is_enclosed(width):
-    poses = observed.regular_poses(2500, 4)
-    bound = affine.hand_bound(observed.words_of(poses, width), width)
-    error = observed.hand_errors(width, poses)
+    poses = monte_carlo.regular_poses(2500, 4)
+    bound = affine.hand_bound(monte_carlo.words_of(poses, width), width)
+    error = monte_carlo.hand_errors(width, poses)
     assert bound.shape == error.shape
     assert (error <= bound).all()
     assert np.median(bound / error) < 30
 
 
 def test_the_prediction_of_first_order_stays_below_the_proof():
-    words = observed.words_of(observed.regular_poses(200, 5), 32)
+    words = monte_carlo.words_of(monte_carlo.regular_poses(200, 5), 32)
     ratio = predict.hand_bar(words, 32) / affine.hand_bound(words, 32)
     assert 0.8 < ratio.min() and ratio.max() < 1.3
 
@@ -142,7 +142,7 @@ def test_affine_forms_would_narrow_a_range_of_terms_in_common():
 
 @pytest.mark.parametrize("z", [0.0, 0.001, -0.001, 0.5])
 def test_a_choice_that_its_operand_may_turn_is_enclosed(z):
-    words = observed.words_of(observed.regular_poses(1, 7), 24)
+    words = monte_carlo.words_of(monte_carlo.regular_poses(1, 7), 24)
     domain = affine.Affine(fixed.run(words, 24).bits)
     domain.nodes["z_wide"] = domain.constant(0.0, domain.word(1))
     domain.nodes["z_wide"].value = Form(np.array([z]), {"a": np.array([0.01])}, np.zeros(1))

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from model.dataflow import fixed
+from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.facts import Within
-from model.targets.stimuli import REGIONS, random_reachable, region
-from model.targets.words import FIELDS
+from model.io.stimuli import REGIONS, random_reachable, region
+from model.io.words import FIELDS
 
 OFF = 1024
 """Ulps by which every operand is off, up or down; the operations' own rounding is little beside it."""

@@ -10,8 +10,8 @@ from model.bounds import lean_ranges
 from model.dataflow import fixed, lean
 from model.dataflow.nodes import WIDTHS
 from model.dataflow.reals import Real
-from model.targets.flags import UNREACHABLE, expected_flags
-from model.targets.stimuli import REGIONS, region
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, region
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -8,10 +8,10 @@ import pytest
 
 from model.bounds import ranges
 from model.dataflow import fixed, paper, paper_turns, short
-from model.dataflow.facts import Rule
+from model.dataflow.annotations import Rule
 from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
-from model.targets import observed
-from model.targets.stimuli import corners, extremes, random_reachable, unreachable
+from model.io import monte_carlo
+from model.io.stimuli import corners, extremes, random_reachable, unreachable
 
 WIDTHS = (16, 18, 24, 32)
 
@@ -97,13 +97,13 @@ def test_a_rule_narrows_a_range_or_says_what_the_operands_give():
 def test_random_targets_stay_inside_the_proved_ranges(width, kind):
     words = {
         "reachable": lambda: random_reachable(20000, width, 7),
-        "edges": lambda: observed.edges(5000, width, 7),
+        "edges": lambda: monte_carlo.edges(5000, width, 7),
         "unreachable": lambda: unreachable(2000, width, 7),
         "extremes": lambda: extremes(5000, width, 7),
         "corners": lambda: np.array(list(corners(width).values()), dtype=np.int64),
     }[kind]()
-    seen = observed.Observed()
-    observed.observe(seen, words, width)
+    seen = monte_carlo.Observed()
+    monte_carlo.observe(seen, words, width)
     assert not seen.beyond, seen.first
     for name, node in seen.nodes.items():
         proof = ranges.proved(width)[name]
@@ -113,14 +113,14 @@ def test_random_targets_stay_inside_the_proved_ranges(width, kind):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_nothing_is_seen_beyond_its_format(width):
-    seen = observed.monte_carlo(2 * observed.CHUNK, width, 1)
+    seen = monte_carlo.monte_carlo(2 * monte_carlo.CHUNK, width, 1)
     assert not seen.beyond, seen.first
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_proved_errors_hold_in_the_swivel_plane(width):
     """Before the first restart an error that is seen and one that is proved are the same thing."""
-    seen = observed.monte_carlo(observed.CHUNK, width, 2).nodes
+    seen = monte_carlo.monte_carlo(monte_carlo.CHUNK, width, 2).nodes
     table = ranges.proved(width)
     checked = [n for n, p in table.items() if p.node.section == "swivel" and n in seen and seen[n].count]
     assert len(checked) > 20
@@ -133,7 +133,7 @@ def test_the_cases_hold_every_unit_of_the_target():
         parts = ranges.cases(width)
         units = {j for c in parts if c.long for j in range(c.j[0], c.j[1] + 1)}
         assert units == set(range(width + 1))
-        words = np.concatenate([observed.edges(4000, width, 3), random_reachable(4000, width, 3)])
+        words = np.concatenate([monte_carlo.edges(4000, width, 3), random_reachable(4000, width, 3)])
         bits = fixed.run(words, width).bits
         j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
         assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()

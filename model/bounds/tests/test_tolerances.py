@@ -9,10 +9,10 @@ import pytest
 from model.bounds import predict, tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
+from model.io.stimuli import REGIONS, random_reachable, region
+from model.io.words import RESULT_FIELDS, from_words, result_values
 from model.reference.kinematics import forward
 from model.reference.lean_equations import solve_lean
-from model.targets.stimuli import REGIONS, random_reachable, region
-from model.targets.words import RESULT_FIELDS, from_words, result_values
 
 
 def exact(words: np.ndarray, width: int) -> np.ndarray:

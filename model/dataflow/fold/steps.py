@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...targets.words import ARMS
+from ...io.words import ARMS
 from .. import lean
 from ..lean_words import (
     Count,

@@ -8,11 +8,11 @@ from model.bounds import predict
 from model.bounds.tolerances import PAPER_NORM
 from model.dataflow import fixed
 from model.dataflow.nodes import GUARD, Format
+from model.io.flags import BAD_LENGTH, SATURATED, TOO_FAR, TOO_NEAR, UNREACHABLE, expected_flags
+from model.io.stimuli import corners, mixed, random_reachable, unreachable
+from model.io.words import RESULT_FIELDS, from_words, result_values
 from model.reference import equations
 from model.reference.kinematics import angle_between, forward
-from model.targets.flags import BAD_LENGTH, SATURATED, TOO_FAR, TOO_NEAR, UNREACHABLE, expected_flags
-from model.targets.stimuli import corners, mixed, random_reachable, unreachable
-from model.targets.words import RESULT_FIELDS, from_words, result_values
 
 WIDTHS = (16, 18, 24, 27, 32)
 

@@ -15,12 +15,9 @@ from hypothesis import strategies as st
 from model.bounds import predict, tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
-from model.reference.equations import solve_clamped
-from model.reference.kinematics import angle_between, forward
-from model.reference.lean_equations import solve_lean
-from model.targets.flags import AT_SHOULDER, FLAGS, SATURATED, UNREACHABLE
-from model.targets.scoring import singular_distance
-from model.targets.stimuli import (
+from model.io.flags import AT_SHOULDER, FLAGS, SATURATED, UNREACHABLE
+from model.io.scoring import singular_distance
+from model.io.stimuli import (
     REGIONS,
     SINGULAR,
     at_distance,
@@ -31,8 +28,11 @@ from model.targets.stimuli import (
     region,
     unreachable,
 )
-from model.targets.tests.test_flags import in_python_integers
-from model.targets.words import FIELDS, RESULT_FIELDS, from_words, result_values
+from model.io.tests.test_flags import in_python_integers
+from model.io.words import FIELDS, RESULT_FIELDS, from_words, result_values
+from model.reference.equations import solve_clamped
+from model.reference.kinematics import angle_between, forward
+from model.reference.lean_equations import solve_lean
 
 TESTED = (16, 18, 24, 27, 32)
 COUNT = 9000

@@ -26,10 +26,10 @@ import numpy as np
 import pytest
 
 from model.dataflow import fixed
+from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
+from model.io.words import FIELDS, RESULT_FIELDS, result_values
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
-from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.targets.words import FIELDS, RESULT_FIELDS, result_values
 
 TESTED = (16, 18, 24, 27, 32)
 STEPS = 24

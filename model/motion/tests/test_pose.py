@@ -6,13 +6,13 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
+from model.io.flags import BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR
+from model.io.words import TargetError, Targets, result_values, to_words
 from model.motion import axes
 from model.motion.pose import continuous, forward, hanging, solve, swivel
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, conjugate, matrix, multiply, rotate
 from model.reference.lean_equations import solve_lean
-from model.targets.flags import BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR
-from model.targets.words import TargetError, Targets, result_values, to_words
 
 AXES = [*axes.NAMED, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
 D1, D2 = 0.33, 0.27

@@ -9,9 +9,9 @@ from 0 and pi, hand 2e-14 of the reach and shoulder 3e-14 rad against the rotati
 import numpy as np
 import pytest
 
+from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
 from model.reference import equations, kinematics
 from model.reference.equations import clamp, pose_flags, shoulder_quaternion, solve, solve_clamped, swivel_normal
-from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
 
 PHIS = np.linspace(-np.pi, np.pi, 17)
 
@@ -425,7 +425,7 @@ def test_flags_are_those_of_the_integer_rule():
     words = rng.integers(-(2**31), 2**31, (3000, 6))
     words[::2] = rng.integers(-3, 4, (1500, 6))  # small words: ties, axis, shoulder, bad lengths
     found = pose_flags(*(words[:, [0, 1, 2, 4, 5]].T * 2.0**-30))
-    np.testing.assert_array_equal(found, expected_flags(words, 32), err_msg="model.targets.flags on the same words")
+    np.testing.assert_array_equal(found, expected_flags(words, 32), err_msg="model.io.flags on the same words")
 
 
 def test_mixed_stream_keeps_its_order():

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 import sympy
 
+from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
 from model.reference import kinematics, printed
 from model.reference.equations import shoulder_quaternion, solve, solve_clamped, swivel_normal
 from model.reference.lean_equations import half, solve_lean
 from model.reference.tests.test_equations import assert_unit, columns, elbow, hand_error, shoulder
-from model.targets.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
 
 RESULTS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 NODES = (

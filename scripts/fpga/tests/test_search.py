@@ -9,7 +9,7 @@ import pytest
 
 from model.bounds import ranges
 from model.dataflow import fixed, short
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from scripts.fpga import area, search
 from tb.sim.env import ROOT
 

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from model.dataflow.datapaths import DATAPATHS
-from model.targets.words import RESULT_FIELDS
+from model.io.words import RESULT_FIELDS
 from scripts.console import InputError
 from scripts.pages import figures, flow, graphs
 from scripts.pages.flow import KINDS, design, kind

@@ -10,8 +10,8 @@ import pytest
 from model.bounds import predict, ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
-from model.targets import observed
-from model.targets.scoring import singular_distance
+from model.io import monte_carlo
+from model.io.scoring import singular_distance
 from scripts.pages import opcounts, wordlengths
 from scripts.pages.tables import differing
 
@@ -50,12 +50,12 @@ def test_a_changed_proof_and_a_changed_figure_are_named(text):
 
 
 def test_regular_poses_are_regular_and_fit():
-    poses = observed.regular_poses(500, 2)
+    poses = monte_carlo.regular_poses(500, 2)
     assert singular_distance(poses).min() >= REGULAR_DISTANCE
     for width in (16, 32):
-        words = observed.words_of(poses, width)
+        words = monte_carlo.words_of(poses, width)
         assert abs(words).max() <= 1 << (width - 1)
-        assert observed.hand_errors(width, poses).max() < 2.0 ** (9 - width)
+        assert monte_carlo.hand_errors(width, poses).max() < 2.0 ** (9 - width)
 
 
 def test_shares_add_up_and_name_rounded_nodes():
@@ -74,7 +74,7 @@ def test_predicted_share_explains_the_measured_error():
     moved = wordlengths.sensitivities(width, 1, 300)
     nodes = {name: proof.node for name, proof in ranges.proved(width).items()}
     variance = sum((e * (nodes[n].error[1] - nodes[n].error[0])) ** 2 / 12 for n, e in moved.items())
-    error = observed.hand_errors(width, observed.regular_poses(300, 1))
+    error = monte_carlo.hand_errors(width, monte_carlo.regular_poses(300, 1))
     ratio = np.median(error) / np.median(np.sqrt(variance))
     assert 0.4 < ratio < 2.5, ratio
     assert set(moved) == {n.name for n in predict.rounded_nodes(wordlengths.fixed.run(np.ones((1, 6), int), 24).bits)}

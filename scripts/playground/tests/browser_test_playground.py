@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from model.dataflow import fixed
+from model.io import stimuli, trajectories
+from model.io.flags import expected_flags
+from model.io.words import FIELDS, Targets, from_words, to_words
 from model.reference.lean_equations import solve_lean
-from model.targets import stimuli, trajectories
-from model.targets.flags import expected_flags
-from model.targets.words import FIELDS, Targets, from_words, to_words
 from scripts.playground import machines
 from scripts.playground import page as playground
 from scripts.playground.machines import Machine

@@ -10,7 +10,7 @@ import pytest
 
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.fixed import latency
-from model.targets import trajectories
+from model.io import trajectories
 from scripts.report import page as report
 from scripts.report.tests.browser import AT, FITS, NARROW, STICKING_OUT, WIDE, across, show
 from tb.sim.env import simulator

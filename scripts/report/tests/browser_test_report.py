@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from model.dataflow.fixed import latency
-from model.targets import trajectories
+from model.io import trajectories
 from scripts.report import page as report
 from scripts.report.tests.browser import AT, COUNT, FITS, NARROW, PICTURE, STICKING_OUT, WIDE, Page, across, show, stays
 

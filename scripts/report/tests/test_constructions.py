@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.io import trajectories
 from model.motion.tests import figure
-from model.targets import trajectories
 from scripts.report.constructions import ANGLES, LENGTHS, NOTHING, STEPS, VECTORS, packed
 from scripts.trajectory import parser_of, prepare
 

@@ -16,8 +16,8 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import CONFIGURATIONS
+from model.io import trajectories
 from model.reference.kinematics import forward
-from model.targets import trajectories
 from scripts import run
 from scripts.report import page as report
 from scripts.tests.test_run import FakeSimulator, ctrl_c

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from model.dataflow.fixed import latency
+from model.io.stimuli import random_reachable
+from model.io.trajectories import make
+from model.io.words import RESULT_FIELDS, from_words
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
-from model.targets.stimuli import random_reachable
-from model.targets.trajectories import make
-from model.targets.words import RESULT_FIELDS, from_words
 from scripts.fpga.page import FIGURES as FPGA
 from scripts.table6 import compiled, hardware, limits, measure, others
 from scripts.table6.arrays import lean_of

@@ -8,11 +8,11 @@ import pytest
 
 from model.bounds.ranges import Ranges
 from model.dataflow import cores, fixed, lean
-from model.dataflow.cases import cases
-from model.dataflow.facts import Rule
+from model.dataflow.annotations import Rule
+from model.dataflow.interval_cases import cases
 from model.dataflow.nodes import WIDTHS
 from model.dataflow.quadratic import Form
-from model.targets.stimuli import REGIONS, region
+from model.io.stimuli import REGIONS, region
 from tb.formal import arithmetic, lean_rules, paper_rules
 from tb.formal.arithmetic import Part, Question
 from tb.formal.arithmetic_parts import ARITHMETIC

@@ -12,8 +12,8 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.targets.flags import FLAG_BITS, FLAGS, SATURATED
-from model.targets.words import RESULT_FIELDS
+from model.io.flags import FLAG_BITS, FLAGS, SATURATED
+from model.io.words import RESULT_FIELDS
 from tb.formal.netlist import DELAYS, Bit, Netlist, load
 from tb.formal.tools import missing, yosys
 from tb.sim.env import ROOT

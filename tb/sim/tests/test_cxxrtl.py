@@ -6,7 +6,7 @@ from importlib import util
 import pytest
 
 from model.dataflow import fixed
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from tb.sim import cxxrtl
 from tb.sim.env import ROOT
 from tb.sim.job import Job

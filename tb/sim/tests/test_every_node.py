@@ -6,7 +6,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from model.targets.stimuli import mixed
+from model.io.stimuli import mixed
 from tb.sim import every_node
 from tb.sim.env import simulator
 from tb.sim.job import Job, SimulationError

@@ -8,8 +8,8 @@ from math import floor
 import numpy as np
 import pytest
 
-from model.targets.records import BYTES, core_words, result_records, target_records
-from model.targets.words import FIELDS
+from model.io.axi_records import BYTES, core_words, result_records, target_records
+from model.io.words import FIELDS
 
 CORNERS = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 2**13 - 1, 2**13, -(2**13), -(2**13) - 1, 0x7FFFE000]
 

@@ -10,13 +10,10 @@ import numpy as np
 import pytest
 
 from model.bounds.tolerances import REGULAR
-from model.motion.axes import to_z
-from model.reference.equations import pose_flags, solve_clamped
-from model.reference.kinematics import conjugate, forward, rotate
-from model.targets import scoring
-from model.targets.files import read_csv
-from model.targets.flags import AT_SHOULDER, ON_AXIS, SATURATED, TOO_FAR, TOO_NEAR, expected_flags
-from model.targets.scoring import (
+from model.io import scoring
+from model.io.files import read_csv
+from model.io.flags import AT_SHOULDER, ON_AXIS, SATURATED, TOO_FAR, TOO_NEAR, expected_flags
+from model.io.scoring import (
     score,
     singular_distance,
     singular_distances,
@@ -24,8 +21,11 @@ from model.targets.scoring import (
     write_results_npz,
     write_score_json,
 )
-from model.targets.trajectories import make
-from model.targets.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
+from model.io.trajectories import make
+from model.io.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
+from model.motion.axes import to_z
+from model.reference.equations import pose_flags, solve_clamped
+from model.reference.kinematics import conjugate, forward, rotate
 
 ULP = 2.0**-30
 

@@ -10,7 +10,7 @@ A trajectory is a function without arguments that returns `Targets`, registered 
 (`scoring.singular_distance`); the others approach such a pose on purpose. All but `out_of_reach` stay
 within reach.
 
-    python -m model.targets.trajectories NAME > FILE.csv      write one as a target file; without NAME, list them
+    python -m model.io.trajectories NAME > FILE.csv      write one as a target file; without NAME, list them
 
 So the files of `EXAMPLES` in `examples/` were made; a test says when they need to be made again.
 """
@@ -268,7 +268,7 @@ def main(arguments: list[str]) -> int:
             print(f"{name:14} {describe(name)}")
         return 0
     if len(arguments) != 1 or arguments[0] not in TRAJECTORIES:
-        print(f"usage: python -m model.targets.trajectories [{'|'.join(TRAJECTORIES)}]", file=sys.stderr)
+        print(f"usage: python -m model.io.trajectories [{'|'.join(TRAJECTORIES)}]", file=sys.stderr)
         return 2
     sys.stdout.write(format_csv(make(arguments[0])))
     return 0

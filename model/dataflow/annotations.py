@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from .cases import Case
+from .interval_cases import Case
 
 Limits = tuple[float, float]
 ANYTHING = -math.inf, math.inf

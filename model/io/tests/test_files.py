@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from model.targets.files import format_csv, read_csv
-from model.targets.words import (
+from model.io.files import format_csv, read_csv
+from model.io.words import (
     DEFAULT_D1,
     DEFAULT_D2,
     FIELDS,

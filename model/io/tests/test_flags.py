@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from model.targets.flags import (
+from model.io.flags import (
     AT_SHOULDER,
     BAD_LENGTH,
     FLAG_BITS,
@@ -17,7 +17,7 @@ from model.targets.flags import (
     expected_flags,
     names,
 )
-from model.targets.stimuli import extremes, mixed
+from model.io.stimuli import extremes, mixed
 
 TOP = 2**31 - 1
 LOW = -(2**31)
@@ -51,7 +51,7 @@ def test_expected_flags(target, flags):
 
 
 def in_python_integers(x, y, z, phi, d1, d2) -> int:
-    """The flags of one target, apart from :mod:`model.targets.flags`."""
+    """The flags of one target, apart from :mod:`model.io.flags`."""
     flags = ON_AXIS * (x == y == 0) | AT_SHOULDER * (x == y == z == 0)
     if d1 <= 0 or d2 <= 0:
         return flags | BAD_LENGTH

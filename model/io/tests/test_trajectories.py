@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from model.bounds.tolerances import REGULAR_DISTANCE
-from model.targets import trajectories
-from model.targets.files import format_csv, read_csv
-from model.targets.flags import TOO_FAR, expected_flags
-from model.targets.scoring import singular_distance
-from model.targets.words import FIELDS, to_words
+from model.io import trajectories
+from model.io.files import format_csv, read_csv
+from model.io.flags import TOO_FAR, expected_flags
+from model.io.scoring import singular_distance
+from model.io.words import FIELDS, to_words
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 NAMES = list(trajectories.TRAJECTORIES)
@@ -128,7 +128,7 @@ def test_punch_is_the_fastest_reaching_motion():
 def test_example_files_are_up_to_date(name):
     path = EXAMPLES / f"{name}.csv"
     made = format_csv(trajectories.make(name))
-    command = f"python -m model.targets.trajectories {name} > examples/{name}.csv"
+    command = f"python -m model.io.trajectories {name} > examples/{name}.csv"
     assert path.read_text(encoding="utf-8") == made, f"run: {command}"
     assert format_csv(read_csv(path)) == made
 

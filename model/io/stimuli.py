@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets for testbenches: (N, 6) signed input words of a width, the same ones for the same seed.
 
-Columns are ``FIELDS`` of :mod:`model.targets.files`: x, y, z, phi, d1, d2.
+Columns are ``FIELDS`` of :mod:`model.io.files`: x, y, z, phi, d1, d2.
 """
 
 from __future__ import annotations
