@@ -100,15 +100,15 @@ report: ## the same run as an HTML page to look at: the arm in motion, errors, p
 	@$(SETUP) $(call setup_of,$(SIM))
 	@exec $(VENV) -m scripts.report $(job)
 
-# With SIM=verilator only what starts a simulator: the rest would be the same again. ONLY picks slow cases, too.
-only_sim = $(if $(filter verilator,$(SIM)),sim)
-quick    = $(if $(call given,ONLY,yes),,not slow)
+# With SIM=verilator only tests that start a simulator: the others do not depend on it. ONLY also picks slow cases.
+only_sim = not release$(if $(filter verilator,$(SIM)), and sim)
+quick    = $(if $(call given,ONLY,yes),, and not slow)
 pytest   = SIM=$(SIM) IK_CORES=$(CORES) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
 test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit ONLY=file or pattern]
 	@$(SETUP) $(sort icarus $(SIM))
-	@$(pytest) -m "$(only_sim)$(if $(and $(only_sim),$(quick)), and )$(quick)"
+	@$(pytest) -m "$(only_sim)$(quick)"
 
 test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit]
 	@$(SETUP) $(sort icarus $(SIM)) fpga farm
@@ -118,7 +118,7 @@ test-browser: ## tests of report and playground in headless Chromium [SIM=icarus
 	@$(SETUP) $(SIM) chromium playground
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile \
 	  scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
-	  $(call given,ONLY,-k "$$CGA_ONLY") -m "$(quick)"
+	  $(call given,ONLY,-k "$$CGA_ONLY") -m "not release$(quick)"
 
 coverage: ## what the tests go through in the Verilog: build/coverage/index.html [ONLY=pattern; KEEP=1: coverage.md]
 	@$(SETUP) verilator coverage
@@ -219,9 +219,10 @@ check-proofs: ## which pages of proofs and measurements are of other code than t
 	@$(SETUP)
 	@exec $(VENV) -m scripts.check_proofs
 
-release-check: ## the same, and fails if one is
-	@$(SETUP)
-	@exec $(VENV) -m scripts.check_proofs --strict
+release-check: ## before a version: no page of proofs or measurements is stale; tests marked release
+	@$(SETUP) icarus verilator fpga farm
+	@$(VENV) -m scripts.check_proofs --strict
+	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder -m release
 
 fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH= FARM=]
 	@$(SETUP) fpga$(farm)

@@ -103,10 +103,10 @@ def test_variables_of_another_python_are_of_no_use(stand_in, tmp_path):
 @pytest.mark.parametrize(
     ("words", "marks"),
     [
-        ("test", "not slow"),
-        ("test SIM=verilator", "sim and not slow"),
-        ("test-all", ""),
-        ("test-all SIM=verilator", "sim"),
+        ("test", "not release and not slow"),
+        ("test SIM=verilator", "not release and sim and not slow"),
+        ("test-all", "not release"),
+        ("test-all SIM=verilator", "not release and sim"),
     ],
 )
 def test_the_quick_gate_and_all_of_it(stand_in, words, marks):
@@ -117,10 +117,10 @@ def test_the_quick_gate_and_all_of_it(stand_in, words, marks):
 def test_only_is_a_file_or_an_expression(stand_in):
     """Slow cases included, as somebody works on them."""
     for value in ("scripts/run.py", "scripts/run.py::test_x[1]"):
-        assert stand_in("ONLY=" + value, target="test")[-3:] == [value, "-m", ""]
+        assert stand_in("ONLY=" + value, target="test")[-3:] == [value, "-m", "not release"]
     for value in ("ik_mul and not 'x'", "a $(touch made) \"b"):
-        assert stand_in("ONLY=" + value, target="test")[-4:] == ["-k", value, "-m", ""]
-    assert stand_in("ONLY=x", "SIM=verilator", target="test")[-2:] == ["-m", "sim"]
+        assert stand_in("ONLY=" + value, target="test")[-4:] == ["-k", value, "-m", "not release"]
+    assert stand_in("ONLY=x", "SIM=verilator", target="test")[-2:] == ["-m", "not release and sim"]
 
 
 @pytest.mark.parametrize(
