@@ -10,7 +10,7 @@ import pytest
 from model.dataflow.cores import rsqrt
 from scripts import exhaustive
 from tb.sim.env import ROOT, simulator
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 

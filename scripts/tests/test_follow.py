@@ -18,7 +18,7 @@ from scripts import follow, recording, run
 from scripts.save_file import names as names_in
 from scripts.save_file import place, signals
 from tb.sim.env import SIMULATORS, simulator
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 FIRST, GAP = 6, 3

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from tb.sim.children import started
 from tb.sim.env import ROOT, simulator
-from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.runner import simulate
+from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # which Verilator takes minutes for

@@ -11,20 +11,11 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import inner_frac
 from model.io.stimuli import mixed
 from tb.sim.env import CORES, simulator
-from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 # Rows take Icarus long; more targets than tags.
 WORDS = mixed(40 if simulator() == "icarus" else 300, short.WIDTH, 3)
 JOBS = [Job("short", WORDS)]
-
-BUGS = [
-    Bug("a bit too many", "rtl/paper/ik_paper_short.vh", "K_Q12_I = (SHORT != 0) ? 7", "K_Q12_I = (SHORT != 0) ? 6"),
-    Bug("divisor cut too far", "rtl/paper/ik_swivel.v",
-        ".CUT(K_PI_SWIVEL_X), .CUT_D(K_L_SW)", ".CUT(K_PI_SWIVEL_X), .CUT_D(K_L_SW + 1)"),
-    Bug("angle a clock early", "rtl/cores/ik_sincos.v", ".N(CUT))", ".N((CUT > 0) ? CUT - 1 : 0))"),
-    Bug("clamped elbow in whole words", "rtl/paper/ik_elbow.v", ".CUT(K_E_X_QUO)) u_p_e_x", ".CUT(0)) u_p_e_x"),
-]  # fmt: skip
 
 
 # Verilator takes minutes for rows.
@@ -71,15 +62,3 @@ def test_another_cut_gives_other_results():
 
 def test_shorter_words_give_other_results():
     assert (fixed.run(WORDS, short.WIDTH, "short").results != fixed.run(WORDS, short.WIDTH, "paper").results).any()
-
-
-@pytest.mark.sim
-@pytest.mark.slow
-@pytest.mark.skipif(simulator() != "icarus", reason="the same tests; Icarus builds them in seconds")
-@pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.what)
-def test_a_wrong_cut_is_found(bug, tmp_path):
-    (run,) = simulate(
-        JOBS, simulator=simulator(), datapath="short", width=short.WIDTH, cores="digit",
-        root=copy_rtl(tmp_path, bug), name=f"short-{BUGS.index(bug)}",
-    )  # fmt: skip
-    assert run.bit_mismatches > 0

@@ -8,7 +8,6 @@ import pytest
 
 from model.dataflow import fixed
 from tb.sim.env import simulator
-from tb.sim.mutants import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 WIDTH = 3
@@ -54,19 +53,3 @@ if simulator() == "verilator":
         assert ran.bit_mismatches == 0, ran.first_mismatch
         answer = fixed.run(words, FOLDED, "fold")
         assert (ran.results == answer.results).all() and (ran.flags == answer.flags).all()
-
-    RULE = "(too_near || at_shoulder_at_too_far)", "(too_near || at_shoulder)"
-    WRONG = [
-        ("lean", WIDTH, "rtl/lean/ik_lean_guard.v", RULE[0] + " && !bad_length_at_too_far", RULE[0]),
-        ("fold", FOLDED, "rtl/fold/ik_fold_flags.v", RULE[1] + " && !bad_length", RULE[1]),
-    ]
-
-    @pytest.mark.sim
-    @pytest.mark.slow
-    @pytest.mark.parametrize(("datapath", "width", "file", "old", "new"), WRONG, ids=[wrong[0] for wrong in WRONG])
-    def test_a_wrong_rule_is_found(words, datapath, width, file, old, new, tmp_path):
-        core = {"root": copy_rtl(tmp_path, Bug("wrong", file, old, new)), "name": f"wrong-{datapath}"}
-        jobs = [Job("every", words << width - WIDTH)]
-        (ran,) = simulate(jobs, simulator="verilator", datapath=datapath, width=width, **core)
-        assert 0 < ran.bit_mismatches
-        assert ran.first_mismatch.startswith("first difference: guard.fold")

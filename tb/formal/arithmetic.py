@@ -15,7 +15,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
 from tb.formal.unrolled import Answer
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 Say = Callable[[str], None]
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from tb.formal.proof import Proof
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 TOP = "rtl/ik_axi.v"
 READ = "rtl/axi/ik_axi_read.v"

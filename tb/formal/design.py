@@ -14,7 +14,7 @@ from tb.formal.range_table import Range, model_nodes, scales, table
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Unrolled
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import closure, includes
 
 PROPERTIES = ROOT / "tb" / "formal" / "ranges"

@@ -17,7 +17,7 @@ from tb.formal.arithmetic import Part, Question
 from tb.formal.claims import integers
 from tb.formal.unrolled import ask
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 DIV = "tb/formal/ik_div_digit.vh"
 ROOT_DIGIT = "tb/formal/ik_root_digit.vh"

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from tb.formal.proof import HANDSHAKE_SAYS, Proof
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 FOLD = "rtl/fold/ik_fold.v"
 

@@ -13,7 +13,7 @@ from tb.formal.lean_rounded import Rounded
 from tb.formal.lean_rules import GEOMETRY, Rules
 from tb.formal.range_bugs import FULL
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 LEAN = "model/dataflow/lean.py"
 

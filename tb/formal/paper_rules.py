@@ -22,7 +22,7 @@ from tb.formal.lean_exact import between, number, real_formula
 from tb.formal.range_bugs import FULL
 from tb.formal.unrolled import Answer, ask
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 SOLVER = "(check-sat-using qfnra-nlsat)"
 LIMIT = 60  # seconds for one question

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 FORMAL = Path(__file__).parent
 GATES = ("handshake", "axi_gates")

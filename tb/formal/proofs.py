@@ -6,7 +6,7 @@ from __future__ import annotations
 from tb.formal.axi_proofs import AXI_PROOFS
 from tb.formal.fold_proofs import FOLD_PROOFS
 from tb.formal.proof import HANDSHAKE_SAYS, Proof
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 FIFO = "rtl/lib/ik_fifo.v"
 AXIS = "rtl/ik_axis.v"

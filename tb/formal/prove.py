@@ -23,7 +23,7 @@ from tb.formal.proofs import PROOFS, Proof
 from tb.formal.steps import Steps, no_circle
 from tb.formal.tools import running, versions, yosys
 from tb.sim.env import ROOT
-from tb.sim.mutants import copy_rtl
+from tb.sim.seeded_bugs import copy_rtl
 from tb.sim.sources import code, digest
 
 BUILD = ROOT / "build" / "formal"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 FULL = 32
 """The width at which all is proved."""

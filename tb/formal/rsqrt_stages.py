@@ -25,7 +25,7 @@ from tb.formal.claims import inside, integers, word
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 
 BUILD = ROOT / "build" / "formal_rsqrt"
 WIDE = 96

@@ -26,7 +26,7 @@ from tb.formal.rsqrt_stages import STAGES, Stages, forms, model
 from tb.formal.tools import missing
 from tb.formal.unrolled import Answer
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug
+from tb.sim.seeded_bugs import Bug
 
 tools = pytest.mark.skipif(
     bool(missing()), reason="the tools of requirements-fpga.lock are not installed: `make formal` does it"

@@ -17,7 +17,7 @@ from model.io.words import RESULT_FIELDS
 from tb.formal.netlist import DELAYS, Bit, Netlist, load
 from tb.formal.tools import missing, yosys
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import closure, header, includes
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirements-fpga.lock: `make formal`")

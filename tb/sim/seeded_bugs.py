@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Seeded bugs: a text replacement in a copy of the RTL that a test or a proof must detect."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from tb.sim.env import ROOT
+
+
+@dataclass(frozen=True)
+class Bug:
+    """Replace the text `old`, which occurs once in `file`, with `new`; `fails` names the check that must detect it."""
+
+    what: str
+    file: str
+    old: str
+    new: str
+    fails: str = ""
+
+    def seeded(self, text: str) -> str:
+        """Return the file's text with the bug in it. Raises LookupError unless `old` occurs exactly once."""
+        if text.count(self.old) != 1:
+            raise LookupError(f"{self.file} has not exactly one {self.old!r}")
+        return text.replace(self.old, self.new)
+
+
+def copy_rtl(place: Path, bug: Bug | None = None) -> Path:
+    """Copy rtl/ into `place`, with the bug if one is given; returns `place`. Raises LookupError like Bug.seeded."""
+    shutil.rmtree(place / "rtl", ignore_errors=True)
+    shutil.copytree(ROOT / "rtl", place / "rtl")
+    if bug:
+        path = place / bug.file
+        path.write_text(bug.seeded(path.read_text()))
+    return place
