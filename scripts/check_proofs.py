@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scripts import exhaustive, soak_page
+from scripts import soak_page
 from scripts.console import Parser, exit_status
 from scripts.formal import ARITHMETIC_PAGE, RANGES_PAGE, STREAMS_PAGE, WIDTHS_PAGE
 from scripts.fpga import measure
@@ -56,7 +56,6 @@ PAGES = (
     _page(RANGES_PAGE, "make formal", overflow.digests),
     _page(ARITHMETIC_PAGE, "make formal", arithmetic_parts.digests),
     _page(WIDTHS_PAGE, "make formal", _widths),
-    _page(exhaustive.PAGE, "make exhaustive", exhaustive.digests),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
     Page(
         soak_page.PAGE,

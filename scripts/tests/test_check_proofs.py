@@ -3,7 +3,7 @@
 
 import pytest
 
-from scripts import check_proofs, exhaustive
+from scripts import check_proofs
 from scripts.check_proofs import PAGES, Page, check, main
 from tb.formal import overflow, prove
 from tb.sim.env import ROOT
@@ -23,7 +23,6 @@ def test_pages_are_of_what_they_prove():
     assert {FIFO, "tb/formal/fifo.sby", "tb/formal/ik_fifo.vh", "rtl/ik_axis.v"} <= set(prove.digests())
     of_nodes = {"rtl/lib/ik_mul.v", "tb/formal/ranges/ik_mul.vh", "ranges of lean, W=32"}
     assert of_nodes <= set(overflow.digests())
-    assert {"rtl/cores/ik_div_row.v", "tb/units/exhaustive.cpp"} <= set(exhaustive.digests())
 
 
 @pytest.fixture

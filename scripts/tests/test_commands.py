@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts import compare, coverage, exhaustive, follow, formal, run, soak
+from scripts import compare, coverage, follow, formal, run, soak
 from scripts.fpga import measure
 from scripts.pages import wordlengths
 from scripts.playground import page as playground
@@ -17,7 +17,7 @@ from tb.core import hardest
 from tb.sim.env import ROOT, environment
 
 MAINS = {
-    "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "exhaustive": exhaustive.main,
+    "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main,
     "compare": compare.main, "wordlengths": wordlengths.main, "formal": formal.main, "fpga": measure.main,
     "playground": playground.main, "coverage": coverage.main,
 }  # fmt: skip
@@ -104,12 +104,6 @@ MISTAKES = {
           for text in ("x", "tcp://", "tcp://x", "x:8786", "tcp://x:0", "tcp://x:65536", "tcp://x:8786/", "tls://x:1")),
         ("--out o", "--out", "'o/hardest.csv' is a folder"),
     ],
-    "exhaustive": [
-        ("--only x", "argument --only: no case 'x'; there are div_16_0, "),
-        ("--jobs 0", f"argument --jobs: '0' {WHOLE} 1"),
-        ("--jobs two", f"argument --jobs: 'two' {WHOLE} 1"),
-        ("--smal", "unrecognized arguments: --smal"),
-    ],
     "coverage": [
         ("--only x --keep", "argument --keep: not with --only"),
         ("--only x --again", "argument --again: not with --only"),
@@ -155,7 +149,6 @@ OPTIONS = {
     "follow": "target trajectory out sim datapath width cores waves d1 d2 phi bar",
     "report": "trajectory out sim datapath width d1 d2 phi",
     "soak": "targets seed from datapath width sim jobs out keep again",
-    "exhaustive": "only small jobs list",
     "compare": "targets seed",
     "coverage": "only again keep",
     "wordlengths": "targets seed",
@@ -180,7 +173,6 @@ def test_help_names_every_option(name, capsys):
         ("run", "--trajectory none.csv", "run: none.csv: no such file\n"),
         ("report", "--trajectory none.csv", "report: none.csv: no such file\n"),
         ("soak", "--width 3", "soak: argument --width: unknown width '3'; valid: 16 to 32 bits\n"),
-        ("exhaustive", "--only x", "exhaustive: argument --only: no case 'x'; there are "),
     ],
 )
 def test_as_a_command(module, arguments, said):
@@ -201,8 +193,7 @@ def made(*words):
     return re.findall(r"bootstrap.py (.*)", said), said.split(" -m scripts.")[1].split()
 
 
-def test_make_exhaustive_and_soak():
-    assert made("exhaustive") == (["verilator"], ["exhaustive"])
+def test_make_soak():
     assert made("soak") == (["verilator"], ["soak", "--sim", "verilator"])
     assert made("soak", "SIM=icarus")[1] == ["soak", "--sim", "icarus"]
     assert made("soak", "KEEP=")[1] == ["soak", "--sim", "verilator"]

@@ -1,15 +1,13 @@
-// Every argument of a divider, square root or reciprocal root, one a clock, each answer held against its definition.
+// Drives arguments through a divider, square root or reciprocal root, one a clock, and checks each answer.
 // SPDX-License-Identifier: Apache-2.0
 //
 //     Vtop FIRST END BITS LAT NAME=VALUE ...
 //
-// Built with -DCORE=Div, Root or Rsqrt around ik_div, ik_root or ik_rsqrt, whose parameters are NAME=VALUE; LAT is the
-// clocks from argument to answer, BITS the width of the arguments, all together. Vectors FIRST to END - 1 of the 2^BITS
-// go in. Prints how many vectors, failures, and answers that are right but not the nearest; on a second line the number
-// of the first vector that failed, and what was to come and what came. Exit status: 0 none failed, 1 some, 2 bad input.
+// Built with -DCORE=Div, Root or Rsqrt around ik_div, ik_root or ik_rsqrt, whose parameters are NAME=VALUE. BITS is the
+// width of all arguments together, LAT the clocks from argument to answer. Drives vectors FIRST to END - 1 of the 2^BITS
+// and prints the number of failures; a second line describes the first one. Exit status: 0 no failure, 1 failures, 2 usage.
 //
-// The answers are judged by integers alone: the definition in the module's first line, not the way the module takes.
-#include <algorithm>
+// The checks are integer inequalities from the definition in the module's first line; they share no code with the model.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -20,7 +18,7 @@
 
 using Wide = __int128;
 
-// Value of a parameter on the command line.
+// Parameters on the command line.
 struct Parameters {
   int count;
   char** words;
@@ -43,16 +41,7 @@ int64_t to_signed(uint64_t bits, int width) {
 
 std::string text(int64_t value) { return std::to_string(value); }
 
-int64_t floor_root(Wide square) {
-  int64_t root = 0;
-  for (int64_t bit = int64_t{1} << 61; bit != 0; bit >>= 1) {
-    const Wide tried = root | bit;
-    if (tried * tried <= square) root |= bit;
-  }
-  return root;
-}
-
-// q = floor(n 2^SH / d), saturated; by the sign of n where d <= 0. The argument is {n, d}.
+// q = floor(n 2^SH / d), saturated; where d <= 0, saturated by the sign of n. The argument is {n, d}.
 struct Div {
   const int nw, dw, sh, qw;
 
@@ -73,28 +62,24 @@ struct Div {
     return uint64_t{top.ovf} << qw | top.q;
   }
 
-  uint64_t expected(uint64_t argument) const {
+  bool right(uint64_t argument, uint64_t seen) const {
     const int64_t most = ones(qw - 1), least = -most - 1;
     const int64_t dividend = n(argument) * (int64_t{1} << sh), divisor = d(argument);
     bool over = divisor <= 0;
     int64_t q = dividend < 0 ? least : most;
     if (!over) {
-      const int64_t floor = dividend / divisor - (dividend % divisor < 0);  // the language rounds toward 0
+      const int64_t floor = dividend / divisor - (dividend % divisor < 0);  // C++ rounds toward 0
       over = floor < least || floor > most;
       if (!over) q = floor;
     }
-    return uint64_t{over} << qw | (q & ones(qw));
+    return seen == (uint64_t{over} << qw | (q & ones(qw)));
   }
-
-  bool right(uint64_t argument, uint64_t seen) const { return seen == expected(argument); }
-  bool nearest(uint64_t, uint64_t) const { return true; }
 
   std::string words(uint64_t argument) const { return "n=" + text(n(argument)) + " d=" + text(d(argument)); }
   std::string words_of_answer(uint64_t a) const { return "q=" + text(to_signed(a, qw)) + " ovf=" + text(a >> qw); }
-  std::string wanted(uint64_t argument) const { return words_of_answer(expected(argument)); }
 };
 
-// q = floor(sqrt(n 2^SH)), all bits but the sign set where that does not fit; 0 where n < 0.
+// q = floor(sqrt(n 2^SH)), saturated at 2^(QW-1) - 1; 0 where n < 0.
 struct Root {
   const int nw, sh, qw;
 
@@ -117,26 +102,18 @@ struct Root {
     const Wide radicand = Wide{n} << sh, q = seen, most = ones(qw - 1);
     return q <= most && q * q <= radicand && (q == most || radicand < (q + 1) * (q + 1));
   }
-  bool nearest(uint64_t, uint64_t) const { return true; }
 
   std::string words(uint64_t argument) const { return "n=" + text(to_signed(argument, nw)); }
   std::string words_of_answer(uint64_t a) const { return "q=" + text(to_signed(a, qw)) + " neg=" + text(a >> qw); }
-
-  std::string wanted(uint64_t argument) const {
-    const int64_t n = to_signed(argument, nw), most = ones(qw - 1);
-    return words_of_answer(n < 0 ? uint64_t{1} << qw : std::min(floor_root(Wide{n} << sh), most));
-  }
 };
 
-// |y - 1/(2 sqrt V)| < 1 place for every V that cut off is m, so for m <= V < m + 1.
-// In integers, 1/(2 sqrt m) is sqrt(S / m) places with S = 2^(3F+1).
+// |y - 1/(2 sqrt V)| < 1 LSB for every V in [m, m + 1); as integers, 1/(2 sqrt m) is sqrt(S / m) LSB with S = 2^(3F+1).
 struct Rsqrt {
   const int f;
 
   explicit Rsqrt(const Parameters& p) : f(p["F"]) {}
 
-  Wide s() const { return Wide{1} << (3 * f + 1); }
-  // Below 1/4 the second bit counts as if it were set.
+  // Below 1/4 the second bit counts as set.
   uint64_t mantissa(uint64_t argument) const { return argument >> (f + 1) ? argument : argument | uint64_t{1} << (f + 1); }
 
   template <class Top>
@@ -151,22 +128,12 @@ struct Rsqrt {
   }
 
   bool right(uint64_t argument, uint64_t seen) const {
-    const Wide m = mantissa(argument), y = seen;
-    return (y - 1) * (y - 1) * (m + 1) <= s() && s() < (y + 1) * (y + 1) * m;
-  }
-
-  bool nearest(uint64_t argument, uint64_t seen) const {
-    const Wide m = mantissa(argument), y = seen;
-    return (2 * y - 1) * (2 * y - 1) * m <= 4 * s() && 4 * s() <= (2 * y + 1) * (2 * y + 1) * m;
+    const Wide m = mantissa(argument), y = seen, s = Wide{1} << (3 * f + 1);
+    return (y - 1) * (y - 1) * (m + 1) <= s && s < (y + 1) * (y + 1) * m;
   }
 
   std::string words(uint64_t argument) const { return "m=" + text(argument); }
   std::string words_of_answer(uint64_t a) const { return "y=" + text(a); }
-
-  std::string wanted(uint64_t argument) const {
-    const uint64_t y = floor_root(s() / mantissa(argument));
-    return words_of_answer(y) + (right(argument, y + 1) ? " or " + words_of_answer(y + 1) : "");
-  }
 };
 
 int main(int argc, char** argv) {
@@ -177,15 +144,15 @@ int main(int argc, char** argv) {
   if (first >= end || bits < 1 || bits > 62 || latency < 1) return 2;
   const CORE core{Parameters{argc - 5, argv + 5}};
 
-  // Multiples of an odd number: each argument comes once, and neighbours in the pipeline have nothing in common.
+  // Multiples of an odd number: each argument occurs once, and neighbours in the pipeline have little in common.
   const auto argument = [bits](uint64_t number) { return number * 0x9e3779b97f4a7c15 & ones(bits); };
 
   VerilatedContext context;
   Vtop top{&context};
   top.clk = 0;
   top.eval();
-  uint64_t vectors = 0, failures = 0, not_nearest = 0;
-  std::string said;
+  uint64_t vectors = 0, failures = 0;
+  std::string failure;
   for (uint64_t in = first; vectors < end - first; ++in) {
     core.drive(top, argument(in));
     top.clk = 1;
@@ -195,15 +162,10 @@ int main(int argc, char** argv) {
     if (in - first + 1 < latency) continue;
     const uint64_t number = in + 1 - latency, asked = argument(number), seen = core.answer(top);
     ++vectors;
-    if (!core.right(asked, seen)) {
-      if (++failures == 1) {
-        said = text(number) + " " + core.words(asked) + ": " + core.wanted(asked) + " expected, " +
-               core.words_of_answer(seen) + " seen";
-      }
-    } else if (!core.nearest(asked, seen)) {
-      ++not_nearest;
+    if (!core.right(asked, seen) && ++failures == 1) {
+      failure = "vector " + text(number) + " " + core.words(asked) + ": " + core.words_of_answer(seen);
     }
   }
-  std::printf("%s %s %s\n%s", text(vectors).c_str(), text(failures).c_str(), text(not_nearest).c_str(), said.c_str());
+  std::printf("%s\n%s", text(failures).c_str(), failure.c_str());
   return failures != 0;
 }

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every argument of dividers, square roots and reciprocal roots, in a native program that checks each answer.
+
+Short words; in `make release-check` words of 16 and 32 bits as well, 12 minutes on two cores.
+"""
+
+import os
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import pytest
+
+from model.dataflow.cores import rsqrt_clocks
+from model.dataflow.nodes import Latency
+from tb.sim.env import ROOT, environment
+from tb.sim.mutants import Bug, copy_rtl
+from tb.sim.native import build
+
+pytestmark = [pytest.mark.slow, pytest.mark.cost(20)]
+
+PIECE = 1 << 23
+"""Vectors of one process, about a second."""
+
+
+class Case(NamedTuple):
+    """A module, its class in exhaustive.cpp, the width of all arguments together, and its latency in clocks."""
+
+    harness: str
+    bits: int
+    clocks: int
+    parameters: dict[str, int]
+
+
+def divider(width: int, shift: int, digit: int = 1, earlier: int = 0) -> Case:
+    """All pairs of signed words; with `earlier` clocks less than the datapath's, one row gives two bits."""
+    clocks = Latency(width)["div"] - earlier
+    parameters = {"NW": width, "DW": width, "SH": shift, "QW": width, "LAT": clocks, "DIGIT": digit}
+    return Case("Div", 2 * width, clocks, parameters)
+
+
+def root(bits: int, argument: int, shift: int, width: int, digit: int = 1, earlier: int = 0) -> Case:
+    """The arguments of `bits` bits, in words of `argument` bits with the sign."""
+    clocks = Latency(width)["root"] - earlier
+    parameters = {"NW": argument, "SH": shift, "QW": width, "LAT": clocks, "DIGIT": digit}
+    return Case("Root", bits, clocks, parameters)
+
+
+def reciprocal(frac: int) -> Case:
+    return Case("Rsqrt", frac + 3, 1 + rsqrt_clocks(frac), {"F": frac})  # one clock into the mantissa's register
+
+
+SHORT = {
+    "div_8": divider(8, 0),
+    "div_8_saturated": divider(8, 6, earlier=2),
+    "div_8_behavioural": divider(8, 6, digit=0),
+    "root_17": root(17, 17, 13, 16),
+    "root_17_saturated": root(17, 17, 13, 12, earlier=1),
+    "root_17_behavioural": root(17, 17, 13, 12, digit=0),
+    "rsqrt_19": reciprocal(19),
+}
+LONG = {
+    "div_16_0": divider(16, 0),
+    "div_16_14": divider(16, 14),
+    "root_32": root(32, 33, 29, 32),  # not negative
+    **{f"rsqrt_{frac}": reciprocal(frac) for frac in range(20, 25)},
+}
+
+
+def program(name: str, case: Case, folder=ROOT):
+    harness = ROOT / "tb" / "units" / "exhaustive.cpp"
+    top = f"ik_{case.harness.lower()}"
+    return build(top, harness, case.parameters, root=folder, name=name, define=f"CORE={case.harness}")
+
+
+def failures(path, case: Case, vectors: range) -> tuple[int, str]:
+    """Return the number of failures and a description of the first one."""
+    parameters = [f"{name}={value}" for name, value in case.parameters.items()]
+    command = [path, vectors.start, vectors.stop, case.bits, case.clocks, *parameters]
+    done = subprocess.run([*map(str, command)], env=environment(), capture_output=True, text=True, check=False)
+    assert done.returncode in (0, 1), done.stderr
+    count, first = done.stdout.split("\n")
+    assert done.returncode == (count != "0")
+    return int(count), first
+
+
+@pytest.mark.parametrize("name", [*SHORT, *(pytest.param(name, marks=pytest.mark.release) for name in LONG)])
+def test_every_argument(name):
+    case = (SHORT | LONG)[name]
+    path = program(name, case)
+    pieces = [range(k, min(k + PIECE, 1 << case.bits)) for k in range(0, 1 << case.bits, PIECE)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for count, first in pool.map(lambda vectors: failures(path, case, vectors), pieces):
+            assert not count, f"{count} failures; {first}"
+
+
+@pytest.mark.parametrize("clocks", [-1, 1])
+@pytest.mark.parametrize("name", ["div_8", "root_17", "rsqrt_19"])
+def test_another_latency_fails(name, clocks):
+    case = SHORT[name]
+    assert failures(program(name, case), case._replace(clocks=case.clocks + clocks), range(10000))[0] > 1000
+
+
+def test_one_wrong_argument_is_found(tmp_path):
+    case = SHORT["div_8"]
+    bug = Bug("", "rtl/cores/ik_div.v", ".n  (n),", ".n  (n ^ (n == 91 && d == 7)),")
+    path = program("div_8_bug", case, copy_rtl(tmp_path, bug))
+    count, first = failures(path, case, range(1 << case.bits))
+    assert count == 1 and " n=91 d=7: q=" in first
