@@ -9,13 +9,9 @@ SETUP   = $(PYTHON) -ES $(HERE)scripts/setup/bootstrap.py
 
 ifneq ($(value SIM),icarus)
 ifneq ($(value SIM),verilator)
-ifneq ($(value SIM)$(filter-out run report soak,$(MAKECMDGOALS)),cxxrtl)
-$(error unknown simulator SIM=$(value SIM): use icarus or verilator; run, report and soak also take cxxrtl)
+$(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
 endif
-endif
-# What setting a simulator up is called: CXXRTL is of Yosys, and takes the same C++ compiler as Verilator.
-setup_of = $(if $(filter cxxrtl,$1),verilator fpga,$1)
 
 # What each target takes on the command line; anything else there is a slip, and is named.
 PATHS          := SIM OUT DATAPATH WIDTH
@@ -89,7 +85,7 @@ setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every oth
 	@$(SETUP) $(sort icarus $(SIM))
 
 run: ## the main job [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
-	@$(SETUP) $(call setup_of,$(SIM))
+	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.run $(job) $(waves)
 
 follow: ## one target through the pipeline, node by node [TARGET=0.. WAVES=1 and the options of run]
@@ -97,7 +93,7 @@ follow: ## one target through the pipeline, node by node [TARGET=0.. WAVES=1 and
 	@exec $(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
 
 report: ## the same run as an HTML page to look at: the arm in motion, errors, pipeline [same options but WAVES]
-	@$(SETUP) $(call setup_of,$(SIM))
+	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.report $(job)
 
 # With SIM=verilator only tests that start a simulator: the others do not depend on it. ONLY also picks slow cases.
@@ -174,7 +170,7 @@ farm     = $(call given,FARM, farm)
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
 soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1 AGAINST=c FARM=]
-	@$(SETUP) $(call setup_of,$(soak_sim))$(farm)
+	@$(SETUP) $(soak_sim)$(farm)
 	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \

@@ -42,7 +42,6 @@ from scripts.failing import read_rows, row_of, tell, write_rows
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
 from tb.core.random_targets import CHUNK, Core, judge
-from tb.sim.env import ALL_SIMULATORS
 
 TARGETS = 1_000_000
 SEED = 1
@@ -62,7 +61,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
     add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"begin at this chunk of {CHUNK} (default: 0)")
     add("--special", action="store_true", help=f"in their place all {SPECIAL} targets of 12 special words an input")
-    parser.core(sim="verilator", datapath=None, width=None, sims=ALL_SIMULATORS)
+    parser.core(sim="verilator", datapath=None, width=None)
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
     farm.option(parser)
     add(

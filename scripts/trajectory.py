@@ -24,7 +24,7 @@ from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
 from model.motion.pose import hanging
 from scripts.console import InputError, Parser, accuracy, arm_length, folder_name, reference_axis, swivel_angle
-from tb.sim.env import ALL_SIMULATORS, CORES, SIMULATORS
+from tb.sim.env import CORES
 
 ALL = "all"
 
@@ -66,7 +66,7 @@ def parser_of(
     about = f"folder for {written}, made if need be (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
     if core:
-        parser.core(datapath=datapath, most=most, sims=ALL_SIMULATORS if most > 1 else SIMULATORS)
+        parser.core(datapath=datapath, most=most)
         parser.choice(
             "--cores", "cores", CORES, CORES[0],
             "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "

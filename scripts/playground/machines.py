@@ -19,8 +19,8 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format
 from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
+from scripts.playground import cxxrtl
 from scripts.save_file import place
-from tb.sim import cxxrtl
 from tb.sim.children import full, started
 from tb.sim.env import CORES, ROOT
 from tb.sim.every_node import nodes_of

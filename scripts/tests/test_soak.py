@@ -50,7 +50,7 @@ def simulator(monkeypatch, tmp_path):
     """The fake in the place of the simulation, chunks of 400, a regression list of its own."""
     fake = FakeCore()
     monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
-    monkeypatch.setattr(every_node, "program", lambda datapath, width, by: None)
+    monkeypatch.setattr(every_node, "program", lambda datapath, width: None)
     for module in (chunks, soak):
         monkeypatch.setattr(module, "CHUNK", 400)
     monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))

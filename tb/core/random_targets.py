@@ -21,7 +21,6 @@ from model.io.stimuli import REGIONS, corners, extremes, of_special, random_reac
 from tb.core import hardest
 from tb.core.opinion import Apart, Opinion, both
 from tb.sim import every_node
-from tb.sim.env import NATIVE
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
 CHUNK = 20000
@@ -112,7 +111,7 @@ class Core:
 
     @classmethod
     def built(cls, sim: str, datapath: str, width: int) -> Core:
-        return cls(sim, datapath, width, every_node.program(datapath, width, by=sim) if sim in NATIVE else None)
+        return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
         """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""

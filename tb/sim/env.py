@@ -19,10 +19,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 GENERATED = ROOT / "docs" / "generated"  # the pages and pictures that commands write
 SIMULATORS = ("icarus", "verilator")
-NATIVE = ("verilator", "cxxrtl")
-"""What makes a program of the core that compares every node by itself (:mod:`tb.sim.every_node`)."""
-ALL_SIMULATORS = tuple(dict.fromkeys(SIMULATORS + NATIVE))
-"""CXXRTL, the last one, runs no cocotb and writes no waves."""
 CORES = ("behavioural", "digit")  # dividers and roots; the numbers are those of the RTL's parameter DIGIT
 
 # Not to be handed on: `make run OUT=x` must not reach, through MAKEFLAGS, the make that Verilator's builds

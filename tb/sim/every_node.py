@@ -19,7 +19,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
 from model.io.words import FIELDS
-from tb.sim import coverage, cxxrtl
+from tb.sim import coverage
 from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment
 from tb.sim.job import Job, Run, SimulationError
@@ -81,11 +81,8 @@ endmodule
 """
 
 
-def program(
-    datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None, by: str = "verilator"
-) -> Path:
-    """The program of a datapath, built if need be by Verilator or by CXXRTL; parameters as of
-    :func:`tb.sim.simulate.simulate`.
+def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None) -> Path:
+    """Build the program of a datapath if necessary; parameters as for :func:`tb.sim.simulate.simulate`.
 
     Raises :class:`SimulationError`.
     """
@@ -93,14 +90,9 @@ def program(
     digit = CORES.index(cores(kind)) if path.rtl == "paper" else 0
     full = "-".join([datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])])
     try:
-        if by == "cxxrtl":
-            parts = [(f"g_{path.rtl}", "u_core", node.instance, node.name) for node in nodes_of(datapath, width)]
-            nodes = [".".join(filter(None, each)) for each in parts]
-            values = {"W": width, "MIN_W": min(width, WIDTHS[0]), "TAG_W": 8, **path.parameters, "DIGIT": digit}
-            return cxxrtl.build(HARNESS, values, nodes, full, root)
         return build(TOP, HARNESS, {}, root=root, name=full, wrapper=wrapper(datapath, width, digit))
     except RuntimeError as error:
-        raise SimulationError(f"the {by} build failed: {error}") from None
+        raise SimulationError(f"the Verilator build failed: {error}") from None
 
 
 def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.ndarray, fixed.Answer]]:

@@ -16,11 +16,11 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from tb.sim import every_node
 from tb.sim.children import full, naming, started
-from tb.sim.env import NATIVE, ROOT, SIMULATORS
+from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
 
 LONG = 5000
-"""From so many targets on Verilator runs them natively: for fewer, building that program takes longer than cocotb."""
+"""Targets from which Verilator runs natively by default: for fewer, cocotb takes less time than that build."""
 
 
 def simulate(
@@ -36,22 +36,22 @@ def simulate(
     cores: str | None = None,
     native: bool | None = None,
 ) -> list[Run]:
-    """Runs all jobs in one simulation, comparing every node with the bit-true model.
+    """Run all jobs in one simulation and compare every node with the bit-true model.
 
     ``waves`` is a VCD file to write.  ``progress(done, total)`` is called about twice a second.  ``root`` and ``name``
     choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`).  ``native``
-    takes Python out of the loop (:mod:`tb.sim.every_node`), which gives the same; it needs Verilator or CXXRTL, writes
-    no waves, and is what :data:`LONG` jobs get that say nothing, and all of CXXRTL.  Raises :class:`SimulationError`.
+    runs without Python in the loop (:mod:`tb.sim.every_node`), with the same result; it needs Verilator, writes no
+    waves, and is the default from :data:`LONG` targets on.  Raises :class:`SimulationError`.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath}: there is {', '.join(CONFIGURATIONS)}")
     total = sum(len(job.words) for job in jobs)
     if native is None:
-        native = simulator in NATIVE and not waves and (total >= LONG or simulator not in SIMULATORS)
+        native = simulator == "verilator" and not waves and total >= LONG
     if native:
-        if simulator not in NATIVE or waves:
-            raise ValueError(f"only {' and '.join(NATIVE)} run natively, and without waves")
-        program = every_node.program(datapath, width, root, name, cores, simulator)
+        if simulator != "verilator" or waves:
+            raise ValueError("only Verilator runs natively, and without waves")
+        program = every_node.program(datapath, width, root, name, cores)
         return every_node.run(program, jobs, width, datapath, progress, root)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)

@@ -40,7 +40,7 @@ def test_columns_hold_every_bit():
 def test_what_cannot_run_natively(tmp_path):
     jobs = [Job("some", mixed(5, WIDTH, seed=1))]
     for wrong in ({"simulator": "icarus"}, {"simulator": "verilator", "waves": tmp_path / "waves.vcd"}):
-        with pytest.raises(ValueError, match="only verilator and cxxrtl run natively"):
+        with pytest.raises(ValueError, match="only Verilator runs natively"):
             simulate(jobs, datapath="lean", width=WIDTH, native=True, **wrong)
 
 
