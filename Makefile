@@ -199,7 +199,7 @@ farm-worker: ## makes this machine work for a scheduler; what the work needs is 
 	@$(SETUP) icarus verilator fpga farm
 	@exec $(VENV) -m scripts.farm $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
 
-lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, rooms, sizes and types of the Python
+lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, imports, licences and types of the Python
 	@$(SETUP) icarus
 	@exec $(VENV) -m scripts.lint
 

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make lint: every Verilog module as its own top in Verilator -Wall and Icarus -Wall, then the Python's contracts.
+"""Lint every Verilog module as its own top with Verilator and Icarus -Wall; check the Python with ruff and others.
 
-A module that has a parameter of PARAMETER_SETS is looked at once for each value. Any message is a finding,
-and the exit status is then 1. Verilator's waivers, if there are any, are in rtl/lint.vlt; each one matches a text
-and gives its reason.
+A module is linted at each parameter set below. Any message is a finding; the exit status is then 1. Verilator's
+waivers are in rtl/lint.vlt.
 """
 
 import itertools
@@ -16,16 +15,15 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from scripts import contracts
 from scripts.console import InputError, Parser, command
 from tb.sim.env import ROOT, environment
-from tb.sim.sources import LIST, includes, sources
+from tb.sim.sources import includes, sources
 
-# parameter: values it is linted at. A module is linted at every combination of those it has.
+# parameter -> its values; a module is linted at every combination of the parameters that it has
 PARAMETER_SETS = {"W": (32, 18)}
-# of engines of memory: narrow and wide buses, addresses and bursts
+# engines of memory: narrow and wide buses, addresses and bursts
 BUSES = [{"ADDR_W": a, "DATA_W": d, "LOG2_BURST": b} for a, d, b in ((32, 64, 3), (64, 32, 5), (12, 128, 1))]
-# module: sets of its own, where the table above is not enough or not legal for it
+# module -> its own sets, where those above are illegal or insufficient
 MODULE_SETS = {
     "ik_axi": [
         {"W": 32},
@@ -70,99 +68,111 @@ MODULE_SETS = {
 }
 
 PREFIX = "ik_"
-BESIDE = ("examples/icebreaker", "tb/rules")
-MODELS = ("tb/icebreaker",)
-"""Folders of modules that are linted with those of rtl/, and of what stands for a vendor's in them."""
-COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
-MODULE = re.compile(r"^\s*module\s+(\w+)", re.M)
-PARAMETER = re.compile(r"\bparameter\b[^;)]*?\b{}\s*=")
+FOLDERS = ("examples/icebreaker", "tb/rules")
+"""Folders of modules that are linted with rtl/."""
+MODELS = "tb/icebreaker"
+"""Models of vendor primitives; not linted themselves."""
+
+LICENCE = "SPDX-License-Identifier: Apache-2.0"
+LICENSED = re.compile(r"(.*\.(py|v|vh|vlt|f|c|h|cpp|sby|js|css|html|j2|toml)|(.*/)?(Makefile|run))")
+LONGEST = 500
+"""Lines of a hand-written source file."""
+GENERATED = re.compile(r"rtl/.*(_nodes|_table|latency|program)\.vh|.*/ik_regs\..*|docs/generated/.*")
+
+TOOLS = {
+    "ruff": ["ruff", "check", "--quiet", "."],
+    "imports (import-linter)": ["lint-imports", "--no-logo", "--cache-dir", "build/import_linter"],
+    "types of the model (mypy)": ["mypy"],
+}
+"""Check -> its command; the settings are in pyproject.toml."""
 
 
 def parameter_sets(name: str, text: str) -> list[dict]:
-    """The parameter sets a module is linted at; at least the one with its defaults."""
+    """Return the parameter sets at which a module is linted."""
     if name in MODULE_SETS:
         return MODULE_SETS[name]
-    has = [p for p in PARAMETER_SETS if re.search(PARAMETER.pattern.format(p), text)]
+    has = [p for p in PARAMETER_SETS if re.search(rf"\bparameter\b[^;)]*?\b{p}\s*=", text)]
     combinations = itertools.product(*(PARAMETER_SETS[p] for p in has))
     return [dict(zip(has, values, strict=True)) for values in combinations]
 
 
-def commands(source: Path, root: Path, parameters: dict) -> list[list[str]]:
+def commands(source: Path, parameters: dict) -> list[list[str]]:
+    """Return the commands of both simulators for a module."""
     name = source.stem
-    beside = [root / name for name in (*BESIDE, *MODELS)]
-    where = [f"-I{folder}" for folder in (*includes(root), *beside)]
-    folders = [*dict.fromkeys(path.parent for path in sources(root)), *beside]
+    folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / name for name in (*FOLDERS, MODELS))]
+    where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
-    lint_vlt = root / "rtl" / "lint.vlt"
-    waivers = [str(lint_vlt)] if lint_vlt.exists() else []
-    verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", *waivers]
-    verilator += [*where, *(f"-G{k}={v}" for k, v in parameters.items()), "--top-module", name, str(source)]
+    verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", name]
+    verilator += [*where, *(f"-G{k}={v}" for k, v in parameters.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
     icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", name]
     icarus += [*where, *(f"-P{name}.{k}={v}" for k, v in parameters.items()), str(source)]
     return [verilator, icarus]
 
 
-def run(command: list[str], env: dict) -> str:
-    """What a tool has to say; empty if it is content."""
-    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
-    # Verilator sums up in lines such as "- Verilator: Walltime ..." on success
-    said = [line for line in (done.stdout + done.stderr).splitlines() if line and not line.startswith("- ")]
-    if done.returncode and not said:
-        said = [f"{command[0]} ended with status {done.returncode}"]
-    return "\n".join(said)
+def run(words: Sequence[str]) -> str:
+    """Return the messages of a command; empty if there is no finding."""
+    done = subprocess.run(words, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
+    # Verilator ends with lines such as "- Verilator: Walltime ..."
+    lines = [line for line in (done.stdout + done.stderr).splitlines() if line and not line.startswith("- ")]
+    return "\n".join(lines or [f"{words[0]} ended with status {done.returncode}"] * bool(done.returncode))
 
 
-def lint_module(source: Path, root: Path, env: dict) -> tuple[str, str]:
-    """One line about the module, and its findings."""
+def lint_module(source: Path) -> tuple[str, str]:
+    """Return a line about a module, and its findings."""
     start = time.monotonic()
     name = source.stem
-    text = COMMENT.sub(" ", source.read_text(encoding="utf-8"))
-    findings = []
-    modules = MODULE.findall(text)
-    if modules != [name]:
-        findings.append(f"{source}: holds {modules or 'no module'}, must hold the one module {name}")
-    if root / "rtl" in source.parents and not name.startswith(PREFIX):
-        findings.append(f"{source}: a module's name starts with {PREFIX}")
+    text = re.sub(r"//[^\n]*|/\*.*?\*/", " ", source.read_text(encoding="utf-8"), flags=re.DOTALL)
     sets = parameter_sets(name, text)
-    for parameters in sets if not findings else []:
-        for words in commands(source, root, parameters):
-            findings += [said for said in [run(words, env)] if said]
+    modules = re.findall(r"^\s*module\s+(\w+)", text, re.MULTILINE)
+    if modules != [name]:
+        findings = [f"{source}: defines {modules or 'no module'}, expected the one module {name}"]
+    elif ROOT / "rtl" in source.parents and not name.startswith(PREFIX):
+        findings = [f"{source}: a module name must start with {PREFIX}"]
+    else:
+        # Several parameter sets may give the same message.
+        findings = dict.fromkeys(run(words) for parameters in sets for words in commands(source, parameters))
     at = ", ".join(" ".join(f"{k}={v}" for k, v in p.items()) or "defaults" for p in sets)
-    line = f"{'FAIL' if findings else 'ok  '} {name:<28} {at:<16} {time.monotonic() - start:5.1f} s"
-    # a file that several runs complain about in the same words is quoted once
-    return line, "\n".join(dict.fromkeys(findings))
+    findings = "\n".join(filter(None, findings))
+    return f"{'FAIL' if findings else 'ok  '} {name:<28} {at:<16} {time.monotonic() - start:5.1f} s", findings
+
+
+def unkept(names: Sequence[str]) -> list[str]:
+    """Return the findings on licences and lengths of source files."""
+    findings = []
+    for name in filter(LICENSED.fullmatch, names):
+        lines = (ROOT / name).read_text(encoding="utf-8").splitlines() if (ROOT / name).is_file() else [LICENCE]
+        if not any(LICENCE in line for line in lines[:5]):
+            findings.append(f"{name}: no line {LICENCE}")
+        if len(lines) > LONGEST and not GENERATED.fullmatch(name):
+            findings.append(f"{name}: {len(lines)} lines, at most {LONGEST} allowed")
+    return findings
 
 
 @command("lint")
 def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("lint", __doc__.split("\n")[0], "no finding", "a finding")
     parser.add_argument("modules", nargs="*", metavar="MODULE", help="only these modules, and no Python")
-    parser.add_argument("--root", type=Path, default=ROOT, metavar="DIR", help="the folder that holds rtl/")
-    parser.add_argument("--no-python", action="store_true", help="only the Verilog")
     options = parser.parse_args(arguments)
 
-    root = options.root.resolve()
-    found = sources(root) if (root / LIST).exists() else []
-    found += [path for name in BESIDE for path in sorted((root / name).glob("*.v"))]
-    unknown = set(options.modules) - {s.stem for s in found}
-    if unknown or not found:
-        what = f"no module {', '.join(sorted(unknown))}" if unknown else "no Verilog"
-        raise InputError(f"{what} in {options.root / LIST}")
-    if options.modules:
-        found = [s for s in found if s.stem in options.modules]
-
-    env = environment()
+    found = [*sources(), *(path for name in FOLDERS for path in sorted((ROOT / name).glob("*.v")))]
+    if unknown := set(options.modules) - {source.stem for source in found}:
+        raise InputError(f"no module {', '.join(sorted(unknown))}")
+    found = [source for source in found if source.stem in (options.modules or [source.stem])]
     failed = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for line, findings in pool.map(lambda source: lint_module(source, root, env), found):
-            print(line, flush=True)
-            if findings:
-                print(findings, flush=True)
-                failed += 1
+        for line, findings in pool.map(lint_module, found):
+            print(line, *filter(None, [findings]), sep="\n", flush=True)
+            failed += bool(findings)
     print(f"{len(found) - failed} of {len(found)} Verilog modules without a finding", flush=True)
 
-    if not (options.no_python or options.modules):
-        failed += contracts.main()
+    if not options.modules:
+        results = {"licences, lengths of files": "\n".join(unkept(run(["git", "ls-files"]).splitlines()))}
+        for name, words in TOOLS.items():
+            done = subprocess.run(words, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
+            results[name] = done.stdout + done.stderr if done.returncode else ""
+        for name, findings in results.items():
+            print(f"{'FAIL' if findings else 'ok  '} {name}", *filter(None, [findings]), sep="\n", flush=True)
+            failed += bool(findings)
     return 1 if failed else 0
 
 
