@@ -24,8 +24,9 @@ def cost(item) -> float:
 
 @pytest.fixture
 def interruptible():
-    """Ctrl-C is heard, by this process and those that it starts, also where a shell started the tests in the background
-    and has SIGINT ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Restore the default handlers of signals that a shell or nohup has set to be ignored."""
+    before = {number: signal.signal(number, signal.SIG_DFL) for number in (signal.SIGTERM, signal.SIGHUP)}
+    before[signal.SIGINT] = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)

@@ -12,7 +12,6 @@ import contextlib
 import functools
 import math
 import os
-import re
 import signal
 import sys
 import threading
@@ -32,6 +31,7 @@ from model.io.words import TargetError
 from model.motion import axes
 from model.motion.axes import Axis
 from model.motion.clip import TORSO
+from tb.sim.children import end_with_parent
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
 
@@ -198,85 +198,62 @@ def accuracy(text: str) -> float:
 
 
 class Stopped(KeyboardInterrupt):
-    """By a signal; its number."""
+    """A signal ended the command; the argument is its number."""
 
 
 SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
-"""What ends a command, with the simulators that it has started."""
+"""Signals that end a command and the simulators it has started."""
 
 
 @contextlib.contextmanager
 def stoppable() -> Iterator[None]:
-    """SIGNALS become :class:`Stopped`, but for those that are ignored; the first one only: its way out is not stopped.
-    Those that make alone got count, too.
+    """Raise :class:`Stopped` at the first of SIGNALS, except those that are ignored, as SIGHUP under nohup; later ones
+    do not disturb the clean-up. If make has started the command and is killed, the command gets SIGTERM.
 
-    Within another such block, or not in the main thread, it does nothing.
+    Outside the main thread this has no effect.
     """
-    before = {number: signal.getsignal(number) for number in SIGNALS}
-    heard: list[int] = []
-
-    def stop(number: int, _) -> None:
-        heard.append(number)
-        if len(heard) == 1:
-            raise Stopped(number)
-
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    stopped = False
+
+    def stop(number: int, _) -> None:
+        nonlocal stopped
+        if not stopped:
+            stopped = True
+            raise Stopped(number)
+
+    if "MAKELEVEL" in os.environ:
+        end_with_parent()
     try:
         for number, handler in before.items():
             if handler is not signal.SIG_IGN:
                 signal.signal(number, stop)
-        with _repeated(_heed_make, 0.5) if _unheeded(os.getppid()) is not None else contextlib.nullcontext():
-            yield
+        yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def _unheeded(process: int) -> list[int] | None:
-    """Those of SIGNALS that `process`, if it is a make, has got or ignores: it handles each once. None of others."""
-    try:
-        status = Path(f"/proc/{process}/status").read_text()
-    except OSError:
-        return None
-    if not re.match(r"Name:\tg?make\n", status):
-        return None
-    handled = int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16)
-    return [number for number in SIGNALS if not handled >> (number - 1) & 1]
-
-
-def _heed_make() -> None:
-    """GNU make hands on SIGTERM only: after SIGHUP or SIGINT, which a terminal sends to all, it waits for its commands.
-
-    So we ask it: what it has got becomes ours, where we do not ignore it either, and SIGTERM when it is gone.
-    """
-    got = _unheeded(os.getppid())
-    for number in [signal.SIGTERM] if got is None else got:
-        signal.pthread_kill(threading.main_thread().ident, number)
-
-
 def exit_status(name: str, work: Callable[[], int]) -> int:
-    """What `work` returns; or, when it raises, one line for the command `name` on stderr and 1, 2 or 128 + signal.
+    """Return the status of `work`; after an error print one line, `name` first, and return 1, 2 or 128 + signal.
 
-    Without a terminal a line every few seconds says how long it is at work, where that does not say more.
+    Without a terminal a line every few seconds reports the time so far, unless an inner meter reports more.
     """
     try:
         with stoppable(), contextlib.nullcontext() if Console(stderr=True).is_terminal else progress(name, 0):
             return work()
-    except SimulationError as exc:
-        print(f"{name}: {exc}", file=sys.stderr)
-        return 1
-    except (InputError, TargetError) as exc:
-        print(f"{name}: {exc}", file=sys.stderr)
-        return 2
-    except OSError as exc:
-        print(f"{name}: cannot read or write {_what_failed(exc)}", file=sys.stderr)
-        return 2
     except KeyboardInterrupt as exc:
         number = exc.args[0] if isinstance(exc, Stopped) else signal.SIGINT
         print(f"{name}: {SIGNALS[number]}", file=sys.stderr)
         return 128 + number
+    except OSError as exc:
+        print(f"{name}: cannot read or write {_what_failed(exc)}", file=sys.stderr)
+        return 2
+    except (SimulationError, InputError, TargetError) as exc:
+        print(f"{name}: {exc}", file=sys.stderr)
+        return 1 if isinstance(exc, SimulationError) else 2
 
 
 def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:

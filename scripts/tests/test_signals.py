@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Signals to make alone, as `make run & kill -HUP $!` sends them: the command and its simulator end, too."""
+"""Signals to `make`: the command and its simulator end within seconds and leave no temporary files."""
 
 import os
 import signal
@@ -24,41 +24,52 @@ def work():
 
 sys.exit(exit_status("some", work))
 """
+MESSAGES = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
 
 
-def made(tmp_path, ignore=()):
-    """A make that has started a command that has started a simulator: the process, and the pids of both others."""
+def start(tmp_path, *env_options):
+    """Start make, which starts a command, which starts a simulator; return make and the two other process ids."""
     (tmp_path / "command.py").write_text(COMMAND)
     (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
     (tmp_path / "tmp").mkdir()
-    # SIGINT may be ignored here: a shell does so to what it runs in the background
-    words = ["env", "--default-signal", *(f"--ignore-signal={name}" for name in ignore), "make", "run"]
-    env = environment() | {"TMPDIR": str(tmp_path / "tmp")}
     make = subprocess.Popen(
-        words, cwd=tmp_path, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+        ["env", "--default-signal", *env_options, "make", "run"], cwd=tmp_path, start_new_session=True, text=True,
+        env=environment() | {"TMPDIR": str(tmp_path / "tmp")}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
     return make, [int(pid) for pid in make.stdout.readline().split()]
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL])
-def test_what_make_alone_gets_ends_all(tmp_path, number):
-    make, pids = made(tmp_path)
+@pytest.mark.parametrize(
+    ("number", "to"),
+    [*((number, os.killpg) for number in MESSAGES), (signal.SIGTERM, os.kill), (signal.SIGKILL, os.kill)],
+)
+def test_a_signal_ends_command_and_simulator(tmp_path, number, to):
+    """To the process group, as a terminal sends it, or to make alone, which hands on SIGTERM."""
+    make, pids = start(tmp_path)
     assert len(pids) == 2 and all(map(alive, pids))
-    make.send_signal(number)
-    said = make.communicate(timeout=60)[1]  # make's stderr is the command's, too: this waits for both
-    names = {signal.SIGHUP: "hung up", signal.SIGINT: "interrupted"}
-    assert make.returncode == -number and f"some: {names.get(number, 'terminated')}\n" in said
-    for _ in range(100):  # what has closed its stderr may still be about to end
-        if any(map(alive, pids)):
-            time.sleep(0.05)
+    to(make.pid, number)
+    err = make.communicate(timeout=60)[1]  # waits for the command as well, which has the same stderr
+    assert make.returncode == -number and f"some: {MESSAGES.get(number, 'terminated')}\n" in err
+    limit = time.monotonic() + 10
+    while any(map(alive, pids)) and time.monotonic() < limit:
+        time.sleep(0.05)
     assert not any(map(alive, pids)) and os.listdir(tmp_path / "tmp") == []
 
 
-def test_under_nohup_a_hang_up_ends_nothing(tmp_path):
-    make, pids = made(tmp_path, ignore=["HUP"])
-    make.send_signal(signal.SIGHUP)
-    with pytest.raises(subprocess.TimeoutExpired):
-        make.wait(2)
+def test_nohup(tmp_path):
+    make, pids = start(tmp_path, "--ignore-signal=HUP")
+    os.killpg(make.pid, signal.SIGHUP)
+    time.sleep(0.5)
     assert all(map(alive, pids))
     make.terminate()
     assert "some: terminated\n" in make.communicate(timeout=60)[1]
+
+
+def test_a_killed_command_ends_its_simulator(tmp_path):
+    make, (command, simulator) = start(tmp_path)
+    os.kill(command, signal.SIGKILL)
+    make.communicate(timeout=60)
+    limit = time.monotonic() + 10
+    while alive(simulator) and time.monotonic() < limit:
+        time.sleep(0.05)
+    assert not alive(simulator)

@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/setup/bootstrap.py without network: the stamp, the messages, the choice of Python."""
+"""scripts/setup/bootstrap.py without network: stamp, messages, choice of Python, lock files."""
 
 import ast
-import hashlib
 import json
 import os
 import shutil
 import subprocess
 import sys
-import sysconfig
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -26,301 +23,152 @@ def script(path, text):
 
 @pytest.fixture
 def checkout(tmp_path, monkeypatch):
-    """An empty checkout with a finished set-up for Icarus, in a PATH of programs that do nothing."""
+    """An empty checkout that is set up for Icarus, with a PATH of programs that do nothing and a pip that can fail."""
     root, path = tmp_path / "check out", tmp_path / "bin"
     (root / ".venv" / "bin").mkdir(parents=True)
     path.mkdir()
-    for name in ("iverilog", "vvp", "perl", "make", "g++"):
+    for name in ("iverilog", "vvp", "perl", "make", "g++", "cc"):
         script(path / name, "exit 0\n")
     (root / ".venv" / "bin" / "python").symlink_to(sys.executable)
-    (root / "requirements.lock").write_text("numpy==1.0\n")
     monkeypatch.setenv("PATH", str(path))
     monkeypatch.setattr(bootstrap, "ROOT", str(root))
     setup = bootstrap.Setup(str(root))
-    setup.write_stamp(sys.executable, ["icarus"])  # any file that exists will do for the library
+    for lock in (setup.lock_file, setup.extra_lock("fpga"), setup.extra_lock("table6")):
+        Path(lock).write_text("numpy==1.0\n")
+    setup.write_stamp(sys.executable, ["icarus"])  # in place of libpython any file will do
+    setup.installed, setup.pip_result = [], (0, "")
+
+    def pip(lock_file):
+        setup.installed.append(os.path.basename(lock_file))
+        return setup.pip_result
+
+    monkeypatch.setattr(setup, "pip_install", pip)
+    monkeypatch.setattr(setup, "make_venv", lambda: pytest.fail("makes .venv again"))
     return setup
 
 
-def path_of(setup):
-    return Path(os.environ["PATH"])
-
-
-def one_line_and_status_2(capsys, call, *arguments):
-    """What set-up says when it gives up; lines before the last one are of what it began to do."""
+def refused(capsys, call, *arguments):
+    """The last line on stderr of a call that ends with status 2."""
     with pytest.raises(SystemExit) as stopped:
         call(*arguments)
-    assert stopped.value.code == 2
     out, err = capsys.readouterr()
-    *begun, said = err.splitlines()
-    assert out == "" and said.startswith("cga-ik: ") and all(line.endswith(" ...") for line in begun)
-    return said
+    *begun, line = err.splitlines()
+    assert (stopped.value.code, out) == (2, "") and all(each.endswith(" ...") for each in begun)
+    return line
 
 
-# -- the stamp -------------------------------------------------------------------------------------
+def change_lock(setup):
+    Path(setup.lock_file).write_text("numpy==1.1\n")
 
 
-def test_stamp_of_a_finished_setup_is_accepted(checkout):
+def change_python(setup):
+    os.remove(setup.python)
+    os.symlink("/nowhere/python3", setup.python)
+
+
+def move(setup):
+    shutil.move(setup.root, setup.root + "2")
+    setup.__init__(setup.root + "2")
+
+
+def change_library(setup):
+    stamp = Path(setup.stamp)
+    stamp.write_text(json.dumps(json.loads(stamp.read_text()) | {"libpython": "/nowhere/libpython3.so"}))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [change_lock, change_python, move, change_library, lambda setup: Path(setup.stamp).write_text("{"),
+     lambda setup: Path(setup.stamp).write_text("[]"), lambda setup: os.remove(setup.stamp)],
+)  # fmt: skip
+def test_a_change_invalidates_the_stamp(checkout, change):
     assert checkout.is_ready([]) and checkout.is_ready(["icarus"])
-    assert not checkout.is_ready(["verilator"])  # not looked at yet
-
-
-def test_second_simulator_is_added_without_a_new_environment(checkout, monkeypatch):
-    monkeypatch.setattr(checkout, "make_venv", lambda: pytest.fail("made .venv again"))
-    monkeypatch.setattr(bootstrap, "install_packages", lambda p: pytest.fail(f"would install {p}"))
-    checkout.set_up(["verilator"])
-    assert checkout.is_ready(["icarus", "verilator"])
-
-
-def test_compiler_cache_is_installed_only_if_it_may_be(checkout, monkeypatch):
-    installed = []
-    monkeypatch.setattr(bootstrap, "install_packages", installed.append)
-    monkeypatch.setattr(bootstrap, "apt_prefix", lambda: None)
-    checkout.set_up(["verilator"])
-    assert installed == []
-    monkeypatch.setattr(bootstrap, "apt_prefix", lambda: [])
-    checkout.set_up(["verilator"])
-    assert installed == [["ccache"]]
-
-
-@pytest.mark.parametrize("broken", ["lock", "python", "moved", "library", "text", "empty", "none"])
-def test_stamp_does_not_outlive_what_it_stands_for(checkout, broken):
-    stamp = Path(checkout.stamp)
-    content = json.loads(stamp.read_text())
-    if broken == "lock":
-        Path(checkout.lock_file).write_text("numpy==1.1\n")
-    elif broken == "python":
-        os.remove(checkout.python)
-        os.symlink("/nowhere/python3", checkout.python)
-    elif broken == "moved":
-        shutil.move(checkout.root, checkout.root + "2")
-        checkout = bootstrap.Setup(checkout.root + "2")
-    elif broken == "library":
-        stamp.write_text(json.dumps(dict(content, libpython="/nowhere/libpython3.so")))
-    elif broken == "text":
-        stamp.write_text("{")
-    elif broken == "empty":
-        stamp.write_text("[]")
-    elif broken == "none":
-        stamp.unlink()
+    change(checkout)
     assert checkout.read_stamp() is None and not checkout.is_ready([])
 
 
-@pytest.mark.parametrize("program", ["iverilog", "vvp"])
-def test_removed_simulator_is_noticed(checkout, program):
-    (path_of(checkout) / program).unlink()
-    assert not checkout.is_ready(["icarus"])
-    assert bootstrap.missing_packages(["icarus"]) == ["iverilog"]
+def test_a_missing_program_is_found_and_named(checkout, capsys):
+    path = Path(os.environ["PATH"])
+    (path / "vvp").unlink()
+    assert not checkout.is_ready(["icarus"]) and bootstrap.missing_packages(["icarus"]) == ["iverilog"]
+    message = refused(capsys, checkout.set_up, ["chromium"])
+    assert message == "cga-ik: please install, then run make again (by their Debian names): chromium"
+    script(path / "perl", "exit 2\n")  # Debian's perl-base, which lacks some modules
+    assert bootstrap.missing_packages(["verilator"]) == ["perl"]
+    assert "unknown requirement 'netscape'" in refused(capsys, bootstrap.main, ["netscape"])
 
 
-def test_the_browser_is_a_requirement_of_its_own(checkout, capsys):
-    assert bootstrap.missing_packages(["icarus"]) == []
-    assert bootstrap.missing_packages(["icarus", "chromium"]) == ["chromium"]
-    said = one_line_and_status_2(capsys, checkout.set_up, ["chromium"])  # no apt-get here
-    assert said == "cga-ik: please install, then run make again (by their Debian names): chromium"
-    assert not checkout.is_ready(["chromium"])
-    script(path_of(checkout) / "chromium", "exit 0\n")
-    checkout.set_up(["chromium"])
-    assert checkout.is_ready(["icarus", "chromium"])
-    assert "unknown requirement 'netscape'" in one_line_and_status_2(capsys, bootstrap.main, ["netscape"])
+def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(checkout):
+    for lock in ("z3-solver==1.0\n", "z3-solver==1.1\n"):
+        Path(checkout.extra_lock("fpga")).write_text(lock)
+        assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"])
+        checkout.set_up(["verilator"])  # must not declare tools of another lock ready
+        assert not checkout.is_ready(["fpga"])
+        for _ in range(2):
+            checkout.set_up(["fpga"])
+        assert checkout.is_ready(["icarus", "verilator", "fpga"])
+    assert checkout.installed == 2 * ["requirements-fpga.lock"]
 
 
-@pytest.fixture
-def fpga(checkout, monkeypatch):
-    """A checkout with a second lock file, whose pip notes what it was asked to install and can be made to fail."""
-    Path(checkout.extra_lock("fpga")).write_text("z3-solver==1.0\n")
-    checkout.installed, checkout.pip_says = [], (0, "")
-
-    def pip(lock_file):
-        checkout.installed.append(os.path.basename(lock_file))
-        return checkout.pip_says
-
-    monkeypatch.setattr(checkout, "pip_install", pip)
-    monkeypatch.setattr(checkout, "make_venv", lambda: pytest.fail("made .venv again"))
-    return checkout
-
-
-def test_fpga_tools_are_added_to_the_same_environment_once(fpga, capsys):
-    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
-    fpga.set_up(["fpga"])
-    assert fpga.installed == ["requirements-fpga.lock"]
-    assert fpga.is_ready(["icarus", "fpga"])
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 2 and "requirements-fpga.lock" in said[0] and said[1] == "cga-ik: ready"
-    fpga.set_up(["verilator", "fpga"])  # another requirement: they are not installed again
-    assert fpga.installed == ["requirements-fpga.lock"] and capsys.readouterr().err == ""
-    assert fpga.is_ready(["icarus", "verilator", "fpga"])
-
-
-def test_another_fpga_lock_concerns_only_those_who_need_it(fpga):
-    fpga.set_up(["fpga"])
-    Path(fpga.extra_lock("fpga")).write_text("z3-solver==1.1\n")
-    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
-    fpga.set_up(["verilator"])  # writes the stamp again, and must not vouch for tools of the old lock
-    assert fpga.is_ready(["icarus", "verilator"]) and not fpga.is_ready(["fpga"])
-    fpga.set_up(["fpga"])
-    assert fpga.is_ready(["icarus", "verilator", "fpga"])
-    assert fpga.installed == 2 * ["requirements-fpga.lock"]
-
-
-def test_new_environment_has_no_fpga_tools_until_they_are_asked_for(fpga, monkeypatch):
-    fpga.set_up(["fpga"])
-    Path(fpga.lock_file).write_text("numpy==1.1\n")
-    monkeypatch.setattr(fpga, "make_venv", lambda: sys.executable)
-    monkeypatch.setattr(bootstrap, "missing_for_venv", lambda: [])
-    fpga.set_up(["icarus"])
-    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
-
-
-def test_fpga_tools_that_cannot_be_installed_leave_the_rest_ready(fpga, capsys):
-    fpga.pip_says = (1, "ERROR: no such hash\n")
-    said = one_line_and_status_2(capsys, fpga.set_up, ["fpga"])
-    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["fpga"])
-    assert "ERROR: no such hash (more in build/setup.log)" in said
-
-
-def test_software_to_compare_with_need_not_install(fpga, capsys):
-    """A row of the table says what is missing; the next `make table6` tries again."""
-    Path(fpga.extra_lock("table6")).write_text("numba==1.0\n")
-    script(path_of(fpga) / "cc", "exit 0\n")
-    fpga.pip_says = (1, "ERROR: no wheel\n")
-    fpga.set_up(["table6"])
-    assert "could not add the software of requirements-table6.lock, going on without" in capsys.readouterr().err
-    assert fpga.is_ready(["icarus"]) and not fpga.is_ready(["table6"])
-    fpga.pip_says = (0, "")
-    fpga.set_up(["table6", "fpga"])
-    assert fpga.is_ready(["table6", "fpga"])
-    Path(fpga.extra_lock("fpga")).write_text("z3-solver==1.1\n")  # of the two extras each has its own digest
-    assert fpga.is_ready(["table6"]) and not fpga.is_ready(["fpga"])
+def test_an_extra_that_does_not_install(checkout, capsys):
+    """An error for fpga, a line for table6, whose users do without; the rest stays ready."""
+    checkout.pip_result = (1, "ERROR: no such hash\n")
+    assert "ERROR: no such hash (more in build/setup.log)" in refused(capsys, checkout.set_up, ["fpga"])
+    checkout.set_up(["table6"])
+    assert "could not add the software of requirements-table6.lock" in capsys.readouterr().err
+    assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"]) and not checkout.is_ready(["table6"])
 
 
 @pytest.mark.parametrize("fails", ["venv", "pip"])
-def test_half_finished_environment_leaves_no_stamp(checkout, tmp_path, monkeypatch, capsys, fails):
-    """A .venv that could not be finished is made again by the next run, and the message is one line."""
+def test_a_half_finished_environment_leaves_no_stamp(checkout, tmp_path, monkeypatch, capsys, fails):
     pip = script(tmp_path / "pip", 'echo "ERROR: no network" >&2; exit 1\n')
     venv = "exit 1" if fails == "venv" else f'mkdir -p "$5/bin"; cp "{pip}" "$5/bin/python"'
     base = script(tmp_path / "python", f'PATH=/usr/bin:/bin\nrm -rf "$5"\n{venv}\n')
-    os.remove(checkout.stamp)
-    monkeypatch.setattr(bootstrap, "shared_library", lambda: "libpython.so")
+    setup = bootstrap.Setup(checkout.root)
     monkeypatch.setattr(sys, "executable", str(base))
-    said = one_line_and_status_2(capsys, checkout.set_up, ["icarus"])
-    assert not os.path.exists(checkout.stamp) and not checkout.is_ready([])
-    assert "could not make .venv" in said and ("ERROR: no network" in said) == (fails == "pip")
+    message = refused(capsys, setup.make_venv)
+    assert not os.path.exists(setup.stamp)
+    assert "could not make .venv" in message and ("ERROR: no network" in message) == (fails == "pip")
 
 
-WHEEL = {
-    "cga_probe.py": "",
-    "cga_probe-1.dist-info/METADATA": "Metadata-Version: 2.1\nName: cga-probe\nVersion: 1\n",
-    "cga_probe-1.dist-info/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
-    "cga_probe-1.dist-info/RECORD": "",
-}
-
-
-def test_pip_installs_into_the_environment_whatever_the_user_has_set(checkout, tmp_path, monkeypatch):
-    """The real pip, with a wheel of nothing; where packages come from is as set."""
-    wheel, elsewhere, config = tmp_path / "cga_probe-1-py3-none-any.whl", tmp_path / "elsewhere", tmp_path / "pip.conf"
-    with zipfile.ZipFile(wheel, "w") as archive:
-        for name, text in WHEEL.items():
-            archive.writestr(name, text)
-    lock = Path(checkout.lock_file)
-    lock.write_text(f"cga-probe==1 --hash=sha256:{hashlib.sha256(wheel.read_bytes()).hexdigest()}\n")
-    subprocess.run([sys.executable, "-m", "venv", "--clear", "--without-pip", checkout.venv], check=True)
-    packages = next(Path(checkout.venv).glob("lib/python*/site-packages"))
-    (packages / "pip.pth").write_text(sysconfig.get_path("purelib"))
-    (elsewhere / "pip").mkdir(parents=True)
-    (elsewhere / "pip" / "__init__.py").write_text("raise SystemExit('a wrong pip')")
-    config.write_text("[global]\nuser = yes\n")
-    for name in ("TARGET", "PREFIX", "ROOT"):
-        monkeypatch.setenv(f"PIP_{name}", str(elsewhere))
-    for name in ("CONSTRAINT", "REQUIREMENT", "EDITABLE"):
-        monkeypatch.setenv(f"PIP_{name}", str(tmp_path / "none"))
-    for name, value in {"USER": "1", "DRY_RUN": "1", "PYTHON": "/nowhere", "NO_INDEX": "1"}.items():
-        monkeypatch.setenv(f"PIP_{name}", value)
-    monkeypatch.setenv("PIP_FIND_LINKS", str(tmp_path))
-    monkeypatch.setenv("PIP_CONFIG_FILE", str(config))
-    monkeypatch.setenv("PYTHONPATH", str(elsewhere))
-    status, said = checkout.pip_install(checkout.lock_file)
-    assert status == 0 and (packages / "cga_probe.py").exists(), said
-    assert os.listdir(elsewhere) == ["pip"]
-
-
-def test_stamp_is_taken_away_before_anything_is_changed(checkout, monkeypatch):
-    """Ctrl-C while the old environment is being removed: no stamp may be left."""
-
-    def interrupted(command, **kwargs):
-        raise KeyboardInterrupt
-
-    Path(checkout.lock_file).write_text("numpy==1.1\n")
-    monkeypatch.setattr(bootstrap, "run_logged", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        checkout.make_venv()
-    Path(checkout.lock_file).write_text("numpy==1.0\n")
-    assert not checkout.is_ready([])
+def test_pip_ignores_settings_that_redirect_it(checkout, monkeypatch):
+    runs = []
+    monkeypatch.setattr(bootstrap, "run_logged", lambda command, env: runs.append((command, env)))
+    for name in (*bootstrap.NOT_FOR_PIP, "INDEX_URL"):
+        monkeypatch.setenv(f"PIP_{name}", "x")
+    bootstrap.Setup(checkout.root).pip_install("some.lock")
+    ((command, env),) = runs
+    assert {"-I", "--no-user", "--require-hashes"} < set(command)
+    assert "PIP_INDEX_URL" in env and not {f"PIP_{name}" for name in bootstrap.NOT_FOR_PIP} & set(env)
 
 
 def test_a_linked_environment_is_left_alone(checkout, tmp_path, capsys):
-    """What it leads to belongs to somebody else."""
-    other = Path(checkout.root).rename(tmp_path / "other")
-    Path(checkout.root).mkdir()
-    Path(checkout.venv).symlink_to(other / ".venv")
-    said = one_line_and_status_2(capsys, checkout.make_venv)
-    assert said == f"cga-ik: .venv is a link to {other}/.venv, which set-up will not overwrite: remove the link"
-    assert (other / ".venv" / "cga-ik.json").exists()
+    setup = bootstrap.Setup(str(tmp_path))
+    os.symlink(checkout.venv, setup.venv)
+    assert "set-up will not overwrite: remove the link" in refused(capsys, setup.make_venv)
+    assert checkout.is_ready(["icarus"])
 
 
-# -- what the system lacks -------------------------------------------------------------------------
-
-
-def test_message_without_apt(checkout, capsys):
-    said = one_line_and_status_2(capsys, bootstrap.install_packages, ["iverilog", "g++"])
-    assert said.endswith("g++ iverilog") and "apt-get" not in said
-
-
-@pytest.mark.parametrize("sudo", [None, "exit 1\n"])
-def test_message_where_apt_is_not_allowed(checkout, monkeypatch, capsys, sudo):
-    script(path_of(checkout) / "apt-get", "exit 99\n")
-    if sudo:
-        script(path_of(checkout) / "sudo", sudo)
-    monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    said = one_line_and_status_2(capsys, bootstrap.install_packages, ["iverilog"])
-    assert "as root" in said and said.endswith("apt-get install -y iverilog")
-
-
-@pytest.mark.parametrize("user", ["root", "sudo"])
-@pytest.mark.parametrize("fails", [0, 1, 9])
-def test_apt_is_used_where_it_is_allowed(checkout, tmp_path, monkeypatch, capsys, user, fails):
-    """Without questions; where it fails (there are no package lists, say) once more after an update."""
-    log = tmp_path / "log"
+@pytest.mark.parametrize(("user", "fails"), [("root", 0), ("sudo", 1), ("root", 9), ("nobody", 0)])
+def test_apt_get(checkout, tmp_path, monkeypatch, capsys, user, fails):
+    """apt-get runs without questions where it may, once more after an update; otherwise a line names its command."""
+    path, log = Path(os.environ["PATH"]), tmp_path / "log"
     log.touch()
     count = f'case "$*" in *install*) [ $(grep -c " install " "{log}") -gt {fails} ] || exit 100;; esac\n'
-    script(path_of(checkout) / "apt-get", f'echo "$DEBIAN_FRONTEND $*" >> "{log}"\n{count}')
-    script(
-        path_of(checkout) / "sudo", f'echo "sudo $1" >> "{log}"\n[ "$1" = -n ] || exit 1\nshift\nexec "$@"\n'
-    )
+    script(path / "apt-get", f'echo "$DEBIAN_FRONTEND $*" >> "{log}"\n{count}')
+    script(path / "sudo", f'[ "$1" = -n ] && [ {user} = sudo ] || exit 1\nshift\nexec "$@"\n')
     for name in ("env", "true", "grep"):
-        (path_of(checkout) / name).symlink_to(shutil.which(name, path="/usr/bin:/bin"))
+        (path / name).symlink_to(shutil.which(name, path="/usr/bin:/bin"))
     monkeypatch.setattr(os, "geteuid", lambda: 0 if user == "root" else 1000)
-    packages = ["iverilog", "g++", "iverilog"]
-    if fails > 1:
-        assert "apt-get failed" in one_line_and_status_2(capsys, bootstrap.install_packages, packages)
+    if fails > 1 or user == "nobody":
+        message = refused(capsys, bootstrap.install_packages, ["iverilog", "g++"])
+        assert "as root" in message and message.endswith("apt-get install -y g++ iverilog")
     else:
-        bootstrap.install_packages(packages)
-        assert capsys.readouterr().err == "cga-ik: installing g++, iverilog (apt-get) ...\n"
-    called = log.read_text().splitlines()
-    apt = [c for c in called if not c.startswith("sudo")]
-    assert called.count("sudo -n") == len(called) - len(apt) == (0 if user == "root" else 1 + len(apt))
-    assert all(c.startswith("noninteractive ") for c in apt)
-    done = [word for call in apt for word in call.split() if word in ("update", "install")]
-    assert done == (["install", "update", "install"] if fails else ["install"])
-    assert apt[-1].endswith("--no-install-recommends g++ iverilog")
-
-
-def test_perl_without_its_modules_is_noticed(checkout):
-    script(path_of(checkout) / "perl", "exit 2\n")  # as with Debian's perl-base alone
-    assert bootstrap.missing_packages(["verilator"]) == ["perl"]
-    assert bootstrap.missing_packages(["icarus"]) == []
-
-
-# -- which Python ----------------------------------------------------------------------------------
+        bootstrap.install_packages(["iverilog", "g++"])
+    calls = log.read_text().splitlines()
+    assert all(call.startswith("noninteractive ") for call in calls)
+    done = [word for call in calls for word in call.split() if word in ("update", "install")]
+    assert done == ([] if user == "nobody" else ["install", "update", "install"] if fails else ["install"])
 
 
 @pytest.mark.parametrize(
@@ -331,81 +179,42 @@ def test_perl_without_its_modules_is_noticed(checkout):
         ((3, 12, 1), "lacks the shared libpython"),
     ],
 )
-def test_python_that_will_not_do_is_refused_in_a_line(monkeypatch, capsys, version, message):
+def test_an_unsuitable_python_is_refused(monkeypatch, capsys, version, message):
     monkeypatch.setattr(sys, "version_info", version)
     monkeypatch.setattr(bootstrap, "shared_library", lambda: None)
     monkeypatch.setattr(bootstrap, "is_distributions", lambda: False)
     monkeypatch.setattr(bootstrap, "SYSTEM_PYTHON", "/nowhere/python3")
-    assert message in one_line_and_status_2(capsys, bootstrap.choose_python, [])
+    assert message in refused(capsys, bootstrap.choose_python, [])
 
 
-@pytest.mark.parametrize(("status", "taken"), [(0, True), (1, False)])
-def test_the_systems_python_is_taken_where_it_suits(tmp_path, monkeypatch, status, taken):
-    """And this one, pyenv's say, does not."""
-    started = []
-    system = script(tmp_path / "python3", f'[ "$3" = --suits ] && exit {status}\nexit 9\n')
-    monkeypatch.setattr(bootstrap, "SYSTEM_PYTHON", str(system))
-    monkeypatch.setattr(bootstrap, "suits", lambda: False)
-    monkeypatch.setattr(os, "execv", lambda path, words: started.append((path, words[-1])))
-    monkeypatch.setattr(bootstrap, "die", lambda text: None)
-    bootstrap.choose_python(["icarus"])
-    assert started == ([(str(system), "icarus")] if taken else [])
-
-
-def test_this_python_has_its_library():
-    """This very process is in the environment that bootstrap made."""
-    library = bootstrap.shared_library()
-    assert library and os.path.exists(library)
-
-
-def test_an_old_python_can_read_the_file():
-    """Or it could not say what is wrong."""
+def test_an_old_python_can_parse_the_file():
     ast.parse((ROOT / "scripts" / "setup" / "bootstrap.py").read_text(encoding="ascii"), feature_version=(3, 7))
 
 
-# -- as it is called -------------------------------------------------------------------------------
-
-
-def own_copy(checkout):
-    """How the set-up of that checkout is started, in a process of its own."""
-    (Path(checkout.root) / "scripts" / "setup").mkdir(parents=True)
-    copy = shutil.copy(ROOT / "scripts" / "setup" / "bootstrap.py", Path(checkout.root) / "scripts" / "setup")
-    return [sys.executable, "-ES", str(copy), "icarus"]
-
-
-WATCHED = """
-import hashlib, json, os, pkgutil, runpy, subprocess, sys
-known = set(sys.modules)
-STARTS = ("subprocess.Popen", "os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.system")
-sys.addaudithook(lambda event, _: event in STARTS and print("starts:", event))
-sys.argv = sys.argv[1:]
-try:
-    runpy.run_path(sys.argv[0], run_name="__main__")
-finally:
-    print("imports:", *sorted(set(sys.modules) - known))
-"""
-
-
-def test_finished_setup_starts_at_once(checkout):
-    """A set-up with nothing to do starts no process, imports no more than it needs to read its stamp, and is silent."""
-    python, flags, *command = own_copy(checkout)
-    watched = [python, flags, "-c", WATCHED, *command]
-    done = subprocess.run(watched, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "imports:\n", "")
-    os.remove(checkout.stamp)
-    done = subprocess.run(watched, capture_output=True, text=True, check=False)
-    assert "starts: subprocess.Popen" in done.stdout, "the watch sees nothing"
-
-
-def test_second_setup_of_a_checkout_waits(checkout):
-    """Two makes at a time: while one holds the lock the other says so, and goes on when it is free."""
-    command = own_copy(checkout)
+def test_a_second_setup_of_a_checkout_waits(checkout):
+    folder = Path(checkout.root) / "scripts" / "setup"
+    folder.mkdir(parents=True)
+    command = [sys.executable, "-ES", shutil.copy(ROOT / "scripts/setup/bootstrap.py", folder), "icarus"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")  # nothing to do
     stamp = Path(checkout.stamp).read_text()
     os.remove(checkout.stamp)
     held = bootstrap.hold_lock(checkout.root)
     second = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert second.stderr.readline() == "cga-ik: waiting for another set-up of this checkout ...\n"
-    assert second.poll() is None
     Path(checkout.stamp).write_text(stamp)  # the first one finishes
     os.close(held)
     assert second.communicate(timeout=20)[1] == "" and second.returncode == 0
+
+
+@pytest.mark.parametrize("extra", bootstrap.EXTRAS)
+def test_lock_files_agree(extra):
+    """All are installed into one .venv, so a package has one version in them."""
+
+    def pinned(lock_file):
+        lines = [line for line in Path(lock_file).read_text().splitlines() if "==" in line and line[0] not in "# "]
+        return {line.split("==")[0]: line.split("==")[1].split()[0] for line in lines}
+
+    setup = bootstrap.Setup()
+    base, more = pinned(setup.lock_file), pinned(setup.extra_lock(extra))
+    assert {name: base.get(name, version) for name, version in more.items()} == more
