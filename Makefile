@@ -76,7 +76,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser coverage docs derive wordlengths compare operations figures bench table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser coverage docs derive wordlengths compare operations figures table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
@@ -147,10 +147,6 @@ operations: ## table 4 of the paper counted from the equations and the elaborate
 figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: figures.md
 	@$(SETUP) graphviz
 	@exec $(VENV) -m scripts.pages.figures
-
-bench: ## simulated targets per second, both simulators in one run
-	@$(SETUP) icarus verilator
-	@exec $(VENV) -m scripts.bench
 
 table6: ## table 6 of the paper again: C, numpy, numba, JAX and the core on the same targets: table6.md [TARGETS= SEED=]
 	@$(SETUP) icarus table6

@@ -20,7 +20,7 @@ from model.io import trajectories
 from model.reference.kinematics import forward
 from scripts import run
 from scripts.report import page as report
-from scripts.tests.test_run import FakeSimulator, ctrl_c
+from scripts.tests.test_run import FakeSimulator
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
@@ -322,6 +322,9 @@ def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, w
     def broken(runs):
         raise SimulationError("iverilog: not found")
 
+    def interrupted(runs):
+        raise KeyboardInterrupt
+
     def full(old, new):
         raise OSError(28, "No space left on device", os.fspath(new))
 
@@ -329,7 +332,7 @@ def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, w
         simulator.spoil = broken
         expected = (1, "report: iverilog: not found")
     elif what == "ctrl-c":
-        simulator.spoil = ctrl_c
+        simulator.spoil = interrupted
         expected = (130, "report: interrupted")
     else:
         monkeypatch.setattr(os, "replace", full)
