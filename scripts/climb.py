@@ -5,7 +5,7 @@
 
 A round changes each of the worst targets in one to six words, by powers of two and small numbers, and keeps the worst
 of old and new, a few of each kind, so that no single target takes all places. The start are targets of every region.
-The worst of all go into `WORST` of model/dataflow/tests/test_lean.py.
+The worst of all go into `WORST` of model/dataflow/tests/test_datapaths.py.
 
 Exit status: 0 all hands are within their tolerance, 1 one is not, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM.
 """

@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The bit-true datapaths: accuracy over the reachable workspace, and unit quaternions and exact flags for any words.
+
+Bars are in ulps of a result, 2^(2 - W), in radians and in parts of the reach.
+"""
+
+from math import isqrt
+
+import numpy as np
+import pytest
+
+from model.bounds import predict, tolerances
+from model.dataflow import fixed
+from model.dataflow.nodes import GUARD, WIDTHS
+from model.io.flags import AT_SHOULDER, FLAGS, SATURATED, UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, SINGULAR, at_distance, corners, extremes, mixed, random_reachable, region
+from model.io.stimuli import unreachable as random_unreachable
+from model.io.words import RESULT_FIELDS, from_words, result_values
+from model.reference.equations import solve_clamped
+from model.reference.kinematics import angle_between, forward
+from model.reference.lean_equations import solve_lean
+
+TESTED = (16, 18, 24, 27, 32)
+
+WORST = {
+    16: (-32753, -3, -22, -19265, 73, 32752),
+    18: (58796, 28913, -498, 66209, 867, 65679),
+    24: (8252900, -970, 709, -494258, 39409, 8273971),
+    27: (67077117, 0, 768, -67108864, 49495, 67108861),
+    32: (2043587052, -2652, 1444, 84162352, 65595619, 2049611425),
+}
+"""Word length -> the target with the largest hand error that a search has found for the lean datapath."""
+
+ANGLE_ULPS = {16: 3, 18: 3, 24: 3, 27: 3, 32: 21}
+"""Largest error of the shoulder and elbow angles of the lean datapath; 2e-8 rad at W = 32."""
+
+every_width = pytest.mark.parametrize("width", TESTED)
+
+
+def ulp(width: int) -> float:
+    """Last place of a result word."""
+    return 2.0 ** (2 - width)
+
+
+class Run:
+    """Results of a datapath for input words, with their errors against double precision (parts of the reach, rad)."""
+
+    def __init__(self, words: np.ndarray, width: int, datapath: str = "lean", solve=solve_lean) -> None:
+        self.words, self.width = words, width
+        self.answer = fixed.run(words, width, datapath)
+        values, at = result_values(self.answer.results, width), from_words(words, 0, width, "words")
+        pose = solve(at.x, at.y, at.z, at.phi, at.d1, at.d2)
+        pose = np.column_stack([pose[name] for name in RESULT_FIELDS])
+        (elbow, wrist), exact = (forward(q[:, :4], q[:, 4:], at.d1, at.d2) for q in (values, pose))
+        reached = self.answer.flags & UNREACHABLE == 0
+        reach = np.maximum(np.abs(at.d1) + np.abs(at.d2), ulp(width))
+        aim = np.where(reached[:, None], at.position, exact[1])
+        self.hand = np.linalg.norm(wrist - aim, axis=1) / reach
+        self.elbow = np.linalg.norm(elbow - exact[0], axis=1) / reach
+        self.shoulder_angle = angle_between(values[:, :4], pose[:, :4])
+        self.elbow_angle = angle_between(*(np.pad(q[:, 4:], ((0, 0), (0, 2))) for q in (values, pose)))
+        self.norms = [np.abs((q**2).sum(axis=1) - 1) / ulp(width) for q in (values[:, :4], values[:, 4:])]
+
+    def below(self, error: np.ndarray, bar, what: str) -> None:
+        """Assert that no error exceeds its bar; name the worst target."""
+        n = int(np.argmax(error / bar))
+        assert error[n] <= np.broadcast_to(bar, error.shape)[n], f"{what} {error[n]:.3g} at {self.words[n].tolist()}"
+
+    def check_accuracy(self) -> None:
+        """Assert the tolerances of the lean datapath."""
+        for name in ("hand", "elbow"):
+            self.below(getattr(self, name), tolerances.lean(self.width), f"{name} error / reach")
+        for name in ("shoulder_angle", "elbow_angle"):
+            self.below(getattr(self, name), ANGLE_ULPS[self.width] * ulp(self.width), f"{name} error (rad)")
+
+    def check_words(self, bars) -> None:
+        """Assert unit quaternions with the core's signs, exact flags, and words that fit their formats."""
+        for name, off, bar in zip(("Qs", "Qe"), self.norms, bars, strict=True):
+            self.below(off, bar, f"|{name}|^2 - 1 in ulps:")
+        results, flags = self.answer.results, expected_flags(self.words, self.width)
+        assert (results[:, 3] >= 0).all(), "the k part of Qs is negative"
+        assert (results[:, 4] >= 0).all() and (results[:, 5] <= 0).all(), "signs of Qe"
+        wrong = np.flatnonzero(self.answer.flags != flags)
+        assert not len(wrong), f"flags of {self.words[wrong[0]].tolist()}: {self.answer.flags[wrong[0]]}"
+        for name, node in self.answer.bits.nodes.items():
+            value = np.asarray(node.value)
+            assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
+
+
+# -- words
+
+
+def any_words(count: int, width: int, seed: int) -> np.ndarray:
+    """Input words of all sizes and signs, the ends of the format included; most have positive lengths."""
+    random = np.random.default_rng((seed, width))
+    top = 1 << (width - 1)
+    words = random.integers(-top, top, (count, 6))
+    words = np.where(random.random((count, 6)) < 0.6, words >> random.integers(0, width, (count, 6)), words)
+    ends = np.array([-top, top - 1, 0, 1, -1, top // 2, -top // 2])
+    words = np.where(random.random((count, 6)) < 0.15, random.choice(ends, (count, 6)), words)
+    lengths = np.clip(np.abs(words[:, 4:]), 1, top - 1)
+    words[:, 4:] = np.where(random.random((count, 2)) < 0.8, lengths, words[:, 4:])
+    tiny = random.integers(-3, 4, (count // 4, 6))
+    tiny[:, 3] = random.integers(-top, top, len(tiny))
+    return np.concatenate([words, tiny, extremes(count // 4, width, seed), np.array(list(corners(width).values()))])
+
+
+def awkward_words(count: int, width: int, seed: int) -> np.ndarray:
+    """Long arms with the target a few lsb from the shoulder, and long upper arms with the target above or below."""
+    random = np.random.default_rng((seed, width))
+    top, low = (1 << (width - 1)) - 1, -(1 << (width - 1))
+    phi = random.integers(low, top, count)
+    long = random.integers(1 << (width - 2), top - 8, count)
+    near = random.integers(-8, 9, (count, 3))
+    shoulder = [*near.T, phi, long, long - random.integers(-8, 9, count)]
+    upper, fore = top - random.integers(0, 50, count), random.integers(1, 50, count)
+    height = np.clip((upper + random.integers(-60, 60, count)) * random.choice([-1, 1], count), low, top)
+    upright = [*random.integers(-9, 10, (2, count)), height, phi, upper, fore]
+    return np.concatenate([np.column_stack(shoulder), np.column_stack(upright)])
+
+
+def shaken(width: int) -> np.ndarray:
+    """Targets out of reach by little or much: targets of the regions with other arms or positions."""
+    random = np.random.default_rng((width, 5))
+    rows = np.concatenate([region(name, 500, width, 5) for name in REGIONS])
+    factor = np.where(random.random((len(rows), 6)) < 0.5, 1, np.exp2(random.uniform(-4, 0.2, (len(rows), 6))))
+    factor[:, 3] = 1
+    rows = np.rint(rows * factor).astype(np.int64)
+    rows[:, 4:] *= np.where(random.random((len(rows), 2)) < 0.05, -1, 1)
+    top = (1 << (width - 1)) - 1
+    rows = np.concatenate([np.clip(rows, -top - 1, top), random_unreachable(6000, width, 4)])
+    return rows[expected_flags(rows, width) & (UNREACHABLE | AT_SHOULDER) != 0]
+
+
+def walks(width: int) -> np.ndarray:
+    """Targets whose words count up, one lsb a step, across each limit at which a flag or a branch changes."""
+    random = np.random.default_rng((width, 31))
+    top, rows = (1 << (width - 1)) - 1, []
+
+    def across(column: int, centre: int, x: int, y: int, z: int, d1: int, d2: int) -> None:
+        steps = np.arange(centre - 24, centre + 25)
+        walk = np.tile([x, y, z, random.integers(-top, top), d1, d2], (len(steps), 1))
+        walk[:, column] = steps
+        rows.append(walk[(np.abs(walk) <= top).all(axis=1)])
+
+    for size in (1.0, 0.6, 30 / top, 50 / top):
+        reach = size * top * 0.9
+        d1, d2 = (max(1, round(reach * share)) for share in (0.4, 0.6))
+        v = random.normal(size=3)
+        x, y, z = (int(p) or 1 for p in np.rint(v * random.uniform(0.3, 0.8) * reach / np.linalg.norm(v)))
+        for sign in (1, -1):
+            for limit in (d1 + d2, d2 - d1):  # stretched and folded arms: along each axis, then by each length
+                near = [round(p * (limit / reach) * 0.5) for p in (x, y, z)]
+                for axis in range(3):
+                    rest = limit**2 - sum(p * p for n, p in enumerate(near) if n != axis)
+                    across(axis, sign * isqrt(max(rest, 0)), *near, d1, d2)
+            across(2, sign * (d1 + d2), 0, 0, 0, d1, d2)
+            across(2, sign * (d2 - d1), 0, 0, 0, d1, d2)
+            for axis in range(2):  # across the z axis, and past it
+                for aside in (0, 1, -7):
+                    across(axis, 0, aside, aside, sign * round(0.8 * reach), d1, d2)
+                across(axis, 0, 0, 0, sign * (d1 + d2), d1, d2)
+        distance = isqrt(x * x + y * y + z * z)
+        for column in (4, 5):
+            for limit in (0, max(1, distance // 2), distance + d2, abs(distance - d1)):
+                across(column, limit, x, y, z, d1, d2)
+        for axis in range(3):  # through the shoulder, and where a coordinate or cos a changes its sign
+            across(axis, 0, 0, 0, 0, d1, d1)
+            across(axis, 0, 0, 0, 0, d1, d2)
+            across(axis, 0, x, y, z, d1, d2)
+            across(axis, (x, y, z)[axis], x, y, z, d1, isqrt(d1 * d1 + distance**2))
+        for turn in (-2, -1, 0, 1):  # swivel angles next to multiples of a quarter turn
+            across(3, turn << (width - 2), x, y, z, d1, d2)
+    return np.concatenate(rows)
+
+
+# -- the lean datapath over the reachable workspace
+
+
+@every_width
+@pytest.mark.parametrize("name", REGIONS)
+def test_lean_is_accurate_in_each_region(name, width):
+    run = Run(region(name, 9000, width, seed=1), width)
+    assert not (run.answer.flags & UNREACHABLE).any()
+    run.check_accuracy()
+    run.check_words(tolerances.LEAN_NORMS[width])
+
+
+@every_width
+def test_lean_is_accurate_across_each_limit(width):
+    run = Run(walks(width), width)
+    run.check_accuracy()
+    run.check_words(tolerances.LEAN_NORMS[width])
+    flags = run.answer.flags
+    assert all((flags & flag.bit != 0).any() and (flags & flag.bit == 0).any() for flag in FLAGS if flag.bit != SATURATED)
+
+
+@pytest.mark.parametrize("at", (-10, -8, -5, -1))
+@pytest.mark.parametrize("pose", SINGULAR)
+def test_lean_is_accurate_next_to_singular_targets(pose, at):
+    Run(at_distance(pose, 10.0**at, 3000, 32, seed=2), 32).check_accuracy()
+
+
+@every_width
+def test_worst_targets_found(width):
+    run = Run(np.array([WORST[width]]), width)
+    run.below(run.hand, tolerances.sought(width), "hand error / reach")
+    run.check_words(tolerances.LEAN_NORMS[width])
+
+
+@pytest.mark.parametrize("width", [18, pytest.param(32, marks=[pytest.mark.slow, pytest.mark.cost(3)])])
+def test_prediction_of_the_worst_target(width):
+    words = np.array([WORST[width]])
+    assert Run(words, width).hand[0] <= predict.hand_bar(words, width, "lean")[0]
+
+
+@every_width
+def test_lean_clamps_as_double_precision_does(width):
+    run = Run(shaken(width), width, solve=solve_clamped)
+    one = 1 << (width - 2)
+    assert set(map(tuple, run.answer.results[:, 4:].tolist())) == {(0, -one), (one, 0)}, "Qe is -i or 1 exactly"
+    run.check_accuracy()
+
+
+# -- the paper's datapath
+
+
+@pytest.mark.parametrize(
+    "width", [w if w == 18 else pytest.param(w, marks=[pytest.mark.slow, pytest.mark.cost(5)]) for w in TESTED]
+)
+def test_hand_error_of_the_paper_stays_below_its_prediction(width):
+    run = Run(random_reachable(2000, width, 3), width, "paper", solve_clamped)
+    ratio = run.hand / predict.hand_bar(run.words, width)
+    n = int(ratio.argmax())
+    assert ratio[n] <= 1, f"{run.hand[n]:.3g} at {run.words[n].tolist()} is {ratio[n]:.2f} times the prediction"
+    assert np.median(ratio) > 0.05, "the prediction is too wide"
+
+
+def test_angles_of_the_paper():
+    """Singular poses included, hence the quantiles."""
+    run = Run(random_reachable(20000, 32, 5), 32, "paper", solve_clamped)
+    assert np.median(run.shoulder_angle) < 2e-8 and np.quantile(run.shoulder_angle, 0.99) < 2e-6
+
+
+@pytest.mark.parametrize("width", (18, 32))
+def test_paper_clamps_as_double_precision_does(width):
+    run = Run(random_unreachable(3000, width, 6), width, "paper", solve_clamped)
+    one = 1 << (width - 2)
+    assert set(map(tuple, run.answer.results[:, 4:].tolist())) == {(0, -one), (one, 0)}, "Qe is -i or 1 exactly"
+    run.below(run.elbow_angle, 1e-12, "elbow angle error (rad)")
+    assert np.quantile(run.shoulder_angle, 0.99) < 2.0 ** (9 - width)
+
+
+@every_width
+def test_only_clamped_elbows_and_limited_cosines_saturate(width):
+    words = np.concatenate([any_words(20000, width, 2), awkward_words(20000, width, 2)])
+    bits = fixed.run(words, width).bits
+    assert {name for name, mask in bits.overflow.items() if mask.any()} <= {"t_e", "c4_quo"}
+    assert not (bits.overflow["t_e"] & ~bits.nodes["clamp"].value).any()
+
+
+def test_words_are_at_most_32_bits():
+    """Exceptions: products before their rounding, sums of such products, and the exact squares of the guard."""
+    for name, node in fixed.run(random_reachable(1, 32, 1), 32).bits.nodes.items():
+        if node.format.width > 32 and node.section != "guard":
+            assert node.op in ("mul", "sum") and node.format.width == 32 + GUARD, name
+            assert node.op == "mul" or {o.format.width for o in node.operands} == {32 + GUARD}, name
+
+
+# -- both datapaths, any words
+
+
+@pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in WIDTHS), *(("paper", w) for w in TESTED)])
+def test_every_input_has_a_unit_answer_and_exact_flags(datapath, width):
+    words = np.concatenate([any_words(12000, width, 1), awkward_words(4000, width, 1)])
+    run = Run(words, width, datapath, solve_clamped)
+    run.check_words(tolerances.LEAN_NORMS[width] if datapath == "lean" else [tolerances.PAPER_NORM] * 2)
+    seen = np.bitwise_or.reduce(run.answer.flags)
+    assert seen == sum(flag.bit for flag in FLAGS if flag.bit != SATURATED), "every kind of target"
+
+
+@pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in TESTED), ("paper", 32)])
+def test_scale_does_not_matter(datapath, width):
+    """Lengths times a power of 4 give the same bits."""
+    lengths = [0, 1, 2, 4, 5]
+    words = np.concatenate([region(name, 200, width, 9) for name in REGIONS])
+    words[:, lengths] &= ~3
+    words = words[(words[:, 4:] > 0).all(axis=1)]
+    if datapath == "paper":  # drops a bit of long arms
+        words = words[(words[:, 4:].sum(axis=1) < 1 << (width - 1)) & (expected_flags(words, width) == 0)]
+    assert len(words) > 100
+    quarter = words.copy()
+    quarter[:, lengths] >>= 2
+    big, little = (fixed.run(w, width, datapath) for w in (words, quarter))
+    assert (big.flags == little.flags).all() and (big.results == little.results).all()
+
+
+@pytest.mark.parametrize("datapath", ["lean", "paper"])
+def test_targets_do_not_depend_on_their_neighbours(datapath):
+    words = mixed(20_000, 32, seed=10)
+    whole, part = fixed.run(words, 32, datapath), fixed.run(words[4321:4331], 32, datapath)
+    assert (whole.results[4321:4331] == part.results).all()
+
+
+def test_a_width_that_is_not_built_is_refused():
+    with pytest.raises(ValueError, match="width 33"):
+        fixed.run(np.zeros((1, 6), dtype=np.int64), 33)
