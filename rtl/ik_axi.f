@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From memory to memory, around the core: verilator -F rtl/ik_axis.f -F rtl/ik_axi.f, for example.
-+incdir+.
++incdir+include
 ik_axi.v
 axi/ik_axi_job.v
 axi/ik_axi_read.v

@@ -12,7 +12,7 @@
 
 module ik_axi #(
     parameter integer W          = 32,  // word length, 16 to 32
-    parameter integer LEAN       = 1,   // datapath: 1 the lean one, 0 the paper's
+    parameter integer DATAPATH       = 1,   // datapath: 1 the lean one, 0 the paper's
     parameter integer DIGIT      = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
     parameter integer TILE       = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
     parameter integer ADDR_W     = 32,  // width of an address, 12 to 64
@@ -89,7 +89,7 @@ module ik_axi #(
   endfunction
 
   localparam integer TAG_W = 24;
-  localparam integer LATENCY = datapath_latency(LEAN, W, TILE) + 2;
+  localparam integer LATENCY = datapath_latency(DATAPATH, W, TILE) + 2;
   localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // those of ik_axis
   localparam integer LOG2_BURSTS = 3;  // bursts under way in each direction, at most 8
 
@@ -103,8 +103,8 @@ module ik_axi #(
     if (LOG2_BURST < 1 || LOG2_BURST > 5) begin : g_burst
       ik_axi_needs_LOG2_BURST_of_1_to_5 u_stop ();
     end
-    if (LEAN != 0 && LEAN != 1) begin : g_datapath
-      ik_axi_needs_LEAN_of_0_or_1 u_stop ();
+    if (DATAPATH != 0 && DATAPATH != 1) begin : g_datapath
+      ik_axi_needs_DATAPATH_of_0_or_1 u_stop ();
     end
   endgenerate
 
@@ -126,7 +126,7 @@ module ik_axi #(
 
   ik_axi_regs #(
       .W      (W),
-      .LEAN   (LEAN),
+      .DATAPATH   (DATAPATH),
       .DIGIT  (DIGIT),
       .ADDR_W (ADDR_W),
       .DATA_W (DATA_W),
@@ -274,7 +274,7 @@ module ik_axi #(
   ik_axis #(
       .W    (W),
       .TAG_W(TAG_W),
-      .LEAN (LEAN),
+      .DATAPATH (DATAPATH),
       .DIGIT(DIGIT),
       .TILE (TILE)
   ) u_axis (

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // All Verilog of the core, for every tool that builds it: verilator -F rtl/ik_axis.f, for example.
-+incdir+.
-+incdir+cores
-+incdir+paper
-+incdir+lean
-+incdir+fold
++incdir+include
 ik_axis.v
 lean/ik_lean.v
 lean/ik_lean_direction.v
@@ -28,16 +24,16 @@ paper/ik_paper.v
 paper/ik_swivel.v
 paper/ik_to_elbow.v
 paper/ik_to_wrist.v
-cores/ik_div.v
-cores/ik_div_digit.v
-cores/ik_div_row.v
-cores/ik_quadratic.v
-cores/ik_root.v
-cores/ik_root_digit.v
-cores/ik_root_row.v
-cores/ik_rsqrt.v
-cores/ik_sincos.v
-cores/ik_trig.v
+lib/ik_div.v
+lib/ik_div_digit.v
+lib/ik_div_row.v
+lib/ik_quadratic.v
+lib/ik_root.v
+lib/ik_root_digit.v
+lib/ik_root_row.v
+lib/ik_rsqrt.v
+lib/ik_sincos.v
+lib/ik_trig.v
 lib/ik_delay.v
 lib/ik_even.v
 lib/ik_exact.v

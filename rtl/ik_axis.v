@@ -12,7 +12,7 @@
 module ik_axis #(
     parameter integer W     = 32,  // word length, 16 to 32, to 24 with TILE = 16
     parameter integer TAG_W = 8,   // width of the tag, 1 or more
-    parameter integer LEAN  = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, from 20 on
+    parameter integer DATAPATH  = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, from 20 on
     parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
     // the lean products: bits of the multipliers' longer operand; 18, 25 for 25x18 and not folded, 16 for 16x16, with small
     // tables, and W from 18 on folded
@@ -44,7 +44,7 @@ module ik_axis #(
   endfunction
 
   // A place is taken from the admission of a target to the departure of its result: pipeline, FIFO, output register.
-  localparam integer LOG2 = clog2(datapath_latency(LEAN, W, TILE) + 3);
+  localparam integer LOG2 = clog2(datapath_latency(DATAPATH, W, TILE) + 3);
 
   // ---- credits: places in the FIFO that nobody has reserved ----
 
@@ -60,28 +60,28 @@ module ik_axis #(
   wire fold_ready, fold_valid, fifo_valid;
   wire [TAG_W+8-1:0] fold_user, fifo_user;
   wire [6*W-1:0] fold_data, fifo_data;
-  assign s_axis_tready = (LEAN == 2) ? fold_ready : !rst && (credits != 0);
-  assign m_axis_tvalid = (LEAN == 2) ? fold_valid : fifo_valid;
-  assign m_axis_tuser = (LEAN == 2) ? fold_user : fifo_user;
-  assign m_axis_tdata = (LEAN == 2) ? fold_data : fifo_data;
+  assign s_axis_tready = (DATAPATH == 2) ? fold_ready : !rst && (credits != 0);
+  assign m_axis_tvalid = (DATAPATH == 2) ? fold_valid : fifo_valid;
+  assign m_axis_tuser = (DATAPATH == 2) ? fold_user : fifo_user;
+  assign m_axis_tdata = (DATAPATH == 2) ? fold_data : fifo_data;
 
   // ---- what the core is not built for has a name, at which every tool stops ----
 
   localparam TAG_OK = TAG_W >= 1;
-  localparam LEAN_OK = LEAN >= 0 && LEAN <= 2;
+  localparam DATAPATH_OK = DATAPATH >= 0 && DATAPATH <= 2;
   localparam DIGIT_OK = DIGIT == 0 || DIGIT == 1;
-  localparam TILE_OK = TILE == 16 || TILE == 18 || (TILE == 25 && LEAN != 2);
-  localparam SHORT_OK = SHORT == 0 || (SHORT == 1 && LEAN == 0 && W == 32);
+  localparam TILE_OK = TILE == 16 || TILE == 18 || (TILE == 25 && DATAPATH != 2);
+  localparam SHORT_OK = SHORT == 0 || (SHORT == 1 && DATAPATH == 0 && W == 32);
   localparam MIN_W_OK = MIN_W >= 3 && MIN_W <= 16;
-  localparam integer LEAST = (LEAN == 2) ? ((TILE == 16) ? 18 : 20) : (LEAN == 1 && TILE != 16) ? MIN_W : 16;
-  localparam W_OK = W >= LEAST && W <= ((TILE == 16) ? 24 : 32) && (LEAN != 2 || W % 2 == 0);
-  localparam LEGAL = TAG_OK && LEAN_OK && DIGIT_OK && TILE_OK && SHORT_OK && MIN_W_OK && W_OK;
+  localparam integer LEAST = (DATAPATH == 2) ? ((TILE == 16) ? 18 : 20) : (DATAPATH == 1 && TILE != 16) ? MIN_W : 16;
+  localparam W_OK = W >= LEAST && W <= ((TILE == 16) ? 24 : 32) && (DATAPATH != 2 || W % 2 == 0);
+  localparam LEGAL = TAG_OK && DATAPATH_OK && DIGIT_OK && TILE_OK && SHORT_OK && MIN_W_OK && W_OK;
   generate
     if (!TAG_OK) begin : g_no_tag
       ik_axis_needs_TAG_W_of_1_or_more u_stop ();
     end
-    if (!LEAN_OK) begin : g_no_datapath
-      ik_axis_needs_LEAN_of_0_1_or_2 u_stop ();
+    if (!DATAPATH_OK) begin : g_no_datapath
+      ik_axis_needs_DATAPATH_of_0_1_or_2 u_stop ();
     end
     if (!DIGIT_OK) begin : g_no_cores
       ik_axis_needs_DIGIT_of_0_or_1 u_stop ();
@@ -90,7 +90,7 @@ module ik_axis #(
       ik_axis_needs_TILE_of_18_16_or_not_folded_25 u_stop ();
     end
     if (!SHORT_OK) begin : g_no_cuts
-      ik_axis_needs_SHORT_of_0_or_with_LEAN_0_and_W_32_of_1 u_stop ();
+      ik_axis_needs_SHORT_of_0_or_with_DATAPATH_0_and_W_32_of_1 u_stop ();
     end
     if (!MIN_W_OK) begin : g_no_least
       ik_axis_needs_MIN_W_of_3_to_16 u_stop ();
@@ -107,7 +107,7 @@ module ik_axis #(
   wire [7:0] core_flags;
   wire [6*W-1:0] core_data;
   generate
-    if (LEGAL && LEAN == 2) begin : g_fold
+    if (LEGAL && DATAPATH == 2) begin : g_fold
       ik_fold #(
           .W    (W),
           .TAG_W(TAG_W),
@@ -128,7 +128,7 @@ module ik_axis #(
     end else begin : g_pipeline
       assign {fold_ready, fold_valid, fold_user, fold_data} = 0;
     end
-    if (LEGAL && LEAN == 1) begin : g_lean
+    if (LEGAL && DATAPATH == 1) begin : g_lean
       ik_lean #(
           .W    (W),
           .TAG_W(TAG_W),
@@ -145,7 +145,7 @@ module ik_axis #(
           .out_data (core_data)
       );
     end
-    if (LEGAL && LEAN == 0) begin : g_paper
+    if (LEGAL && DATAPATH == 0) begin : g_paper
       ik_paper #(
           .W    (W),
           .TAG_W(TAG_W),

@@ -28,15 +28,15 @@ MODULE_SETS = {
     "ik_axi": [
         {"W": 32},
         {"W": 18, "DATA_W": 32, "ADDR_W": 64, "LOG2_BURST": 5},
-        {"W": 18, "LEAN": 0, "DIGIT": 1, "DATA_W": 128, "ADDR_W": 12, "LOG2_BURST": 1},
+        {"W": 18, "DATAPATH": 0, "DIGIT": 1, "DATA_W": 128, "ADDR_W": 12, "LOG2_BURST": 1},
     ],
     "ik_axi_job": [{"ADDR_W": a, "DATA_W": d} for a, d in ((32, 64), (64, 32), (12, 128))],
     "ik_axi_read": BUSES,
     "ik_axi_write": BUSES,
     "ik_axi_result": [{"W": w, "DATA_W": d} for w, d in ((32, 64), (18, 32), (16, 128))],
     "ik_axi_target": [{"W": w} for w in (32, 31, 18, 16)],
-    "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "LEAN": 0, "DIGIT": 1}, {"W": 32, "LEAN": 0, "SHORT": 1},
-                {"W": 18, "TILE": 25}, {"W": 24, "LEAN": 2}],
+    "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "DATAPATH": 0, "DIGIT": 1}, {"W": 32, "DATAPATH": 0, "SHORT": 1},
+                {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
     "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}, {"DIGIT": 1, "CUT": 8, "CUT_D": 12}],
     "ik_div_digit": [
         {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 34},

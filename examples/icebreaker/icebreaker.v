@@ -64,7 +64,7 @@ module icebreaker #(
       .clk(clk), .rst(rst), .data(rx_data), .valid(rx_valid), .bad(rx_bad),
       .frame({target, tag}), .offered(offered), .taken(offered && taken), .dropped(dropped)
   );
-  ik_axis #(.W(W), .LEAN(2), .TILE(16)) u_core (
+  ik_axis #(.W(W), .DATAPATH(2), .TILE(16)) u_core (
       .clk(clk), .rst(rst),
       .s_axis_tdata(target), .s_axis_tuser(tag), .s_axis_tvalid(offered), .s_axis_tready(taken),
       .m_axis_tdata(answer), .m_axis_tuser({flags, answer_tag}), .m_axis_tvalid(answered), .m_axis_tready(sent)

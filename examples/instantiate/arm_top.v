@@ -33,7 +33,7 @@ module arm_top #(
   ik_axis #(
       .W    (32),
       .TAG_W(1),
-      .LEAN (1)
+      .DATAPATH (1)
   ) u_ik (
       .clk          (clk),
       .rst          (rst),

@@ -40,7 +40,7 @@ class Datapath:
     @property
     def rtl(self) -> str:
         """What its Verilog is called by."""
-        return ("paper", "lean", "fold")[self.parameters["LEAN"]]
+        return ("paper", "lean", "fold")[self.parameters["DATAPATH"]]
 
     @property
     def equations(self) -> str:
@@ -59,9 +59,9 @@ class Datapath:
 
 DATAPATHS = {
     "lean": Datapath(
-        "lean", lean.lean, lean.sections, lean.SECTIONS, {"LEAN": 1, "SHORT": 0, "TILE": TILE}, lean.WIDTHS,
+        "lean", lean.lean, lean.sections, lean.SECTIONS, {"DATAPATH": 1, "SHORT": 0, "TILE": TILE}, lean.WIDTHS,
     ),  # fmt: skip
-    "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"LEAN": 0, "SHORT": 0}),
+    "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"DATAPATH": 0, "SHORT": 0}),
 }
 """The dataflows by name."""
 
@@ -69,23 +69,23 @@ DEFAULT = "lean"
 """What a user gets who does not choose."""
 
 SHORT = replace(
-    DATAPATHS["paper"], name="short", parameters={"LEAN": 0, "SHORT": 1}, widths=range(short.WIDTH, short.WIDTH + 1),
-    cuts=short.CUTS,
+    DATAPATHS["paper"], name="short", parameters={"DATAPATH": 0, "SHORT": 1},
+    widths=range(short.WIDTH, short.WIDTH + 1), cuts=short.CUTS,
 )  # fmt: skip
 
-LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"LEAN": 1, "SHORT": 0, "TILE": 25}, tile=25)
+LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"DATAPATH": 1, "SHORT": 0, "TILE": 25}, tile=25)
 
 LEAN16 = replace(
-    DATAPATHS["lean"], name="lean16", parameters={"LEAN": 1, "SHORT": 0, "TILE": 16}, tile=16, widths=range(16, 25),
+    DATAPATHS["lean"], name="lean16", parameters={"DATAPATH": 1, "SHORT": 0, "TILE": 16}, tile=16, widths=range(16, 25),
 )  # fmt: skip
 
 FOLD = replace(
-    DATAPATHS["lean"], name="fold", parameters={"LEAN": 2, "SHORT": 0, "TILE": TILE}, widths=range(20, 33, 2),
+    DATAPATHS["lean"], name="fold", parameters={"DATAPATH": 2, "SHORT": 0, "TILE": TILE}, widths=range(20, 33, 2),
     times=shown.times, period=program.schedule().period, behind=0,
 )  # fmt: skip
 
 FOLD16 = replace(
-    FOLD, name="fold16", parameters={"LEAN": 2, "SHORT": 0, "TILE": 16}, tile=16, widths=range(18, 25, 2),
+    FOLD, name="fold16", parameters={"DATAPATH": 2, "SHORT": 0, "TILE": 16}, tile=16, widths=range(18, 25, 2),
 )  # fmt: skip
 
 CONFIGURATIONS = DATAPATHS | {path.name: path for path in (SHORT, LEAN25, LEAN16, FOLD, FOLD16)}

@@ -7,7 +7,7 @@
 
 module ik_axi_regs #(
     parameter integer W       = 32,
-    parameter integer LEAN    = 1,
+    parameter integer DATAPATH    = 1,
     parameter integer DIGIT   = 0,
     parameter integer ADDR_W  = 32,
     parameter integer DATA_W  = 64,
@@ -138,7 +138,7 @@ module ik_axi_regs #(
       s_axi_rresp <= OKAY;
       case (raddr)
         A_ID: s_axi_rdata <= ID;
-        A_CONFIG: s_axi_rdata <= {6'd0, DIGIT != 0, LEAN != 0, ADDR_W[7:0], DATA_W[7:0], W[7:0]};
+        A_CONFIG: s_axi_rdata <= {6'd0, DIGIT != 0, DATAPATH != 0, ADDR_W[7:0], DATA_W[7:0], W[7:0]};
         A_PIPELINE: s_axi_rdata <= {PLACES[15:0], LATENCY[15:0]};
         A_CONTROL: s_axi_rdata <= 32'd0;
         A_STATUS: s_axi_rdata <= {20'd0, code, 5'd0, error, done, busy};

@@ -161,7 +161,7 @@ def memory(data: dict) -> str:
 def fold_values(datapath: str, width: int) -> dict[str, int]:
     """Parameters of ``ik_axis``."""
     chosen = CONFIGURATIONS[datapath].parameters
-    return {"W": width, "LEAN": chosen["LEAN"], "TILE": chosen["TILE"]}
+    return {"W": width, "DATAPATH": chosen["DATAPATH"], "TILE": chosen["TILE"]}
 
 
 def fold_runs(data: dict, family: str, datapath: str, width: int) -> tuple[dict | None, dict | None]:

@@ -101,7 +101,7 @@ def nodes_header(datapath: str) -> str:
 
 
 def short_header() -> str:
-    """``rtl/paper/ik_paper_short.vh``."""
+    """``rtl/include/ik_paper_short.vh``."""
     cuts = [f"localparam integer K_{name.upper()} = (SHORT != 0) ? {bits} : 0;" for name, bits in short.CUTS.items()]
     return f"""{NOTE.format(source="model/dataflow/short.py")}
 // For the body of a module with parameter SHORT. K_<NODE>: lowest bits of the node's word that are 0.
@@ -111,7 +111,7 @@ def short_header() -> str:
 
 
 def latency_header() -> str:
-    """``rtl/ik_latency.vh``."""
+    """``rtl/include/ik_latency.vh``."""
     cases = []
     for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items():
         for width, bits in traced(name).items():
@@ -133,7 +133,7 @@ endfunction
 
 
 def sincos_header() -> str:
-    """``rtl/cores/ik_sincos_table.vh``."""
+    """``rtl/include/ik_sincos_table.vh``."""
     entries = "\n".join(f"      {i:2d}: atan_turn = {TABLE_BITS}'d{a};" for i, a in enumerate(atan_table()))
     return f"""{NOTE.format(source="model/dataflow/fixed.py")}
 // For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
@@ -228,7 +228,7 @@ def rom(form: Form, table: Sequence[tuple]) -> str:
 
 
 def rsqrt_header() -> str:
-    """``rtl/cores/ik_rsqrt_table.vh``."""
+    """``rtl/include/ik_rsqrt_table.vh``."""
     forms = lean_cores.SHORT, lean_cores.LONG, lean_cores.SMALL
     return table_header(
         "ik_rsqrt", "model/dataflow/cores.py", lean_cores.SHORT_FRAC, forms, [*map(lean_cores.rsqrt_rows, forms)],
@@ -237,7 +237,7 @@ def rsqrt_header() -> str:
 
 
 def trig_header() -> str:
-    """``rtl/cores/ik_trig_table.vh``."""
+    """``rtl/include/ik_trig_table.vh``."""
     forms = lean_trig.SHORT, lean_trig.LONG, lean_trig.SMALL
     return table_header(
         "ik_trig", "model/dataflow/trig.py", lean_trig.SHORT_FRAC, forms, [*map(lean_trig.sine_rows, forms)],
@@ -252,14 +252,14 @@ def fold_header(name: str) -> str:
 
 
 HEADERS = {
-    ROOT / "rtl" / "paper" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
-    ROOT / "rtl" / "paper" / "ik_paper_short.vh": short_header,
-    ROOT / "rtl" / "lean" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
-    ROOT / "rtl" / "ik_latency.vh": latency_header,
-    ROOT / "rtl" / "cores" / "ik_sincos_table.vh": sincos_header,
-    ROOT / "rtl" / "cores" / "ik_rsqrt_table.vh": rsqrt_header,
-    ROOT / "rtl" / "cores" / "ik_trig_table.vh": trig_header,
-    **{ROOT / "rtl" / "fold" / f"ik_fold_{name}.vh": partial(fold_header, name) for name in fold_headers.HEADERS},
+    ROOT / "rtl" / "include" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
+    ROOT / "rtl" / "include" / "ik_paper_short.vh": short_header,
+    ROOT / "rtl" / "include" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
+    ROOT / "rtl" / "include" / "ik_latency.vh": latency_header,
+    ROOT / "rtl" / "include" / "ik_sincos_table.vh": sincos_header,
+    ROOT / "rtl" / "include" / "ik_rsqrt_table.vh": rsqrt_header,
+    ROOT / "rtl" / "include" / "ik_trig_table.vh": trig_header,
+    **{ROOT / "rtl" / "include" / f"ik_fold_{name}.vh": partial(fold_header, name) for name in fold_headers.HEADERS},
 }
 """File -> the function that gives its text."""
 

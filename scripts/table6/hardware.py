@@ -42,7 +42,7 @@ def stream_to_stream(datapath: str) -> dict:
 def memory_to_memory(datapath: str, bus: int, latency: int) -> dict:
     """The same by jobs of `ik_axi` from a memory of this latency: the register CLOCKS of a job of one target and of one
     of all, clocks of R a target in a long job, the error of what lies in memory."""
-    (row,) = measured(SIMULATORS[0], {"LEAN": int(datapath == "lean"), "DATA_W": bus}, latency)
+    (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": bus}, latency)
     told = {name: row[name] for name in ("first", "last", "each")}
     return {**told, "reach_error": reach_error(np.array(row["results"]))}
 

@@ -20,7 +20,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # which Verilator takes minutes for
-CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "LEAN": 0, **ROWS})
+CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS})
 """With the datapaths themselves."""
 
 ECHO = (

@@ -52,7 +52,7 @@ class Machine:
         dut.rst.value = 1
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
-        self.datapath = "lean" if int(dut.LEAN.value) else "paper"
+        self.datapath = "lean" if int(dut.DATAPATH.value) else "paper"
         self.beats = 256 // self.data_width  # of a record
         self.whole = 1 << int(dut.LOG2_BURST.value)  # records
         self.latency = fixed.latency(self.datapath, self.width)

@@ -10,36 +10,37 @@ from tb.sim.env import ROOT, environment, simulator
 from tb.sim.sources import includes, sources
 
 AXIS = {
-    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}, {"TAG_W": -1}, {"TAG_W": 0, "LEAN": 0}, {"TAG_W": 0, "LEAN": 2}],
-    "needs_LEAN_of_0_1_or_2": [{"LEAN": -1}, {"LEAN": 3}],
-    "needs_DIGIT_of_0_or_1": [{"DIGIT": -1}, {"DIGIT": 2}, {"DIGIT": 2, "LEAN": 0}],
+    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}, {"TAG_W": -1}, {"TAG_W": 0, "DATAPATH": 0}, {"TAG_W": 0, "DATAPATH": 2}],
+    "needs_DATAPATH_of_0_1_or_2": [{"DATAPATH": -1}, {"DATAPATH": 3}],
+    "needs_DIGIT_of_0_or_1": [{"DIGIT": -1}, {"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
     "needs_TILE_of_18_16_or_not_folded_25": [
-        *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)), {"TILE": 17, "LEAN": 0},
-        {"TILE": 25, "LEAN": 2}, {"TILE": 17, "LEAN": 2, "W": 24},
+        *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)), {"TILE": 17, "DATAPATH": 0},
+        {"TILE": 25, "DATAPATH": 2}, {"TILE": 17, "DATAPATH": 2, "W": 24},
     ],
-    "needs_SHORT_of_0_or_with_LEAN_0_and_W_32_of_1": [
-        *({"SHORT": short, "LEAN": 0} for short in (-1, 2)), *({"SHORT": 1, "LEAN": lean} for lean in (1, 2)),
-        {"SHORT": 1, "LEAN": 0, "W": 31},
+    "needs_SHORT_of_0_or_with_DATAPATH_0_and_W_32_of_1": [
+        *({"SHORT": short, "DATAPATH": 0} for short in (-1, 2)), *({"SHORT": 1, "DATAPATH": lean} for lean in (1, 2)),
+        {"SHORT": 1, "DATAPATH": 0, "W": 31},
     ],
     "needs_MIN_W_of_3_to_16": [{"MIN_W": 2}, {"MIN_W": 17}, {"MIN_W": -1}],
     "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [
-        *({"W": w, "LEAN": lean} for w in (-1, 0, 3, 15, 33, 64) for lean in (0, 1)),
-        *({"W": w, "LEAN": 2} for w in (16, 18, 19, 21, 31, 33, 34)),
-        *({"W": w, "TILE": 16, "LEAN": 2} for w in (16, 17, 19, 25, 26)),
+        *({"W": w, "DATAPATH": lean} for w in (-1, 0, 3, 15, 33, 64) for lean in (0, 1)),
+        *({"W": w, "DATAPATH": 2} for w in (16, 18, 19, 21, 31, 33, 34)),
+        *({"W": w, "TILE": 16, "DATAPATH": 2} for w in (16, 17, 19, 25, 26)),
         *({"W": w, "TILE": 16} for w in (15, 25, 32)),
         # a lower MIN_W is for the lean one, and not for the small tables
-        *({"W": w, "MIN_W": 3, "LEAN": 0} for w in (3, 15)), *({"W": w, "MIN_W": 3, "LEAN": 2} for w in (14, 18)),
+        *({"W": w, "MIN_W": 3, "DATAPATH": 0} for w in (3, 15)),
+        *({"W": w, "MIN_W": 3, "DATAPATH": 2} for w in (14, 18)),
         {"W": 15, "MIN_W": 3, "TILE": 16}, {"W": 4, "MIN_W": 5},
     ],
 }  # fmt: skip
 AXI = {
-    "needs_LEAN_of_0_or_1": [{"LEAN": lean} for lean in (-1, 2, 3)],
+    "needs_DATAPATH_of_0_or_1": [{"DATAPATH": lean} for lean in (-1, 2, 3)],
     "needs_DATA_W_of_32_64_or_128": [{"DATA_W": bits} for bits in (16, 33, 96, 256)],
     "needs_ADDR_W_of_12_to_64": [{"ADDR_W": bits} for bits in (11, 65)],
     "needs_LOG2_BURST_of_1_to_5": [{"LOG2_BURST": log2} for log2 in (0, 6)],
 }
 PASSED_ON = {
-    "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": 2, "LEAN": 0}],
+    "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
     "needs_TILE_of_18_16_or_not_folded_25": [{"TILE": 17}, {"TILE": 20}],
     "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [{"W": 15}, {"W": 33}, {"TILE": 16}],
 }
@@ -75,14 +76,14 @@ ILLEGAL = [
 ]  # fmt: skip
 LEGAL = [
     *(("ik_axis", parameters) for parameters in (
-        {"W": 16, "TAG_W": 1}, {"W": 32}, {"W": 16, "LEAN": 0}, {"W": 32, "LEAN": 0, "DIGIT": 1}, {"DIGIT": 1},
-        {"LEAN": 0, "SHORT": 1}, {"W": 3, "MIN_W": 3}, {"W": 15, "MIN_W": 3, "TILE": 25}, {"W": 16, "TILE": 25},
-        {"W": 16, "TILE": 16}, {"W": 24, "TILE": 16}, {"W": 24, "TILE": 16, "LEAN": 0},
-        {"W": 20, "LEAN": 2}, {"W": 32, "LEAN": 2, "TAG_W": 1}, {"W": 18, "LEAN": 2, "TILE": 16},
-        {"W": 24, "LEAN": 2, "TILE": 16},
+        {"W": 16, "TAG_W": 1}, {"W": 32}, {"W": 16, "DATAPATH": 0}, {"W": 32, "DATAPATH": 0, "DIGIT": 1}, {"DIGIT": 1},
+        {"DATAPATH": 0, "SHORT": 1}, {"W": 3, "MIN_W": 3}, {"W": 15, "MIN_W": 3, "TILE": 25}, {"W": 16, "TILE": 25},
+        {"W": 16, "TILE": 16}, {"W": 24, "TILE": 16}, {"W": 24, "TILE": 16, "DATAPATH": 0},
+        {"W": 20, "DATAPATH": 2}, {"W": 32, "DATAPATH": 2, "TAG_W": 1}, {"W": 18, "DATAPATH": 2, "TILE": 16},
+        {"W": 24, "DATAPATH": 2, "TILE": 16},
     )),
     *(("ik_axi", parameters) for parameters in (
-        {"DATA_W": 32, "ADDR_W": 12, "LOG2_BURST": 1}, {"DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 5, "LEAN": 0},
+        {"DATA_W": 32, "ADDR_W": 12, "LOG2_BURST": 1}, {"DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 5, "DATAPATH": 0},
         {"W": 16, "TILE": 25}, {"W": 24, "TILE": 16},
     )),
     ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),

@@ -16,7 +16,7 @@ WHOLE = ("ik_axis", "ik_axi", "ik_lean", "ik_paper")
 """The modules that say T_OUT and LOG2; of the others there is only the header."""
 
 PIPELINES = [path for path in CONFIGURATIONS.values() if path.period == 1]
-FORMULA = "clog2(datapath_latency(LEAN, W, TILE) + 3)"
+FORMULA = "clog2(datapath_latency(DATAPATH, W, TILE) + 3)"
 
 ONE_TOO_FEW = Bug("one place too few", "rtl/ik_axis.v", FORMULA, FORMULA.replace("+ 3", "+ 1"))
 
@@ -25,7 +25,7 @@ def wrong(place, root) -> list[str]:
     """What does not fit in a copy of the RTL, a line each; `place` is a folder to work in."""
     lines, count = ["module top;"], 0
     for path in PIPELINES:
-        core = "g_lean.u_core" if path.parameters["LEAN"] else "g_paper.u_core"
+        core = "g_lean.u_core" if path.parameters["DATAPATH"] else "g_paper.u_core"
         for width in path.widths:
             values = {"W": width, "MIN_W": min(width, 16), **path.parameters}
             u, count = f"{path.name}_{width}", count + 1

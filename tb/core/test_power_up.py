@@ -12,8 +12,8 @@ from tb.sim.sources import includes, sources
 
 TOPS = [
     ("ik_axis", {"W": 16}),
-    ("ik_axis", {"W": 16, "LEAN": 0}),
-    ("ik_axis", {"W": 20, "LEAN": 2}),
+    ("ik_axis", {"W": 16, "DATAPATH": 0}),
+    ("ik_axis", {"W": 20, "DATAPATH": 2}),
     ("ik_axi", {"W": 16}),
 ]
 ALWAYS_READY = ("m_axi_rready", "m_axi_bready")

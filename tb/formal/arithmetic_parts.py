@@ -21,7 +21,7 @@ FILES = (
     *(f"tb/formal/{name}.py" for name in ("lean_exact", "lean_rules", "lean_rounded", "paper_rules", "floors",
     "rsqrt_stages")),
     "model/dataflow/quadratic.py",
-    *("rtl/cores/ik_rsqrt.v", "rtl/cores/ik_rsqrt_table.vh", "rtl/cores/ik_quadratic.v", "rtl/lib/ik_delay.v"),
+    *("rtl/lib/ik_rsqrt.v", "rtl/include/ik_rsqrt_table.vh", "rtl/lib/ik_quadratic.v", "rtl/lib/ik_delay.v"),
     "tb/formal/ik_div_digit.vh",
     "tb/formal/ik_root_digit.vh",
 )

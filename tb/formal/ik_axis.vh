@@ -5,7 +5,7 @@
 //
 // Counts are modulo 2 PLACES: A targets admitted, D results that left the pipeline, L results that left ik_axis.
 
-localparam integer T = datapath_latency(LEAN, W, TILE);
+localparam integer T = datapath_latency(DATAPATH, W, TILE);
 localparam integer K = LOG2 + 1;
 localparam [K-1:0] T_K = T;
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};

@@ -9,7 +9,7 @@
 module ik_axis #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
-    parameter integer LEAN  = 1,
+    parameter integer DATAPATH  = 1,
     parameter integer DIGIT = 0,
     parameter integer TILE  = 18
 ) (
@@ -25,7 +25,7 @@ module ik_axis #(
     input  wire               m_axis_tready
 );
 
-  localparam integer PLACES = (LEAN != 0) ? 64 : 512;
+  localparam integer PLACES = (DATAPATH != 0) ? 64 : 512;
 
   (* anyseq *) wire [6*W+TAG_W+7:0] f_any;
   (* anyseq *) wire f_offer;

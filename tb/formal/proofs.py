@@ -10,10 +10,10 @@ from tb.sim.seeded_bugs import Bug
 
 FIFO = "rtl/lib/ik_fifo.v"
 AXIS = "rtl/ik_axis.v"
-DIV_ROW = "rtl/cores/ik_div_row.v"
-ROOT_ROW = "rtl/cores/ik_root_row.v"
-DIV = "rtl/cores/ik_div_digit.v"
-ROOT_DIGIT = "rtl/cores/ik_root_digit.v"
+DIV_ROW = "rtl/lib/ik_div_row.v"
+ROOT_ROW = "rtl/lib/ik_root_row.v"
+DIV = "rtl/lib/ik_div_digit.v"
+ROOT_DIGIT = "rtl/lib/ik_root_digit.v"
 
 
 FIFO_SAYS = {
@@ -73,7 +73,7 @@ AXIS_BUGS = (
     Bug("last credit does not come back", AXIS,
         "leave && !admit)", "leave && !admit && credits != 0)", "ready_in_time"),
     Bug("half of the places", AXIS,
-        "datapath_latency(LEAN, W, TILE) + 3);", "datapath_latency(LEAN, W, TILE) + 3) - 1;", "full_rate"),
+        "datapath_latency(DATAPATH, W, TILE) + 3);", "datapath_latency(DATAPATH, W, TILE) + 3) - 1;", "full_rate"),
 )  # fmt: skip
 STORE = [
     "rows_mark$",

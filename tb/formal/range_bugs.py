@@ -31,7 +31,7 @@ def _seed(
 
 
 LIB, PAPER, LEAN = "rtl/lib/", "rtl/paper/", "rtl/lean/"
-HEADER = f"{PAPER}ik_paper_nodes.vh"
+HEADER = "rtl/include/ik_paper_nodes.vh"
 BUGS: tuple[NodeBug, ...] = (
     # formats and wiring
     _seed("sum with an integer bit too few", "paper", "inf_pp", HEADER, "F_INF_PP = W - 6,", "F_INF_PP = W - 5,"),

@@ -33,9 +33,9 @@ SOLVER = "(check-sat-using (then simplify propagate-values solve-eqs smt))"
 FULL = 31
 """Fraction bits at W = 32."""
 
-RSQRT = "rtl/cores/ik_rsqrt.v"
-QUADRATIC = "rtl/cores/ik_quadratic.v"
-TABLE = "rtl/cores/ik_rsqrt_table.vh"
+RSQRT = "rtl/lib/ik_rsqrt.v"
+QUADRATIC = "rtl/lib/ik_quadratic.v"
+TABLE = "rtl/include/ik_rsqrt_table.vh"
 
 
 HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
@@ -128,7 +128,7 @@ class Stages:
         here = place.relative_to(ROOT)
         own = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
         wrong = yosys(place, "formula", [
-            f"read_verilog -formal -sv -I{here}/rtl/cores {own}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
+            f"read_verilog -formal -sv -I{here}/rtl/include {own}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
             "hierarchy -check -top ik_rsqrt", "proc", "flatten", "opt_clean", "memory_collect", "opt_clean",
             "async2sync", "dffunmap", f"write_smt2 -wires {here}/formula.smt2",
         ])  # fmt: skip

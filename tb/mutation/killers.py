@@ -245,7 +245,7 @@ def _simulations() -> Iterator[tuple[str, dict[str, partial]]]:
 
 @cache
 def units() -> dict[str, dict[str, Killer]]:
-    """Module of rtl/lib or rtl/cores -> its benches, the few parameter sets first."""
+    """Module of rtl/lib -> its benches, the few parameter sets first."""
     return {
         of: {group: _of_cocotb(f"unit {of} {group}", make) for group, make in groups.items()}
         for of, groups in _simulations()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the unit testbenches of ``rtl/lib`` and ``rtl/cores`` share.
+"""What the unit testbenches of ``rtl/lib`` share.
 
 ``tb/units/test_<module>.py`` has a bench, a function of the module's parameters that gives the cocotb tests of such an
 instance, and starts them on its parameter sets (:func:`runs`).  Most benches are one call of :func:`checks`.

@@ -206,7 +206,7 @@ def test_expressions_are_read():
 ])  # fmt: skip
 def test_words_are_as_long_as_the_floors_take_them_for(file, line):
     """X = 2^XW >= 2 D = 2^DW; the radicand has 2 ROWS bits."""
-    assert line in (ROOT / "rtl" / "cores" / f"{file}.v").read_text()
+    assert line in (ROOT / "rtl" / "lib" / f"{file}.v").read_text()
     assert "localparam integer MW = 2 * ROWS;" in (ROOT / ROOT_DIGIT).read_text()
 
 

@@ -35,7 +35,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     copy_rtl(place, bug)
     files = [file for file in closure(top, place) if file.suffix == ".v"]
     for file in files:
-        if file.parent.name in ("lib", "cores") and file.stem not in DELAYS:
+        if file.parent.name in ("lib",) and file.stem not in DELAYS:
             file.write_text(header(file.read_text()))
     here = place.relative_to(ROOT)
     include = " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(place))

@@ -111,8 +111,8 @@ def test_every_divider_and_root_of_the_model_is_proved(op):
 
 
 def test_stages_and_places_are_those_of_the_rtl():
-    latency = (ROOT / "rtl" / "ik_latency.vh").read_text()
-    assert "clog2(datapath_latency(LEAN, W, TILE) + 3)" in (ROOT / AXIS).read_text()
+    latency = (ROOT / "rtl" / "include" / "ik_latency.vh").read_text()
+    assert "clog2(datapath_latency(DATAPATH, W, TILE) + 3)" in (ROOT / AXIS).read_text()
 
     def of(lean, width):
         stages = int(re.search(rf"^\s*{100 * lean + width}: datapath_latency = (\d+);", latency, re.M)[1])
@@ -231,5 +231,5 @@ def test_bug_that_is_none_survives():
     """A change that changes nothing is not taken for a bug that was noticed."""
     harmless = Bug("harmless", AXIS, "!rst && (credits != 0)", "(credits != 0) && !rst", "independent")
     assert "survives" in again("handshake_lean", bugs=(harmless,))[0].failed[0]
-    harmless = Bug("harmless", "rtl/cores/ik_div_row.v", "endmodule", "\nendmodule", "identity")
+    harmless = Bug("harmless", "rtl/lib/ik_div_row.v", "endmodule", "\nendmodule", "identity")
     assert "survives" in again("div_row_31", bugs=(harmless,))[0].failed[0]

@@ -88,7 +88,7 @@ def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
         return given[-1]
 
     monkeypatch.setenv("IK_CORES", "digit")
-    assert parameters("ik_axis", W=18, LEAN=0) == {"W": 18, "LEAN": 0, "DIGIT": 1}
+    assert parameters("ik_axis", W=18, DATAPATH=0) == {"W": 18, "DATAPATH": 0, "DIGIT": 1}
     assert parameters("ik_elbow", W=18) == {"W": 18, "DIGIT": 1}
     assert parameters("ik_elbow", W=18, core="behavioural") == {"W": 18}
     assert parameters("ik_div", DIGIT=0) == {"DIGIT": 0}
