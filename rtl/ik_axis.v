@@ -10,15 +10,15 @@
 `default_nettype none
 
 module ik_axis #(
-    parameter integer W     = 32,  // word length, 16 to 32, to 24 with TILE = 16
-    parameter integer TAG_W = 8,   // width of the tag, 1 or more
-    parameter integer DATAPATH = 1,   // datapath: 1 the lean one, 0 the paper's, 2 the lean one folded: W even, from 20 on
-    parameter integer DIGIT = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
+    parameter integer W        = 32,  // word length, 16 to 32, to 24 with TILE = 16
+    parameter integer TAG_W    = 8,   // width of the tag, 1 or more
+    parameter integer DATAPATH = 1,   // 0 paper, 1 lean, 2 lean folded onto one multiplier: W even, 20 or more
+    parameter integer DIGIT    = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
     // the lean products: bits of the multipliers' longer operand; 18, 25 for 25x18 and not folded, 16 for 16x16, with small
     // tables, and W from 18 on folded
-    parameter integer TILE  = 18,
-    parameter integer SHORT = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
-    parameter integer MIN_W = 16   // least W; 3 to 15 only for the test of every target there is, lean, TILE from 18
+    parameter integer TILE     = 18,
+    parameter integer SHORT    = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
+    parameter integer MIN_W    = 16   // least W; 3 to 15 only for the test of every target there is, lean, TILE from 18
 ) (
     input  wire               clk,
     input  wire               rst,  // synchronous, active high: forgets all targets
