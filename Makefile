@@ -224,15 +224,11 @@ fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write requirements.lock and those of fpga, table6, schedule, farm, coverage and playground again (needs uv)
-	$(compile) --extra checkout --output-file requirements.lock pyproject.toml
-	$(compile) --constraint requirements.lock --output-file requirements-fpga.lock requirements-fpga.in
-	$(compile) --constraint requirements.lock --output-file requirements-table6.lock requirements-table6.in
-	$(compile) --constraint requirements.lock --output-file requirements-schedule.lock requirements-schedule.in
-	$(compile) --constraint requirements.lock --constraint requirements-fpga.lock \
-	  --output-file requirements-playground.lock requirements-playground.in
-	$(compile) --constraint requirements.lock --output-file requirements-farm.lock requirements-farm.in
-	$(compile) --constraint requirements.lock --output-file requirements-coverage.lock requirements-coverage.in
+lock: ## write the locks of requirements/ again (needs uv)
+	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
+	for name in fpga table6 schedule playground farm coverage; do $(compile) --constraint requirements/checkout.lock \
+	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
+	  --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 
 clean: ## remove build/ and caches
 	rm -rf build .pytest_cache .ruff_cache .hypothesis

@@ -146,7 +146,7 @@ def _result(client, farm: str, future, meanwhile: Callable[[], None]) -> bytes:
 def sources() -> str:
     """A digest of the code of this tree, and of the versions of what it needs."""
     paths = [path for room in ("model", "rtl", "scripts", "tb") for path in (ROOT / room).rglob("*")]
-    paths = sorted(path for path in paths if path.suffix in CODE) + sorted(ROOT.glob("requirements*.lock"))
+    paths = sorted(path for path in paths if path.suffix in CODE) + sorted(ROOT.glob("requirements/*.lock"))
     stats = [path.stat() for path in paths]
     return _digest(tuple(zip(paths, [(stat.st_mtime_ns, stat.st_size) for stat in stats], strict=True)))
 

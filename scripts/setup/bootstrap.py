@@ -3,12 +3,12 @@
 
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [EXTRA..]
 
-makes `.venv` from requirements.lock and sees that the named simulators, the browser or graphviz can run. `fpga` adds
-the tools of requirements-fpga.lock, for synthesis and proofs, to the same `.venv`, `table6` the software to compare
-with of requirements-table6.lock, and goes on without what does not install; `farm` adds what gives work to other
-machines, `coverage` what counts bins. What the system lacks is installed with apt-get where that is allowed (root, or
-sudo without a password); otherwise one line says what to install and the exit status is 2. When all is in place it
-prints nothing and takes a few milliseconds.
+makes `.venv` from requirements/checkout.lock and checks that the named simulators, the browser or graphviz can run.
+An EXTRA adds requirements/EXTRA.lock to the same `.venv`: `fpga` the tools for synthesis and proofs, `table6` the
+software to compare with (missing parts are reported and skipped), `farm` the workers on other machines, `coverage` the
+functional coverage. System packages are installed with apt-get where that is allowed (root, or sudo without a
+password); otherwise one line names them and the exit status is 2. When everything is in place it prints nothing and
+takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
     build/setup.log     what pip and apt-get said
@@ -28,15 +28,15 @@ PROGRAMS = {
     "verilator": ["perl", "make", "g++"],
     "chromium": ["chromium"],
     "graphviz": ["dot"],
-    "fpga": [],  # all from requirements-fpga.lock
-    "table6": ["cc"],  # and requirements-table6.lock
-    "schedule": [],  # all from requirements-schedule.lock
-    "playground": [],  # all from requirements-playground.lock
-    "farm": [],  # all from requirements-farm.lock
-    "coverage": [],  # all from requirements-coverage.lock
+    "fpga": [],  # all from requirements/fpga.lock
+    "table6": ["cc"],  # and requirements/table6.lock
+    "schedule": [],  # all from requirements/schedule.lock
+    "playground": [],  # all from requirements/playground.lock
+    "farm": [],  # all from requirements/farm.lock
+    "coverage": [],  # all from requirements/coverage.lock
 }
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # others as their program; g++ brings libc's headers, too
-# of requirements-NAME.lock
+# of requirements/NAME.lock
 EXTRAS = {
     "fpga": "the tools", "table6": "the software", "schedule": "the solver", "playground": "the compilers",
     "farm": "the workers", "coverage": "the crosses",
@@ -192,10 +192,10 @@ class Setup:
         self.venv = os.path.join(root, ".venv")
         self.python = os.path.join(self.venv, "bin", "python")
         self.stamp = os.path.join(self.venv, "cga-ik.json")
-        self.lock_file = os.path.join(root, "requirements.lock")
+        self.lock_file = os.path.join(root, "requirements/checkout.lock")
 
     def extra_lock(self, extra):
-        return os.path.join(self.root, f"requirements-{extra}.lock")
+        return os.path.join(self.root, f"requirements/{extra}.lock")
 
     def digest(self, lock_file):
         import hashlib
@@ -264,7 +264,7 @@ class Setup:
         """A fresh .venv, whatever was there; returns the path of its libpython."""
         if os.path.islink(self.venv):  # --clear would empty what it leads to, outside of this checkout
             die(f".venv is a link to {os.readlink(self.venv)}, which set-up will not overwrite: remove the link")
-        say(f"making .venv with Python {VERSION} from requirements.lock (a minute or so) ...")
+        say(f"making .venv with Python {VERSION} from requirements/checkout.lock (a minute or so) ...")
         if os.path.exists(self.stamp):
             os.remove(self.stamp)
         status, said = run_logged([sys.executable, "-I", "-m", "venv", "--clear", self.venv])
@@ -280,7 +280,7 @@ class Setup:
 
     def add_extra(self, extra):
         """What its lock file names; whether it is there now."""
-        what = f"{EXTRAS[extra]} of {os.path.basename(self.extra_lock(extra))}"
+        what = f"{EXTRAS[extra]} of {os.path.relpath(self.extra_lock(extra), self.root)}"
         say(f"adding {what} to .venv (a minute or so) ...")
         status, said = self.pip_install(self.extra_lock(extra))
         if status and extra in OPTIONAL:

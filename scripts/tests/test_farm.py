@@ -194,18 +194,19 @@ def test_a_worker_with_other_sources_does_nothing(processes, tmp_path, monkeypat
 
 
 def test_sources_are_all_code_and_nothing_else(tmp_path, monkeypatch):
+    (tmp_path / "requirements").mkdir()
     for name in ("model", "rtl", "scripts", "tb"):
         (tmp_path / name / "sub").mkdir(parents=True)
     monkeypatch.setattr(farm, "ROOT", tmp_path)
     seen = {farm.sources()}
-    for name in ("rtl/sub/a.v", "rtl/a.v", "model/a.py", "tb/sub/a.cpp", "requirements.lock", "requirements-farm.lock"):
+    for name in ("rtl/sub/a.v", "rtl/a.v", "model/a.py", "tb/sub/a.cpp", "requirements/checkout.lock"):
         (tmp_path / name).write_text("1")
         seen.add(farm.sources())
     (tmp_path / "rtl" / "a.v").write_text("2 ")
     seen.add(farm.sources())
     (tmp_path / "rtl" / "a.v").rename(tmp_path / "rtl" / "b.v")
     seen.add(farm.sources())
-    assert len(seen) == 9
+    assert len(seen) == 8
     for name in ("tb/hardest.csv", "model/a.pyc", "notes.py"):
         (tmp_path / name).write_text("1")
         assert farm.sources() in seen

@@ -169,7 +169,7 @@ def test_missing_tools(monkeypatch, capsys):
     assert capsys.readouterr().err == "formal: z3 not installed here: `make formal` sets them up\n"
 
 
-@pytest.mark.skipif(bool(missing()), reason="the tools of requirements-fpga.lock are not installed: `make formal`")
+@pytest.mark.skipif(bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal`")
 def test_interrupt(interruptible):
     command = [sys.executable, "-u", "-m", "scripts.formal", "streams", "--only", "root_row_30", "--again"]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

@@ -26,6 +26,7 @@ def checkout(tmp_path, monkeypatch):
     """An empty checkout that is set up for Icarus, with a PATH of programs that do nothing and a pip that can fail."""
     root, path = tmp_path / "check out", tmp_path / "bin"
     (root / ".venv" / "bin").mkdir(parents=True)
+    (root / "requirements").mkdir()
     path.mkdir()
     for name in ("iverilog", "vvp", "perl", "make", "g++", "cc"):
         script(path / name, "exit 0\n")
@@ -107,7 +108,7 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(checkout):
         for _ in range(2):
             checkout.set_up(["fpga"])
         assert checkout.is_ready(["icarus", "verilator", "fpga"])
-    assert checkout.installed == 2 * ["requirements-fpga.lock"]
+    assert checkout.installed == 2 * ["fpga.lock"]
 
 
 def test_an_extra_that_does_not_install(checkout, capsys):
@@ -115,7 +116,7 @@ def test_an_extra_that_does_not_install(checkout, capsys):
     checkout.pip_result = (1, "ERROR: no such hash\n")
     assert "ERROR: no such hash (more in build/setup.log)" in refused(capsys, checkout.set_up, ["fpga"])
     checkout.set_up(["table6"])
-    assert "could not add the software of requirements-table6.lock" in capsys.readouterr().err
+    assert "could not add the software of requirements/table6.lock" in capsys.readouterr().err
     assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"]) and not checkout.is_ready(["table6"])
 
 

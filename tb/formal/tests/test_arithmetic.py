@@ -29,7 +29,7 @@ from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug
 
 tools = pytest.mark.skipif(
-    bool(missing()), reason="the tools of requirements-fpga.lock are not installed: `make formal` does it"
+    bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal` does it"
 )
 HARMLESS = Bug("harmless", "model/dataflow/lean.py", "PAIR = Within(-1.5, 1.5,", "PAIR = Within(-1.6, 1.6,", "wi_0")
 

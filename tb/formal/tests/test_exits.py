@@ -20,7 +20,7 @@ from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import closure, header, includes
 
-pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirements-fpga.lock: `make formal`")
+pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirements/fpga.lock: `make formal`")
 
 TAG_W = 5
 

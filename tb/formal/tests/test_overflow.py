@@ -15,7 +15,7 @@ from tb.formal.unrolled import Unrolled, ask
 from tb.sim.env import ROOT
 
 needs_tools = pytest.mark.skipif(
-    bool(missing()), reason="the tools of requirements-fpga.lock are missing: `make formal`"
+    bool(missing()), reason="the tools of requirements/fpga.lock are missing: `make formal`"
 )
 
 

@@ -193,7 +193,7 @@ def test_key_depends_on_sources_questions_and_tactic(versions, monkeypatch, tmp_
 
 
 tools = pytest.mark.skipif(
-    bool(missing()), reason="the tools of requirements-fpga.lock are not installed: `make formal` does it"
+    bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal` does it"
 )
 
 
