@@ -28,7 +28,7 @@ TAKES_formal   := ONLY
 TAKES_mutants  := COUNT SEED ONLY OUT KEEP FARM
 TAKES_fpga     := DATAPATH WIDTH FARM
 TAKES_farm-worker := FARM JOBS
-TAKES_table6   := TARGETS SEED
+TAKES_paper    := ONLY
 TAKES_schedule := PERIOD SECONDS
 TAKES_playground := OUT DATAPATH WIDTH
 $(foreach target,setup docs,$(eval TAKES_$(target) := SIM))
@@ -76,7 +76,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser coverage docs derive wordlengths compare operations figures table6 playground schedule soak soak-memory mutants farm-scheduler farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-scheduler farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
@@ -122,35 +122,17 @@ coverage: ## what the tests go through in the Verilog: build/coverage/index.html
 
 docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
 	@$(SETUP) $(SIM)
-	@exec $(VENV) -m scripts.pages.gen_headers
-	@exec $(VENV) -m scripts.pages.gen_registers
-	@exec $(VENV) -m scripts.pages.memory --sim $(SIM)
-	@exec $(VENV) -m scripts.pages.gen_docs --sim $(SIM)
+	@exec $(VENV) -m scripts.generate.headers
+	@exec $(VENV) -m scripts.generate.registers
+	@exec $(VENV) -m scripts.generate.memory --sim $(SIM)
+	@exec $(VENV) -m scripts.generate.pages --sim $(SIM)
 
-derive: ## the paper's equations from its geometry, the lean ones from them: derivation.md, lean.md
-	@$(SETUP)
-	@exec $(VENV) -m scripts.derive.paper
-	@exec $(VENV) -m scripts.derive.lean
+paper_needs_figures := graphviz
+paper_needs_table6  := table6
 
-wordlengths: ## ranges proved and seen, errors of every node: wordlengths.md
-	@$(SETUP) icarus
-	@exec $(VENV) -m scripts.pages.wordlengths
-
-compare: ## the machines on the same targets, clocks, operations, errors: compare.md and .svg
-	@$(SETUP) icarus
-	@exec $(VENV) -m scripts.compare
-
-operations: ## table 4 of the paper counted from the equations and the elaborated RTL: operations.md
-	@$(SETUP) icarus
-	@exec $(VENV) -m scripts.pages.opcounts
-
-figures: ## figures 6 and 7 of the paper for both datapaths, drawn by graphviz: figures.md
-	@$(SETUP) graphviz
-	@exec $(VENV) -m scripts.pages.figures
-
-table6: ## table 6 of the paper again: C, numpy, numba, JAX and the core on the same targets: table6.md [TARGETS= SEED=]
-	@$(SETUP) icarus table6
-	@exec $(VENV) -m scripts.table6 $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED")
+paper: ## what answers the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 [ONLY=derivation|operations|wordlengths|figures|table6]
+	@$(SETUP) icarus $(if $(call given,ONLY,yes),$(paper_needs_$(value ONLY)),graphviz table6)
+	@exec $(VENV) -m scripts.paper $(call given,ONLY,--only="$$CGA_ONLY")
 
 playground: ## a page in which the Verilog runs: build/playground/index.html; some minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
 	@$(SETUP) playground
@@ -159,7 +141,7 @@ playground: ## a page in which the Verilog runs: build/playground/index.html; so
 
 schedule: ## the program of the folded datapath again, after its dataflow has changed [PERIOD= SECONDS=]
 	@$(SETUP) icarus schedule
-	@exec $(VENV) -m scripts.schedule $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
+	@exec $(VENV) -m scripts.generate.fold_scheduler $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
 
 # Verilator, unless SIM was set: Icarus takes several times as long. FARM= needs what gives work to others.
 farm     = $(call given,FARM, farm)

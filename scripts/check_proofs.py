@@ -18,7 +18,7 @@ from scripts import soak_page
 from scripts.console import Parser, exit_status
 from scripts.formal import ARITHMETIC_PAGE, RANGES_PAGE, STREAMS_PAGE, WIDTHS_PAGE
 from scripts.fpga import measure
-from scripts.pages.tables import table
+from scripts.generate.page_tables import table
 from tb.formal import arithmetic_parts, overflow, prove, widths
 
 

@@ -25,7 +25,7 @@ from rich.table import Table
 
 from model.io.files import write_atomically
 from scripts.console import InputError, Parser, command, show, writing
-from scripts.pages.render import render
+from scripts.generate.render import render
 from tb.core.crosses import AXES, IMPOSSIBLE, merged
 from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
 from tb.sim.children import started

@@ -20,9 +20,9 @@ from pathlib import Path
 
 from model.io.files import write_atomically
 from scripts.console import InputError, Parser, exit_status, word_length
-from scripts.pages import ranges_proofs
-from scripts.pages.render import render
-from scripts.pages.tables import table
+from scripts.generate import ranges_proofs
+from scripts.generate.page_tables import table
+from scripts.generate.render import render
 from tb.formal import arithmetic, arithmetic_parts, overflow, prove, widths
 from tb.formal.arithmetic_parts import ARITHMETIC
 from tb.formal.proofs import PROOFS

@@ -30,7 +30,7 @@ from rich.table import Table
 
 from scripts import farm
 from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
-from scripts.pages.render import render
+from scripts.generate.render import render
 from tb.mutation import netlist
 from tb.mutation.killers import LINT
 from tb.mutation.mutant import (

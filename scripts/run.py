@@ -22,8 +22,8 @@ from pathlib import Path
 from model.bounds.predict import hand_bar
 from model.io import trajectories
 from model.io.scoring import Score, score
-from scripts.beside import table_beside_the_paper
 from scripts.console import InputError, Parser, command, output, progress, show, whole_file, writing
+from scripts.paper.side_by_side import table_beside_the_paper
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.save_file import write_save_file

@@ -18,7 +18,7 @@ from model.bounds.tolerances import REGULAR_DISTANCE
 from model.io.flags import expected_flags
 from model.io.scoring import singular_distance
 from model.io.words import from_words
-from scripts.table6.compiled import SOURCE, library
+from scripts.paper.table6.compiled import SOURCE, library
 from tb.core.opinion import Opinion
 
 LONG = SOURCE.with_name("long.c")

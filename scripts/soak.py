@@ -9,7 +9,7 @@
 
 Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
 --from resumes at any chunk. --against c: results of the lean equations are also held against those of
-scripts/table6/long.c. --special: not random, but all 12^6 targets of twelve special words on each input. With
+scripts/paper/table6/long.c. --special: not random, but all 12^6 targets of twelve special words on each input. With
 Verilator each core of the machine runs chunks of its own; with --farm workers on other machines do (scripts/farm.py),
 to the same end. At the end the hardest targets go into OUT/hardest.csv and,
 with --keep, into tb/core/hardest.csv, the regression list; docs/generated/soak.md then gets what was found.

@@ -10,7 +10,7 @@ from model.bounds import tolerances
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.io.flags import FLAGS, SATURATED
 from scripts.console import InputError, whole_file
-from scripts.pages.render import render
+from scripts.generate.render import render
 from tb.core.random_targets import Core, Found
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest

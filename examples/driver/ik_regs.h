@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_registers` from rtl/axi/ik_axi.rdl; do not edit.
+// Written by `python -m scripts.generate.registers` from rtl/axi/ik_axi.rdl; do not edit.
 // IK_<REGISTER>: its offset in bytes. IK_<REGISTER>_<FIELD>: mask; .._SHIFT: its lowest bit; .._RESET: what it has to be or is
 // after a reset, where that is not 0.
 #ifndef IK_REGS_H

@@ -2,7 +2,7 @@
 """Bit-true models of the arithmetic cores of ``rtl/lean``: ``ik_mul3``, ``ik_even``, ``ik_rsqrt``.
 
 Integers throughout: int64 arrays, object arrays of Python integers where 64 bits do not hold the word.  The reciprocal
-square root's table is made here, from its defining formula; ``scripts/pages/gen_headers.py`` writes it for the RTL.
+square root's table is made here, from its defining formula; ``scripts/generate/headers.py`` writes it for the RTL.
 """
 
 from __future__ import annotations

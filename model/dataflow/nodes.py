@@ -7,7 +7,7 @@ A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`) is written 
 * :class:`model.dataflow.fixed.Bits` - integers, equal to the RTL in every bit of every node;
 * :class:`model.dataflow.reals.Real` - double precision with any single node disturbed, for predicted errors;
 * :class:`model.bounds.ranges.Ranges` and :class:`model.bounds.affine.Affine` - intervals and affine forms, for proofs;
-* as a table of formats and clocks, from which ``scripts/pages/gen_headers.py`` writes the ``*_nodes.vh`` of the RTL.
+* as a table of formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
 Formats.  A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i``
 fraction bits.  Products that wait for the sum they belong to, and sums of such products that feed a root or a

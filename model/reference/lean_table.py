@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lean equations, (L1), (L2), ...: what docs/generated/lean.md derives, and the names that model and RTL share.
 
-A line has one number and one name.  The name is the quantity's everywhere: in ``scripts/derive``, in
+A line has one number and one name.  The name is the quantity's everywhere: in ``scripts/paper/derivation``, in
 :mod:`model.reference.lean_equations`, in :mod:`model.dataflow.lean`, in ``rtl/lean`` and in its page.  In the core
 a root and what is made of it hold the quantity in units of a power of two, that of its argument's normalization.
 

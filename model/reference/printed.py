@@ -2,7 +2,7 @@
 """Equations (10)-(19) as the paper prints them, as sympy expressions: faults of the print included.
 
 ``PRINTED["(11)"]["pi_swivel_x"]`` is the right-hand side of that line.  The expressions are not evaluated: their trees
-are what is in print, so that operations can be counted (``scripts/pages/opcounts.py``); ``expression.doit()``
+are what is in print, so that operations can be counted (``scripts/paper/operations.py``); ``expression.doit()``
 gives the ordinary, evaluated form.  :mod:`model.reference.equations` has the equations with their corrections.
 
 Symbols are real.  Inputs: ``p_w_x, p_w_y, p_w_z, phi, d1, d2``; every other symbol is a name of a line above.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/fold/program.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/fold/program.py; do not edit.
 
 // For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.
 

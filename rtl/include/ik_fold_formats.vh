@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/nodes.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/nodes.py; do not edit.
 
 // For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a
 // table's row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/fold/shown.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/fold/shown.py; do not edit.
 
 // For the body of ik_fold: every node of the dataflow, in a register that nothing reads.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/fold/schedule.json and model/dataflow/lean.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/fold/schedule.json and model/dataflow/lean.py; do not edit.
 
 // For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, its own or the next
 // where the machine may wait before the first result, gives it, and gives the last.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/paper.py and model/dataflow/lean.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/paper.py and model/dataflow/lean.py; do not edit.
 
 // For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,
 // which does not look at the tile.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/lean.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/lean.py; do not edit.
 
 // For the body of a module with parameters W and TILE. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in
 // which it is valid, counted from the clock in which its target is at the datapath's input.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/short.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/short.py; do not edit.
 
 // For the body of a module with parameter SHORT. K_<NODE>: lowest bits of the node's word that are 0.
 

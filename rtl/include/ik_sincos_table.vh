@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.pages.gen_headers` from model/dataflow/fixed.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/fixed.py; do not edit.
 
 // For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
 

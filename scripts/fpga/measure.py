@@ -45,7 +45,7 @@ from scripts.fpga.page import (
 )
 from scripts.fpga.report import HOLDS, KINDS
 from scripts.fpga.runs import ALLOW, PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
-from scripts.pages.comparison import Errors
+from scripts.generate.accuracy import Errors
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.sources import closure, digest
 
@@ -154,7 +154,7 @@ def commit() -> str:
 
 
 def describe(datapath: str, width: int) -> dict:
-    """Clocks and accuracy from the bit-true model: as in docs/generated/compare.md."""
+    """Clocks and accuracy from the bit-true model, on 4000 random targets."""
     errors = Errors.of(region("anywhere", 4000, width, 1), width, datapath)
     return {"latency": latency(datapath, width), "hand": float(f"{errors.hand.max():.2g}")}
 

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from scripts import published
 from scripts.fpga.report import HOLDS, KINDS, MULTIPLIER_NS
-from scripts.pages.render import render, table
+from scripts.generate.render import render, table
+from scripts.paper import tables
 from tb.sim.env import GENERATED
 
 FIGURES = GENERATED / "fpga.json"
@@ -49,11 +49,11 @@ BROKEN_DOWN = (32, 18)
 """Widths whose logic is counted module by module."""
 
 PAPER_TABLE = {
-    "LUT4 on xc2vp": f"~{published.LUTS} ({published.of_chip(published.LUTS)})",
-    "clock (MHz)": f"{published.MHZ}",
-    "latency (clocks)": f"~{published.LATENCY}",
-    "latency (ns)": f"{1000 * published.LATENCY / published.MHZ:.0f}",
-    "100 targets (us)": f"{published.ALL_US:.0f}",
+    "LUT4 on xc2vp": f"~{tables.LUTS} ({tables.of_chip(tables.LUTS)})",
+    "clock (MHz)": f"{tables.MHZ}",
+    "latency (clocks)": f"~{tables.LATENCY}",
+    "latency (ns)": f"{1000 * tables.LATENCY / tables.MHZ:.0f}",
+    "100 targets (us)": f"{tables.ALL_US:.0f}",
     "results a clock": "1",
 }
 """Tables 5 and 6 of the paper: the Virtex-II Pro 2VP70, Xilinx ISE and Core Generator."""
@@ -110,7 +110,7 @@ def comparison(data: dict) -> str:
             return [r["cells"][kind] if r else None for r in got]
 
         luts = of("LUT")
-        put(lut, [n and f"{n} ({published.of_chip(n)})" for n in luts] if family == "xc2vp" else luts)
+        put(lut, [n and f"{n} ({tables.of_chip(n)})" for n in luts] if family == "xc2vp" else luts)
         if shift:
             put(f"{shift} ({family})", of("shift"))
         put(f"{flops} ({family})", of("FF"))
@@ -243,9 +243,9 @@ def page(data: dict) -> str:
         rtl="; ".join(f"{d} as of commit `{c}`, sources `{h}`" for d, c, h in measured),
         comparison=comparison(data),
         device=DEVICE,
-        chip=published.CHIP,
-        chip_luts=published.CHIP_LUTS,
-        chip_multipliers=published.CHIP_MULTIPLIERS,
+        chip=tables.CHIP,
+        chip_luts=tables.CHIP_LUTS,
+        chip_multipliers=tables.CHIP_MULTIPLIERS,
         multipliers=HOLDS["MULT18X18D"],
         multiplier_ns=MULTIPLIER_NS,
         multiplier_mhz=f"{1000 / MULTIPLIER_NS:.0f}",

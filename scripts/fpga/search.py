@@ -30,7 +30,7 @@ from scripts.console import Parser, command, progress
 from scripts.fpga import area
 from scripts.fpga import page as fpga_page
 from scripts.fpga.runs import Run
-from scripts.pages.render import render
+from scripts.generate.render import render
 from tb.sim.env import GENERATED
 
 FIGURES = GENERATED / "search.json"

@@ -11,6 +11,7 @@ import pytest
 
 from scripts import coverage, follow, formal, run, soak
 from scripts.fpga import measure
+from scripts.paper import __main__ as paper
 from scripts.playground import page as playground
 from scripts.report import page
 from tb.core import hardest
@@ -18,7 +19,7 @@ from tb.sim.env import ROOT, environment
 
 MAINS = {
     "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "formal": formal.main,
-    "fpga": measure.main, "playground": playground.main, "coverage": coverage.main,
+    "paper": paper.main, "fpga": measure.main, "playground": playground.main, "coverage": coverage.main,
 }  # fmt: skip
 
 BAD_INPUT = [
@@ -75,6 +76,7 @@ BAD_INPUT = [
     ("soak --farm x", "argument --farm: "),
     ("coverage --only x --keep", "argument --keep: not with --only"),
     ("formal --only nothing", "argument --only: "),
+    ("paper --only table7", "argument --only: unknown part 'table7'"),
     ("playground --width 17", "no such machine; there are lean-W32, "),
     ("fpga --datapath lean2", "unknown datapath 'lean2'"),
 ]
@@ -120,6 +122,7 @@ OPTIONS = {
     "coverage": "only keep",
     "formal": "only",
     "fpga": "datapath width",
+    "paper": "only",
     "playground": "out datapath width",
 }
 

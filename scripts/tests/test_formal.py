@@ -12,8 +12,8 @@ import pytest
 
 from scripts import formal
 from scripts.formal import main
-from scripts.pages import ranges_proofs
-from scripts.pages.tables import table
+from scripts.generate import ranges_proofs
+from scripts.generate.page_tables import table
 from tb.formal import arithmetic, overflow, widths
 from tb.formal.arithmetic import Asked
 from tb.formal.arithmetic_parts import ARITHMETIC

@@ -9,7 +9,8 @@ from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
 from scripts import run
-from scripts.pages import gen_docs
+from scripts.generate import pages
+from scripts.generate.page_tables import differing
 from tb.sim import simulate
 from tb.sim.env import cores, simulator
 
@@ -86,8 +87,10 @@ def test_latency_and_rate(outcome):
 
 
 def test_the_page_of_scores_is_up_to_date(outcomes):
-    page = gen_docs.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
-    assert gen_docs.SCORES.read_text() == page, "run `python -m scripts.pages.gen_docs`"
+    page = pages.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
+    heading = "## By region"  # another processor's sines may round figures there the other way
+    (old, old_regions), (new, new_regions) = (text.split(heading) for text in (pages.SCORES.read_text(), page))
+    assert old == new and differing(old_regions, new_regions) == [], "run `make docs`"
 
 
 if simulator() == "verilator":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The registers of ik_axi.
 
-Written by `python -m scripts.pages.gen_registers` from rtl/axi/ik_axi.rdl; do not edit.
+Written by `python -m scripts.generate.registers` from rtl/axi/ik_axi.rdl; do not edit.
 """
 
 from __future__ import annotations

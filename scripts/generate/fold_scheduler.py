@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Schedule the folded machine: the clock of every step of the lean dataflow, by constraint programming.
+
+    make schedule [PERIOD=CLOCKS] [SECONDS=N]
+
+Writes model/dataflow/fold/schedule.json, from which the program is made (`python -m scripts.generate.headers`), with
+the least latency found in the time.  A change of the dataflow that adds, drops or renames a step needs it.
+
+Exit status: 0 a schedule was found, 1 there is none, or none was found in the time, 2 bad input.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
+
+from model.dataflow.fold import timing
+from model.dataflow.fold.check import check
+from model.dataflow.fold.layout import Layout
+from model.dataflow.fold.program import SCHEDULE, encode
+from model.dataflow.fold.steps import Group, lower
+from model.dataflow.fold.timing import INPUTS, Placed, Schedule
+from scripts.console import Parser, command, whole
+
+try:
+    from ortools.sat.python import cp_model
+except ImportError:
+    cp_model = None
+
+WIDTH = 24
+"""Any: the steps are the same."""
+
+LATENCY = 140
+"""Clocks that a target may take."""
+
+
+class NoScheduleError(Exception):
+    """It is proved that there is none."""
+
+
+class _Problem:
+    """The schedule as variables and constraints: ``model`` and the start of each group."""
+
+    def __init__(self, groups: list[Group], period: int) -> None:
+        self.model, self.period = cp_model.CpModel(), period
+        self.loads = {name: self.model.new_int_var(0, period - 1, name) for name in INPUTS}
+        self.starts = {group.name: self.model.new_int_var(1, LATENCY, group.name) for group in groups}
+        self.placed = [(self.starts[group.name], Placed(at, step)) for group in groups for at, step in group.steps]
+        self._resources()
+        self._words()
+        self._flags()
+        self._results()
+
+    def _clocks(self, of: Callable[[Placed], Iterable[int]]) -> list:
+        return [start + clock for start, placed in self.placed for clock in of(placed)]
+
+    def _in_lap(self, clocks: list, what: str) -> list:
+        """The place of each clock in the lap."""
+        places = []
+        for number, clock in enumerate(clocks):
+            lap = self.model.new_int_var(-1, LATENCY // self.period + 1, f"{what} {number}, lap")
+            places.append(self.model.new_int_var(0, self.period - 1, f"{what} {number}"))
+            self.model.add(clock == lap * self.period + places[-1])
+        return places
+
+    def _resources(self) -> None:
+        """One step is issued in a clock of the lap, one row read, one word written; the count serves one step."""
+        writes = self._clocks(lambda placed: [use.at for use in timing.word_writes(placed)])
+        for what, clocks in (
+            ("issue", self._clocks(lambda placed: [placed.at])),
+            ("row", self._clocks(timing.row_reads)),
+            ("write", writes + list(self.loads.values())),
+        ):
+            self.model.add_all_different(self._in_lap(clocks, what))
+        counting = [(start, placed) for start, placed in self.placed if placed.step.count]
+        begins = self._in_lap([start + timing.first_count(placed) for start, placed in counting], "count")
+        intervals = []
+        for begin, (_, placed) in zip(begins, counting, strict=True):
+            clocks = timing.last_count(placed) - timing.first_count(placed) + 1
+            for lap in (0, self.period):  # once more: it may run over the end of the lap
+                intervals.append(self.model.new_fixed_size_interval_var(begin + lap, clocks, "count"))
+        self.model.add_no_overlap(intervals)
+
+    def _words(self) -> None:
+        """Read after they are written, and before the next target writes them."""
+        written = {name: [clock] for name, clock in self.loads.items()}
+        for start, placed in self.placed:
+            for use in timing.word_writes(placed):
+                written.setdefault(use.of, []).append(start + use.at)
+        for start, placed in self.placed:
+            for use in timing.word_reads(placed):
+                for write in written[use.of]:
+                    self.model.add(start + use.at > write)
+                    self.model.add(start + use.at < write + self.period)
+
+    def _flags(self) -> None:
+        """The same of flags and counts, which are registers."""
+        self.set_at: dict[str, list] = {"phi<0": [self.loads["phi"]]}
+        for start, placed in self.placed:
+            for use in timing.flag_sets(placed):
+                self.set_at.setdefault(use.of, []).append(start + use.at)
+        for start, placed in self.placed:
+            for use in timing.flag_uses(placed):
+                self._needs(timing.roots_of(use.of), start + use.at)
+            if placed.step.count:
+                for number, (_, register) in enumerate(placed.step.count.terms):
+                    self._needs({register}, start + timing.first_count(placed) + number)
+
+    def _needs(self, roots: set[str], clock) -> None:
+        for root in roots:
+            for at in self.set_at[root]:
+                self.model.add(clock > at)
+                self.model.add(clock <= at + self.period)
+
+    def _results(self) -> None:
+        """Flags and tag leave with the first result; the last one comes before the first one of the next target, and
+        not in the last clocks of a lap, where the machine would begin another one."""
+        results = [start + placed.at + timing.WRITE for start, placed in self.placed if placed.step.result]
+        first, last, taken = (self.model.new_int_var(0, 2 * LATENCY, name) for name in ("first", "last", "taken"))
+        self.model.add_min_equality(first, results)
+        self.model.add_max_equality(last, results)
+        self.model.add_max_equality(taken, list(self.loads.values()))
+        self._needs(timing.roots_of("flags"), first)
+        self.model.add(first <= taken + self.period)
+        self.model.add(last < first + self.period)
+        (place,) = self._in_lap([last], "last result")
+        self.model.add(place < self.period - timing.FETCH)
+        self.model.minimize(last)
+
+
+def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | None:
+    """The schedule of least latency found in the time; None if none was.
+
+    Raises :class:`NoScheduleError` if there is none.
+    """
+    problem, solver = _Problem(groups, period), cp_model.CpSolver()
+    solver.parameters.max_time_in_seconds = seconds
+    status = solver.solve(problem.model)
+    if status == cp_model.INFEASIBLE:
+        raise NoScheduleError
+    if status == cp_model.UNKNOWN:
+        return None
+    found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
+    return Schedule(period, *found)
+
+
+@command("schedule")
+def main(arguments: Sequence[str] | None) -> int:
+    """Run the command line; the exit status."""
+    parser = Parser("schedule", "Schedule the folded machine.", fails="no schedule was found")
+    parser.add_argument("--period", type=whole(1), default=88, metavar="CLOCKS", help="of a lap (default: %(default)s)")
+    parser.add_argument("--seconds", type=whole(1), default=240, metavar="N", help="to search (default: %(default)s)")
+    parsed = parser.parse_args(arguments)
+    if cp_model is None:
+        parser.error("ortools is not installed: use make schedule")
+    _, groups = lower(Layout(WIDTH))
+    print(f"{sum(len(group.steps) for group in groups)} steps, a target each {parsed.period} clocks", flush=True)
+    try:
+        found = schedule(groups, parsed.period, parsed.seconds)
+    except NoScheduleError:
+        print(f"there is none within a latency of {LATENCY} clocks")
+        return 1
+    if found is None:
+        print(f"none found in {parsed.seconds} s")
+        return 1
+    program = encode(groups, found)
+    check([program.word(clock) for clock in range(program.period)], groups)
+    SCHEDULE.write_text(json.dumps(asdict(found), indent=1) + "\n", encoding="utf-8")
+    print(f"wrote {SCHEDULE.name}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

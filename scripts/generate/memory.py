@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How quick ik_axi is, measured in the RTL on buses of 32, 64 and 128 bits: memory.md.
+
+    python -m scripts.generate.memory [--sim icarus|verilator]
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from scripts.console import Parser, command
+from scripts.generate.render import render
+from tb.axi.instances import apart
+from tb.axi.rates import BATCH, LONG
+from tb.sim.env import GENERATED, ROOT, SIMULATORS
+
+PAGE = GENERATED / "memory.md"
+BUSES = (32, 64, 128)
+
+
+def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
+    """A row for each latency, or for one, as tb/axi/rates.py writes them. Raises SimulationError."""
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        path = Path(folder) / "rates.json"
+        env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
+        apart("tb.axi.rates", sim, env, parameters=parameters)
+        return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+@command("generate.memory")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser("generate.memory", __doc__.splitlines()[0], fails="a simulation fails")
+    parser.choice("--sim", "simulator", SIMULATORS, SIMULATORS[0], "the simulator (default: %(default)s)")
+    sim = parser.parse_args(arguments).sim
+    rows = zip(*(measured(sim, {"DATA_W": bus}) for bus in BUSES), strict=True)
+    PAGE.write_text(render("memory", rows=list(rows), buses=BUSES, short=BATCH, long=LONG))
+    print(f"wrote {PAGE.relative_to(ROOT)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes what says where the registers of ik_axi are, from rtl/axi/ik_axi.rdl: C header, Python constants, page.
+
+    python -m scripts.generate.registers           writes the files that are out of date
+    python -m scripts.generate.registers --check   only names them, and exits with 1 if there are any
+
+Of our own templates: PeakRDL's C names a register by a hash where several share a type.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+
+from systemrdl import RDLCompiler
+from systemrdl.node import FieldNode
+
+from scripts.generate.render import TEMPLATES
+from tb.sim.env import GENERATED, ROOT
+
+SOURCE = ROOT / "rtl" / "axi" / "ik_axi.rdl"
+
+
+@dataclass(frozen=True)
+class Field:
+    """Some bits of a register. access: r, rw, w1c (writing 1 erases) or w1 (a pulse, reads as 0)."""
+
+    name: str
+    high: int
+    low: int
+    access: str
+    reset: int | None
+    text: str
+
+    @property
+    def mask(self) -> int:
+        return (2 << self.high) - (1 << self.low)
+
+    @property
+    def bits(self) -> str:
+        return f"{self.high}:{self.low}" if self.high > self.low else str(self.low)
+
+
+@dataclass(frozen=True)
+class Register:
+    """A register at an offset in bytes."""
+
+    name: str
+    offset: int
+    title: str
+    text: str
+    fields: tuple[Field, ...]
+
+    @property
+    def writable(self) -> bool:
+        return any(field.access != "r" for field in self.fields)
+
+
+def _text(found: str | None) -> str:
+    return " ".join((found or "").split())
+
+
+def _access(field: FieldNode) -> str:
+    if field.get_property("woclr"):
+        return "w1c"
+    if field.get_property("singlepulse"):
+        return "w1"
+    return "rw" if field.is_sw_writable else "r"
+
+
+def description(path: Path = SOURCE) -> dict:
+    """What the templates get: the text, the registers and the codes of errors, (name, number, text)."""
+    compiler = RDLCompiler()
+    compiler.compile_file(str(path))
+    top = compiler.elaborate().top
+    registers, codes = [], []
+    for node in top.registers():
+        fields = []
+        for field in node.fields():
+            place = (field.inst_name, field.msb, field.lsb, _access(field), field.get_property("reset"))
+            fields.append(Field(*place, _text(field.get_property("desc"))))
+            if encoding := field.get_property("encode"):
+                codes += [(code.name, code.value, _text(code.rdl_desc)) for code in encoding]
+        named = (node.inst_name, node.address_offset, node.get_property("name"), _text(node.get_property("desc")))
+        registers.append(Register(*named, tuple(fields)))
+    return {"text": _text(top.get_property("desc")), "registers": registers, "codes": codes}
+
+
+FILES = {
+    ROOT / "examples" / "driver" / "ik_regs.h": "ik_regs.h.j2",
+    ROOT / "tb" / "axi" / "ik_regs.py": "ik_regs.py.j2",
+    GENERATED / "registers.md": "registers.md.j2",
+}
+"""File -> its template."""
+
+
+def texts(source: Path = SOURCE) -> dict[Path, str]:
+    """File -> what it has to say."""
+    TEMPLATES.filters["wrap"] = lambda text, width: textwrap.fill(text, width)
+    found = description(source)
+    return {path: TEMPLATES.get_template(name).render(found) for path, name in FILES.items()}
+
+
+def stale(source: Path = SOURCE) -> list[Path]:
+    """The files that do not say what the description says."""
+    return [path for path, text in texts(source).items() if not path.exists() or path.read_text() != text]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m scripts.generate.registers", description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if a file is out of date")
+    check = parser.parse_args().check
+    out_of_date = stale()
+    for path in out_of_date:
+        if not check:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(texts()[path])
+        print(f"{'out of date' if check else 'wrote'}: {path.relative_to(ROOT)}")
+    return 1 if check and out_of_date else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that answers the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 (make paper).
+
+    python -m scripts.paper [--only derivation|operations|wordlengths|figures|table6]
+
+Each part writes its page in docs/generated and stops the command if one of its checks fails. Table 5 is `make fpga`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from scripts.console import Parser, command
+from scripts.paper import figures, operations, wordlengths
+from scripts.paper.derivation import lean, paper
+from scripts.paper.table6 import measure
+
+PARTS = {
+    "derivation": lambda: paper.write() or lean.write(),
+    "operations": operations.write,
+    "wordlengths": wordlengths.write,
+    "figures": figures.write,
+    "table6": lambda: measure.main([]),
+}
+"""Part -> the function that writes its page and returns 0, or 1 if a check fails."""
+
+
+@command("paper")
+def main(arguments: Sequence[str] | None) -> int:
+    parser = Parser("paper", "Write the pages that answer the paper.")
+    parser.choice("--only", "part", tuple(PARTS), None, f"one of {', '.join(PARTS)} (default: all)")
+    only = parser.parse_args(arguments).only
+    for part in [only] if only else PARTS:
+        if status := PARTS[part]():
+            return status
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

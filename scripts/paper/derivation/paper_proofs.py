@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a row of the paper's equations is proved or refuted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from model.reference import cga
+from scripts.paper.derivation.markdown import cell
+from scripts.paper.derivation.printed import SYMBOL, TEX, symbols
+
+EXPANSION = "expansion"
+
+
+@dataclass
+class Setting:
+    """What a step takes as given: polynomials that vanish, roots that have a name, and a point to refute with."""
+
+    relations: dict[str, sp.Expr] = field(default_factory=dict)  # LaTeX -> polynomial that is 0
+    leading: str = ""  # names in order of elimination: makes the relations' leading terms coprime
+    roots: dict[sp.Expr, sp.Expr] = field(default_factory=dict)  # a quantity >= 0 -> its square
+    point: dict[str, object] = field(default_factory=dict)  # exact values for all symbols
+    foreign: dict[sp.Symbol, sp.Expr] = field(default_factory=dict)  # roots met that nobody expected
+    plain: bool = False  # derived coefficients are shown factored but not reduced
+    recognized: dict[str, None] = field(default_factory=dict)  # relations used to recognize roots, in order
+
+    def remainder(self, expression) -> tuple[sp.Expr, sp.Expr, list[str]]:
+        """(n, d, used): expression is n/d modulo the relations, which are a Groebner basis.
+
+        n is 0 exactly if the expression's numerator lies in the ideal of the relations.
+        """
+        numerator, denominator = sp.fraction(sp.together(expression))
+        numerator, used = self._reduce(numerator)
+        denominator, _ = self._reduce(denominator)
+        assert denominator != 0, "a denominator vanishes identically"
+        return numerator, denominator, used
+
+    def _reduce(self, polynomial):
+        polynomial = sp.expand(polynomial)
+        if not self.relations or not polynomial.free_symbols:
+            return polynomial, []
+        ahead = symbols(self.leading)
+        free = polynomial.free_symbols | set().union(*(r.free_symbols for r in self.relations.values()))
+        order = ahead + sorted(free - set(ahead), key=str)
+        basis = list(self.relations.values())
+        heads = [sp.Poly(r, *order).monoms(order="lex")[0] for r in basis]
+        for n, head in enumerate(heads):  # Buchberger's first criterion
+            assert all(not (a and b) for other in heads[:n] for a, b in zip(head, other, strict=True)), "not coprime"
+        quotients, rest = sp.reduced(polynomial, basis, *order, order="lex")
+        return rest, [name for name, q in zip(self.relations, quotients, strict=True) if q != 0]
+
+    def normal(self, expression) -> sp.Expr:
+        """A form to print: reduced, cancelled, factored."""
+        expression = self.named(expression)
+        if self.plain:
+            return sp.factor(expression)
+        numerator, denominator, _ = self.remainder(expression)
+        return sp.factor(sp.cancel(numerator / denominator))
+
+    def named(self, expression) -> sp.Expr:
+        """The expression with every square root and absolute value replaced by the quantity >= 0 that it is."""
+        expression = sp.sympify(expression)
+        if isinstance(expression, sp.Float):  # kingdon's zeros
+            return sp.nsimplify(expression, rational=True)
+        if isinstance(expression, sp.Abs):
+            return self._root(self.named(expression.args[0]) ** 2, expression)
+        if expression.is_Pow and expression.exp.is_Rational and expression.exp.q == 2:
+            absolute = isinstance(expression.base, sp.Abs)
+            radicand = self.named(expression.base.args[0] if absolute else expression.base)
+            return self._root(radicand, sp.sqrt(expression.base), absolute) ** (2 * expression.exp)
+        return expression.func(*map(self.named, expression.args)) if expression.args else expression
+
+    def _root(self, square, original, absolute=False):
+        for name, known in self.roots.items():
+            for signed in (known, -known)[: 1 + absolute]:
+                rest, _, used = self.remainder(square - signed)
+                if rest == 0:
+                    self.recognized |= dict.fromkeys(used)
+                    return name
+        for symbol, other in self.foreign.items():
+            if other == original:
+                return symbol
+        symbol = sp.Symbol(f"root{len(self.foreign)}", real=True)
+        self.foreign[symbol] = original
+        return symbol
+
+    def at_point(self, expression):
+        """The exact value at the point, which satisfies all relations."""
+        values = {SYMBOL[name]: sp.sympify(value) for name, value in self.point.items()}
+        for relation in self.relations.values():
+            assert sp.simplify(relation.subs(values)) == 0, f"the point is not on {relation} = 0"
+        for root, square in self.roots.items():
+            if root.is_Symbol and root not in values:
+                values[root] = sp.sqrt(square.subs(values))
+        foreign = {symbol: original.subs(values) for symbol, original in self.foreign.items()}
+        return sp.simplify(expression.subs(foreign).subs(values))
+
+
+@dataclass
+class Row:
+    """One comparison: of a derived coefficient with a printed one, or of two sides of a statement."""
+
+    equation: str
+    name: str  # row of PRINTED, or LaTeX of a statement
+    derived: sp.Expr
+    verdict: str  # equal, factor, differs
+    method: str
+    factor: sp.Expr = sp.Integer(1)
+    difference: sp.Expr | None = None
+    witness: str = ""
+
+    @property
+    def holds(self) -> bool:
+        return self.verdict == "equal"
+
+
+def compare(setting: Setting, equation: str, name: str, derived, printed, factor=1) -> Row:
+    """Decides derived * factor = printed by expansion, modulo the setting's relations. factor: in print."""
+    setting.recognized = {}
+    derived, printed = setting.named(derived), setting.named(printed)
+    rest, _, used = setting.remainder(derived * factor - printed)
+    if rest == 0:
+        shape = derived if equation.startswith("fact") else setting.normal(derived)
+        used = list(dict.fromkeys([*setting.recognized, *used]))
+        method = EXPANSION + (f", modulo {', '.join(f'${cell(u)}$' for u in used)}" if used else "")
+        return Row(equation, name, shape, "equal" if factor == 1 else "factor", method, sp.Integer(factor))
+    value = setting.at_point(derived * factor - printed)
+    # Only a point can refute: a remainder alone could be a relation that the setting has not been told.
+    shown = value if value.is_Rational else sp.N(value, 6)
+    method = "a point where they differ" if value != 0 else "undecided: a remainder, but equal at the point"
+    spot = ", ".join(f"{TEX[k]} = {sp.latex(sp.sympify(v))}" for k, v in setting.point.items())
+    witness = f"At ${spot}$ it is ${sp.latex(shown)}$."
+    difference = setting.normal(derived * factor - printed)
+    return Row(equation, name, setting.normal(derived), "differs", method, sp.Integer(factor), difference, witness)
+
+
+def radicand(expression, setting: Setting) -> sp.Expr:
+    """What is under the one square root of the expression, without an absolute value, positive at the point."""
+    found = {p.base for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2}
+    (base,) = found
+    base = base.args[0] if isinstance(base, sp.Abs) else base
+    return base if setting.at_point(base) > 0 else -base
+
+
+def normal_vector(plane):
+    return [cga.coefficient(plane, blade) for blade in ("e1", "e2", "e3")]
+
+
+@dataclass
+class Section:
+    title: str
+    rows: list[Row] = field(default_factory=list)  # against the print
+    facts: list[Row] = field(default_factory=list)  # statements that later sections use, or that explain
+
+    def row(self, *compared) -> None:
+        """A row of the print, as `compare` takes it."""
+        self.rows.append(compare(*compared))
+
+    def fact(self, setting: Setting, statement: str, left, right=0, kind: str = "fact") -> None:
+        """A statement; kind: "fact false" for one that is known not to hold."""
+        self.facts.append(compare(setting, kind, statement, left, sp.sympify(right)))

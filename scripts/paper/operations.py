@@ -1,0 +1,363 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Table 4 again: the operations of equations (10)-(19) and of the elaborated RTL, counted; operations.md.
+
+Expressions are those of model/reference/printed.py.  The RTL is elaborated by Verilator (``--json-only``), and the
+instances and the written + and - in the tree that it gives are counted; nothing is simulated or compiled.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import textwrap
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import sympy
+
+from model.dataflow.fixed import latency
+from model.dataflow.nodes import FormatError
+from model.dataflow.paper import SECTIONS, paper
+from model.reference.printed import PRINTED, symbol
+from scripts.generate.counts import WIDTH, operations
+from scripts.generate.render import render, table
+from tb.sim.env import GENERATED, ROOT, environment
+from tb.sim.sources import includes, sources
+
+PAGE = GENERATED / "operations.md"
+
+
+@dataclass(frozen=True)
+class Ops:
+    """Numbers of operations; ``scale`` are multiplications by a constant, ``trig`` sines and cosines."""
+
+    add: int = 0
+    mul: int = 0
+    root: int = 0
+    div: int = 0
+    scale: int = 0
+    trig: int = 0
+
+    def __add__(self, other: Ops) -> Ops:
+        return Ops(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+
+
+UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
+"""Table 4 as printed."""
+
+
+# -- expressions -----------------------------------------------------------------------------------------------------
+
+
+def count(expression: sympy.Expr) -> Ops:
+    """The operations of one expression tree, nothing shared."""
+    if expression.is_Symbol or expression.is_Number:
+        return Ops()
+    inside = sum((count(a) for a in expression.args), Ops()) if not expression.is_Mul else Ops()
+    if expression.is_Add:
+        return inside + Ops(add=len(expression.args) - 1)
+    if expression.is_Mul:
+        return _product(expression)
+    if expression.is_Pow:
+        return _power(*expression.args)
+    if isinstance(expression, (sympy.cos, sympy.sin)):
+        return Ops(trig=1)  # half an angle is wiring
+    if isinstance(expression, sympy.Abs):
+        return inside  # a change of sign
+    if expression.func.__name__ == "rsqrt":
+        return inside + Ops(root=1)
+    raise ValueError(f"no rule for the operation {expression.func.__name__}")
+
+
+def _factors(expression: sympy.Expr) -> Iterator[sympy.Expr]:
+    for a in expression.args:
+        yield from _factors(a) if a.is_Mul else (a,)
+
+
+def _product(expression: sympy.Expr) -> Ops:
+    above, below, total = 0, 0, Ops()
+    for f in _factors(expression):
+        negative = f.is_Pow and f.args[1].is_number and f.args[1] < 0
+        if f.is_number:  # 2, 1/2: wiring
+            total += Ops(scale=int(abs(f.doit()) != 1))
+        elif negative:
+            below += 1
+            total += _power(f.args[0], -f.args[1])
+        else:
+            above += 1
+            total += count(f)
+    return total + Ops(mul=max(above - 1, 0) + max(below - 1, 0), div=int(below > 0))
+
+
+def _power(base: sympy.Expr, exponent: sympy.Expr) -> Ops:
+    own = count(base)
+    if exponent < 0:
+        return _power(base, -exponent) + Ops(div=0 if base.is_number else 1)
+    if exponent == sympy.Rational(1, 2):
+        return own + Ops(root=1)
+    if not exponent.is_Integer:
+        raise ValueError(f"no rule for the power {exponent}")
+    # by repeated squaring: x^2 is one multiplication, x^3 and x^4 are two
+    n = int(exponent)
+    return own + Ops(mul=n.bit_length() - 1 + n.bit_count() - 1)
+
+
+def total(expressions: Iterable[sympy.Expr]) -> Ops:
+    """The operations of several expressions, nothing shared between them."""
+    return sum((count(e) for e in expressions), Ops())
+
+
+def shared(lines: dict[str, sympy.Expr]) -> Ops:
+    """The operations after ``sympy.cse`` over all lines at once."""
+    names = sympy.numbered_symbols("shared_")
+    trees = [e.doit() for e in lines.values()]
+    common, rest = sympy.cse(trees, symbols=names, optimizations="basic", order="canonical")
+    return total([e for _, e in common] + rest)
+
+
+def printed_lines(*numbers: str) -> dict[str, sympy.Expr]:
+    """The lines of the given equations, in order; of all of (10)-(18) if none is given."""
+    return {n: e for k in numbers or [k for k in PRINTED if k != "(19)"] for n, e in PRINTED[k].items()}
+
+
+def lines_with_19() -> dict[str, sympy.Expr]:
+    """(10)-(18) with (19) in place of the last six lines of (12): (13) follows by substitution."""
+    lines = printed_lines()
+    to_19 = {}
+    for m in "123":
+        plus, minus = symbol(f"pp_{m}_plus"), symbol(f"pp_{m}_minus")
+        to_19 |= {symbol(f"pp_{m}5"): (plus + minus) / 2, symbol(f"pp_{m}4"): (plus - minus) / 2}
+    result = {}
+    for name, e in lines.items():
+        if name in PRINTED["(13)"]:
+            e = e.doit().subs(to_19)
+            result[name] = sympy.expand(e) if name == "tmp1" else e
+        elif name in [s.name for s in to_19]:
+            result |= PRINTED["(19)"]
+        else:
+            result[name] = e
+    return result
+
+
+def savings() -> dict[str, tuple[Ops, Ops, str]]:
+    """What of (12) and (13) has changed with (19): its operations before and after, and what section 4.2 says of it."""
+    before, after, lines = printed_lines("(12)", "(13)"), printed_lines("(19)"), lines_with_19()
+    six = {n: e for n, e in before.items() if n[-1] in "45"}
+    elbow = [n for n in before if n.startswith("p_e_")]
+
+    def of(*names: str) -> tuple[Ops, Ops]:
+        return tuple(total(each[n].doit() for n in names) for each in (before, lines))
+
+    return {
+        "PP_m4, PP_m5 to PP_m^+, PP_m^-": (total(six.values()), total(after.values()), "the same number"),
+        "the same, common subexpressions": (shared(six), shared(after), "1 + and 2 x fewer"),
+        "inf_pp": (*of("inf_pp"), "an addition fewer each time"),
+        "tmp_1": (*of("tmp1"), "3 + and 3 x fewer"),
+        "p_e": (*of(*elbow), "an addition fewer each time"),
+    }
+
+
+# -- the elaborated RTL ----------------------------------------------------------------------------------------------
+
+
+def elaborate(root: Path = ROOT, top: str = "ik_paper", **parameters: int) -> list[dict]:
+    """The modules of a datapath as Verilator has elaborated them, the top first.
+
+    RuntimeError with Verilator's own message when the sources do not elaborate.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
+        command += ["--top-module", top, *(f"-G{k}={v}" for k, v in ({"W": WIDTH} | parameters).items())]
+        command += ["-Wno-fatal", "-Wno-lint"]
+        command += [f"-I{folder}" for folder in includes(root)] + [str(p) for p in sources(root)]
+        done = subprocess.run(command, env=environment(), capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{top} does not elaborate:\n{done.stderr}")
+        return json.loads((Path(folder) / "top.tree.json").read_text())["modulesp"]
+
+
+def _walk(tree) -> Iterator[dict]:
+    if isinstance(tree, dict):
+        yield tree
+        tree = list(tree.values())
+    if isinstance(tree, list):
+        for child in tree:
+            yield from _walk(child)
+
+
+def _parameter(module: dict, name: str) -> int:
+    for item in module["stmtsp"]:
+        if item["type"] == "VAR" and item["name"] == name:
+            return int(item["valuep"][0]["name"].split("h")[-1], 16)
+    raise RuntimeError(f"module {module['name']} has no parameter {name}")
+
+
+LIBRARY = ("ik_mul", "ik_sum2", "ik_sum3", "ik_half", "ik_div", "ik_root", "ik_sincos", "ik_norm", "ik_lzc", "ik_shift")
+"""What sections are made of.  Of what is inside one of these only the delays of its operands are counted."""
+
+
+def _operand_bits(operator: dict, by_address: dict[str, dict]) -> int:
+    """Bits of the delays of an operator's operands: of operand a in instance u_a, and so on."""
+    ports = [f"u_{n['name']}" for n in operator["stmtsp"] if n["type"] == "VAR" and n.get("direction") == "INPUT"]
+    cells = [n for n in _walk(operator["stmtsp"]) if n.get("type") == "CELL" and n["name"] in ports]
+    return sum(_parameter(by_address[c["modp"]], "W") * _parameter(by_address[c["modp"]], "N") for c in cells)
+
+
+def rtl_counts(root: Path = ROOT) -> dict[str, Counter]:
+    """Section -> how many of each library module, of written ``+`` and ``-``, and bits that wait."""
+    modules = elaborate(root)
+    by_address = {m["addr"]: m for m in modules}
+    tops = [m for m in modules if m["origName"] == "ik_paper"]
+    counts: dict[str, Counter] = {}
+
+    def visit(module: dict, section: str) -> None:
+        mine = counts.setdefault(section, Counter())
+        mine["operator"] += sum(n.get("type") in ("ADD", "SUB") for n in _walk(module["stmtsp"]))
+        for cell in _walk(module["stmtsp"]):
+            if cell.get("type") != "CELL":
+                continue
+            inner = by_address[cell["modp"]]
+            kind = inner["origName"]
+            if kind in LIBRARY:
+                mine[kind] += 1
+                mine["delay_bits"] += _operand_bits(inner, by_address)
+            elif kind == "ik_pick":
+                continue  # a choice and a sign change, which neither table 4 nor the dataflow counts
+            elif kind in ("ik_delay", "ik_ring"):
+                mine["delay_bits"] += _parameter(inner, "W") * _parameter(inner, "N")
+            elif kind.removeprefix("ik_") in SECTIONS:
+                visit(inner, kind.removeprefix("ik_"))
+            else:
+                raise RuntimeError(f"{module['name']}: no rule for the module {kind} of instance {cell['name']}")
+
+    visit(tops[0], "results")
+    return {s: counts.get(s, Counter()) for s in SECTIONS}
+
+
+def operators(modules: list[dict]) -> Counter:
+    """The ``add`` and ``mul`` that all instances below the top do in every clock: not those of constants, of functions
+    and of initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation for
+    each of its parts: what stands in one place of one generate block is one operator."""
+    by_address = {m["addr"]: m for m in modules}
+    kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
+
+    def inside(tree: Any, block: tuple[str, ...], found: dict[tuple, str], cells: list[str]) -> None:
+        if isinstance(tree, list):
+            for child in tree:
+                inside(child, block, found, cells)
+            return
+        kind = tree.get("type")
+        if kind in ("FUNC", "INITIAL"):
+            return
+        if kind == "CELL":
+            cells.append(tree["modp"])
+        if kind == "GENBLOCK":
+            block = (*block, tree["name"])
+        if kind in kinds and any(side["type"] != "CONST" for side in tree["lhsp"] + tree["rhsp"]):
+            found[(*block, tree["loc"])] = kinds[kind]
+        for name, child in tree.items():
+            if isinstance(child, list) and name not in ("lsbp", "bitp"):  # which are indices
+                inside(child, block, found, cells)
+
+    def of(module: dict) -> Counter:
+        found: dict[tuple, str] = {}
+        cells: list[str] = []
+        inside(module["stmtsp"], (), found, cells)
+        return sum((of(by_address[cell]) for cell in cells), Counter(found.values()))
+
+    return of(modules[0])
+
+
+def rtl_ops(c: Counter) -> Ops:
+    """A section's instances as operations."""
+    return Ops(
+        add=c["ik_sum2"] + 2 * c["ik_sum3"] + c["ik_half"] + c["operator"],
+        mul=c["ik_mul"],
+        root=c["ik_root"],
+        div=c["ik_div"],
+        trig=2 * c["ik_sincos"],
+    )
+
+
+def differences(rtl: dict[str, Counter], flow: dict[str, Counter]) -> list[str]:
+    """Where the elaborated RTL does not have the operations of the dataflow, one line each."""
+    found = []
+    for section in SECTIONS:
+        a, b = Counter(rtl[section]), flow.get(section, Counter())
+        a["additions"] = rtl_ops(a).add
+        for unit in ("mul", "div", "root", "sincos", "norm", "lzc", "shift", "additions"):
+            kind = unit if unit == "additions" else f"ik_{unit}"
+            if a[kind] != b[unit]:
+                found.append(f"section {section}: {a[kind]} {kind} in the RTL, {b[unit]} in model/dataflow/paper.py")
+    return found
+
+
+# -- the page --------------------------------------------------------------------------------------------------------
+
+
+def _bullet(text: str) -> str:
+    lines = textwrap.wrap(f"- {text}", 118, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)
+
+
+def operators_at_once() -> dict[str, dict[str, int]]:
+    """Datapath, with dividers and roots made of rows -> its operators and its clocks."""
+    found = {}
+    for datapath, top in (("paper", "ik_paper"), ("lean", "ik_lean")):
+        digit = {"DIGIT": 1} if datapath == "paper" else {}
+        found[datapath] = {**operators(elaborate(top=top, **digit)), "clocks": latency(datapath, WIDTH)}
+    return found
+
+
+def page(rtl: dict[str, Counter]) -> str:
+    """operations.md."""
+    lines, lines_19 = printed_lines(), lines_with_19()
+    ops = {s: rtl_ops(c) for s, c in rtl.items()}
+    print_ = total(lines.values())
+    kinds = [k for k in (*LIBRARY, "operator", "delay_bits") if any(c[k] for c in rtl.values())]
+    words = {"operator": "written +, -", "delay_bits": "bits that wait"}
+    by_section = [(SECTIONS[section], *(c[k] for k in kinds)) for section, c in rtl.items()]
+    whole = sum(rtl.values(), Counter())
+    return render(
+        "operations",
+        old=UNOPTIMIZED,
+        new=OPTIMIZED,
+        print=print_,
+        cse=shared(lines),
+        print_19=total(lines_19.values()),
+        cse_19=shared(lines_19),
+        rtl=sum((o for s, o in ops.items() if s != "guard"), Ops()),
+        everything=sum(ops.values(), Ops()),
+        spread=print_.div + 4 - 1,  # 4 halvings in roots, sign/|sign|
+        guard=ops["guard"],
+        sections=table(
+            ["section", *(words.get(k, f"`{k}`") for k in kinds)],
+            [*by_section, ("all", *(whole[k] for k in kinds))],
+        ),
+        equations={k: total(PRINTED[k].values()) for k in PRINTED},
+        bullet=_bullet,
+        savings=savings(),
+        at_once=(at_once := operators_at_once()),
+        together={datapath: found["add"] + found["mul"] for datapath, found in at_once.items()},
+        width=WIDTH,
+    )
+
+
+def write() -> int:
+    """Count and write operations.md; return 1 if RTL and dataflow differ."""
+    try:
+        rtl, dataflow = rtl_counts(), operations(paper)
+    except FormatError as error:
+        print(error, file=sys.stderr)
+        return 1
+    if wrong := differences(rtl, dataflow):
+        print("\n".join(wrong), file=sys.stderr)
+        return 1
+    PAGE.write_text(page(rtl))
+    print(f"wrote {PAGE.name}")
+    return 0

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Machines beside tables 5 and 6 of the paper: what `make run` prints of several on one trajectory."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from model.io.scoring import Score
+from scripts.fpga.page import CHIPS, FIGURES, FOLD, TOPS, clock, fold_runs, synthesized
+from scripts.paper import tables
+from scripts.tables import CLOCKS, LATENCY, RATE, figures, outcome
+
+LUTS, PART, MULTIPLIERS, CLOCK = "LUT4", f"  of the {tables.CHIP}'s", "18x18 multipliers", "clock (MHz)"
+FIRST, ALL, TIMES = "until the first result (us)", "until the last (us)", "times the paper's software"
+
+SAID = {
+    LUTS: f"~{tables.LUTS}",
+    PART: tables.of_chip(tables.LUTS),
+    MULTIPLIERS: "-",
+    CLOCK: str(tables.MHZ),
+    RATE: "1",
+    LATENCY: f"~{tables.LATENCY}",
+    CLOCKS: "-",
+}
+"""Table 5 of the paper; the rows of table 6 follow it."""
+
+SOURCES = (
+    f"LUT4, multipliers (the {tables.CHIP} has {tables.CHIP_MULTIPLIERS}) and clock are those of `make fpga`, "
+    "docs/generated/fpga.md; clocks and errors were counted in this run. The paper's software takes "
+    f"{tables.SOFTWARE_US:.0f} us for {tables.TARGETS} targets."
+)
+
+
+def _said(targets: int) -> dict[str, str]:
+    """Tables 5 and 6 of the paper, the times for so many targets."""
+    total = tables.FIRST_US + targets / tables.MHZ
+    return SAID | {FIRST: f"{tables.FIRST_US:g}", ALL: f"{total:g}", TIMES: _times(targets, total)}
+
+
+def _times(targets: int, us: float) -> str:
+    return f"{tables.SOFTWARE_US / tables.TARGETS * targets / us:.0f}"
+
+
+def _small_chip(datapath: str) -> str:
+    """The chip that a folded machine is placed on."""
+    return next((chip for chip, name, _ in FOLD if name == datapath), "")
+
+
+def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
+    """The same rows of a run and its figures; `data`: what `make fpga` has measured."""
+    datapath, width = result.datapath, result.width
+    mhz = synthesis = None
+    if datapath in TOPS:
+        mhz = clock(data, datapath, width)
+        synthesis = synthesized(data, datapath, width, "xc2vp")
+    elif _small_chip(datapath):
+        synthesis, placed = fold_runs(data, _small_chip(datapath), datapath, width)
+        mhz = placed and placed["mhz"]
+    rows = {name: value for name, value, *_ in figures(result, flags) if not name.startswith(" ")}
+    if synthesis:
+        cells = synthesis["cells"]
+        rows |= {LUTS: str(cells["LUT"]), MULTIPLIERS: str(cells["multipliers"])}
+        if datapath in TOPS:
+            rows[PART] = tables.of_chip(cells["LUT"])
+    if mhz:
+        total = result.total_cycles / mhz
+        rows |= {CLOCK: f"{mhz:.0f}", FIRST: f"{result.latency_cycles / mhz:.2f}", ALL: f"{total:.2f}"}
+        rows[TIMES] = _times(result.targets, total)
+    return rows
+
+
+def table_beside_the_paper(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
+    """Runs of one trajectory by several datapaths, with their flag bits (N,), in columns beside the paper's figures."""
+    first, data = done[0][0], json.loads(FIGURES.read_text(encoding="utf-8"))
+    chips = {result.datapath: _small_chip(result.datapath) for result, _ in done}
+    small = [f"{name}: {CHIPS[chip][1]} and clock of an {CHIPS[chip][0]}." for name, chip in chips.items() if chip]
+    table = Table(
+        title=f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, "
+        "beside tables 5 and 6 of the paper",
+        caption="\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES, *small]),
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        title_justify="left",
+        caption_justify="left",
+    )
+    table.add_column("figure")
+    columns = [_said(first.targets), *(_ours(result, flags, data) for result, flags in done)]
+    for heading in ("the paper", *(result.datapath for result, _ in done)):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name in dict.fromkeys(name for rows in columns for name in rows):
+        table.add_row(name, *(rows.get(name, "-") for rows in columns), end_section=name == TIMES)
+    return table

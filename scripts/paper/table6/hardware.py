@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The core in table 6: clocks that the RTL counts in simulation, and the error of its answers.
+
+A path through the core is what lies around the datapath: `ik_axis` from stream to stream, `ik_axi` from memory to
+memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from model.dataflow import fixed
+from model.io.trajectories import make
+from model.io.words import from_words, result_values, to_words
+from scripts.generate.memory import measured
+from scripts.paper.table6.contenders import hand_errors
+from tb.axi.rates import LATENCIES
+from tb.sim.env import SIMULATORS
+from tb.sim.simulate import Job, SimulationError, simulate
+
+WIDTH = 32
+DATAPATHS = ("paper", "lean")
+STREAMS = "stream to stream"
+CHUNK = 20_000
+"""Random targets that the bit-true model takes at a time."""
+
+
+def stream_to_stream(datapath: str) -> dict:
+    """The 100 targets of `reach` through the RTL, nobody stalling: clocks to the first answer and to the last, clocks
+    an answer, the largest hand error / reach."""
+    words, _ = to_words(make("reach"), WIDTH)
+    (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=datapath, width=WIDTH)
+    if run.bit_mismatches:
+        raise SimulationError(f"{datapath}: the RTL differs from the model: {run.first_mismatch}")
+    first, last = run.latency_cycles, run.total_cycles
+    return {"first": first, "last": last, "each": (last - first) / len(words), "reach_error": reach_error(run.results)}
+
+
+def memory_to_memory(datapath: str, bus: int, latency: int) -> dict:
+    """The same by jobs of `ik_axi` from a memory of this latency: the register CLOCKS of a job of one target and of one
+    of all, clocks of R a target in a long job, the error of what lies in memory."""
+    (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": bus}, latency)
+    told = {name: row[name] for name in ("first", "last", "each")}
+    return {**told, "reach_error": reach_error(np.array(row["results"]))}
+
+
+def reach_error(results: np.ndarray) -> float:
+    """The largest hand error / reach of answers to `reach`."""
+    words, exponent = to_words(make("reach"), WIDTH)
+    return float(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
+
+
+PATHS: dict[str, Callable[[str], dict]] = {
+    STREAMS: stream_to_stream,
+    **{
+        f"memory to memory, {bus} bits, latency {latency}": partial(memory_to_memory, bus=bus, latency=latency)
+        for bus in (64, 128)
+        for latency in (LATENCIES[0], LATENCIES[2])
+    },
+}
+"""What lies around the core -> its clocks."""
+
+
+def random_error(words: np.ndarray, datapath: str, progress: Callable[[int], None] = lambda done: None) -> float:
+    """The largest hand error / reach over input words, by the bit-true model, which the RTL equals in every bit."""
+    worst = 0.0
+    for start in range(0, len(words), CHUNK):
+        part = words[start : start + CHUNK]
+        values = result_values(fixed.run(part, WIDTH, datapath).results, WIDTH)
+        worst = max(worst, float(hand_errors(values, from_words(part, 0, WIDTH, "random")).max()))
+        progress(start + len(part))
+    return worst

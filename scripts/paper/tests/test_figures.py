@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures 6 and 7: the drawn graphs and schedules show the design; checked without graphviz."""
+
+import re
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import pytest
+
+from model.dataflow.datapaths import DATAPATHS
+from model.io.words import RESULT_FIELDS
+from scripts.console import InputError
+from scripts.generate import flow
+from scripts.generate.flow import design
+from scripts.paper import figures, graphs
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def both():
+    return figures.designs()
+
+
+@pytest.fixture
+def nodes(both):
+    return both["paper"]
+
+
+def is_current(name, text):
+    """Compare a picture with its figure; of a graph, the digest that the picture carries."""
+    drawn = (figures.SHOWN / name).read_text("utf-8")
+    if text.startswith("digraph"):
+        return drawn.startswith(f"<!-- of the graph {graphs.digest(text)} -->")
+    return drawn == text
+
+
+def test_figures_and_page_are_up_to_date(both):
+    drawn = figures.shown(both)
+    assert [name for name, text in drawn.items() if not is_current(name, text)] == [], "run `make paper ONLY=figures`"
+    assert figures.PAGE.read_text("utf-8") == figures.page(both), "run `make paper ONLY=figures`"
+    assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
+
+
+def test_a_changed_design_is_found(both, nodes):
+    fmt = nodes["tmp1"].format
+    changed = nodes | {"tmp1": replace(nodes["tmp1"], format=replace(fmt, frac=fmt.frac - 1))}
+    assert not any(is_current(*figure) for figure in figures.shown({"paper": changed}).items())
+
+
+@pytest.mark.parametrize("datapath", DATAPATHS)
+def test_every_node_and_operand_is_drawn(both, datapath):
+    nodes, drawn = both[datapath], figures.whole({datapath: both[datapath]})
+    graph = drawn[f"graph_{datapath}.svg"]
+    arrows = {(o, n.name) for n in nodes.values() for o in flow.operands(n, nodes)}
+    assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
+    for name, node in nodes.items():
+        (line,) = re.findall(rf'^  "{name}" \[label=.*', graph, re.M)
+        assert flow.q(node.format) in line and (node.equation or "") in line
+    assert len(list(ElementTree.fromstring(drawn[f"schedule_{datapath}.svg"]).iter(f"{SVG}g"))) == len(nodes)
+
+
+@pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
+def test_longest_path_takes_the_whole_latency(datapath, width):
+    nodes = design(datapath, width)
+    path = flow.longest_path(nodes)
+    assert path[0].op == "input" and path[0].time == 0 and path[-1].name in RESULT_FIELDS
+    assert path[-1].time == max(n.time for n in nodes.values())
+    for before, after in zip(path, path[1:], strict=False):
+        assert before.time == flow.start(after, width), after.name
+
+
+def test_delays_are_consumer_minus_operand(nodes):
+    waits = flow.delays(nodes, out=318)
+    assert (waits["inf_pp"].begin, waits["inf_pp"].end, waits["inf_pp"].bits) == (96, 140, 32)
+    assert waits["inf_pp"].flip_flops == 44 * 32
+    assert waits["qe_w"].end == 318 and "qs_w" not in waits
+
+
+def test_a_wrong_design_names_the_node(nodes):
+    early = nodes | {"tmp_sqr": replace(nodes["tmp_sqr"], time=nodes["tmp_sqr"].time - 1)}
+    with pytest.raises(ValueError, match="node tmp_sqr: starts 1 clocks before its operand tmp1 is ready"):
+        flow.check(early)
+    with pytest.raises(ValueError, match="node c3: no format"):
+        flow.check(nodes | {"c3": replace(nodes["c3"], format=None)})
+    with pytest.raises(ValueError, match="node flat: its operand tmp1 is no node"):
+        flow.check({k: v for k, v in nodes.items() if k not in ("tmp1", "tmp_sqr")})
+
+
+def test_without_graphviz_one_line(monkeypatch):
+    monkeypatch.setattr(graphs.shutil, "which", lambda name: None)
+    with pytest.raises(InputError, match="dot is missing"):
+        graphs.svg("digraph {}")

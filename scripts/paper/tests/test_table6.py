@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Table 6: the software gives the model's answers, the page is what the figures make of it. No test asserts a time."""
+
+import json
+import platform
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.dataflow.fixed import latency
+from model.io.stimuli import random_reachable
+from model.io.trajectories import make
+from model.io.words import RESULT_FIELDS, from_words
+from model.reference import equations
+from model.reference.lean_equations import solve_lean
+from scripts.fpga.page import FIGURES as FPGA
+from scripts.paper.table6 import compiled, hardware, limits, measure, others
+from scripts.paper.table6.arrays import lean_of
+from scripts.paper.table6.compiled import EQUATIONS, FLAGS, REALS, WAYS, Software
+from scripts.paper.table6.contenders import Contender, columns, found, hand_errors, in_c, in_jax, in_numba, in_numpy
+from scripts.paper.table6.page import QUOTED, page
+
+needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+
+
+@pytest.fixture(scope="module")
+def targets():
+    return from_words(random_reachable(3000, 32, 7), 0, 32, "random")
+
+
+@pytest.fixture(scope="module")
+def software(tmp_path_factory):
+    return Software(tmp_path_factory.mktemp("table6"))
+
+
+def by_model(targets, solve=solve_lean):
+    nodes = solve(*columns(targets))
+    return np.stack([nodes[name] for name in RESULT_FIELDS], axis=1)
+
+
+def off(answers, expected):
+    """The largest difference of answers (N, 6) to the expected ones, either sign of Qs being right: where k is 0 within
+    the rounding, which of the two has k >= 0 is chance."""
+    answers = np.asarray(answers, dtype=float)
+    sign = np.sign((answers[:, :4] * expected[:, :4]).sum(axis=1))[:, None]
+    return max(np.abs(sign * answers[:, :4] - expected[:, :4]).max(), np.abs(answers[:, 4:] - expected[:, 4:]).max())
+
+
+# -- software --------------------------------------------------------------------------------------
+
+
+@needs_cc
+@pytest.mark.parametrize("way", WAYS)
+def test_lean_c_gives_the_models_answers(software, targets, way):
+    for given in (targets, make("reach")):
+        bound = software.way("lean", way, "double", columns(given))
+        assert off(bound(2), by_model(given)) < 1e-12
+
+
+@needs_cc
+@pytest.mark.parametrize("way", WAYS)
+def test_paper_c_is_as_exact_as_the_models_equations(software, way):
+    """On targets away from singular poses: the model takes three sums in another form, which only matters next to
+    them."""
+    given = make("reach")
+    bound = software.way("paper", way, "double", columns(given))
+    assert off(bound(1), by_model(given, equations.solve)) < 1e-12
+
+
+@needs_cc
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("equations_", EQUATIONS)
+def test_ways_agree(software, equations_, real):
+    """A chain, a batch and vectors are the same equations; a compiler may fuse products and sums differently."""
+    given = make("reach")
+    answers = [np.array(software.way(equations_, way, real, columns(given))(1), dtype=float) for way in WAYS]
+    assert np.isfinite(answers[0]).all()
+    for other in answers[1:]:
+        assert off(other, answers[0]) < (1e-13 if real == "double" else 2e-5)
+
+
+@needs_cc
+@pytest.mark.parametrize("way, loops", [("batch", 0), ("vector", 4)])
+def test_only_vectors_are_vectors(tmp_path, way, loops):
+    """By gcc's own report, of the loops over targets: two sets of equations in two types."""
+    if "gcc" not in Path(compiled.compiler()).resolve().name or platform.machine() not in ("x86_64", "aarch64"):
+        pytest.skip("asks gcc")
+    name, extra = WAYS[way]
+    words = [*FLAGS, *extra, "-fopt-info-vec", "-c", "-o", str(tmp_path / "out.o"), str(compiled.SOURCE)]
+    said = subprocess.run([compiled.compiler(), *words], capture_output=True, text=True, check=True).stderr
+    body = (compiled.SOURCE.parent / "ways.h").read_text().splitlines()
+    start = next(n for n, line in enumerate(body, 1) if f"WAY({name})" in line)
+    end = next(n for n in range(start, len(body)) if body[n - 1] == "}")
+    lines = [int(line.split(":")[1]) for line in said.splitlines() if "ways.h" in line and "loop vectorized" in line]
+    assert sum(start < line < end for line in lines) >= loops and (loops or not lines), said
+
+
+@needs_cc
+def test_watched_chain_answers_and_tells_times(software, targets):
+    bound = software.watched(columns(targets))
+    ns = bound.watched()
+    assert ns.shape == (len(targets),) and (ns >= 0).all() and ns.any()
+    assert off(bound(0), by_model(targets)) < 1e-12  # the answers that are there
+
+
+def test_plain_arrays_give_the_models_answers(targets):
+    assert off(np.stack(lean_of(np, np.float64)(*columns(targets)), axis=1), by_model(targets)) < 1e-12
+    single = lean_of(np, np.float32)(*(c.astype(np.float32) for c in columns(targets)))
+    assert {c.dtype for c in single} == {np.dtype(np.float32)}
+    assert hand_errors(np.stack(single, axis=1), targets).max() < 1e-5
+
+
+@pytest.mark.parametrize("package", ["numba", "jax"])
+def test_compiled_arrays_give_the_models_answers(targets, package):
+    if not found(package):
+        pytest.skip(f"{package} is not installed")
+    for contender in (in_numba if package == "numba" else in_jax)():
+        if contender.lacks:
+            assert contender.lacks == "no GPU here"
+            continue
+        errors = contender.bind(targets).errors()
+        assert errors.max() < (1e-12 if "double" in contender.key else 1e-5)
+
+
+@pytest.mark.parametrize("contender", list(others.others()), ids=lambda contender: contender.key)
+def test_others_reach_the_hand(contender):
+    if contender.lacks:
+        pytest.skip(contender.lacks)
+    assert contender.bind(others.first(make("reach"), 5)).errors().max() < 1e-5
+
+
+# -- hardware and what is on paper -----------------------------------------------------------------
+
+
+@pytest.mark.sim
+@pytest.mark.cost(20)
+def test_clocks_are_counted_by_the_rtl():
+    told = hardware.stream_to_stream("lean")
+    assert (told["first"], told["last"]) == (latency("lean", 32), latency("lean", 32) + 100)
+    assert told["reach_error"] < 1e-8
+    assert 0 < hardware.random_error(random_reachable(500, 32, 3), "lean") < 2e-8
+
+
+def test_lanes_and_roads():
+    takes = {"LUT": 10, "FF": 10, "multipliers": 100, "RAM": 1}
+    chip = limits.Chip("", 1000, 1000, 1000, 1000, (), "")
+    assert limits.lanes(chip, takes) == (7, "multipliers")
+    shared, duplex = (limits.Road("", "", 64e9, both, "").poses for both in (True, False))
+    assert (shared, duplex) == (1e9, 2e9)
+
+
+# -- the command and its page ----------------------------------------------------------------------
+
+
+def figures():
+    return json.loads(measure.FIGURES.read_text())
+
+
+def test_page_is_of_its_figures():
+    written = measure.PAGE.read_text()
+    assert written == page(figures(), json.loads(FPGA.read_text())), "run: python -m scripts.paper.table6 --page"
+
+
+def test_file_of_figures_reads_back():
+    assert measure.FIGURES.read_text() == measure.written(figures())
+
+
+@needs_cc
+def test_every_row_is_there(software):
+    """Of all software that the command knows, of both datapaths and of what is quoted."""
+    told, kept = measure.PAGE.read_text(), figures()
+    assert [row["key"] for row in kept["software"]] == [c.key for c in measure.contenders(software)]
+    wanted = [name for name, *_ in QUOTED] + [row["name"] for row in kept["software"]]
+    assert [name for name in wanted if f" {name} |" not in told] == []
+    assert {(row["datapath"], row["path"]) for row in kept["hardware"]} == {
+        (datapath, path) for datapath in hardware.DATAPATHS for path in hardware.PATHS
+    }
+
+
+def test_clocks_on_the_page_are_those_of_the_present_core():
+    """What lies around the datapath takes the same clocks around both."""
+    around = {}
+    for row in figures()["hardware"]:
+        around.setdefault(row["path"], set()).add(row["first"] - latency(row["datapath"], row["width"]))
+    stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
+    assert around[hardware.STREAMS] == {0} and {len(clocks) for clocks in around.values()} == {1}, stale
+
+
+@pytest.mark.sim
+@pytest.mark.cost(20)
+def test_clocks_from_memory_are_those_of_the_present_core():
+    path = next(path for path in hardware.PATHS if path.startswith("memory"))
+    kept = next(row for row in figures()["hardware"] if (row["datapath"], row["path"]) == ("lean", path))
+    told = hardware.PATHS[path]("lean")
+    stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
+    assert told | {"reach_error": measure.figure(told["reach_error"])} == {name: kept[name] for name in told}, stale
+
+
+def test_sentences_follow_the_figures():
+    """A slow CPU, and the page says the opposite of what it says of a quick one."""
+    kept, fpga = figures(), json.loads(FPGA.read_text())
+
+    def of(ns, load):
+        for row in kept["software"]:
+            for part in ("reach", "random") if "lacks" not in row else ():
+                row[part]["ns"] = ns
+        kept["machine"]["load"] = load
+        return page(kept, fpga)
+
+    quick, slow = of(1.0, 0.0), of(5000.0, 100.0)
+    assert "a current CPU answers more targets a second than one pipeline" in quick
+    assert "one pipeline answers more targets a second than a thread of this CPU" in slow
+    assert "a current CPU has its answer earlier" in quick and "the core has its answer earlier" in slow
+    assert "The machine was busy" in slow and "The machine was busy" not in quick
+
+
+def test_missing_software_has_a_row(targets):
+    reach = make("reach")
+    told = measure.row(Contender("x", "X", "some solver", None, "not installed"), reach, targets)
+    assert told == {"key": "x", "group": "X", "name": "some solver", "lacks": "not installed"}
+    kept = figures()
+    kept["software"].append(told)
+    line = "| X | some solver | not installed | - | - | - | - | - |"
+    assert line in page(kept, json.loads(FPGA.read_text()))
+
+
+def test_a_target_without_an_answer_is_counted_and_is_no_error(targets):
+    few = others.first(targets, 4)
+    answers = by_model(few)
+    answers[1] = np.nan
+    bound = type("Bound", (), {"errors": lambda self: hand_errors(answers, few)})()
+    error, unanswered = measure.accuracy(bound)
+    assert unanswered == 1 and error < 1e-12
+
+
+@needs_cc
+def test_only_writes_nothing(command):
+    keys = ["c-lean-float-vector", "numpy-float"]
+    before = measure.FIGURES.read_text(), measure.PAGE.read_text()
+    status, out, err = command(measure.main, "--targets", "50", "--only", keys[0], "--only", keys[1])
+    assert status == 0 and [line.split()[0] for line in out] == keys
+    assert "[2/2] numpy: lean, float ..." in err
+    assert (measure.FIGURES.read_text(), measure.PAGE.read_text()) == before
+
+
+@needs_cc
+def test_unknown_key_is_one_line(command):
+    status, out, err = command(measure.main, "--only", "fortran")
+    assert (status, out) == (2, []) and len(err) == 1 and "c-lean-double-chain" in err[0]
+
+
+def test_no_compiler_is_one_line(command, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    status, out, err = command(measure.main, "--only", "c-")
+    assert (status, out) == (2, []) and err == [
+        "table6: no C compiler: cc is not in PATH (on Debian: apt-get install gcc)"
+    ]
+
+
+@needs_cc
+def test_what_the_compiler_refuses_is_one_line(command, monkeypatch, tmp_path):
+    broken = tmp_path / "software.c"
+    broken.write_text("int main(void) { return nonsense; }\n")
+    monkeypatch.setattr(compiled, "SOURCE", broken)
+    status, out, err = command(measure.main, "--only", "c-")
+    assert (status, out, len(err)) == (2, [], 1) and "cannot compile software.c" in err[0] and "nonsense" in err[0]
+
+
+def test_numpy_and_c_have_keys_of_their_own():
+    keys = [c.key for c in (*in_numpy(), *in_c(None))]
+    assert len(set(keys)) == len(keys) == 4 + len(EQUATIONS) * len(REALS) * len(WAYS)

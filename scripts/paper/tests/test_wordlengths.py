@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word lengths: the page's proofs are current, regular poses are regular, sensitivities explain the measured error."""
+
+import re
+
+import numpy as np
+import pytest
+
+from model.bounds import predict, ranges
+from model.bounds.tolerances import REGULAR_DISTANCE
+from model.dataflow.nodes import Domain, Format
+from model.io import monte_carlo
+from model.io.scoring import singular_distance
+from scripts.paper import operations, wordlengths
+
+
+def test_proofs_of_the_page_are_up_to_date():
+    text = wordlengths.PAGE.read_text(encoding="utf-8")
+    assert wordlengths.stale(text) == [], "run `make paper ONLY=wordlengths`"
+    (line,) = wordlengths.stale(text.replace("| p_w_z | s32.31 |", "| p_w_z | s32.30 |"))
+    assert line.startswith("p_w_z:")
+
+
+def test_regular_poses_are_regular_and_fit():
+    poses = monte_carlo.regular_poses(500, 2)
+    assert singular_distance(poses).min() >= REGULAR_DISTANCE
+    for width in (16, 32):
+        words = monte_carlo.words_of(poses, width)
+        assert abs(words).max() <= 1 << (width - 1)
+        assert monte_carlo.hand_errors(width, poses).max() < 2.0 ** (9 - width)
+
+
+def test_predicted_share_explains_the_measured_error():
+    """The rms hand error at regular poses equals the sum of the sensitivities within a factor of 2."""
+    width = 24
+    moved = wordlengths.sensitivities(width, 1, 300)
+    nodes = {name: proof.node for name, proof in ranges.proved(width).items()}
+    parts = wordlengths.shares(moved, nodes)
+    assert sum(parts.values()) == pytest.approx(1) and all(nodes[n].error != (0.0, 0.0) for n in parts)
+    variance = sum((e * (nodes[n].error[1] - nodes[n].error[0])) ** 2 / 12 for n, e in moved.items())
+    error = monte_carlo.hand_errors(width, monte_carlo.regular_poses(300, 1))
+    ratio = np.median(error) / np.median(np.sqrt(variance))
+    assert 0.4 < ratio < 2.5, ratio
+    assert set(moved) == {n.name for n in predict.rounded_nodes(wordlengths.fixed.run(np.ones((1, 6), int), 24).bits)}
+
+
+@pytest.mark.slow
+def test_command_writes_the_page(tmp_path, monkeypatch):
+    """A smaller run than the command's: every range that is observed lies within its proof."""
+    for name, value in {"PAGE": tmp_path / "page.md", "TARGETS": 20000, "REGULAR_POSES": 200, "SENSITIVITY_POSES": 20,
+                        "WIDTHS": range(31, 33)}.items():  # fmt: skip
+        monkeypatch.setattr(wordlengths, name, value)
+    assert wordlengths.write() == 0
+    assert wordlengths.stale((tmp_path / "page.md").read_text()) == []
+
+
+@pytest.mark.parametrize("script", [wordlengths, operations])
+def test_an_operand_with_too_few_fraction_bits_is_named(script, monkeypatch, capsys):
+    monkeypatch.setattr(Domain, "word", lambda self, i: Format(self.width, self.width + 9, "W + 9"))
+    monkeypatch.setattr(script, "proved_cells" if script is wordlengths else "rtl_counts", dict)
+    assert script.write() == 1
+    error = capsys.readouterr().err
+    assert re.match(r"\w+: \d+ fraction bits, .* only \d+\n$", error), error

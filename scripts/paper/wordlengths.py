@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word lengths, section 4.3 of the paper: ranges proved and observed, and the hand error at each word length."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from model.bounds import affine, predict, ranges
+from model.bounds.tolerances import REGULAR_DISTANCE
+from model.dataflow import fixed
+from model.dataflow.nodes import WIDTHS, FormatError, Node
+from model.dataflow.reals import Real
+from model.io.monte_carlo import (
+    REACH,
+    Observed,
+    default_arm,
+    hand_errors,
+    monte_carlo,
+    regular_poses,
+    shown,
+    words_of,
+)
+from model.io.words import DEFAULT_D1, DEFAULT_D2
+from scripts.console import progress
+from scripts.generate.page_tables import table
+from scripts.generate.render import error, render
+from tb.sim.env import GENERATED
+
+PAGE = GENERATED / "wordlengths.md"
+WIDTH, SEED = 32, 1
+TARGETS, REGULAR_POSES, SENSITIVITY_POSES = 1_000_000, 20_000, 1000
+DOMINATING = 12
+"""Rows of the table of the nodes that cost the hand most."""
+
+
+def sensitivities(width: int, seed: int, count: int) -> dict[str, np.ndarray]:
+    """Return how far one ulp of each rounded node moves the hand, relative to the reach, at regular poses (count,)."""
+    words = words_of(regular_poses(count, seed), width)
+    bits = fixed.run(words, width).bits
+    length = 2.0 ** (2 - width)
+    d1, d2 = words[:, 4] * length, words[:, 5] * length
+
+    def hand(name: str, move: float) -> np.ndarray:
+        return Real(bits, {name: np.full(len(words), move)}).hand(d1, d2)
+
+    return {
+        node.name: np.linalg.norm(hand(node.name, 0.5) - hand(node.name, -0.5), axis=1) / (d1 + d2)
+        for node in predict.rounded_nodes(bits)
+    }
+
+
+def shares(moved: dict[str, np.ndarray], nodes: dict[str, Node]) -> dict[str, float]:
+    """Return each node's share of the predicted mean squared hand error, averaged over poses, largest first."""
+    variance = {n: (e * (nodes[n].error[1] - nodes[n].error[0])) ** 2 / 12 for n, e in moved.items()}
+    total = sum(variance.values())
+    part = {name: float(np.mean(v / total)) for name, v in variance.items()}
+    return dict(sorted(part.items(), key=lambda item: (-item[1], item[0])))
+
+
+def hand_error_by_width() -> dict[int, tuple[float, ...]]:
+    """Return for each word length the hand error at regular poses: median, 99 %, largest; the proved bounds: median,
+    largest; and for the default arm median, 99 %, largest."""
+    poses, own = regular_poses(REGULAR_POSES, SEED), regular_poses(REGULAR_POSES, SEED, default_arm())
+    result = {}
+    for width in WIDTHS:
+        bound = affine.hand_bound(words_of(poses, width), width)
+        all_arms, default = (
+            (np.median(error), np.quantile(error, 0.99), error.max())
+            for error in (hand_errors(width, poses), hand_errors(width, own))
+        )
+        result[width] = tuple(map(float, (*all_arms, np.median(bound), bound.max(), *default)))
+    return result
+
+
+def proved_cells() -> dict[str, list[str]]:
+    """Return for each node name its format, wasted leading bits and proved range."""
+    proofs = ranges.proved(WIDTH)
+    cells = {}
+    for name in shown({n: p.node for n, p in proofs.items()}):
+        proof, fmt = proofs[name], proofs[name].node.format
+        kind = f"{'s' if fmt.signed else 'u'}{fmt.width}.{fmt.frac}"
+        cells[name] = [kind, str(proof.bits_wasted), _bounds(proof.low, proof.high)]
+    return cells
+
+
+def _bounds(low: float, high: float) -> str:
+    return f"{low + 0.0:.6g} .. {high + 0.0:.6g}"
+
+
+def page(observed: Observed, errors: dict[int, tuple[float, ...]], moved: dict[str, np.ndarray]) -> str:
+    """Return docs/generated/wordlengths.md."""
+    nodes = {name: proof.node for name, proof in ranges.proved(WIDTH).items()}
+    rows = []
+    for name, cells in proved_cells().items():
+        seen, ulp = observed.nodes[name], nodes[name].format.ulp
+        rows.append((name, *cells, _bounds(seen.low * ulp, seen.high * ulp)))
+    return render(
+        "wordlengths",
+        width=WIDTH,
+        widths=WIDTHS,
+        observed=observed,
+        seed=SEED,
+        regular_poses=REGULAR_POSES,
+        regular_distance=REGULAR_DISTANCE,
+        reach=REACH,
+        default_arm=default_arm(),
+        default_reach=DEFAULT_D1 + DEFAULT_D2,
+        errors=[(w, *(error(v) if np.isfinite(v) else "none" for v in row)) for w, row in errors.items()],
+        dominating=[
+            (name, nodes[name].equation or "-", f"{100 * part:.1f} %")
+            for name, part in list(shares(moved, nodes).items())[:DOMINATING]
+        ],
+        all_nodes=rows,
+    )
+
+
+def stale(text: str) -> list[str]:
+    """Return a line for each node whose proof in the page is out of date."""
+    found, fresh = {row[0]: row[1:4] for row in table(text, "node name")}, proved_cells()
+    return [
+        f"{name}: the table has {found.get(name)}, the proof {fresh.get(name)}"
+        for name in sorted({*found, *fresh})
+        if found.get(name) != fresh.get(name)
+    ]
+
+
+def problems(observed: Observed) -> list[str]:
+    """Return a line for each node that left its format or its proved range in the observed targets."""
+    proofs = ranges.proved(WIDTH)
+    wrong = [f"{name}: beyond its format for {n} targets, first {observed.first[name]}"
+             for name, n in observed.beyond.items()]  # fmt: skip
+    for name, seen in observed.nodes.items():
+        proof, ulp = proofs[name], proofs[name].node.format.ulp
+        if seen.low * ulp < proof.low or seen.high * ulp > proof.high:
+            wrong.append(f"{name}: seen outside its proved range")
+    return wrong
+
+
+def write() -> int:
+    """Prove the ranges at every word length, observe them, and write the page; return 1 if a node does not fit."""
+    try:
+        for width in WIDTHS:
+            ranges.check(width)
+    except (ranges.RangeError, FormatError) as problem:
+        print(problem, file=sys.stderr)
+        return 1
+    with progress("random targets", TARGETS) as meter:
+        observed = monte_carlo(TARGETS, WIDTH, SEED, meter)
+    if wrong := problems(observed):
+        print(*wrong, sep="\n", file=sys.stderr)
+        return 1
+    text = page(observed, hand_error_by_width(), sensitivities(WIDTH, SEED, SENSITIVITY_POSES))
+    PAGE.write_text(text, encoding="utf-8")
+    print(f"wrote {PAGE.name}: {observed.targets} targets, W = {WIDTH}, seed {SEED}")
+    return 0
