@@ -76,7 +76,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-scheduler farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
@@ -169,13 +169,9 @@ mutants: ## small changes of the Verilog, each of which a bench has to notice [C
 	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") $(call given,FARM,--farm="$$CGA_FARM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
-farm-scheduler: ## gives work of FARM=tcp://this-machine:8786 to workers; for networks that you trust only
-	@$(SETUP) farm
-	@DASK_TEMPORARY_DIRECTORY=build/farm exec $(VENV) -m dask scheduler --no-dashboard
-
 farm-worker: ## makes this machine work for a scheduler; what the work needs is set up first [FARM=tcp://scheduler:8786 JOBS=]
 	@$(SETUP) icarus verilator fpga farm
-	@exec $(VENV) -m scripts.farm $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
+	@exec $(VENV) -m scripts.parallel $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
 
 lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, imports, licences and types of the Python
 	@$(SETUP) icarus

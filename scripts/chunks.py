@@ -9,9 +9,8 @@ from functools import cache, partial
 
 import numpy as np
 
-from scripts.farm import shared
+from scripts.parallel import BrokenOffError, shared
 from scripts.second import opinions
-from scripts.spread import BrokenOffError
 from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
 
 

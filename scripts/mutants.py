@@ -28,7 +28,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from scripts import farm
+from scripts import parallel
 from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
 from scripts.generate.render import render
 from tb.mutation import netlist
@@ -170,7 +170,7 @@ def main(arguments: Sequence[str] | None) -> int:
     add("--seed", type=whole(0), default=SEED, metavar="S", help="which (default: %(default)s)")
     add("--only", default="", metavar="FILE", help="of files of rtl/ with this in their name")
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="mutants at a time (default: %(default)s)")
-    farm.option(parser)
+    parallel.option(parser)
     about = "folder of the results (default: %(default)s)"
     add("--out", type=folder_name, default=Path("build/mutants"), metavar="DIR", help=about)
     about = "of a run over all files: write docs/generated/mutants.md, tb/mutation/hard.json and results.jsonl"
@@ -181,7 +181,7 @@ def main(arguments: Sequence[str] | None) -> int:
     given = options.seed, options.only, options.out / f"{options.seed}.jsonl"
     text = Campaign(options.count, *given)
     netlists = Campaign(options.count // NETLISTS, *given, netlist.order)
-    with farm.shared(options.jobs, options.farm) as each, progress("mutants", text.count + netlists.count) as meter:
+    with parallel.shared(options.jobs, options.farm) as each, progress("mutants", text.count + netlists.count) as meter:
         try:
             text.run(each, meter)
             netlists.run(each, lambda done: meter(text.counted + done))

@@ -10,7 +10,7 @@
 Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
 --from resumes at any chunk. --against c: results of the lean equations are also held against those of
 scripts/paper/table6/long.c. --special: not random, but all 12^6 targets of twelve special words on each input. With
-Verilator each core of the machine runs chunks of its own; with --farm workers on other machines do (scripts/farm.py),
+Verilator each core of the machine runs chunks of its own; with --farm Dask workers do (scripts/parallel.py),
 to the same end. At the end the hardest targets go into OUT/hardest.csv and,
 with --keep, into tb/core/hardest.csv, the regression list; docs/generated/soak.md then gets what was found.
 
@@ -35,7 +35,7 @@ from pathlib import Path
 from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.io.stimuli import SPECIAL
-from scripts import farm, second, soak_page
+from scripts import parallel, second, soak_page
 from scripts.chunks import Chunks, named
 from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
 from scripts.failing import read_rows, row_of, tell, write_rows
@@ -63,7 +63,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--special", action="store_true", help=f"in their place all {SPECIAL} targets of 12 special words an input")
     parser.core(sim="verilator", datapath=None, width=None)
     add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
-    farm.option(parser)
+    parallel.option(parser)
     add(
         "--out", type=folder_name, default=Path("build/soak"), metavar="DIR",
         help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",

@@ -24,7 +24,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from scripts.console import Parser, command, progress, whole
-from scripts.spread import spread
+from scripts.parallel import shared
 from tb.axi.instances import CORE, ECHO, apart, echoing, named
 from tb.sim.env import ROOT, SIMULATORS
 from tb.sim.simulate import SimulationError
@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None) -> int:
     jobs, targets = Counter(), 0
     number = options.from_
     work = partial(piece, options.sim, options.seed)
-    with spread(min(options.processes, len(numbers))) as each, progress("soak_memory", options.jobs) as meter:
+    with shared(min(options.processes, len(numbers))) as each, progress("soak_memory", options.jobs) as meter:
         for number, (what, right, solved, failed) in zip(numbers, each(work, numbers), strict=True):
             if failed:
                 print(f"soak_memory: seed {options.seed}, piece {number}, {what}:\n{failed}", file=sys.stderr)

@@ -7,7 +7,7 @@
 Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
 an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its
 sources, options and tools: a repeated command is quick, an interrupted one resumes.  With --farm what does not wait for
-other runs is done by workers on other machines at once (scripts/farm.py).  The figures go to fpga.json, from which the
+other runs is done by Dask workers at once (scripts/parallel.py).  The figures go to fpga.json, from which the
 page fpga.md is made; --quick does one small width and writes neither, --page only makes the page.
 """
 
@@ -24,7 +24,7 @@ from pathlib import Path
 
 from model.dataflow.fixed import latency
 from model.io.stimuli import region
-from scripts import farm
+from scripts import parallel
 from scripts.console import Parser, command, one_of, progress, word_length
 from scripts.fpga.page import (
     AIM_MHZ,
@@ -327,7 +327,7 @@ def main(arguments: Sequence[str] | None) -> int:
     parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, *WHOLE_TOPS)), help=about, **each)
     parser.add_argument("--width", type=word_length, metavar="BITS", help="only this word length, 16 to 32", **each)
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
-    farm.option(parser)
+    parallel.option(parser)
     options = parser.parse_args(arguments)
     if options.farm and (options.quick or options.page):
         parser.error("argument --farm: goes with neither --quick nor --page")
@@ -339,7 +339,7 @@ def main(arguments: Sequence[str] | None) -> int:
     if options.quick:
         return quick((options.width or [QUICK_WIDTH])[0])
     chosen = options.datapath or [*TOPS, *WHOLE_TOPS]
-    with farm.shared(1, options.farm) as each:
+    with parallel.shared(1, options.farm) as each:
         on = Measurement(Figures(), each if options.farm else None)
         measure(on, [datapath for datapath in chosen if datapath in TOPS], options.width)
         if "memory" in chosen:
