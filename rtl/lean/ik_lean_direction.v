@@ -51,9 +51,11 @@ module ik_lean_direction #(
   wire [MW-1:0] m_rho;  // (L8)
   wire [MW-1:0] m_s;  // (L9)
   wire signed [N-1:0] inv_rho;  // (L8)
+  // (L8) inv_rho = 1 / (2 sqrt rho_sq)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_rho (
       .clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho)
   );
+  // (L9) inv_s = 1 / (2 sqrt s)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
   wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares below 2^2W; m_s is watched only
 
@@ -74,12 +76,15 @@ module ik_lean_direction #(
   wire signed [N-1:0] u_y;  // (L15)
   wire signed [N-1:0] sin_el;  // (L16)
   localparam integer SH_U = F_X_N + F_INV_RHO - 1 - F_U_X;
+  // (L14) u_x = 2 * x_n * inv_rho
   ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_x (
       .clk(clk), .a(x_n), .b(inv_rho), .q(u_x)
   );
+  // (L15) u_y = 2 * y_n * inv_rho
   ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_y (
       .clk(clk), .a(y_n), .b(inv_rho), .q(u_y)
   );
+  // (L16) sin_el = 2 * z_n * inv_s
   ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_S-T_Z_N), .TILE(TILE)) u_sin_el (
       .clk(clk), .a(z_n), .b(inv_s), .q(sin_el)
   );
@@ -87,6 +92,7 @@ module ik_lean_direction #(
   // ---- (L17) (L18) cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse brought to it ----
 
   wire signed [N-1:0] root_rho;  // (L17)
+  // (L17) root_rho = 2 * inv_rho * m_rho
   ik_mul3 #(.AW(N), .BW(MW+1), .SH(F_INV_RHO+MW-1-F_ROOT_RHO), .OW(N), .DB(T_INV_RHO-T_M_RHO), .TILE(TILE)) u_root_rho (
       .clk(clk), .a(inv_rho), .b({1'b0, m_rho}), .q(root_rho)
   );
@@ -100,6 +106,7 @@ module ik_lean_direction #(
 
   localparam integer T_COS_EL_IN = T_COS_EL - LAT_MUL3;
   wire signed [N-1:0] cos_el;  // (L18)
+  // (L18) cos_el = 2 * root_rho * inv_s_el
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_RHO+F_INV_S_EL-1-F_COS_EL), .OW(N), .DA(T_COS_EL_IN-T_ROOT_RHO),
       .DB(T_COS_EL_IN-T_INV_S_EL), .TILE(TILE)) u_cos_el (
       .clk(clk), .a(root_rho), .b(inv_s_el), .q(cos_el)

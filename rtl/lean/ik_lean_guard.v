@@ -61,19 +61,30 @@ module ik_lean_guard #(
   wire signed [XW-1:0] d_sum_sq;  // (L5)
   wire signed [XW-1:0] d_dif_sq;  // (L6)
   wire signed [XW-1:0] sum_dif;  // (L7) d1^2 - d2^2
+  // (L3) x_sq = x^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_x_sq (.clk(clk), .a({x[W-1], x}), .b(none), .p(x_sq));
+  // (L3) y_sq = y^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_y_sq (.clk(clk), .a({y[W-1], y}), .b(none), .p(y_sq));
+  // (L4) z_sq = z^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_z_sq (.clk(clk), .a({z[W-1], z}), .b(none), .p(z_sq));
+  // (L5) d_sum_sq = d_sum^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_d_sum_sq (.clk(clk), .a(d_sum), .b(none), .p(d_sum_sq));
+  // (L6) d_dif_sq = d_dif^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_d_dif_sq (.clk(clk), .a(d_dif), .b(none), .p(d_dif_sq));
+  // (L7) sum_dif = d_sum * d_dif
   ik_exact #(.W(W+1)) u_sum_dif (.clk(clk), .a(d_sum), .b(d_dif), .p(sum_dif));
 
   // ---- (L3)-(L7) sums, each as soon as its terms are there ----
 
+  // (L3) rho_sq = x_sq + y_sq
   ik_wide #(.W(XW)) u_rho_sq (.clk(clk), .a(x_sq), .b(y_sq), .q(rho_sq));
+  // (L4) s = rho_sq + z_sq
   ik_wide #(.W(XW), .DB(T_RHO_SQ-T_Z_SQ)) u_s (.clk(clk), .a(rho_sq), .b(z_sq), .q(s));
+  // (L5) a_far = d_sum_sq - s
   ik_wide #(.W(XW), .SUB(1), .DA(T_S-T_D_SUM_SQ)) u_a_far (.clk(clk), .a(d_sum_sq), .b(s), .q(a_far));
+  // (L6) b_near = s - d_dif_sq
   ik_wide #(.W(XW), .SUB(1), .DB(T_S-T_D_DIF_SQ)) u_b_near (.clk(clk), .a(s), .b(d_dif_sq), .q(b_near));
+  // (L7) k_law = s + sum_dif
   ik_wide #(.W(XW), .DB(T_S-T_SUM_DIF)) u_k_law (.clk(clk), .a(s), .b(sum_dif), .q(k_law));
 
   // ---- flags ----

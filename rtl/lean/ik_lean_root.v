@@ -23,6 +23,7 @@ module ik_lean_root #(
   ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
 
   wire [R:0] y;
+  // y = 1 / (2 sqrt m)
   ik_rsqrt #(.F(R), .TILE(TILE)) u_rsqrt (.clk(clk), .m_next(m), .twice(1'b0), .y(y));
   wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y};
   assign inv = y_x << (N - 2 - R);

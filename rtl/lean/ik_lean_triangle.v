@@ -66,13 +66,17 @@ module ik_lean_triangle #(
   // of what is negative, only the low bits: the arm is clamped then
   wire [EW:0] d1_x = {{(ODD + 1) {d1[W-1]}}, d1};
   wire [EW:0] d2_x = {{(ODD + 1) {d2[W-1]}}, d2};
+  // (L10) inv_far = 1 / (2 sqrt a_far)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_far (
       .clk(clk), .v(a_far[2*W-1:0]), .e(e_far), .m(m_far), .inv(inv_far)
   );
+  // (L11) inv_near = 1 / (2 sqrt b_near)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_near (
       .clk(clk), .v(b_near[2*W-1:0]), .e(e_near), .m(m_near), .inv(inv_near)
   );
+  // (L12) inv_1 = 1 / (2 sqrt d1)
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_1 (.clk(clk), .v(d1_x[EW-1:0]), .e(e_1), .m(m_1), .inv(inv_1));
+  // (L13) inv_2 = 1 / (2 sqrt d2)
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_2 (.clk(clk), .v(d2_x[EW-1:0]), .e(e_2), .m(m_2), .inv(inv_2));
   wire unused = &{1'b0, a_far[2*W+1:2*W], b_near[2*W+1:2*W], d1_x[EW], d2_x[EW], m_1, m_2};
 
@@ -81,9 +85,11 @@ module ik_lean_triangle #(
   wire signed [N-1:0] root_far;  // (L19)
   wire signed [N-1:0] root_near;  // (L20)
   localparam integer SH_ROOT = F_INV_FAR + MW - 1 - F_ROOT_FAR;
+  // (L19) root_far = 2 * inv_far * m_far
   ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_FAR-T_M_FAR), .TILE(TILE)) u_root_far (
       .clk(clk), .a(inv_far), .b({1'b0, m_far}), .q(root_far)
   );
+  // (L20) root_near = 2 * inv_near * m_near
   ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_NEAR-T_M_NEAR), .TILE(TILE)) u_root_near (
       .clk(clk), .a(inv_near), .b({1'b0, m_near}), .q(root_near)
   );
@@ -91,6 +97,7 @@ module ik_lean_triangle #(
   // ---- (L21) 1/(2 sqrt(d1 d2)), brought to the units of sqrt A and sqrt B ----
 
   wire signed [N:0] inv_12_raw;  // (L21)
+  // (L21) inv_12_raw = inv_1 * inv_2
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1), .TILE(TILE)) u_inv_12 (
       .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12_raw)
   );
@@ -129,10 +136,12 @@ module ik_lean_triangle #(
   wire signed [N-1:0] elbow_w;  // (L22)
   wire signed [N-1:0] elbow_i;  // (L23)
   localparam integer T_ELBOW_IN = T_ELBOW_W - LAT_MUL3;
+  // (L22) elbow_w = root_far * inv_12_far
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
       .DB(T_ELBOW_IN-T_INV_12_FAR), .TILE(TILE)) u_elbow_w (
       .clk(clk), .a(root_far), .b(inv_12_far), .q(elbow_w)
   );
+  // (L23) elbow_i = root_near * inv_12_near
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
       .DB(T_ELBOW_IN-T_INV_12_FAR), .TILE(TILE)) u_elbow_i (
       .clk(clk), .a(root_near), .b(inv_12_near), .q(elbow_i)
@@ -157,9 +166,11 @@ module ik_lean_triangle #(
 
   wire signed [N-1:0] inv_11;  // (L24)
   wire signed [N:0] inv_law_raw;  // (L25)
+  // (L24) inv_11 = inv_1^2
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N), .SQUARE(1), .TILE(TILE)) u_inv_11 (
       .clk(clk), .a(inv_1), .b(inv_1), .q(inv_11)
   );
+  // (L25) inv_law_raw = 2 * inv_11 * inv_s
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11),
       .TILE(TILE)) u_inv_law (
       .clk(clk), .a(inv_11), .b(inv_s), .q(inv_law_raw)
@@ -182,6 +193,7 @@ module ik_lean_triangle #(
       .clk(clk), .d(k_law_x <<< PAD_K), .count(n_law), .q(k_scaled)
   );
   wire signed [N-1:0] cos_a;  // (L26)
+  // (L26) cos_a = 2 * k_scaled * inv_law
   ik_mul3 #(.AW(N), .BW(N), .SH(F_K_SCALED+F_INV_LAW-1-F_COS_A), .OW(N), .DA(T_INV_LAW-T_K_SCALED),
       .TILE(TILE)) u_cos_a (
       .clk(clk), .a(k_scaled), .b(inv_law), .q(cos_a)
@@ -190,6 +202,7 @@ module ik_lean_triangle #(
   // ---- (L27) (L28) sin a ----
 
   wire signed [N-1:0] root_ab;  // (L27)
+  // (L27) root_ab = root_far * root_near
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_ROOT_NEAR-F_ROOT_AB), .OW(N), .TILE(TILE)) u_root_ab (
       .clk(clk), .a(root_far), .b(root_near), .q(root_ab)
   );
@@ -212,6 +225,7 @@ module ik_lean_triangle #(
 
   localparam integer T_SIN_A_IN = T_SIN_A - LAT_MUL3;
   wire signed [N-1:0] sin_a;  // (L28)
+  // (L28) sin_a = 2 * root_ab * inv_law_ab
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_AB+F_INV_LAW_AB-1-F_SIN_A), .OW(N), .DA(T_SIN_A_IN-T_ROOT_AB),
       .DB(T_SIN_A_IN-T_INV_LAW_AB), .TILE(TILE)) u_sin_a (
       .clk(clk), .a(root_ab), .b(inv_law_ab), .q(sin_a)

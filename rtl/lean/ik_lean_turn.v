@@ -60,15 +60,19 @@ module ik_lean_turn #(
   wire signed [N-1:0] ss;  // (L41)
   wire signed [N-1:0] sc;  // (L42)
   wire signed [N-1:0] cs;  // (L43)
+  // (L40) cc = az_c * cos_h
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc (
       .clk(clk), .a(az_c), .b(cos_h), .q(cc)
   );
+  // (L41) ss = az_s * sin_h
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_ss (
       .clk(clk), .a(az_s), .b(sin_h), .q(ss)
   );
+  // (L42) sc = az_s * cos_h
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_sc (
       .clk(clk), .a(az_s), .b(cos_h), .q(sc)
   );
+  // (L43) cs = az_c * sin_h
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cs (
       .clk(clk), .a(az_c), .b(sin_h), .q(cs)
   );
@@ -90,15 +94,19 @@ module ik_lean_turn #(
   wire signed [N-1:0] i_0;  // (L49)
   wire signed [N-1:0] j_0;  // (L50)
   wire signed [N-1:0] k_0;  // (L51)
+  // (L48) w_0 = tilt_c * c_plus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_w_0 (
       .clk(clk), .a(tilt_c), .b(c_plus), .q(w_0)
   );
+  // (L49) i_0 = tilt_s * c_minus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_i_0 (
       .clk(clk), .a(tilt_s), .b(c_minus), .q(i_0)
   );
+  // (L50) j_0 = tilt_s * s_minus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_j_0 (
       .clk(clk), .a(tilt_s), .b(s_minus), .q(j_0)
   );
+  // (L51) k_0 = tilt_c * s_plus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_k_0 (
       .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
   );
@@ -120,21 +128,27 @@ module ik_lean_turn #(
   wire signed [N-1:0] kj_c;  // (L54)
   wire signed [N-1:0] j_dif;  // (L55)
   wire signed [N-1:0] k_sum;  // (L54)
+  // (L52) wi_c = wi_0 * arm_c
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_wi_c (
       .clk(clk), .a(wi_0), .b(arm_c), .q(wi_c)
   );
+  // (L52) i_dif = i_0 * arm_dif
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_i_dif (
       .clk(clk), .a(i_0), .b(arm_dif), .q(i_dif)
   );
+  // (L53) w_sum = w_0 * arm_sum
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_w_sum (
       .clk(clk), .a(w_0), .b(arm_sum), .q(w_sum)
   );
+  // (L54) kj_c = kj_0 * arm_c
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_KJ_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_kj_c (
       .clk(clk), .a(kj_0), .b(arm_c), .q(kj_c)
   );
+  // (L55) j_dif = j_0 * arm_dif
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_J_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_j_dif (
       .clk(clk), .a(j_0), .b(arm_dif), .q(j_dif)
   );
+  // (L54) k_sum = k_0 * arm_sum
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_K_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_k_sum (
       .clk(clk), .a(k_0), .b(arm_sum), .q(k_sum)
   );
@@ -159,10 +173,12 @@ module ik_lean_turn #(
 
   wire signed [N-1:0] az_tilt_sq;  // (L56)
   wire signed [N-1:0] length_sq;  // (L56)
+  // (L56) az_tilt_sq = az_sq * tilt_sq
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_TILT_SQ-T_AZ_SQ), .TILE(TILE)) u_az_tilt_sq (
       .clk(clk), .a(az_sq), .b(tilt_sq), .q(az_tilt_sq)
   );
   localparam integer T_LENGTH_IN = T_LENGTH_SQ - LAT_MUL3;
+  // (L56) length_sq = az_tilt_sq * arm_sq
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_ARM_SQ),
       .TILE(TILE)) u_length_sq (
       .clk(clk), .a(az_tilt_sq), .b(arm_sq), .q(length_sq)
@@ -179,6 +195,7 @@ module ik_lean_turn #(
   wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
   wire low_at_m_q;
   ik_delay #(.W(1), .N(T_M_Q-T_LOW)) u_low_at_m_q (.clk(clk), .d(low), .q(low_at_m_q));
+  // (L57) inv_q = 1 / (2 sqrt m_q)
   ik_rsqrt #(.F(ROOT_FRAC), .TILE(TILE)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_at_m_q), .y(y_q));
 
   // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
@@ -189,15 +206,19 @@ module ik_lean_turn #(
   wire signed [N-1:0] k_q;  // (L61)
   localparam integer SH_Q = F_W_1 + F_INV_Q - 1 - F_W_Q;
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
+  // (L58) w_q = 2 * w_1 * inv_q
   ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_w_q (
       .clk(clk), .a(w_1), .b(inv_q), .q(w_q)
   );
+  // (L59) i_q = 2 * i_1 * inv_q
   ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_i_q (
       .clk(clk), .a(i_1), .b(inv_q), .q(i_q)
   );
+  // (L60) j_q = 2 * j_1 * inv_q
   ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_j_q (
       .clk(clk), .a(j_1), .b(inv_q), .q(j_q)
   );
+  // (L61) k_q = 2 * k_1 * inv_q
   ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_k_q (
       .clk(clk), .a(k_1), .b(inv_q), .q(k_q)
   );

@@ -59,9 +59,11 @@ module ik_elbow #(
   ik_shift #(.W(W), .RIGHT(1), .DC(T_S-T_SCALE_J)) u_s_j (.clk(clk), .d(s), .count(scale_j), .q(s_j));
 
   wire signed [W-1:0] dd_j, k_e;
+  // (12) dd_j = d_sum * d_dif_j
   ik_mul #(.AW(W), .BW(W), .SH(F_D_SUM+F_D_DIF_J-F_DD_J), .OW(W), .DB(T_D_SUM-T_D_DIF_J)) u_dd_j (
       .clk(clk), .a(d_sum), .b(d_dif_j), .q(dd_j)
   );
+  // (12) k_e = s_j + dd_j
   ik_sum2 #(.IW(W), .SH(F_S_J-F_K_E), .OW(W), .DA(T_DD_J-T_S_J)) u_k_e (
       .clk(clk), .a(s_j), .b(dd_j), .q(k_e), .ovf()
   );
@@ -70,12 +72,15 @@ module ik_elbow #(
 
   wire signed [W-1:0] k_e_at_pi_swivel, pp_i, pp_j, pp_k;
   ik_ring #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_at_pi_swivel (.clk(clk), .d(k_e), .q(k_e_at_pi_swivel));
+  // (12) pp_i = pi_swivel_x * k_e
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_X+F_K_E-F_PP_I), .OW(W)) u_pp_i (
       .clk(clk), .a(pi_swivel_x), .b(k_e_at_pi_swivel), .q(pp_i)
   );
+  // (12) pp_j = pi_swivel_y * k_e
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_Y+F_K_E-F_PP_J), .OW(W)) u_pp_j (
       .clk(clk), .a(pi_swivel_y), .b(k_e_at_pi_swivel), .q(pp_j)
   );
+  // (12) pp_k = pi_swivel_z * k_e
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_Z+F_K_E-F_PP_K), .OW(W)) u_pp_k (
       .clk(clk), .a(pi_swivel_z), .b(k_e_at_pi_swivel), .q(pp_k)
   );
@@ -84,30 +89,39 @@ module ik_elbow #(
 
   wire signed [WW-1:0] c_1_zy, c_1_yz, c_2_xz, c_2_zx, c_3_yx, c_3_xy;
   localparam integer SH_C = F_P_W_X + F_PI_SWIVEL_X - 1 - F_C_1_ZY;
+  // (19) c_1_zy = 2 * p_w_z * pi_swivel_y
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_1_zy (
       .clk(clk), .a(p_w_z_at_pi_swivel), .b(pi_swivel_y), .q(c_1_zy)
   );
+  // (19) c_1_yz = 2 * p_w_y * pi_swivel_z
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_1_yz (
       .clk(clk), .a(p_w_y_at_pi_swivel), .b(pi_swivel_z), .q(c_1_yz)
   );
+  // (19) c_2_xz = 2 * p_w_x * pi_swivel_z
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_xz (
       .clk(clk), .a(p_w_x_at_pi_swivel), .b(pi_swivel_z), .q(c_2_xz)
   );
+  // (19) c_2_zx = 2 * p_w_z * pi_swivel_x
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_2_zx (
       .clk(clk), .a(p_w_z_at_pi_swivel), .b(pi_swivel_x), .q(c_2_zx)
   );
+  // (19) c_3_yx = 2 * p_w_y * pi_swivel_x
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_yx (
       .clk(clk), .a(p_w_y_at_pi_swivel), .b(pi_swivel_x), .q(c_3_yx)
   );
+  // (19) c_3_xy = 2 * p_w_x * pi_swivel_y
   ik_mul #(.AW(W), .BW(W), .SH(SH_C), .OW(WW)) u_c_3_xy (
       .clk(clk), .a(p_w_x_at_pi_swivel), .b(pi_swivel_y), .q(c_3_xy)
   );
+  // (19) pp_1_m = c_1_zy - c_1_yz
   ik_sum2 #(.IW(WW), .SH(F_C_1_ZY-F_PP_1_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_1_m (
       .clk(clk), .a(c_1_zy), .b(c_1_yz), .q(pp_1_m), .ovf()
   );
+  // (19) pp_2_m = c_2_xz - c_2_zx
   ik_sum2 #(.IW(WW), .SH(F_C_2_XZ-F_PP_2_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_2_m (
       .clk(clk), .a(c_2_xz), .b(c_2_zx), .q(pp_2_m), .ovf()
   );
+  // (19) pp_3_m = c_3_yx - c_3_xy
   ik_sum2 #(.IW(WW), .SH(F_C_3_YX-F_PP_3_M), .OW(W), .SUB_B(1), .SAT(0)) u_pp_3_m (
       .clk(clk), .a(c_3_yx), .b(c_3_xy), .q(pp_3_m), .ovf()
   );
@@ -116,24 +130,31 @@ module ik_elbow #(
 
   wire signed [W-1:0] d_1_sq, d_1_sq_at_pp_1_m, pp_1_p, pp_2_p, pp_3_p;
   localparam integer SH_P = F_D_1_SQ + F_PP_1_M - F_PP_1_P;
+  // (12) d_1_sq = d_1^2
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_1_SQ), .OW(W), .SQUARE(1)) u_d_1_sq (
       .clk(clk), .a(d_1), .b(d_1), .q(d_1_sq)
   );
   ik_ring #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_at_pp_1_m (.clk(clk), .d(d_1_sq), .q(d_1_sq_at_pp_1_m));
+  // (19) pp_1_p = d_1_sq * pp_1_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_1_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_1_m), .q(pp_1_p));
+  // (19) pp_2_p = d_1_sq * pp_2_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_2_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_2_m), .q(pp_2_p));
+  // (19) pp_3_p = d_1_sq * pp_3_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_3_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_3_m), .q(pp_3_p));
 
   // ---- (19) PP_m^+ PP_m^-, the last part of tmp1 ----
 
   wire signed [WW-1:0] pp_1_pm, pp_2_pm, pp_3_pm;
   localparam integer SH_PM = F_PP_1_P + F_PP_1_M - F_PP_1_PM;
+  // (19) pp_1_pm = pp_1_p * pp_1_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW), .DB(T_PP_1_P-T_PP_1_M)) u_pp_1_pm (
       .clk(clk), .a(pp_1_p), .b(pp_1_m), .q(pp_1_pm)
   );
+  // (19) pp_2_pm = pp_2_p * pp_2_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW), .DB(T_PP_2_P-T_PP_2_M)) u_pp_2_pm (
       .clk(clk), .a(pp_2_p), .b(pp_2_m), .q(pp_2_pm)
   );
+  // (19) pp_3_pm = pp_3_p * pp_3_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_PM), .OW(WW), .DB(T_PP_3_P-T_PP_3_M)) u_pp_3_pm (
       .clk(clk), .a(pp_3_p), .b(pp_3_m), .q(pp_3_pm)
   );
@@ -143,9 +164,13 @@ module ik_elbow #(
   wire signed [WW-1:0] pp_1_sq, pp_2_sq, pp_3_sq;
   wire signed [W-1:0] inf_pp;
   localparam integer SH_MM = 2 * F_PP_1_M - F_PP_1_SQ;
+  // (13) pp_1_sq = pp_1_m^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_1_sq (.clk(clk), .a(pp_1_m), .b(pp_1_m), .q(pp_1_sq));
+  // (13) pp_2_sq = pp_2_m^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_2_sq (.clk(clk), .a(pp_2_m), .b(pp_2_m), .q(pp_2_sq));
+  // (13) pp_3_sq = pp_3_m^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_MM), .OW(WW), .SQUARE(1)) u_pp_3_sq (.clk(clk), .a(pp_3_m), .b(pp_3_m), .q(pp_3_sq));
+  // (13) inf_pp = pp_1_sq + pp_2_sq + pp_3_sq
   ik_sum3 #(.IW(WW), .SH(F_PP_1_SQ-F_INF_PP), .OW(W)) u_inf_pp (
       .clk(clk), .a(pp_1_sq), .b(pp_2_sq), .c(pp_3_sq), .q(inf_pp), .ovf()
   );
@@ -155,18 +180,25 @@ module ik_elbow #(
   wire signed [WW-1:0] pp_i_sq, pp_j_sq, pp_k_sq, pp_sq, pp_pm;
   wire signed [W-1:0] tmp1, tmp_sqr;
   localparam integer SH_II = 2 * F_PP_I - F_PP_I_SQ;
+  // (13) pp_i_sq = pp_i^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_i_sq (.clk(clk), .a(pp_i), .b(pp_i), .q(pp_i_sq));
+  // (13) pp_j_sq = pp_j^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_j_sq (.clk(clk), .a(pp_j), .b(pp_j), .q(pp_j_sq));
+  // (13) pp_k_sq = pp_k^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_II), .OW(WW), .SQUARE(1)) u_pp_k_sq (.clk(clk), .a(pp_k), .b(pp_k), .q(pp_k_sq));
+  // (13) pp_sq = pp_i_sq + pp_j_sq + pp_k_sq
   ik_sum3 #(.IW(WW), .SH(F_PP_I_SQ-F_PP_SQ), .OW(WW)) u_pp_sq (
       .clk(clk), .a(pp_i_sq), .b(pp_j_sq), .c(pp_k_sq), .q(pp_sq), .ovf()
   );
+  // (13) pp_pm = pp_1_pm + pp_2_pm + pp_3_pm
   ik_sum3 #(.IW(WW), .SH(F_PP_1_PM-F_PP_PM), .OW(WW)) u_pp_pm (
       .clk(clk), .a(pp_1_pm), .b(pp_2_pm), .c(pp_3_pm), .q(pp_pm), .ovf()
   );
+  // (13) tmp1 = pp_pm - pp_sq
   ik_sum2 #(.IW(WW), .SH(F_PP_PM-F_TMP1), .OW(W), .SUB_B(1), .DB(T_PP_PM-T_PP_SQ)) u_tmp1 (
       .clk(clk), .a(pp_pm), .b(pp_sq), .q(tmp1), .ovf()
   );
+  // (13) tmp_sqr = sqrt tmp1
   ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_TMP_SQR)) u_tmp_sqr (
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
   );
@@ -185,21 +217,27 @@ module ik_elbow #(
 
   wire signed [WW-1:0] e_x_k, e_x_j, e_y_i, e_y_k, e_z_j, e_z_i;
   localparam integer SH_E = F_PP_K + F_PP_2_M - F_E_X_K;
+  // (13) e_x_k = pp_k * pp_2_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_x_k (
       .clk(clk), .a(pp_k), .b(pp_2_m), .q(e_x_k)
   );
+  // (13) e_x_j = pp_j * pp_3_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_x_j (
       .clk(clk), .a(pp_j), .b(pp_3_m), .q(e_x_j)
   );
+  // (13) e_y_i = pp_i * pp_3_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_y_i (
       .clk(clk), .a(pp_i), .b(pp_3_m), .q(e_y_i)
   );
+  // (13) e_y_k = pp_k * pp_1_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_y_k (
       .clk(clk), .a(pp_k), .b(pp_1_m), .q(e_y_k)
   );
+  // (13) e_z_j = pp_j * pp_1_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_z_j (
       .clk(clk), .a(pp_j), .b(pp_1_m), .q(e_z_j)
   );
+  // (13) e_z_i = pp_i * pp_2_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_E), .OW(WW), .DA(T_PP_1_M-T_PP_I)) u_e_z_i (
       .clk(clk), .a(pp_i), .b(pp_2_m), .q(e_z_i)
   );
@@ -207,12 +245,15 @@ module ik_elbow #(
   wire signed [WW-1:0] e_x_pp;  // PP_k PP_2^- - PP_j PP_3^-
   wire signed [WW-1:0] e_y_pp;  // PP_i PP_3^- - PP_k PP_1^-
   wire signed [WW-1:0] e_z_pp;  // PP_j PP_1^- - PP_i PP_2^-
+  // (13) e_x_pp = e_x_k - e_x_j
   ik_sum2 #(.IW(WW), .SH(F_E_X_K-F_E_X_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_x_pp (
       .clk(clk), .a(e_x_k), .b(e_x_j), .q(e_x_pp), .ovf()
   );
+  // (13) e_y_pp = e_y_i - e_y_k
   ik_sum2 #(.IW(WW), .SH(F_E_Y_I-F_E_Y_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_y_pp (
       .clk(clk), .a(e_y_i), .b(e_y_k), .q(e_y_pp), .ovf()
   );
+  // (13) e_z_pp = e_z_j - e_z_i
   ik_sum2 #(.IW(WW), .SH(F_E_Z_J-F_E_Z_PP), .OW(WW), .SUB_B(1), .SAT(0)) u_e_z_pp (
       .clk(clk), .a(e_z_j), .b(e_z_i), .q(e_z_pp), .ovf()
   );
@@ -223,8 +264,11 @@ module ik_elbow #(
   );
   wire signed [WW-1:0] e_x_sqr, e_y_sqr, e_z_sqr;
   localparam integer SH_SQR = F_TMP_SQR + F_PP_1_M - F_E_X_SQR;
+  // (13) e_x_sqr = tmp_sqr * pp_1_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_x_sqr (.clk(clk), .a(tmp_sqr), .b(pp_1_m_at_tmp_sqr), .q(e_x_sqr));
+  // (13) e_y_sqr = tmp_sqr * pp_2_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_y_sqr (.clk(clk), .a(tmp_sqr), .b(pp_2_m_at_tmp_sqr), .q(e_y_sqr));
+  // (13) e_z_sqr = tmp_sqr * pp_3_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_SQR), .OW(WW)) u_e_z_sqr (.clk(clk), .a(tmp_sqr), .b(pp_3_m_at_tmp_sqr), .q(e_z_sqr));
 
   wire signed [WW-1:0] e_x_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_z_pp_at_e_x_sqr;
@@ -232,12 +276,15 @@ module ik_elbow #(
       .clk(clk), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_x_pp_at_e_x_sqr})
   );
   wire signed [WW-1:0] e_x_num, e_y_num, e_z_num;
+  // (13) e_x_num = e_x_pp + e_x_sqr
   ik_sum2 #(.IW(WW), .SH(F_E_X_SQR-F_E_X_NUM), .OW(WW)) u_e_x_num (
       .clk(clk), .a(e_x_pp_at_e_x_sqr), .b(e_x_sqr), .q(e_x_num), .ovf()
   );
+  // (13) e_y_num = e_y_pp + e_y_sqr
   ik_sum2 #(.IW(WW), .SH(F_E_Y_SQR-F_E_Y_NUM), .OW(WW)) u_e_y_num (
       .clk(clk), .a(e_y_pp_at_e_x_sqr), .b(e_y_sqr), .q(e_y_num), .ovf()
   );
+  // (13) e_z_num = e_z_pp + e_z_sqr
   ik_sum2 #(.IW(WW), .SH(F_E_Z_SQR-F_E_Z_NUM), .OW(WW)) u_e_z_num (
       .clk(clk), .a(e_z_pp_at_e_x_sqr), .b(e_z_sqr), .q(e_z_num), .ovf()
   );
@@ -247,12 +294,15 @@ module ik_elbow #(
   wire signed [W-1:0] inf_pp_at_e_x_num, e_x_quo, e_y_quo, e_z_quo;
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
   ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_at_e_x_num (.clk(clk), .d(inf_pp), .q(inf_pp_at_e_x_num));
+  // (13) e_x_quo = e_x_num / inf_pp
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_X_QUO)) u_e_x_quo (
       .clk(clk), .n(e_x_num), .d(inf_pp_at_e_x_num), .q(e_x_quo), .ovf()
   );
+  // (13) e_y_quo = e_y_num / inf_pp
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_Y_QUO)) u_e_y_quo (
       .clk(clk), .n(e_y_num), .d(inf_pp_at_e_x_num), .q(e_y_quo), .ovf()
   );
+  // (13) e_z_quo = e_z_num / inf_pp
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_Z_QUO)) u_e_z_quo (
       .clk(clk), .n(e_z_num), .d(inf_pp_at_e_x_num), .q(e_z_quo), .ovf()
   );

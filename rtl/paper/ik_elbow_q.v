@@ -42,12 +42,15 @@ module ik_elbow_q #(
   wire signed [W-1:0] f_x;  // p_e - p_w
   wire signed [W-1:0] f_y, f_z;
   localparam integer SH_F = F_P_A_X - F_F_X;
+  // (14) f_x = p_e_x - p_a_x
   ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_x (
       .clk(clk), .a({p_e_x, 1'b0}), .b({p_a_x_at_p_e_x[W-1], p_a_x_at_p_e_x}), .q(f_x), .ovf()
   );
+  // (14) f_y = p_e_y - p_a_y
   ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_y (
       .clk(clk), .a({p_e_y, 1'b0}), .b({p_a_y_at_p_e_x[W-1], p_a_y_at_p_e_x}), .q(f_y), .ovf()
   );
+  // (14) f_z = p_e_z - p_a_z
   ik_sum2 #(.IW(W+1), .SH(SH_F), .OW(W), .SUB_B(1), .SAT(0)) u_f_z (
       .clk(clk), .a({p_e_z, 1'b0}), .b({p_a_z_at_p_e_x[W-1], p_a_z_at_p_e_x}), .q(f_z), .ovf()
   );
@@ -55,9 +58,13 @@ module ik_elbow_q #(
   wire signed [WW-1:0] t_x, t_y, t_z;
   wire signed [W-1:0] t_e;
   localparam integer SH_T = F_P_E_X + F_F_X - F_T_X;
+  // (14) t_x = p_e_x * f_x
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_x (.clk(clk), .a(p_e_x), .b(f_x), .q(t_x));
+  // (14) t_y = p_e_y * f_y
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_y (.clk(clk), .a(p_e_y), .b(f_y), .q(t_y));
+  // (14) t_z = p_e_z * f_z
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_z (.clk(clk), .a(p_e_z), .b(f_z), .q(t_z));
+  // (14) t_e = t_x + t_y + t_z
   ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (
       .clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf()  // too large only of clamped targets, whose c4 is set below
   );
@@ -65,8 +72,10 @@ module ik_elbow_q #(
   // ---- (14) c4 = (p_e^2 - p_e p_w) / (d1 d2) ----
 
   wire signed [W-1:0] d_12, d_12_at_t_e, c4_quo;
+  // (14) d_12 = d_1 * d_2
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
   ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_at_t_e (.clk(clk), .d(d_12), .q(d_12_at_t_e));
+  // (14) c4_quo = t_e / d_12
   ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_C4_QUO)) u_c4_quo (
       .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
   );
@@ -86,11 +95,15 @@ module ik_elbow_q #(
   wire [W-1:0] h4_p, h4_m;
   wire signed [W-1:0] qe_abs;
   localparam integer SH_ROOT = 2 * F_QE_W - (W - 1);
+  // (14) h4_p = (1 + c4) / 2
   ik_half #(.W(W)) u_h4_p (.clk(clk), .c(c4), .q(h4_p));
+  // (14) h4_m = (1 - c4) / 2
   ik_half #(.W(W), .MINUS(1)) u_h4_m (.clk(clk), .c(c4), .q(h4_m));
+  // (14) qe_w = sqrt h4_p
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_QE_W)) u_qe_w (
       .clk(clk), .n({1'b0, h4_p}), .q(qe_w), .neg()
   );
+  // (14) qe_abs = sqrt h4_m
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_QE_ABS)) u_qe_abs (
       .clk(clk), .n({1'b0, h4_m}), .q(qe_abs), .neg()
   );

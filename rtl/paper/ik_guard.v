@@ -73,10 +73,15 @@ module ik_guard #(
   wire signed [W:0] x_x = {x[W-1], x};
   wire signed [W:0] y_x = {y[W-1], y};
   wire signed [W:0] z_x = {z[W-1], z};
+  // x_sq = x^2
   ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_x_sq (.clk(clk), .a(x_x), .b(x_x), .q(x_sq));
+  // y_sq = y^2
   ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_y_sq (.clk(clk), .a(y_x), .b(y_x), .q(y_sq));
+  // z_sq = z^2
   ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_z_sq (.clk(clk), .a(z_x), .b(z_x), .q(z_sq));
+  // r_sq = r_raw^2
   ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_r_sq (.clk(clk), .a(r_raw), .b(r_raw), .q(r_sq));
+  // d_sq = d_raw^2
   ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_d_sq (.clk(clk), .a(d_raw), .b(d_raw), .q(d_sq));
 
   reg signed  [XW-1:0] xy_sq;

@@ -59,14 +59,19 @@ module ik_to_elbow #(
   wire signed [W-1:0] uh_x, uh_y;
   wire signed [WW-1:0] uu_x, uu_y;
   wire signed [W-1:0] uu;
+  // (15) uh_x = u_x * h
   ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_H-F_UH_X), .OW(W), .DB(T_U_X-T_H)) u_uh_x (.clk(clk), .a(u_x), .b(h), .q(uh_x));
+  // (15) uh_y = u_y * h
   ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_H-F_UH_Y), .OW(W), .DB(T_U_Y-T_H)) u_uh_y (.clk(clk), .a(u_y), .b(h), .q(uh_y));
+  // (15) uu_x = u_x * p_e_x
   ik_mul #(.AW(W), .BW(W), .SH(F_U_X+F_P_E_X-F_UU_X), .OW(WW), .DB(T_U_X-T_P_E_X)) u_uu_x (
       .clk(clk), .a(u_x), .b(p_e_x), .q(uu_x)
   );
+  // (15) uu_y = u_y * p_e_y
   ik_mul #(.AW(W), .BW(W), .SH(F_U_Y+F_P_E_Y-F_UU_Y), .OW(WW), .DB(T_U_Y-T_P_E_Y)) u_uu_y (
       .clk(clk), .a(u_y), .b(p_e_y), .q(uu_y)
   );
+  // (15) uu = uu_x + uu_y
   ik_sum2 #(.IW(WW), .SH(F_UU_X-F_UU), .OW(W), .SAT(0)) u_uu (.clk(clk), .a(uu_x), .b(uu_y), .q(uu), .ovf());
 
   // ---- (15) the form that does not cancel; x and y are ready before z ----
@@ -99,12 +104,17 @@ module ik_to_elbow #(
   wire signed [WW-1:0] tmp2_x, tmp2_y, tmp2_z;
   wire signed [W-1:0] tmp2, l_m;
   localparam integer SH_TMP2 = 2 * F_L_M_X - F_TMP2_X;
+  // (15) tmp2_x = l_m_x^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_x (.clk(clk), .a(l_m_x), .b(l_m_x), .q(tmp2_x));
+  // (15) tmp2_y = l_m_y^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_y (.clk(clk), .a(l_m_y), .b(l_m_y), .q(tmp2_y));
+  // (15) tmp2_z = l_m_z^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_TMP2), .OW(WW), .SQUARE(1)) u_tmp2_z (.clk(clk), .a(l_m_z), .b(l_m_z), .q(tmp2_z));
+  // (15) tmp2 = tmp2_x + tmp2_y + tmp2_z
   ik_sum3 #(.IW(WW), .SH(F_TMP2_X-F_TMP2), .OW(W), .SAT(0)) u_tmp2 (
       .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
   );
+  // (15) l_m = sqrt tmp2
   ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_L_M)) u_l_m (
       .clk(clk), .n({1'b0, tmp2[W-2:0]}), .q(l_m), .neg()  // a sum of squares has no sign
   );
@@ -116,14 +126,17 @@ module ik_to_elbow #(
   ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_at_l_m (
       .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
   );
+  // (15) q12_i = l_m_x / l_m
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_Q12_I), .CUT_D(K_L_M)) u_q12_i (
       .clk(clk), .n(l_m_x_at_l_m), .d(l_m), .q(q12_i), .ovf()
   );
+  // (15) q12_j = l_m_y / l_m
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_Q12_J), .CUT_D(K_L_M)) u_q12_j (
       .clk(clk), .n(l_m_y_at_l_m), .d(l_m), .q(q12_j), .ovf()
   );
+  // (15) q12_k = l_m_z / l_m
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_Q12_K), .CUT_D(K_L_M)) u_q12_k (
       .clk(clk), .n(l_m_z_at_l_m), .d(l_m), .q(q12_k), .ovf()

@@ -48,21 +48,27 @@ module ik_to_wrist #(
   wire signed [W-1:0] pi_sq, pi_abs, pi_inv;
   localparam integer SH_PI = 2 * F_PI_SWIVEL_X - F_PI_SQ_X;
   localparam signed [W-1:0] ONE = {2'b01, {(W - 2) {1'b0}}};
+  // (17) pi_sq_x = pi_swivel_x^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW), .SQUARE(1)) u_pi_sq_x (
       .clk(clk), .a(pi_swivel_x), .b(pi_swivel_x), .q(pi_sq_x)
   );
+  // (17) pi_sq_y = pi_swivel_y^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW), .SQUARE(1)) u_pi_sq_y (
       .clk(clk), .a(pi_swivel_y), .b(pi_swivel_y), .q(pi_sq_y)
   );
+  // (17) pi_sq_z = pi_swivel_z^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_PI), .OW(WW), .SQUARE(1)) u_pi_sq_z (
       .clk(clk), .a(pi_swivel_z), .b(pi_swivel_z), .q(pi_sq_z)
   );
+  // (17) pi_sq = pi_sq_x + pi_sq_y + pi_sq_z
   ik_sum3 #(.IW(WW), .SH(F_PI_SQ_X-F_PI_SQ), .OW(W), .SAT(0)) u_pi_sq (
       .clk(clk), .a(pi_sq_x), .b(pi_sq_y), .c(pi_sq_z), .q(pi_sq), .ovf()
   );
+  // (17) pi_abs = sqrt pi_sq
   ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_PI_ABS)) u_pi_abs (
       .clk(clk), .n({1'b0, pi_sq[W-2:0]}), .q(pi_abs), .neg()  // a sum of squares has no sign
   );
+  // (17) pi_inv = 1 / pi_abs
   ik_div #(.NW(W), .DW(W), .SH(F_PI_INV-(W-2)+F_PI_ABS), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
       .CUT(K_PI_INV), .CUT_D(K_PI_ABS)) u_pi_inv (
       .clk(clk), .n(ONE), .d(pi_abs), .q(pi_inv), .ovf()
@@ -79,9 +85,13 @@ module ik_to_wrist #(
   wire signed [WW-1:0] q12_i_sq, q12_j_sq, q12_k_sq;
   wire signed [W-1:0] r_x;  // q12_k^2 + q12_j^2 - q12_i^2
   localparam integer SH_QQ = 2 * F_Q12_I - F_Q12_I_SQ;
+  // (17) q12_i_sq = q12_i^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_i_sq (.clk(clk), .a(q12_i), .b(q12_i), .q(q12_i_sq));
+  // (17) q12_j_sq = q12_j^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_j_sq (.clk(clk), .a(q12_j), .b(q12_j), .q(q12_j_sq));
+  // (17) q12_k_sq = q12_k^2
   ik_mul #(.AW(W), .BW(W), .SH(SH_QQ), .OW(WW), .SQUARE(1)) u_q12_k_sq (.clk(clk), .a(q12_k), .b(q12_k), .q(q12_k_sq));
+  // (17) r_x = q12_k_sq + q12_j_sq - q12_i_sq
   ik_sum3 #(.IW(WW), .SH(F_Q12_K_SQ-F_R_X), .OW(W), .SUB_C(1), .SAT(0)) u_r_x (
       .clk(clk), .a(q12_k_sq), .b(q12_j_sq), .c(q12_i_sq), .q(r_x), .ovf()
   );
@@ -90,28 +100,35 @@ module ik_to_wrist #(
 
   wire signed [WW-1:0] g_y, g_z;
   wire signed [W-1:0] g;  // q12_j pi_swivel_y + q12_k pi_swivel_z
+  // (17) g_y = q12_j * pi_swivel_y
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_J+F_PI_SWIVEL_Y-F_G_Y), .OW(WW)) u_g_y (
       .clk(clk), .a(q12_j), .b(pi_swivel_y_at_q12_i), .q(g_y)
   );
+  // (17) g_z = q12_k * pi_swivel_z
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_K+F_PI_SWIVEL_Z-F_G_Z), .OW(WW)) u_g_z (
       .clk(clk), .a(q12_k), .b(pi_swivel_z_at_q12_i), .q(g_z)
   );
+  // (17) g = g_y + g_z
   ik_sum2 #(.IW(WW), .SH(F_G_Y-F_G), .OW(W), .SAT(0)) u_g (.clk(clk), .a(g_y), .b(g_z), .q(g), .ovf());
 
   wire signed [WW-1:0] c3_r, c3_g;
   wire signed [W-1:0] c3_num;
+  // (17) c3_r = pi_swivel_x * r_x
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_X+F_R_X-F_C3_R), .OW(WW), .DA(T_R_X-T_Q12_I)) u_c3_r (
       .clk(clk), .a(pi_swivel_x_at_q12_i), .b(r_x), .q(c3_r)
   );
+  // (17) c3_g = 2 * q12_i * g
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_I+F_G-1-F_C3_G), .OW(WW), .DA(T_G-T_Q12_I)) u_c3_g (
       .clk(clk), .a(q12_i), .b(g), .q(c3_g)
   );
+  // (17) c3_num = c3_r - c3_g
   ik_sum2 #(.IW(WW), .SH(F_C3_R-F_C3_NUM), .OW(W), .SUB_B(1), .DB(T_C3_R-T_C3_G)) u_c3_num (
       .clk(clk), .a(c3_r), .b(c3_g), .q(c3_num), .ovf()
   );
 
   wire signed [W-1:0] pi_inv_at_c3_num, c3;
   ik_ring #(.W(W), .N(T_C3_NUM-T_PI_INV)) u_pi_inv_at_c3_num (.clk(clk), .d(pi_inv), .q(pi_inv_at_c3_num));
+  // (17) c3 = c3_num * pi_inv
   ik_mul #(.AW(W), .BW(W), .SH(F_C3_NUM+F_PI_INV-F_C3), .OW(W)) u_c3 (
       .clk(clk), .a(c3_num), .b(pi_inv_at_c3_num), .q(c3)
   );
@@ -149,19 +166,25 @@ module ik_to_wrist #(
   wire signed [WW-1:0] sg_r, sg_y, sg_z;
   wire signed [W-1:0] sg;
   wire signed [WW-1:0] sg_g, sign;
+  // (17) sg_r = side_x * r_x
   ik_mul #(.AW(W), .BW(W), .SH(F_SIDE_X+F_R_X-F_SG_R), .OW(WW), .DA(T_R_X-T_Q12_I)) u_sg_r (
       .clk(clk), .a(side_x_at_q12_i), .b(r_x), .q(sg_r)
   );
+  // (17) sg_y = q12_j * side_y
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_J+F_SIDE_Y-F_SG_Y), .OW(WW)) u_sg_y (
       .clk(clk), .a(q12_j), .b(side_y_at_q12_i), .q(sg_y)
   );
+  // (17) sg_z = q12_k * side_z
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_K+F_SIDE_Z-F_SG_Z), .OW(WW)) u_sg_z (
       .clk(clk), .a(q12_k), .b(side_z_at_q12_i), .q(sg_z)
   );
+  // (17) sg = sg_y + sg_z
   ik_sum2 #(.IW(WW), .SH(F_SG_Y-F_SG), .OW(W), .SAT(0)) u_sg (.clk(clk), .a(sg_y), .b(sg_z), .q(sg), .ovf());
+  // (17) sg_g = 2 * q12_i * sg
   ik_mul #(.AW(W), .BW(W), .SH(F_Q12_I+F_SG-1-F_SG_G), .OW(WW), .DA(T_G-T_Q12_I)) u_sg_g (
       .clk(clk), .a(q12_i), .b(sg), .q(sg_g)
   );
+  // (17) sign = sg_g - sg_r
   ik_sum2 #(.IW(WW), .SH(F_SG_R-F_SIGN), .OW(WW), .SUB_B(1), .SAT(0), .DA(T_SG_R-T_SG_G)) u_sign (
       .clk(clk), .a(sg_g), .b(sg_r), .q(sign), .ovf()
   );
@@ -171,11 +194,15 @@ module ik_to_wrist #(
   wire [W-1:0] h3_p, h3_m;
   wire signed [W-1:0] q3_scalar, q3_abs;
   localparam integer SH_ROOT = 2 * F_Q3_SCALAR - (W - 1);
+  // (17) h3_p = (1 + c3) / 2
   ik_half #(.W(W)) u_h3_p (.clk(clk), .c(c3), .q(h3_p));
+  // (17) h3_m = (1 - c3) / 2
   ik_half #(.W(W), .MINUS(1)) u_h3_m (.clk(clk), .c(c3), .q(h3_m));
+  // (17) q3_scalar = sqrt h3_p
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_Q3_SCALAR)) u_q3_scalar (
       .clk(clk), .n({1'b0, h3_p}), .q(q3_scalar), .neg()
   );
+  // (17) q3_abs = sqrt h3_m
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_Q3_ABS)) u_q3_abs (
       .clk(clk), .n({1'b0, h3_m}), .q(q3_abs), .neg()
   );
@@ -196,29 +223,39 @@ module ik_to_wrist #(
   wire signed [WW-1:0] w_kk, i_is, i_jk, j_js, j_ik, k_ks;
   localparam integer SH_S = F_Q12_I + F_Q3_SCALAR - F_I_IS;
   localparam integer SH_K = F_Q12_K + F_Q3_K - F_W_KK;
+  // (18) w_kk = q12_k * q3_k
   ik_mul #(.AW(W), .BW(W), .SH(SH_K), .OW(WW), .DA(T_Q3_K-T_Q3_SCALAR)) u_w_kk (
       .clk(clk), .a(q12_k_at_q3_scalar), .b(q3_k), .q(w_kk)
   );
+  // (18) i_is = q12_i * q3_scalar
   ik_mul #(.AW(W), .BW(W), .SH(SH_S), .OW(WW)) u_i_is (.clk(clk), .a(q12_i_at_q3_scalar), .b(q3_scalar), .q(i_is));
+  // (18) i_jk = q12_j * q3_k
   ik_mul #(.AW(W), .BW(W), .SH(SH_K), .OW(WW), .DA(T_Q3_K-T_Q3_SCALAR)) u_i_jk (
       .clk(clk), .a(q12_j_at_q3_scalar), .b(q3_k), .q(i_jk)
   );
+  // (18) j_js = q12_j * q3_scalar
   ik_mul #(.AW(W), .BW(W), .SH(SH_S), .OW(WW)) u_j_js (.clk(clk), .a(q12_j_at_q3_scalar), .b(q3_scalar), .q(j_js));
+  // (18) j_ik = q12_i * q3_k
   ik_mul #(.AW(W), .BW(W), .SH(SH_K), .OW(WW), .DA(T_Q3_K-T_Q3_SCALAR)) u_j_ik (
       .clk(clk), .a(q12_i_at_q3_scalar), .b(q3_k), .q(j_ik)
   );
+  // (18) k_ks = q12_k * q3_scalar
   ik_mul #(.AW(W), .BW(W), .SH(SH_S), .OW(WW)) u_k_ks (.clk(clk), .a(q12_k_at_q3_scalar), .b(q3_scalar), .q(k_ks));
 
   // q3_scalar is ready one clock before q3_k.
+  // (18) qs_w = -w_kk
   ik_sum2 #(.IW(WW), .SH(F_W_KK-F_QS_W), .OW(W), .SUB_B(1), .SAT(0)) u_qs_w (
       .clk(clk), .a({WW{1'b0}}), .b(w_kk), .q(qs_w), .ovf()
   );
+  // (18) qs_i = i_is + i_jk
   ik_sum2 #(.IW(WW), .SH(F_I_JK-F_QS_I), .OW(W), .SAT(0), .DA(T_I_JK-T_I_IS)) u_qs_i (
       .clk(clk), .a(i_is), .b(i_jk), .q(qs_i), .ovf()
   );
+  // (18) qs_j = j_js - j_ik
   ik_sum2 #(.IW(WW), .SH(F_J_IK-F_QS_J), .OW(W), .SUB_B(1), .SAT(0), .DA(T_I_JK-T_I_IS)) u_qs_j (
       .clk(clk), .a(j_js), .b(j_ik), .q(qs_j), .ovf()
   );
+  // (18) qs_k = k_ks
   ik_sum2 #(.IW(WW), .SH(F_K_KS-F_QS_K), .OW(W), .SAT(0)) u_qs_k (
       .clk(clk), .a({WW{1'b0}}), .b(k_ks), .q(qs_k), .ovf()
   );
