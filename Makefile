@@ -177,7 +177,7 @@ lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, 
 	@$(SETUP) icarus
 	@exec $(VENV) -m scripts.lint
 
-formal: ## proofs of streams, divider, root and ranges, each seen failing on seeded bugs: four pages, *proofs.md [ONLY=name]
+formal: ## proofs of streams, divider, root and ranges, each seen failing on a seeded bug: proofs.md [ONLY=name]
 	@$(SETUP) fpga
 	@exec $(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 

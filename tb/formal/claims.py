@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Questions to z3 about nodes, in integers or bit vectors, and what their answers are kept in."""
+"""Questions to z3 about nodes, in integers or bit vectors, and their answers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tb.formal.unrolled import Answer, ask
 
 @dataclass(frozen=True)
 class Claim:
-    """One question to z3: `name` of the property, engine, depth of the induction, and what came out."""
+    """An answered question: property, engine, depth of the induction, answer."""
 
     name: str
     engine: str
@@ -28,7 +28,7 @@ class Claim:
 
 @dataclass
 class Row:
-    """What is known of one node: by what it `fits` and is in its `range`, and `problem`, empty if nothing is."""
+    """Result for one node: the reason why it `fits` and is in its `range`; `problem` is empty if it is proved."""
 
     node: str
     module: str = ""
@@ -45,7 +45,7 @@ class Row:
 
 @dataclass
 class Lemma:
-    """The properties of an operator with its parameters that need no ranges."""
+    """Properties of an operator with its parameters that need no ranges."""
 
     module: str
     parameters: tuple
@@ -58,7 +58,7 @@ class Lemma:
 
 
 def spell(parameters: tuple) -> str:
-    """AW=32, BW=32, ..."""
+    """Return AW=32, BW=32, ..."""
     return ", ".join(f"{name}={value}" for name, value in parameters)
 
 
@@ -70,7 +70,7 @@ def _number(value: int) -> str:
 
 
 def integers(names: str, facts: list[str], claim: str) -> str:
-    """The formula that says: the facts hold of these integers, and the claim does not."""
+    """Return the formula "the facts hold for these integers and the claim does not"."""
     lines = [f"(declare-const {name} Int)" for name in names.split()]
     return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"])
 
@@ -80,23 +80,23 @@ def conjunction(names: str, facts: list[str], claims: list[str]) -> str:
 
 
 def inside(name: str, low: int, high: int) -> str:
-    """low <= name <= high."""
+    """Return low <= name <= high."""
     return f"(<= {_number(low)} {name} {_number(high)})"
 
 
 def word(name: str, width: int) -> str:
-    """The number fits a signed word of so many bits."""
+    """Return the condition that a number fits a signed word of ``width`` bits."""
     return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
 
 
 def floor_of(quotient: str, dividend: str, shift: int) -> str:
-    """quotient = floor(dividend / 2^shift)."""
+    """Return quotient = floor(dividend / 2^shift)."""
     scaled = f"(* {1 << shift} {quotient})"
     return f"(and (<= {scaled} {dividend}) (< {dividend} (+ {scaled} {1 << shift})))"
 
 
 def corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
-    """Least and largest product; of a number with itself where `square`."""
+    """Return the least and largest product; of a number with itself where `square`."""
     ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
     if square:
         return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends[0], ends[3])
@@ -105,19 +105,19 @@ def corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of one node: of `facts`, and of `rule` if need be, follow `fits` and `in_range`."""
+    """Question about one node: `fits` and `in_range` follow from `facts`, and from `rule` where needed."""
 
     engine: str
     depth: int | None
-    text: Callable[[list[str], list[str]], str]  # of what is assumed and claimed
+    text: Callable[[list[str], list[str]], str]  # of assumptions and claims
     facts: list[str]
     rule: list[str]
     fits: list[str]
     in_range: str
-    cases: tuple[str, ...] = ()  # conditions: asked apart where they hold and where not, which is easier
+    cases: tuple[str, ...] = ()  # conditions that split the question
 
     def ask(self, assumed: list[str], claims: list[str]) -> Answer:
-        """What z3 says, "unsat" where it says so in every case."""
+        """Return z3's answer, "unsat" if it is so in every case."""
         seconds = 0.0
         for values in product((True, False), repeat=len(self.cases)):
             case = [c if value else f"(not {c})" for c, value in zip(self.cases, values, strict=True)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A datapath as Yosys elaborates it: the operator, parameters, operands and ranges behind each node, and formulas."""
+"""The lean datapath as Yosys elaborates it: operator, parameters, operands and ranges of each node, and formulas."""
 
 from __future__ import annotations
 
@@ -17,17 +17,15 @@ from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import closure, includes
 
+TOP = "ik_lean"
 PROPERTIES = ROOT / "tb" / "formal" / "ranges"
 
-CLOCKS = {
-    "ik_sum2": 2, "ik_sum3": 3, "ik_mul": 2, "ik_mul3": 2, "ik_exact": 2, "ik_wide": 1, "ik_even": 3, "ik_norm": 3,
-    "ik_lzc": 2, "ik_half": 1, "ik_shift": 2, "ik_shift3": 3,
-}  # fmt: skip
-"""Operator -> clocks that its properties look back, which is the depth of the induction."""
+CLOCKS = {"ik_mul3": 2, "ik_exact": 2, "ik_wide": 1, "ik_even": 3, "ik_shift": 2, "ik_shift3": 3}
+"""Operator -> clocks that its properties span, the depth of the induction."""
 
 
 class ObligationError(Exception):
-    """A proof cannot even be stated; the text says of what."""
+    """A proof cannot be stated; the text names the node."""
 
 
 def _rescaled(r: Range, finer: int) -> Range:
@@ -37,38 +35,23 @@ def _rescaled(r: Range, finer: int) -> Range:
 
 
 def signals(expression: str) -> list[str]:
-    """The names in a Verilog expression, each once."""
+    """Return the names in a Verilog expression, each once."""
     return list(dict.fromkeys(re.findall(r"\b[a-z]\w*\b", expression)))
 
 
 class Elaborated:
-    """A datapath of one width, elaborated in the work folder `place` from a copy of the RTL.
+    """The datapath at one width, elaborated in the folder `place` from a copy of the RTL."""
 
-    With a bug inside of an operator the connections are those of the design without it,
-    `like`.
-    """
-
-    def __init__(
-        self,
-        datapath: str,
-        width: int,
-        place: Path,
-        bug: Bug | None = None,
-        like: Elaborated | None = None,
-    ) -> None:
-        self.datapath, self.width, self.place = datapath, width, place
-        self.top = f"ik_{datapath}"
-        self.nodes = model_nodes(datapath, width)
-        self.table = table(datapath, width)
+    def __init__(self, width: int, place: Path, bug: Bug | None = None) -> None:
+        self.width, self.place = width, place
+        self.nodes = model_nodes(width)
+        self.table = table(width)
         self.ranges = dict(self.table)
-        self.scales = scales(datapath, width)
+        self.scales = scales(width)
         shutil.rmtree(self.place, ignore_errors=True)
         copy_rtl(self.place, bug)
-        if like:
-            self.netlist, self.drivers, self.ranges = like.netlist, like.drivers, like.ranges
-        else:
-            self._elaborate()
-            self._tighten()
+        self._elaborate()
+        self._tighten()
         self.unrolled: dict[tuple[str, tuple], Unrolled] = {}
         self.lemmas: dict[tuple[str, tuple], Lemma] = {}
 
@@ -86,10 +69,10 @@ class Elaborated:
         return " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(self.place))
 
     def _elaborate(self) -> None:
-        own = " ".join(str(p.relative_to(ROOT)) for p in closure(self.top, self.place) if p.suffix == ".v")
-        # -defer: what has a large table in a memory is looked at once, or never
+        own = " ".join(str(p.relative_to(ROOT)) for p in closure(TOP, self.place) if p.suffix == ".v")
+        # -defer: modules with large tables are elaborated at most once
         lines = [f"read_verilog -defer {self._include()} {own}"]
-        lines += [f"hierarchy -check -top {self.top} -chparam W {self.width}", "proc"]
+        lines += [f"hierarchy -check -top {TOP} -chparam W {self.width}", "proc"]
         lines += [f"write_json {self._here}/design.json"]
         self._yosys("elaborate", lines)
         at_top = ("results",)
@@ -98,11 +81,11 @@ class Elaborated:
             for name, n in self.nodes.items()
         }
         signed = {name: n.format.signed for name, n in self.nodes.items()}
-        self.netlist = Netlist(load(self.place / "design.json"), self.top, homes, signed)
+        self.netlist = Netlist(load(self.place / "design.json"), TOP, homes, signed)
         self.drivers = {name: self.netlist.driver(name) for name, n in self.nodes.items() if n.op != "input"}
 
     def formulas(self, operators: list[tuple[str, tuple]], sections: list[str]) -> None:
-        """Has Yosys write the formulas of operators and sections; reads them."""
+        """Write the formulas of operators and sections with Yosys and read them."""
         folder = self.place / "proved"
         folder.mkdir()
         for module in CLOCKS:
@@ -119,7 +102,7 @@ class Elaborated:
             path = next(d.path for d in self.drivers.values() if not d.module and d.section == section)
             parameters = self.netlist.parameters(self.netlist.paths[path])
             files[section, ()] = f"{section}.smt2"
-            name = f"rtl/{self.datapath}/{section}.v"
+            name = f"rtl/lean/{section}.v"
             (self.place / "section").mkdir(exist_ok=True)
             self._append(name, properties(section), self.place / "section")
             sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
@@ -144,12 +127,10 @@ class Elaborated:
     # ---- ranges ------------------------------------------------------------------------------------------------------
 
     def _tighten(self) -> None:
-        """Bits that are wired to 0 are 0; products, shifts and bounds of what is not negative are not negative.
+        """Set lower bounds to 0 where a sign bit is wired to 0 or the operands are not negative.
 
-        The table's error bounds of the lean datapath reach below 0 there. What is tightened is proved with the rest.
+        The table's error bounds reach below 0 there. A tightened range is proved with the rest.
         """
-        if self.datapath == "paper":
-            return
         for name, node in self.nodes.items():
             driver = self.drivers.get(name)
             own = self.ranges[name]
@@ -165,7 +146,7 @@ class Elaborated:
                 self.ranges[name] = Range(0, own.high, own.rule)
 
     def port(self, operand: Operand) -> Range:
-        """The range of what is at a port."""
+        """Return the range of the word at a port."""
         if not operand.node:
             return Range(operand.constant, operand.constant)
         own = self.ranges[operand.node]
@@ -177,29 +158,19 @@ class Elaborated:
         return Range(own.low << operand.shift, own.high << operand.shift)
 
     def finer(self, name: str, driver: Driver) -> int:
-        """How many fraction bits the RTL gives a node beyond the model's, by its operator's shift: 0, or a bug."""
-        if "SH" not in driver.values:
+        """Return the fraction bits of a product in the RTL beyond the model's: 0 unless there is a bug."""
+        if driver.module != "ik_mul3":
             return 0
-        ports = {"ik_div": "nd", "ik_root": "n"}.get(driver.module, "ab")
-        ports = "aa" if driver.values.get("SQUARE") else ports
-        parts = [self.netlist.operand(driver.path, port) for port in ports]
+        parts = [self.netlist.operand(driver.path, port) for port in "ab"]
         fracs = [self.nodes[p.node].format.frac + p.shift for p in parts if p.node]
-        own, given = self.nodes[name].format.frac, driver.values["SH"]
-        if driver.module in ("ik_mul", "ik_mul3"):
-            return sum(fracs) - self.scales.get(name, 0) - given - own
-        if driver.module == "ik_div":  # a constant dividend is 1 in the divisor's format
-            first = fracs[0] if parts[0].node else parts[0].width - 2
-            return given + first - fracs[-1] - own
-        if driver.module == "ik_root":
-            return (given + fracs[0]) // 2 - own
-        return fracs[0] - given - own
+        return sum(fracs) - self.scales.get(name, 0) - driver.values["SH"] - self.nodes[name].format.frac
 
     def held(self, name: str, finer: int) -> tuple[Range, Range]:
-        """A node's range, tightened and as the table has it, in words of the RTL's format."""
+        """Return a node's tightened range and the table's, in words of the RTL's format."""
         return _rescaled(self.ranges[name], finer), _rescaled(self.table[name], finer)
 
     def ports(self, driver: Driver, *names: str) -> list[tuple[str, Operand, Range]]:
-        """Input ports of an operator with their operands and ranges."""
+        """Return input ports of an operator with their operands and ranges."""
         found = []
         for name in names:
             operand = self.netlist.operand(driver.path, name)
@@ -211,7 +182,7 @@ class Elaborated:
         row.operands = ", ".join(dict.fromkeys(self.written(s) for s in sources))
 
     def _named(self, path: str, expression: str) -> list[Operand]:
-        """The nodes behind the signals that an expression of a section names."""
+        """Return the nodes behind the signals of a section's expression."""
         wires = self.netlist.modules[self.netlist.paths[path]]["netnames"]
         found = []
         for signal in signals(expression):
@@ -222,7 +193,7 @@ class Elaborated:
         return found
 
     def written(self, operand: Operand) -> str:
-        """An operand as the page shows it."""
+        """Return an operand as the table shows it."""
         if not operand.node:
             return "constant"
         return f"{operand.node} 2^{operand.shift}" if operand.shift else operand.node

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the nodes that a section computes itself, without an operator module, are in exact arithmetic.
+"""Exact values of the lean nodes that a section computes without an operator module.
 
-The dataflow says it at the node (:class:`.annotations.Facts`). ``tb/formal/overflow.py`` evaluates it in a word
-so long that nothing can be lost, and proves that the node holds all of it. Every word in an expression is signed,
-unsigned nodes behind ``$signed({1'b0, ...})``, so that Verilog extends signs. Nodes of one bit are left out: they have
-nothing to overflow.
+The expression is stated at the node in the dataflow. :mod:`tb.formal.overflow` evaluates it in a word so long that
+nothing is lost, and proves that the node holds all of it. Every word of an expression is signed, unsigned nodes as
+``$signed({1'b0, ...})``, so that Verilog extends signs. Nodes of one bit cannot overflow and are left out.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from model.io.words import FIELDS
 
 @dataclass(frozen=True)
 class Value:
-    """The `expression` that a node, `held`, holds `clocks` later."""
+    """The `expression` that a node, read as `held`, holds `clocks` later."""
 
     expression: str
     held: str
@@ -30,7 +29,7 @@ class Value:
 
 
 def _signed(expression: str, nodes: dict[str, Node]) -> str:
-    """The expression with every unsigned node, however late, behind a zero."""
+    """Return the expression with a zero in front of every unsigned node, delayed or not."""
 
     def word(found: re.Match) -> str:
         node = nodes.get(found[0].partition("_at_")[0])
@@ -43,41 +42,40 @@ def _signed(expression: str, nodes: dict[str, Node]) -> str:
 def _sections() -> dict[str, dict[str, Value]]:
     found: dict[str, dict[str, Value]] = {}
     latency, target = Latency(WIDTHS[-1]), np.zeros((1, len(FIELDS)), dtype=np.int64)
-    for name, datapath in DATAPATHS.items():
-        nodes = fixed.run(target, latency.width, name).bits.nodes
-        for node in nodes.values():
-            if node.facts.exact:
-                clocks = latency[node.latency] if node.latency else 0
-                value = Value(_signed(node.facts.exact, nodes), _signed(node.name, nodes), clocks)
-                found.setdefault(datapath.module(node.section), {})[node.name] = value
+    nodes = fixed.run(target, latency.width, "lean").bits.nodes
+    for node in nodes.values():
+        if node.facts.exact:
+            clocks = latency[node.latency] if node.latency else 0
+            value = Value(_signed(node.facts.exact, nodes), _signed(node.name, nodes), clocks)
+            found.setdefault(DATAPATHS["lean"].module(node.section), {})[node.name] = value
     return found
 
 
 SECTIONS = _sections()
-"""Section's module -> node -> its value."""
+"""Module of a section -> node -> value."""
 
 
 def inner(section: str, node: str) -> list[str]:
-    """The other nodes, computed in the same section, that a node is made of."""
+    """Return the operands of a node that the same section computes."""
     expression = SECTIONS[section][node].expression
     return [other for other in SECTIONS[section] if other != node and re.search(rf"\b{other}\b", expression)]
 
 
 def depth(section: str, node: str) -> int:
-    """Clocks after which a node depends on what came into its section alone."""
+    """Return the clocks after which a node depends on the section's inputs only."""
     return SECTIONS[section][node].clocks + bool(inner(section, node))
 
 
 def last(section: str, node: str) -> str:
-    """The signal that has a node's exact value in the clock of the node."""
+    """Return the signal that holds a node's exact value in the clock of the node."""
     clocks = SECTIONS[section][node].clocks
     return f"exact_{node}_{clocks}" if clocks else f"exact_{node}"
 
 
 def properties(section: str) -> str:
-    """Verilog to append to a section: for each node its exact value and the assertion that the node holds it."""
+    """Return the properties of a section: each node's exact value and the assertion that the node holds it."""
     lines = ["localparam integer EXACT_W = 2 * W + 8;", "reg [1:0] exact_age = 2'd0;  // clocks, up to 3"]
-    lines.append("wire signed [EXACT_W-1:0] wide = 0;  // makes what it is added to as long in a comparison")
+    lines.append("wire signed [EXACT_W-1:0] wide = 0;  // widens a comparison")
     lines += ["always @(posedge clk) if (exact_age != 2'd3) exact_age <= exact_age + 2'd1;"]
     for node, value in SECTIONS[section].items():
         name = f"exact_{node}"

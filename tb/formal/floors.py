@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From rows to the floor, by z3 over the integers: what the properties of ik_div_digit.vh and ik_root_digit.vh come to.
+"""From rows to the floor, by z3 over the integers: consequences of ik_div_digit.vh and ik_root_digit.vh.
 
-The bit vectors of `make formal` prove a linear ghost of every row: P + R is what came in so far, modulo the words'
-length, and no product occurs. Here products do: P = Q d, S = Q^2, and after the last row Q is the floor. The equations
-of a row and what is proved of it are read from the .vh itself (:func:`integer`), so a changed ghost is another
-question. The words' lengths are numbers X >= 2 D, D = 2^(DW-1), B = 2^ROWS of any size: a question is for all widths.
+Bit vectors prove a linear ghost of every row: P + R equals the operand's bits so far, modulo the word length, without a
+product. The integers add the products: P = Q d, S = Q^2, and after the last row Q is the floor. The equations of a row
+are read from the .vh (:func:`integer`), so a changed ghost changes the question. Word lengths are numbers X >= 2 D,
+D = 2^(DW-1), B = 2^ROWS of any size: a question holds at all widths.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator
 from functools import partial
 
-from tb.formal.arithmetic import Part, Question
+from tb.formal.arithmetic import Question
 from tb.formal.claims import integers
 from tb.formal.unrolled import ask
 from tb.sim.env import ROOT
@@ -23,17 +23,17 @@ DIV = "tb/formal/ik_div_digit.vh"
 ROOT_DIGIT = "tb/formal/ik_root_digit.vh"
 
 LEVELS = (("||",), ("==",), (">=", "<=", "<"), ("<<",), ("+", "-"), ("*",))
-"""Operators of an expression, those that bind least first."""
+"""Operators of an expression, lowest precedence first."""
 
 TOKEN = re.compile(r"\s*(\{[^{}]*\{[^{}]*\}\}|\{[^{}]*\}|1'b[01]|\w+(?:\[[^\]]*\])?|\|\||==|>=|<=|<<<?|[-+*?:()<~])")
 
 
 class FormulaError(LookupError):
-    """An expression of a .vh that integers have no word for."""
+    """An expression of a .vh file without an equivalent over the integers."""
 
 
 class _Reader:
-    """An expression of Verilog, without overflow, as an SMT term over integers, with ``names`` for its names."""
+    """Parser of a Verilog expression, without overflow, into an SMT term over integers; ``names`` maps its names."""
 
     def __init__(self, text: str, names: dict[str, str]) -> None:
         self.text, self.names, self.left = text, names, []
@@ -94,7 +94,7 @@ class _Reader:
 
 
 def integer(text: str, names: dict[str, str]) -> str:
-    """The expression as an SMT term over integers."""
+    """Return the expression as an SMT term over integers."""
     reader = _Reader(text, names)
     term = reader.choice()
     if reader.left:
@@ -103,7 +103,7 @@ def integer(text: str, names: dict[str, str]) -> str:
 
 
 def _one(text: str, pattern: str) -> str:
-    """What the only match of a pattern has in its group."""
+    """Return the group of a pattern's only match."""
     found = re.findall(pattern, text)
     if len(found) != 1:
         raise FormulaError(f"not exactly one {pattern!r}")
@@ -112,7 +112,7 @@ def _one(text: str, pattern: str) -> str:
 
 def _asked(name: str, says: str, names: str, facts: list[str], claim: str) -> Question:
     text = {met: integers(names, facts, met) for met in (claim, "false")}
-    return Question(name, says, "", partial(ask, text[claim]), partial(ask, text["false"]))
+    return Question(name, says, partial(ask, text[claim]), partial(ask, text["false"]))
 
 
 BIT = "(<= 0 bit 1)"
@@ -192,33 +192,8 @@ def _root(text: str) -> Iterator[Question]:
 
 
 def floors(bug: Bug | None = None) -> Iterator[Question]:
-    """All questions, of the files as they are or with a bug in one."""
+    """Yield all questions, of the files as they are or with a bug in one."""
     for file, questions in ((DIV, _divider), (ROOT_DIGIT, _root)):
         text = (ROOT / file).read_text()
         yield from questions(bug.seeded(text) if bug and bug.file == file else text)
 
-
-BUGS = (
-    Bug("ghost of another weight", DIV,
-        "wire [XW-1:0] P_next = (P << 1)", "wire [XW-1:0] P_next = (P << 2)", "divider: product"),
-    Bug("divisor of a bit that is 0", DIV,
-        "(bit_q ? dv : {(DW - 1) {1'b0}})", "(bit_q ? {(DW - 1) {1'b0}} : dv)", "divider: product"),
-    Bug("remainder up to the divisor", DIV, "R < g_row[k].divisor_q", "R <= g_row[k].divisor_q", "divider: last"),
-    Bug("magnitude of a negative dividend without its inversion", DIV, "(-1 - f_N)", "(-f_N)", "divider: sign"),
-    Bug("negative quotient not inverted", DIV,
-        "~f_magnitude : f_magnitude", "-f_magnitude : f_magnitude", "divider: sign"),
-    Bug("overflow a bit late", DIV, "(f_d_wide << ROWS)", "(f_d_wide << ROWS << 1)", "divider: fits"),
-    Bug("overflow a place early", DIV,
-        "(f_M_wide >= (f_d_wide << ROWS))", "(f_M_wide + 1 >= (f_d_wide << ROWS))", "divider: overflow"),
-    Bug("ghost of the root without its 1", ROOT_DIGIT, "(Q_wide << 2) + 1'b1", "(Q_wide << 2)", "root: square"),
-    Bug("remainder up to 2 Q + 1", ROOT_DIGIT, "R <= Q_twice", "R <= Q_twice + 1", "root: last"),
-)  # fmt: skip
-
-ABOUT = """\
-`make formal` proves of every row, by bit vectors, a ghost that is linear: `P' = 2 P + q d` and `Q' = 2 Q + q` from 0,
-`P + R` the bits of M so far, modulo the word's length. Products are left to these questions: integers, with X,
-D = 2^(DW-1) and B = 2^ROWS for the words' lengths, X >= 2 D, so that they are of every width. Equations are read from
-the `.vh` files. Of the root the same with `S' = 4 S + q (4 Q + 1)`. The remainder R is that of a restoring divider, not
-negative; that is proved by bit vectors, too."""
-
-FLOORS = Part("floors", "From rows to floor", ABOUT, floors, floors, BUGS)

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean dataflow in exact arithmetic, as formulas over the reals: what each node is, and what its range claims.
+"""The lean dataflow in exact arithmetic, as formulas over the reals: equations and range claims.
 
-:class:`Exact` runs the dataflow itself; a node becomes a real number with the equation that its operation gives, a
-count e the number 2^e, so that a shift is a product. A decision is taken on words, which are rounded: where a
-lambda of the dataflow looks at nothing but signs and masks, its truth table becomes a formula over the sign of
-each word, which is free where the word is not exact; any other decision is free. So what holds here holds
-whichever way rounding decides.
+:class:`Exact` runs the dataflow itself; a node becomes a real number with the equation of its operation, a count e the
+number 2^e, so that a shift is a product. Decisions are taken on rounded words: where a decision depends on signs and
+masks only, its truth table becomes a formula over the sign of each word, which is free unless the word is exact; any
+other decision is free. A proof therefore holds whichever way rounding decides.
 
-What rounding does to a word is :mod:`tb.formal.lean_rounded`.
+Rounding errors are in :mod:`tb.formal.lean_rounded`.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ from model.dataflow.nodes import Domain, Format, Node
 from model.io.words import ARMS
 
 LONG = (1 << 60) - 1
-"""Magnitudes up to here are what a decision is looked at with: one that tells them apart is not of signs only."""
+"""Largest magnitude with which a decision is sampled: one that depends on magnitude does not depend on signs only."""
 
 
 WORDS = {"and", "or", "not", "ite", "true", "false"}
@@ -50,7 +49,7 @@ WORDS = {"and", "or", "not", "ite", "true", "false"}
 
 
 def number(value: float | Fraction) -> str:
-    """Exactly that, in SMT-LIB."""
+    """Return a number in SMT-LIB, exactly."""
     exact = Fraction(value)
     size = (
         f"(/ {abs(exact.numerator)}.0 {exact.denominator}.0)" if exact.denominator > 1 else f"{abs(exact.numerator)}.0"
@@ -59,36 +58,36 @@ def number(value: float | Fraction) -> str:
 
 
 def between(low: float, term: str, high: float, below: bool = False) -> str:
-    """low <= term <= high, or < high."""
+    """Return low <= term <= high, or < high."""
     return f"(and (<= {number(low)} {term}) ({'<' if below else '<='} {term} {number(high)}))"
 
 
 def real_formula(facts: list[str], goal: str, bits: Callable[[str], bool] = lambda name: False) -> str:
-    """That the facts hold and the goal does not, with all that is named in them declared, real or, of ``bits``, not."""
+    """Return the formula "the facts hold and the goal does not"; names are declared real, or Boolean where ``bits``."""
     names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
     lines = [f"(declare-const {name} {'Bool' if bits(name) else 'Real'})" for name in names]
     return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
 
 
 class UnknownOperationError(Exception):
-    """The dataflow has an operation that nothing here says in reals; the text names the node."""
+    """The dataflow has an operation without an equation over the reals; the text names the node."""
 
 
 class Exact(Domain):
-    """The lean dataflow at one word length, of targets that are not clamped."""
+    """The lean dataflow at one word length, for targets that are not clamped."""
 
-    def __init__(self, width: int, dataflow=lean) -> None:
+    def __init__(self, width: int) -> None:
         super().__init__(width)
         self.equations: dict[str, list[str]] = {}
         self.signs: dict[str, str] = {}  # word -> whether it is negative, where a decision asked for it
-        self.ranges = LeanRanges(width, dataflow=dataflow.lean).nodes
+        self.ranges = LeanRanges(width).nodes
         self._is("ulp", f"(= ulp {number(self.word(1).ulp)})")
         inputs = self.inputs(lambda name, fmt: None)
         for name, node in inputs.items():
             fmt = node.format
             low = fmt.ulp if name in ARMS else fmt.low * fmt.ulp
             self._is(name, between(low, name, fmt.high * fmt.ulp))
-        dataflow.lean(self, inputs)
+        lean.lean(self, inputs)
 
     def _is(self, name: str, *formulas: str) -> None:
         self.equations[name] = list(formulas)
@@ -96,7 +95,7 @@ class Exact(Domain):
     # ---- names ----
 
     def claim(self, name: str) -> str:
-        """What the dataflow says of a node's exact value; of a count that it is none below 0 nor above 63."""
+        """Return the claim about a node's exact value; for a count, that it is between 0 and 63."""
         within = self.nodes[name].facts.within
         if not isinstance(within, Within):
             raise LookupError(name)
@@ -105,13 +104,13 @@ class Exact(Domain):
         return between(within.low, name, within.high, within.below)
 
     def known(self, name: str) -> str:
-        """What follows from :meth:`claim`: a count above -1 is 0 or more, as it is an integer."""
+        """Return the consequence of :meth:`claim`: a count above -1 is at least 0, as it is an integer."""
         if self.nodes[name].format.frac:
             return self.claim(name)
         return between(1.0, name, 2.0 ** self.nodes[name].facts.within.high)
 
     def places(self, name: str) -> str:
-        """A word that is exact is 0, a place, or two and more."""
+        """Return the fact that an exact word is 0, one ulp, or at least two."""
         if self.ranges[name].value.error:
             raise LookupError(f"{name} is rounded")
         ulp = self.nodes[name].format.ulp
@@ -119,25 +118,25 @@ class Exact(Domain):
         return f"(or (= {name} 0.0) (= {size} {number(ulp)}) (<= {number(2 * ulp)} {size}))"
 
     def formula(self, facts: list[str], goal: str) -> str:
-        """That the facts hold and the goal does not, with all that is named in them declared."""
+        """Return the formula "the facts hold and the goal does not", with its declarations."""
         return real_formula(
             facts, goal, lambda n: n.startswith("neg_") or (n in self.nodes and self.nodes[n].format.width == 1)
         )
 
     @property
     def claimed(self) -> list[str]:
-        """The nodes of which the dataflow says a range."""
+        """The nodes for which the dataflow claims a range."""
         return [name for name, node in self.nodes.items() if isinstance(node.facts.within, Within)]
 
     def _sign(self, node: Node) -> str:
-        """Whether a node's word is negative: of an input or of what is computed without rounding, its own sign."""
+        """Return whether a node's word is negative; for an input or an exact node, its own sign."""
         if node.op == "input" or node.section == "guard":
             return f"(< {node.name} 0.0)"
         self.signs[node.name] = f"neg_{node.name}"
         return f"neg_{node.name}"
 
     def _decision(self, operands: tuple[Node, ...], decide: Callable) -> str:
-        """A formula that is true exactly where ``decide`` is, or empty where it does not look at signs alone."""
+        """Return a formula that is true exactly where ``decide`` is; empty if it depends on more than signs."""
 
         def words(node: Node) -> list[tuple[str, tuple[int, ...]]]:
             if node.format.width == 1:
@@ -200,7 +199,7 @@ class Exact(Domain):
             large = self._decision((operands[1], *operands[3:]), _mask(bits.large))
             none = self._decision(operands[3:], _mask(bits.none)) if bits.none else "false"
             if not large or not none:
-                raise UnknownOperationError(f"{name}: its choice looks at more than signs and masks")
+                raise UnknownOperationError(f"{name}: its choice depends on more than signs and masks")
             length = _half(cosine) if bits.length else length
             return [f"(= {name} (ite {large} {length} (ite {none} 0.0 (/ {sine} 2.0))))"]
         if isinstance(bits, PartSum):
@@ -220,7 +219,7 @@ class Exact(Domain):
         self._is(name, f"(= {name} (* {number(2.0**scale)} {a.name} {b.name}))")
 
     def even_mantissa(self, count: str, name: str, value: Node, width: int, fmt: Format):
-        """value 4^e 2^(frac - width), in [1/4, 1); of nothing 0, and the largest e that there is."""
+        """Define value 4^e 2^(frac - width), in [1/4, 1); 0 and the largest e for a value of 0."""
         most = number(2.0 ** (width // 2 - 1))
         self._is(count, f"(and (<= 1.0 {count}) (<= {count} {most}))")
         scale = number(2.0 ** (value.format.frac - width))
@@ -236,7 +235,7 @@ class Exact(Domain):
         )
 
     def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format):
-        """Half an angle of up to half a turn either way."""
+        """Define sine and cosine of half an angle of up to half a turn either way."""
         sine, cosine = names
         for name in names:
             self._is(name, f"(= 1.0 (+ (* {sine} {sine}) (* {cosine} {cosine})))", f"(<= 0.0 {cosine})")
@@ -244,10 +243,10 @@ class Exact(Domain):
 
 
 def _half(cosine: str) -> str:
-    """(1 + |c|)/2."""
+    """Return (1 + |c|)/2."""
     return f"(/ (+ 1.0 (ite (< {cosine} 0.0) (- {cosine}) {cosine})) 2.0)"
 
 
 def _mask(decide: Callable) -> Callable:
-    """A decision on masks that are booleans, as the dataflow has them."""
+    """Return a decision on masks as Booleans."""
     return lambda *values: np.asarray(decide(*values)).astype(bool)

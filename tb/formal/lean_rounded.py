@@ -1,44 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""That the words of the lean datapath are as near their exact values as its ranges count on, by z3 over the reals.
+"""Error bounds of the lean datapath's words, by z3 over the reals.
 
-A word is what the node's operation makes of its operands' words, and what rounding adds
-(:meth:`Rounded.rounding`); each operand's word is within its own error of its exact value, which lies in its range
-(:mod:`tb.formal.lean_rules`). From that follows the node's error, as :mod:`model.bounds.lean_ranges` has it.
-``n_w`` is the word of node n, ``n_f`` what the operation would make of the operands' words without rounding.
+A word is the node's operation applied to its operands' words, plus rounding (:meth:`Rounded.rounding`). Each operand's
+word is within its own error of its exact value, which lies in its range (:mod:`tb.formal.lean_rules`). The node's error
+of :mod:`model.bounds.lean_ranges` follows. ``n_w`` is the word of node n, ``n_f`` the word before rounding.
 """
 
 from __future__ import annotations
 
 import re
 
-from model.dataflow import lean
 from model.dataflow.annotations import Limited
 from model.dataflow.nodes import FLOOR, JAM, Node
 from tb.formal.lean_exact import Exact, between, number
-from tb.formal.unrolled import Answer, ask
-
-SOLVER = "(check-sat-using qfnra-nlsat)"
-LIMIT = 60  # seconds for one question
 
 
 class Rounded:
-    """The questions about one word length; ``dataflow`` in place of the real one for a seeded bug."""
+    """Questions about the errors at one word length."""
 
-    def __init__(self, width: int, dataflow=lean) -> None:
-        self.exact = Exact(width, dataflow)
+    def __init__(self, width: int) -> None:
+        self.exact = Exact(width)
 
     def names(self) -> list[str]:
-        """The nodes that have a fraction and are not exact."""
+        """Return the nodes that have a fraction and are not exact."""
         nodes = self.exact.nodes
         return [name for name in self.exact.claimed if nodes[name].format.frac and self.exact.ranges[name].value.error]
 
     def rounding(self, node: Node) -> tuple[float, float]:
-        """What is added to the value of words, in ulps; of an operation that drops bits up to one either way, as a
-        difference turns what its terms lose."""
+        """Return the rounding error in ulps; for an operation that drops bits up to one ulp either way, as a
+        difference reverses the sign of an operand's rounding."""
         return JAM if node.error == FLOOR and node.op == "choose" else node.error
 
     def _near(self, node: Node) -> list[str]:
-        """What is known of a node: its range, and its word's error; a word that is exact is its value."""
+        """Return the known facts of a node: its range and its word's error; an exact word equals its value."""
         name, error = node.name, self.exact.ranges[node.name].value.error
         known = [self.exact.claim(name)] if name in self.exact.claimed and name != "m_q" else []
         if not error:
@@ -71,20 +65,22 @@ class Rounded:
         return facts
 
     def claim(self, name: str) -> str:
-        """The error; where a decision on words holds a range, the word's range as well."""
+        """Return the error claim; where a decision on words limits a range, the word's range as well."""
         value = self.exact.ranges[name].value
         claim = between(-value.error, f"(- {name}_w {name})", value.error)
         if name == "m_q":
             return f"(and {claim} {between(value.low - value.error, 'm_q_w', value.high + value.error)})"
         return claim
 
+    def says(self, name: str) -> str:
+        """Return the meaning of a question, for the full table."""
+        node = self.exact.ranges[name]
+        return f"within {node.value.error / node.format.ulp:.6g} ulps of its exact value"
+
     def question(self, name: str) -> str:
-        """What z3 is to refute."""
+        """Return the formula that z3 must refute."""
         return self.exact.formula(self._facts(name), self.claim(name))
 
-    def ask(self, name: str) -> Answer:
-        return ask(self.question(name), SOLVER, LIMIT)
-
-    def meet(self, name: str) -> Answer:
-        """Whether what a question assumes can be met."""
-        return ask(self.exact.formula(self._facts(name), "false"), SOLVER, LIMIT)
+    def assumed(self, name: str) -> str:
+        """Return the formula of the facts alone, which z3 must satisfy."""
+        return self.exact.formula(self._facts(name), "false")

@@ -1,23 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""That the lean dataflow's ranges in exact arithmetic are so, by z3 over the reals.
+"""Lemmas that prove the lean dataflow's exact ranges, by z3 over the reals.
 
-Of each node the dataflow claims a range and says why in a sentence (:class:`.annotations.Within`). Here each is
-asked of z3, from equations that :mod:`tb.formal.lean_exact` takes from the dataflow itself. A question names what it
-rests on (:data:`USES`): ``=node`` is what a node is, ``node`` its range, and geometry is in :data:`GEOMETRY`,
-lemmas that are asked as well; ``#node`` says that a word that is exact is of whole places. Without an entry, a
-node's range follows from what it is and from its operands' ranges.
+The dataflow claims a range of each node and gives the reason (``Within``). Each claim is a question to z3, from the
+equations that :mod:`tb.formal.lean_exact` takes from the dataflow. :data:`USES` lists the facts of a question:
+``=node`` is a node's equation, ``node`` its range, ``#node`` states that an exact word is a whole number of ulps;
+other names are lemmas of :data:`GEOMETRY`, which are proved as well. Without an entry, a node's range follows from its
+equation and its operands' ranges.
 """
 
 from __future__ import annotations
 
 from graphlib import CycleError, TopologicalSorter
 
-from model.dataflow import lean
 from tb.formal.lean_exact import Exact
-from tb.formal.unrolled import Answer, ask
-
-SOLVER = "(check-sat-using qfnra-nlsat)"
-LIMIT = 60  # seconds for one question
 
 REACH = ["reach", "=clamp", "=too_far", "=too_near", "=bad_length", "=at_shoulder"]
 LENGTHS = ["=d1", "=d2"]
@@ -39,10 +34,10 @@ SQUARES: dict[str, str] = {
     "wi_1_len": _norm("w_1", "i_1"),
     "kj_1_len": _norm("k_1", "j_1"),
 }
-"""Names for sums of squares, so that a question has a number in their place."""
+"""Names of sums of squares, which a question treats as one number."""
 
 GEOMETRY: dict[str, tuple[str, list[str]]] = {
-    # lemma -> (what it says, what it rests on)
+    # lemma -> (formula, facts used)
     "reach": ("(not clamp)", []),  # by assumption: clamped targets are left out
     "e_far of d1": (
         # d1 and 1/e_far, where it is a place or more, are of whole places: 1/e_far is not between d1 and the next
@@ -182,7 +177,7 @@ ELBOW_I = [
 SIN_A = ["=sin_a", "=root_ab", "root_far", "root_near", "=inv_law_ab", "=inv_law_ab_raw", "=n_ab", "inv_law"]
 
 BY_WORDS = ("m_q",)
-"""A range that a decision taken on the word holds: :class:`Words` asks."""
+"""Nodes whose range depends on a decision taken on words: proved by :mod:`tb.formal.lean_rounded`."""
 
 USES: dict[str, list[str]] = {
     "a_far": [*REACH, *LENGTHS, "=a_far", "d_sum_sq", "s"],
@@ -256,18 +251,20 @@ USES: dict[str, list[str]] = {
 
 
 class Rules:
-    """The questions about one word length; ``dataflow`` in place of the real one for a seeded bug."""
+    """Questions about the exact ranges at one word length."""
 
-    def __init__(self, width: int, dataflow=lean) -> None:
-        self.exact = Exact(width, dataflow)
+    def __init__(self, width: int) -> None:
+        self.exact = Exact(width)
         self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
+        if circle := self.circle():
+            raise RuntimeError(f"claims depend on each other: {circle}")
 
     def names(self) -> list[str]:
-        """All that is asked: lemmas, and nodes with a range in exact arithmetic."""
+        """Return the lemmas, and the nodes with a range in exact arithmetic."""
         return [*self.lemmas, *(name for name in self.exact.claimed if name not in BY_WORDS)]
 
     def uses(self, name: str) -> list[str]:
-        """What a question rests on."""
+        """Return the facts that a question uses."""
         if name in self.lemmas:
             return GEOMETRY[name][1]
         if name in USES:
@@ -276,16 +273,25 @@ class Rules:
         return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
 
     def circle(self) -> str:
-        """The names of claims that rest on each other, empty if none do."""
+        """Return the names of claims that depend on each other, empty if none do."""
+        graph = {name: [u for u in self.uses(name) if u[0] not in "=#"] for name in self.names()}
         try:
-            tuple(
-                TopologicalSorter(
-                    {n: [u for u in self.uses(n) if u[0] not in "=#"] for n in self.names()}
-                ).static_order()
-            )
+            tuple(TopologicalSorter(graph).static_order())
         except CycleError as error:
             return " <- ".join(error.args[1])
         return ""
+
+    def says(self, name: str) -> str:
+        """Return the meaning of a question, for the full table."""
+        return GEOMETRY[name][0] if name in self.lemmas else self.exact.nodes[name].facts.within.why
+
+    def question(self, name: str) -> str:
+        """Return the formula that z3 must refute."""
+        return self._formula(name, GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name))
+
+    def assumed(self, name: str) -> str:
+        """Return the formula of the facts alone, which z3 must satisfy."""
+        return self._formula(name, "false")
 
     def _facts(self, name: str) -> list[str]:
         if name[0] == "#":
@@ -296,16 +302,5 @@ class Rules:
             return self.exact.equations[name[1:]]
         return [GEOMETRY[name][0] if name in GEOMETRY else self.exact.known(name)]
 
-    def question(self, name: str) -> str:
-        """What z3 is to refute."""
-        return self._formula(name, GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name))
-
     def _formula(self, name: str, goal: str) -> str:
         return self.exact.formula([fact for used in self.uses(name) for fact in self._facts(used)], goal)
-
-    def ask(self, name: str) -> Answer:
-        return ask(self.question(name), SOLVER, LIMIT)
-
-    def meet(self, name: str) -> Answer:
-        """Whether what a question assumes can be met."""
-        return ask(self._formula(name, "false"), SOLVER, LIMIT)

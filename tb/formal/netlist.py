@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A datapath as Yosys elaborates it: which operator drives a node's signal, and from which nodes its operands come.
+"""A datapath as Yosys elaborates it: the operator that drives each node, and the nodes that are its operands.
 
-Wires are followed bit by bit through delays, ports, concatenations and shifts by a constant, and into an operator as
-far as the delay of its operand. What is found is the design that is built, parameters included, and not a list that
-somebody keeps beside it.
+Wires are followed bit by bit through delays, ports, concatenations and shifts by a constant, and into an operator up to
+the delay of its operand. The result describes the elaborated design, parameters included.
 """
 
 from __future__ import annotations
@@ -13,25 +12,25 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 DELAYS = ("ik_delay", "ik_ring")
-"""Modules whose q is their d of N clocks before."""
+"""Modules whose q is their d of N clocks ago."""
 
 OWN = ("ik_pick",)
-"""Modules that are a section's own logic: their instances are proved with the section."""
+"""Modules whose instances count as the section's own logic."""
 
 WAITS = ("DA", "DB", "DC", "DD")
-"""Parameters of operators that only say how long an operand is delayed: an operator is proved without them."""
+"""Parameters that delay an operand: an operator is proved without them."""
 
 HIERARCHY = ("ik_lean_root",)
-"""Modules besides the sections that are entered; what is inside another module is that module's own affair."""
+"""Modules other than sections that are entered."""
 
 
 class NetlistError(Exception):
-    """A signal is not what the model says it is; the text names the node."""
+    """A signal differs from the model; the text names the node."""
 
 
 @dataclass(frozen=True)
 class Bit:
-    """Where a bit comes from: `constant` 0 or 1, a bit of a `node`, a cell's output or a port from outside."""
+    """Origin of a bit: `constant` 0 or 1, a bit of a `node`, a cell's output or a top-level port."""
 
     kind: str  # "constant", "node", "cell", "local", "outside"
     name: str = ""  # of the node, of the cell's path, of the port
@@ -42,7 +41,7 @@ class Bit:
 
 @dataclass(frozen=True)
 class Operand:
-    """A port that carries bits low .. low+width-1 of `node` 2^shift times, or a constant; `clocks` of delay before."""
+    """Value of a port: bits low .. low+width-1 of `node` times 2^shift, or a constant, after `clocks` of delay."""
 
     node: str
     shift: int = 0
@@ -55,7 +54,7 @@ class Operand:
 
 @dataclass(frozen=True)
 class Driver:
-    """What makes a node: the operator `module` at `path` with its parameters, or "" for logic written in `section`."""
+    """Driver of a node: the operator `module` at `path` with its parameters, or "" for logic of `section`."""
 
     module: str
     section: str
@@ -69,7 +68,7 @@ class Driver:
 
 
 class Netlist:
-    """Elaborated `top`; `nodes` maps a node's name to its instance path ("" for the top) and width."""
+    """The elaborated `top`; `nodes` maps a node's name to its instance path ("" for the top) and width."""
 
     def __init__(self, design: dict, top: str, nodes: dict[str, tuple[str, int]], signed: dict[str, bool]) -> None:
         self.modules = design["modules"]
@@ -84,13 +83,13 @@ class Netlist:
             if len(bits) != width:
                 raise NetlistError(f"{name}: {len(bits)} bits in {self.kind(path)}, {width} in the model")
             for index, bit in enumerate(bits):
-                # the same wire may be two nodes (inv_law_raw and inv_law below its limit): the first stays
+                # one wire may be two nodes (inv_law_raw and inv_law below its limit): keep the first
                 self.node_bits.setdefault((path, bit), (name, index))
 
     # ---- hierarchy ---------------------------------------------------------------------------------------------------
 
     def kind(self, path: str) -> str:
-        """The module, as it is called in the sources, of an instance."""
+        """Return the source name of an instance's module."""
         return self.source_name(self.paths[path])
 
     def source_name(self, module: str) -> str:
@@ -106,19 +105,19 @@ class Netlist:
                 self._enter(inner)
 
     def wire(self, path: str, name: str) -> list:
-        """The bits of a wire, the lowest first."""
+        """Return the bits of a wire, lowest first."""
         try:
             return self.modules[self.paths[path]]["netnames"][name]["bits"]
         except KeyError:
             raise NetlistError(f"{name}: no such signal in {self.kind(path)}") from None
 
     def width(self, module: str, name: str) -> int:
-        """Width of a wire inside an elaborated module."""
+        """Return the width of a wire in an elaborated module."""
         return len(self.modules[module]["netnames"][name]["bits"])
 
     @cached_property
     def _drivers(self) -> dict[str, dict[int, tuple[str, str, int]]]:
-        """Path -> bit -> cell, output port and place in it."""
+        """Path -> bit -> cell, output port and index."""
         found = {}
         for path, module in self.paths.items():
             mine = found[path] = {}
@@ -130,7 +129,7 @@ class Netlist:
 
     @cached_property
     def _inputs(self) -> dict[str, dict[int, tuple[str, int]]]:
-        """Path -> bit -> input port and place in it."""
+        """Path -> bit -> input port and index."""
         return {
             path: {
                 bit: (port, i)
@@ -142,7 +141,7 @@ class Netlist:
         }
 
     def _operator(self, cell: dict) -> bool:
-        """Whether a cell is an instance that is no part of the logic around it."""
+        """Return whether a cell is an operator, not part of the logic around it."""
         return cell["type"] in self.modules and self.source_name(cell["type"]) not in OWN
 
     def _is_output(self, cell: dict, port: str) -> bool:
@@ -153,7 +152,7 @@ class Netlist:
     # ---- following a bit ---------------------------------------------------------------------------------------------
 
     def origin(self, path: str, bit, of: str = "") -> Bit:
-        """Where a bit comes from; `of` is a node whose own bits are passed over."""
+        """Return the origin of a bit; bits of the node `of` are passed over."""
         clocks = 0
         while True:
             if isinstance(bit, str):
@@ -186,12 +185,12 @@ class Netlist:
                 return Bit("local", path, index, port, clocks)
 
     def parameters(self, module: str) -> dict[str, int]:
-        """The parameters of an elaborated module."""
+        """Return the parameters of an elaborated module."""
         given = self.modules[module].get("parameter_default_values", {})
         return {name: int(bits, 2) for name, bits in given.items()}
 
     def driver(self, name: str) -> Driver:
-        """What makes a node."""
+        """Return the driver of a node."""
         path, _ = self.homes[name]
         origins = [self.origin(path, bit, name) for bit in self.wire(path, name)]
         cells = {o.name for o in origins if o.kind == "cell"}
@@ -204,36 +203,30 @@ class Netlist:
         return Driver(self.source_name(module), self.kind(path), found.name, found.port, values)
 
     def elaborated(self, path: str) -> str:
-        """The elaborated module of an operator's instance."""
+        """Return the elaborated module of an operator's instance."""
         parent, _, cell = path.rpartition(".")
         return self.modules[self.paths[parent]]["cells"][cell]["type"]
 
     def operand(self, path: str, port: str) -> Operand:
-        """What is at an operator's input port."""
+        """Return the value at an operator's input port."""
         parent, _, cell = path.rpartition(".")
         bits = self.modules[self.paths[parent]]["cells"][cell]["connections"][port]
         found = self.value(f"{path}.{port}", parent, bits)
         return replace(found, clocks=found.clocks + self.waits(self.elaborated(path), port))
 
     def waits(self, module: str, port: str) -> int:
-        """Clocks by which an operator delays what is at its port, before anything else sees it."""
+        """Return the clocks by which an operator delays an input before using it."""
         bits = set(self.modules[module]["ports"][port]["bits"])
         cells = self.modules[module]["cells"].values()
         readers = [cell for cell in cells if any(bits & set(wire) for wire in cell["connections"].values())]
-        # One that delays a bit of it among others is part of what the operator computes.
+        # a delay of some of the bits is part of the operation
         delays = [c for c in readers if self.source_name(c["type"]) in DELAYS and set(c["connections"]["d"]) == bits]
         if delays and len(readers) > 1:
-            raise NetlistError(f"{self.source_name(module)}: {port} is used beside its delay")
+            raise NetlistError(f"{self.source_name(module)}: {port} is used both delayed and undelayed")
         return sum(self.parameters(cell["type"])["N"] for cell in delays)
 
-    def operands(self, path: str, port: str, width: int) -> list[Operand]:
-        """The same of a port that carries several words of `width` bits, word 0 in the low bits."""
-        parent, _, cell = path.rpartition(".")
-        bits = self.modules[self.paths[parent]]["cells"][cell]["connections"][port]
-        return [self.value(f"{path}.{port}", parent, bits[i : i + width]) for i in range(0, len(bits), width)]
-
     def value(self, what: str, path: str, bits: list) -> Operand:
-        """Some bits as one word of one node."""
+        """Return bits as one word of one node."""
         origins = [self.origin(path, bit) for bit in bits]
         if all(o.kind == "constant" for o in origins):
             word = sum(o.index << i for i, o in enumerate(origins))
@@ -244,7 +237,7 @@ class Netlist:
             raise NetlistError(f"{what}: not a word of a node ({first})")
         node, low, clocks = first.name, first.index, first.clocks
         own = self.wire(self.homes[node][0], node)
-        if shift >= low and own[:low] == ["0"] * low:  # low bits of the node itself that are always 0
+        if shift >= low and own[:low] == ["0"] * low:  # the node's low bits are constant 0
             shift, low = shift - low, 0
         count = 0
         for o in origins[shift:]:
@@ -260,12 +253,12 @@ class Netlist:
         zeros = all(o.kind == "constant" and not o.index for o in above)
         copies = all((o.name, o.index, o.clocks) == (node, len(own) - 1, clocks) for o in above)
         if above and not zeros and not (copies and whole and self.signed[node]):
-            raise NetlistError(f"{what}: {node} is extended by something else")
+            raise NetlistError(f"{what}: {node} has other bits above it")
         signed = self.signed[node] and whole and not (above and zeros)
         return Operand(node, shift, low, count, signed, clocks=clocks)
 
     def from_outside(self, path: str, bits: list) -> bool:
-        """Whether all bits are input ports of the instance or outputs of instances in it: nothing that it computes."""
+        """Return whether all bits are input ports of the instance or outputs of operators in it."""
         cells = self.modules[self.paths[path]]["cells"]
 
         def outside(bit) -> bool:
@@ -275,11 +268,11 @@ class Netlist:
         return all(map(outside, bits))
 
     def positive(self, name: str) -> bool:
-        """Whether a node's sign bit is wired to 0."""
+        """Return whether a node's sign bit is wired to 0."""
         path, _ = self.homes[name]
         return self.origin(path, self.wire(path, name)[-1], name) == Bit("constant")
 
 
 def load(path) -> dict:
-    """What `write_json` wrote."""
+    """Read the output of `write_json`."""
     return json.loads(path.read_text())

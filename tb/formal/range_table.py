@@ -1,48 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is proved of each node: the words of its range in the table of word lengths, and how products are scaled."""
+"""Ranges to prove: the words of each lean node, from the table of word lengths, and how products are scaled."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from model.bounds import lean_ranges, ranges
+from model.bounds.lean_ranges import LeanRanges
 from model.dataflow.nodes import Node
-
-DATAPATHS = ("paper", "lean")
-
-CASES = "intervals, part by part of the input domain"
-"""Why a node of the paper's datapath without a rule can have a narrower range than its operands' ranges give."""
 
 
 @dataclass(frozen=True)
 class Range:
-    """Words from `low` to `high`; `rule`: why it is narrower than plain intervals say, if it is."""
+    """Words from `low` to `high`; `rule`: the reason if the range is narrower than interval arithmetic gives."""
 
     low: int
     high: int
     rule: str = ""
 
 
-def model_nodes(datapath: str, width: int) -> dict[str, Node]:
-    """The nodes of a datapath's model."""
-    if datapath == "paper":
-        return {name: row.node for name, row in ranges.proved(width).items()}
-    return dict(lean_ranges.LeanRanges(width).nodes)
+def model_nodes(width: int) -> dict[str, Node]:
+    """Return the nodes of the lean dataflow's model."""
+    return dict(LeanRanges(width).nodes)
 
 
-def table(datapath: str, width: int) -> dict[str, Range]:
-    """Every node's proved range in words of its format, as the table of word lengths has it."""
+def table(width: int) -> dict[str, Range]:
+    """Return every node's range in words of its format."""
     found = {}
-    if datapath == "paper":
-        for name, row in ranges.proved(width).items():
-            fmt = row.node.format
-            low, high = (round(v / fmt.ulp) for v in (row.low, row.high))
-            rule = "; ".join(row.rules) or ("" if row.node.op == "input" else CASES)
-            found[name] = Range(max(low, fmt.low), min(high, fmt.high), rule)
-        return found
-    proved = lean_ranges.LeanRanges(width)
-    for name, node in proved.nodes.items():
+    for name, node in LeanRanges(width).nodes.items():
         fmt, bound, limits = node.format, node.value, node.facts.within
         if not fmt.frac:
             found[name] = Range(fmt.low, min(fmt.high, round(bound.high)), limits.why if limits else "")
@@ -54,21 +39,8 @@ def table(datapath: str, width: int) -> dict[str, Range]:
     return found
 
 
-class _PaperScales(ranges.Ranges):
-    """Runs the paper's dataflow and keeps by which power of two each product is scaled."""
-
-    def __init__(self, width: int) -> None:
-        super().__init__(width, ranges.cases(width)[0])
-        self.scales: dict[str, int] = {}
-        self.run()
-
-    def product(self, name, a, b, fmt, scale):
-        self.scales[name] = scale
-        return super().product(name, a, b, fmt, scale)
-
-
-class _LeanScales(lean_ranges.LeanRanges):
-    """The same for the lean dataflow."""
+class _Scales(LeanRanges):
+    """Runs the dataflow and records the power of two that scales each product."""
 
     def __init__(self, width: int) -> None:
         self.scales: dict[str, int] = {}
@@ -79,6 +51,6 @@ class _LeanScales(lean_ranges.LeanRanges):
         return super().product3(name, a, b, fmt, scale)
 
 
-def scales(datapath: str, width: int) -> dict[str, int]:
-    """Product -> the power of two that it is scaled by."""
-    return (_PaperScales if datapath == "paper" else _LeanScales)(width).scales
+def scales(width: int) -> dict[str, int]:
+    """Return product -> the power of two that scales it."""
+    return _Scales(width).scales

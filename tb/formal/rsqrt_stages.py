@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ik_rsqrt computes what its model does, by z3, register by register, for every mantissa.
+"""ik_rsqrt equals its model, by z3, register by register, for every mantissa.
 
-The model's own functions (:func:`model.dataflow.cores.place`, :func:`model.dataflow.quadratic.polynomial`) are run on
-terms, integers of :data:`WIDE` bits in which nothing overflows; the Verilog is the formula that Yosys makes of ik_rsqrt
-with its ik_quadratic, unrolled from any state over its latency. A product is a register: that it holds the product of
-the words before it, that these are the model's factors, and that the product fits are questions of their own, so none
-is about a multiplication with anything else. Of the table, one word is looked at, any one; that all of them are the
-model's is seen one by one.
+The model's own functions (:func:`model.dataflow.cores.place`, :func:`model.dataflow.quadratic.polynomial`) run on
+terms, integers of :data:`WIDE` bits in which nothing overflows; the Verilog is Yosys' formula of ik_rsqrt with its
+ik_quadratic, unrolled from any state over its latency. A product is cut at its register: separate questions prove that
+the register holds the product of the words before it, that these are the model's factors, and that the product fits.
+The questions use one arbitrary word of the table; the table's words are compared with the model one by one.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from model.dataflow import cores
 from model.dataflow.cores import form_of, place, rounding, rsqrt_rows
 from model.dataflow.nodes import WIDTHS, root_frac
 from model.dataflow.quadratic import Form, polynomial
-from tb.formal.arithmetic import Part, Question
+from tb.formal.arithmetic import Question
 from tb.formal.claims import inside, integers, word
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
@@ -39,19 +38,19 @@ TABLE = "rtl/include/ik_rsqrt_table.vh"
 
 
 HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
-"""That a word of the table has its value, at first."""
+"""Initial value of a word of the table."""
 
 MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ BitVec \d+\)) \(bvmul .*$", re.M)
-"""A product, which is any word but in the question about it."""
+"""A product, which is an arbitrary word except in the question about it."""
 
 
 class StageError(LookupError):
-    """Yosys makes no formula of the core."""
+    """Yosys cannot write the formula of the core."""
 
 
 @dataclass(frozen=True)
 class Term:
-    """An integer of the model as a bit vector; a comparison is decided beforehand, a product is the next register."""
+    """A model integer as a bit vector; a comparison is decided beforehand, a product is the next register."""
 
     text: str
     lower: bool = False
@@ -101,8 +100,8 @@ def _number(value: int, width: int) -> str:
 
 
 def model(form: Form, frac: int, row, m):
-    """The model's row, u and result without its doubling, of a mantissa from 1/4 on and its row of the table; of
-    numbers or terms.  c0 comes with what rounds the result."""
+    """Return the model's row, u and undoubled result of a mantissa from 1/4 on, as numbers or terms; c0 includes the
+    rounding constant."""
     number, u = place(form, m, frac)
     y = polynomial(form, row, u, rises=False, bends_up=False)
     return number, u, y >> form.sum_frac - frac
@@ -110,7 +109,7 @@ def model(form: Form, frac: int, row, m):
 
 @dataclass(frozen=True)
 class Product:
-    """A product's register and the words that it is of."""
+    """A product's register and its factors."""
 
     name: str
     register: str
@@ -118,12 +117,12 @@ class Product:
 
 
 class Stages:
-    """The questions about one number of fraction bits and one kind of tiles."""
+    """The questions at one number of fraction bits and one tile size."""
 
     def __init__(self, frac: int, tile: int = cores.TILE, bug: Bug | None = None) -> None:
         self.frac, self.tile, self.form = frac, tile, form_of(frac, tile)
         self.bent = len(self.form.c_frac) > 2
-        place = BUILD / (f"bug_{'_'.join(re.findall('[a-z0-9]+', bug.what))}" if bug else f"{frac}_{tile}")
+        place = BUILD / ("bug" if bug else f"{frac}_{tile}")
         copy_rtl(place, bug)
         here = place.relative_to(ROOT)
         own = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
@@ -143,18 +142,18 @@ class Stages:
     # ---- the Verilog ----
 
     def at(self, name: str, clock: int, signed: bool = True) -> str:
-        """A word of the Verilog as an integer of the model's length."""
+        """Return a Verilog word as an integer of the model's length."""
         width = self.unrolled.widths[name]
         return f"((_ {'sign' if signed else 'zero'}_extend {WIDE - width}) {self.unrolled.at(name, clock)})"
 
     def field(self, low: int, width: int) -> str:
-        """Bits of the table's word."""
+        """Return bits of the table's word."""
         held = f"|{self.unrolled.top}_m:R0D rom@0|"
         return f"((_ zero_extend {WIDE - width}) ((_ extract {low + width - 1} {low}) {held}))"
 
     @property
     def fields(self) -> list[tuple[int, int]]:
-        """Lowest bit and width of c0, without its one, c1 and c2 in a word of the table."""
+        """Lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
         widths = self.form.c_bits
         return [(sum(widths[i + 1 :]), width) for i, width in enumerate(widths)]
 
@@ -162,7 +161,7 @@ class Stages:
 
     @property
     def row(self) -> tuple[str, ...]:
-        """c0 in the sum's places with what rounds the result, c1, c2, as the table's word has them."""
+        """c0 aligned to the sum, with the rounding constant, c1 and c2, from the table's word."""
         spare = self.form.sum_frac - self.form.c_frac[0]
         lowest = rounding(self.form, self.frac) & (1 << spare) - 1
         c0, *others = (self.field(*field) for field in self.fields)
@@ -171,7 +170,7 @@ class Stages:
         return whole, *others
 
     def words(self) -> Answer:
-        """Every word of the table is the model's, c0 with what rounds it; slopes are positive and fit."""
+        """Check that every word of the table is the model's, and that slopes are positive and fit."""
         form, spare = self.form, self.form.sum_frac - self.form.c_frac[0]
         slope_bits = form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1
         wrong = [] if len(self.rom) == form.rows else ["length"]
@@ -191,7 +190,7 @@ class Stages:
 
     @property
     def products(self) -> list[tuple[Product, int]]:
-        """In the order of the model, with the clock of each register."""
+        """Products in the order of the model, with the clock of each register."""
         found = []
         after = 7 if self.bent else 4
         if self.bent:
@@ -208,15 +207,15 @@ class Stages:
         return ask("\n".join(lines), SOLVER)
 
     def questions(self) -> Iterator[Question]:
-        """All of them."""
+        """Yield all questions."""
         label = "" if (self.frac, self.tile) == (FULL, cores.TILE) else f", F={self.frac}, TILE={self.tile}"  # W < 32
-        yield Question(f"table{label}", "all words are the model's", "", self.words)
-        yield Question(f"products fit{label}", "in their registers", "", self._fit)
+        yield Question(f"table{label}", "all words are the model's", self.words)
+        yield Question(f"products fit{label}", "in their registers", self._fit)
         for name, says, claim in self._claims():
-            yield Question(f"{name}{label}", says, "", partial(self._cases, claim), partial(self._cases, None))
+            yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Of numbers as long as the factors' words, the first of which is not negative: c2, and a slope's parts."""
+        """Check products of numbers as long as the factors, the first (c2, or a part of a slope) not negative."""
         widths = self.unrolled.widths
         for product, _ in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
@@ -227,7 +226,7 @@ class Stages:
         return answer
 
     def _run(self, lower: bool, below: bool):
-        """The model on the terms of the Verilog: row, u, result, its products' factors."""
+        """Run the model on the terms of the Verilog; return row, u, result and the products' factors."""
         factors: list = []
         registers = [self.at(f"u_quadratic.{p.register}", clock) for p, clock in self.products]
         text = self.at("m_next", 0, signed=False)
@@ -238,7 +237,7 @@ class Stages:
         return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
 
     def _cases(self, claim) -> Answer:
-        """What z3 says for mantissas below 1/4, below 1/2 and from there on; with no claim, whether there are such."""
+        """Ask z3 for mantissas below 1/4, below 1/2 and above; without a claim, whether such mantissas exist."""
         m, seconds = self.unrolled.at("m_next", 0), 0.0
         half, quarter = (_number(1 << self.frac + bits, self.frac + 3) for bits in (2, 1))
         for lower, below in ((True, True), (True, False), (False, False)):
@@ -252,7 +251,7 @@ class Stages:
         return Answer(answer.said, seconds)
 
     def _slope(self, factors) -> str:
-        """The high part of a slope is as long as its word, and not negative: so it is with the words of the table."""
+        """Return the fact that the high part of a slope fits and is not negative, as checked for the table."""
         high, bits = factors[int(self.bent)][0].text, self.unrolled.widths["u_quadratic.slope_hi_1"] - 1
         return f"(and (bvsle {_number(0, WIDE)} {high}) (bvslt {high} {_number(1 << bits, WIDE)}))"
 
@@ -291,43 +290,13 @@ class Stages:
 
 
 def forms() -> list[tuple[int, int]]:
-    """Fraction bits and tiles of every width, and of the small tables."""
+    """Return fraction bits and tile size at every width, and of the small tables."""
     full = {(root_frac(width), cores.TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 
 
 def stages(bug: Bug | None = None) -> Iterator[Question]:
-    """All questions; of a bug those at W = 32."""
+    """Yield all questions; with a bug, those at W = 32."""
     for frac, tile in [(FULL, cores.TILE)] if bug else forms():
         yield from Stages(frac, tile, bug).questions()
 
-
-BUGS = (
-    Bug("a row of the table off by a place", TABLE,
-        "rom[3] = 72'hfe4248abfeb2dd5e61", "rom[3] = 72'hfe4248abfeb2dd5e62", "table"),
-    Bug("address from a bit too high", RSQRT, "m_next[F:RB-1]}]", "m_next[F+1:RB]}]", "address"),
-    Bug("middle of the lower segments with another sign", RSQRT, "{{2{~place[UW-2]}}", "{{2{place[UW-2]}}", "u"),
-    Bug("low part of u among the high", QUADRATIC,
-        "u_in  <= u[UW-1:U_LOW];", "u_in  <= u[UW-2:U_LOW-1];", "bend, factors"),
-    Bug("product of another word", QUADRATIC,
-        "hl_2    <= slope_hi_1 * u_lo_1;", "hl_2    <= u_hi_1 * u_lo_1;", "hl, product"),
-    Bug("c1 not in the slope's places", RSQRT,
-        "row_1[C2_BITS+:C1_BITS]} << C1_UP;", "row_1[C2_BITS+:C1_BITS]};", "hh, factors"),
-    Bug("bends the other way", QUADRATIC,
-        "? c1_at_bend + bend_x : c1_at_bend - bend_x", "? c1_at_bend - bend_x : c1_at_bend + bend_x", "hh, factors"),
-    Bug("u of the next mantissa", QUADRATIC, ".N(3)) u_u_0", ".N(2)) u_u_0", "hl, factors"),
-    Bug("c0 of the next mantissa", QUADRATIC, ".N(C0_CLOCKS)) u_c0_2", ".N(C0_CLOCKS-1)) u_c0_2", "y"),
-    Bug("mixed tile extended by zeros", QUADRATIC, "{(MW - HLC) {hl_2[HLW-1]}}", "{(MW - HLC) {1'b0}}", "y"),
-    Bug("without what rounds it", RSQRT,
-        "row_1[ROW_BITS-1-:C0_BITS], LOWEST}", "row_1[ROW_BITS-1-:C0_BITS], {SPARE{1'b0}}}", "y"),
-    Bug("doubled where the next says so", RSQRT, ".N(CLOCKS)) u_twice_y", ".N(CLOCKS-1)) u_twice_y", "y"),
-)  # fmt: skip
-
-ABOUT = """\
-`ik_rsqrt` with its `ik_quadratic` gives the word of `model/dataflow/cores.py`, `rsqrt`, for every mantissa. The model's
-functions are run on bit vectors of 96 bits; the Verilog is Yosys' formula, unrolled over its latency from any state.
-Products are cut at their registers: factors, product and whether it fits are asked apart, the last of integers, of a
-slope that is not negative and fits, as the slopes of the table are for every u. The table's words are compared one by
-one, as Yosys elaborates them. Widths: fraction bits of every W from 16 to 32, and of the small tables (TILE=16)."""
-
-STAGES = Part("stages", "RTL of the reciprocal root = model", ABOUT, stages, stages, BUGS)

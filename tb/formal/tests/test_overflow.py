@@ -1,40 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tb/formal/overflow.py and what it is made of: netlist, exact values, formulas and questions."""
+"""Tests of the proofs that nothing overflows: netlist, exact values, formulas and questions."""
 
 import itertools
 import re
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from tb.formal import design, exact_values, netlist, overflow, range_table
 from tb.formal.claims import Question, corners, floor_of, integers, word
-from tb.formal.range_bugs import BUGS, FULL
-from tb.formal.range_table import DATAPATHS, Range, model_nodes
+from tb.formal.range_table import Range, model_nodes
 from tb.formal.tools import missing
 from tb.formal.unrolled import Unrolled, ask
-from tb.sim.env import ROOT
 
 needs_tools = pytest.mark.skipif(
     bool(missing()), reason="the tools of requirements/fpga.lock are missing: `make formal`"
 )
-
-
-@pytest.mark.parametrize("case", BUGS, ids=lambda case: f"{case.node}-{case.bug.what}")
-def test_bug_can_be_seeded(case):
-    assert case.bug.seeded((ROOT / case.bug.file).read_text())
-    assert case.node in model_nodes(case.datapath, FULL)
-
-
-def test_every_kind_of_operator_is_seen_failing():
-    broken = {case.bug.file.split("/")[-1].removesuffix(".v") for case in BUGS}
-    assert {*design.CLOCKS, *netlist.OWN} - broken == set()
-
-
-def test_every_shape_of_product_and_sum_is_seen_failing():
-    failing = {(case.bug.file, case.bug.fails) for case in BUGS}
-    wanted = {("ik_mul", "product fits"), ("ik_mul", "ll fits"), ("ik_sum2", "bound"), ("ik_sum2", "modulo")}
-    assert {(f"rtl/lib/{module}.v", fails) for module, fails in wanted} <= failing
-    assert "no saturation" in {fails for _, fails in failing}
 
 
 def test_nothing_is_assumed_in_the_properties():
@@ -43,19 +24,17 @@ def test_nothing_is_assumed_in_the_properties():
 
 
 def test_exact_values_are_of_nodes_that_are_words():
-    assert len(exact_values.SECTIONS) == 9
     for section, values in exact_values.SECTIONS.items():
         for name, value in values.items():
-            node = model_nodes("lean" if "lean" in section else "paper", 32)[name]
+            node = model_nodes(32)[name]
             assert node.format.width > 1
             assert node.format.signed == (value.held == name), name
             assert f"holds_{name} : assert" in exact_values.properties(section)
 
 
-@pytest.mark.parametrize("datapath", DATAPATHS)
-def test_ranges_are_words_of_their_format(datapath):
-    nodes = model_nodes(datapath, FULL)
-    for name, r in range_table.table(datapath, FULL).items():
+def test_ranges_are_words_of_their_format():
+    nodes = model_nodes(32)
+    for name, r in range_table.table(32).items():
         assert nodes[name].format.low <= r.low <= r.high <= nodes[name].format.high, name
 
 
@@ -72,7 +51,7 @@ def test_corners_bound_every_product(square):
 
 
 def tiny(bits_of_b, module="ik_delay"):
-    """A top with a section u_s, in which node b is what `bits_of_b` says of node a (bits 2 to 5), delayed."""
+    """Return node b of a section u_s as a function of node a (bits 2 to 5), delayed."""
     delay = {
         "attributes": {"hdlname": module}, "parameter_default_values": {"N": "11", "W": "100"}, "cells": {},
         "ports": {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [6]}}, "netnames": {},
@@ -99,7 +78,7 @@ def test_operand_is_found_behind_delay_shift_and_extension(module):
 
 @pytest.mark.parametrize(("module", "outside"), [*((m, False) for m in netlist.OWN), ("ik_mul", True)])
 def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
-    """Its results must not be assumed to be in range: they are what is proved."""
+    """Its results must not be assumed to be in range, as they are to be proved."""
     ports = {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [3]}}
     inner = {"attributes": {"hdlname": module}, "cells": {}, "netnames": {}, "ports": ports}
     cell = {"type": "inner", "connections": {"d": [2], "q": [3]}}
@@ -112,7 +91,7 @@ def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
 
 
 def operand_of_an_operator(beside, delayed=(2, 3)):
-    """Node a goes through 3 clocks outside and 2 inside of the operator to which it is operand b."""
+    """Return a netlist in which node a is delayed by 3 clocks outside and 2 inside the operator of which it is b."""
     ports = {"b": {"direction": "input", "bits": [2, 3]}, "q": {"direction": "output", "bits": [9]}}
     inside = {
         "u_b": {"type": "delay2", "connections": {"d": list(delayed), "q": [4, 5]}},
@@ -147,13 +126,13 @@ def test_delays_inside_of_an_operator_count():
 
 
 def test_an_operand_used_beside_its_delay_is_refused():
-    with pytest.raises(netlist.NetlistError, match="b is used beside its delay"):
+    with pytest.raises(netlist.NetlistError, match="b is used both delayed and undelayed"):
         operand_of_an_operator(beside=True).operand("u_s.u_q", "b")
 
 
 @pytest.mark.parametrize("delayed", [(3, 7), (3,), (2, 3, 7)])
-def test_what_an_operator_delays_of_its_own_is_no_delay_of_the_operand(delayed):
-    """The sign beside the root, say, to which it belongs."""
+def test_internal_delay_of_an_operator_is_not_a_delay_of_the_operand(delayed):
+    """Example: the sign of a root, delayed with it."""
     assert operand_of_an_operator(beside=True, delayed=delayed).operand("u_s.u_q", "b").clocks == 3
 
 
@@ -234,9 +213,8 @@ def test_every_case_is_asked(claim, said):
 
 
 @needs_tools
-def test_one_node_and_its_bug():
-    """A sum and the bug in it, in seconds."""
-    said = []
-    found = overflow.run([FULL], ["lean/s"], said.append)
-    assert found.failed == [] and [row.node for row in found.runs[0].rows] == ["s"] and not found.sweeps
-    assert any("lean/s fails as it should" in line for line in said)
+def test_one_node_and_the_bug():
+    """One sum, and the seeded bug in a product, in seconds."""
+    with ThreadPoolExecutor(2) as pool:
+        outcome = overflow.run(16, pool, print, ["s"])
+    assert outcome.failed == [] and [row[0] for row in outcome.table[1:2]] == ["s"]

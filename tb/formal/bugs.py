@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Seeded bugs: each proof must fail on its own.
+
+Keys are .sby files or single proofs; ``fails`` is the property or question that must have a counterexample.
+"""
+
+from __future__ import annotations
+
+from tb.sim.seeded_bugs import Bug
+
+AXIS = "rtl/ik_axis.v"
+FOLD = "rtl/fold/ik_fold.v"
+JOB = "rtl/axi/ik_axi_job.v"
+
+
+def _valid(datapath: str) -> Bug:
+    file = f"rtl/{datapath}/ik_{datapath}.v"
+    return Bug("valid a clock early", file, "= valid[T_OUT-1]", "= valid[T_OUT-2]", "valid_comes_out")
+
+
+BUGS: dict[str, Bug] = {
+    "fifo": Bug("reads the neighbour's word", "rtl/lib/ik_fifo.v",
+        "mem[rd_ptr[LOG2-1:0]]", "mem[rd_ptr[LOG2-1:0] ^ 1'b1]", "in_order"),
+    "axis": Bug("admits without a free slot", AXIS, "!rst && (credits != 0)", "!rst", "within_places"),
+    "handshake": Bug("tready depends on the receiver", AXIS,
+        "(credits != 0);", "(credits != 0 || m_axis_tready);", "independent"),
+    "handshake_fold": Bug("tready depends on the receiver", FOLD,
+        "= go && current", "= (go || m_axis_tready) && current", "independent"),
+    "valid_lean": _valid("lean"),
+    "valid_paper": _valid("paper"),
+    "div_row": Bug("adds d + 1", "rtl/lib/ik_div_row.v", "bit_in, 1'b0}", "bit_in, 1'b1}", "identity"),
+    "root_row": Bug("subtracts 4 root only", "rtl/lib/ik_root_row.v", "{~ge}}, 2'b01}", "{~ge}}, 2'b00}", "identity"),
+    "div": Bug("loses the quotient bit", "rtl/lib/ik_div_digit.v", "{word, q_bit}", "{word, 1'b0}", "result_"),
+    "root": Bug("loses the root's bit", "rtl/lib/ik_root_digit.v", "{word, q_bit}", "{word, 1'b0}", "result_"),
+    "fold": Bug("offered before it is complete", FOLD,
+        "if (go && f_last_result && giving)", "if (go && f_last_input && giving)", "answer_whole"),
+    "axi_read": Bug("a ninth burst", "rtl/axi/ik_axi_read.v", "!bursts[LOG2_BURSTS] && free", "free", "within_promise"),
+    "axi_write": Bug("counts a failed burst", "rtl/axi/ik_axi_write.v",
+        "m_axi_bvalid && !bad && !error", "m_axi_bvalid && !error", "written_is_answered"),
+    "axi_result": Bug("wlast in every record", "rtl/axi/ik_axi_result.v",
+        "ends && beat", "1'b1 && beat", "last_of_burst"),
+    "axi_regs": Bug("reads continue while stalled", "rtl/axi/ik_axi_regs.v",
+        "raddr_held && !s_axi_rvalid;", "raddr_held;", "r_stable"),
+    "axi_job": Bug("overlap ignored", JOB, ": overlap ? 4'd5 : 4'd0", ": 4'd0", "areas_apart"),
+    "axi_whole": Bug("ends before the writes", JOB, "if (read_idle && write_idle)", "if (read_idle)", "quiet"),
+    "axi_gates": Bug("wlast depends on ready", "rtl/axi/ik_axi_result.v",
+        "ends && beat == LAST_BEAT", "ends && m_axi_wready", "independent"),
+    "ranges": Bug("product with two integer bits too few", "rtl/lean/ik_lean_turn.v",
+        "(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc",
+        "(FRAC - 2), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc", "does not fit"),
+    "floors": Bug("remainder up to the divisor", "tb/formal/ik_div_digit.vh",
+        "R < g_row[k].divisor_q", "R <= g_row[k].divisor_q", "divider: last"),
+    "rsqrt": Bug("u of the next mantissa", "rtl/lib/ik_quadratic.v", ".N(3)) u_u_0", ".N(2)) u_u_0", "hl, factors"),
+}  # fmt: skip

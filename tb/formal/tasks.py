@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All proofs, in the order of docs/generated/proofs.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+
+from model.dataflow.nodes import WIDTHS
+from tb.formal import arithmetic, lean_proofs, overflow, prove
+from tb.formal.arithmetic import Question
+from tb.formal.bugs import BUGS
+from tb.formal.floors import DIV, ROOT_DIGIT, floors
+from tb.formal.lean_rounded import Rounded
+from tb.formal.lean_rules import Rules
+from tb.formal.proofs import PROOFS
+from tb.formal.rsqrt_stages import QUADRATIC, RSQRT, TABLE, stages
+from tb.formal.task import Task, digest_of
+from tb.sim.env import ROOT
+from tb.sim.sources import code
+
+FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py")
+STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/cores.py", "model/dataflow/quadratic.py")
+
+
+def _files(names: Iterable[str]) -> str:
+    return digest_of(*(code(ROOT / name) for name in names))
+
+
+def _numbers(
+    name: str, what: str, digest: Callable[[], str],
+    questions: Callable[[], Iterable[Question]], wrong: Callable[[], Iterable[Question]],
+) -> Task:  # fmt: skip
+    return Task(name, what, "z3", digest, lambda pool, say: arithmetic.run(questions(), wrong(), pool, say))
+
+
+def _seeded(name: str, questions: Callable) -> Callable[[], Iterable[Question]]:
+    bug = BUGS[name]
+    return lambda: (question for question in questions(bug) if question.name == bug.fails)
+
+
+TASKS = (
+    *(Task(p.name, f"`{p.module}`, {p.width}", p.engine, partial(prove.digest, p), partial(prove.run, p))
+      for p in PROOFS),
+    _numbers("rules", "exact ranges of the lean dataflow, W = 16 to 32", partial(lean_proofs.digest, Rules),
+             partial(lean_proofs.questions, Rules), partial(lean_proofs.too_narrow, Rules)),
+    _numbers("errors", "errors of the lean dataflow's words, W = 16 to 32", partial(lean_proofs.digest, Rounded),
+             partial(lean_proofs.questions, Rounded), partial(lean_proofs.too_narrow, Rounded)),
+    *(Task(f"ranges_{width}", f"no node of `ik_lean` overflows, W = {width}", "z3",
+           partial(overflow.digest, width), partial(overflow.run, width)) for width in WIDTHS),
+    _numbers("floors", "from rows to the floor, divider and root, all widths", partial(_files, FLOORS),
+             floors, _seeded("floors", floors)),
+    _numbers("rsqrt", "`ik_rsqrt` equals its model, W = 16 to 32", partial(_files, STAGES),
+             stages, _seeded("rsqrt", stages)),
+)  # fmt: skip
