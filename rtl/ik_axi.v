@@ -12,7 +12,7 @@
 
 module ik_axi #(
     parameter integer W          = 32,  // word length, 16 to 32
-    parameter integer DATAPATH       = 1,   // datapath: 1 the lean one, 0 the paper's
+    parameter integer DATAPATH   = 1,   // datapath: 1 the lean one, 0 the paper's
     parameter integer DIGIT      = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
     parameter integer TILE       = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
     parameter integer ADDR_W     = 32,  // width of an address, 12 to 64

@@ -31,9 +31,9 @@ module arm_top #(
   wire tag_unused;
 
   ik_axis #(
-      .W    (32),
-      .TAG_W(1),
-      .DATAPATH (1)
+      .W       (32),
+      .TAG_W   (1),
+      .DATAPATH(1)
   ) u_ik (
       .clk          (clk),
       .rst          (rst),

@@ -8,11 +8,11 @@ package ik_axis_pkg is
 
   component ik_axis is
     generic (
-      W     : integer := 32;  -- word length, 16 to 32
-      TAG_W : integer := 8;   -- width of the tag, 1 or more
-      DATAPATH  : integer := 1;   -- datapath: 1 the lean one, 0 the paper's, 2 the lean one folded
-      DIGIT : integer := 0;   -- the paper's dividers and roots: 1 made of rows, for synthesis
-      TILE  : integer := 18;  -- the lean products: bits of the multipliers' longer operand, 25 for 25x18
+      W        : integer := 32;  -- word length, 16 to 32
+      TAG_W    : integer := 8;   -- width of the tag, 1 or more
+      DATAPATH : integer := 1;   -- 0 paper, 1 lean, 2 lean folded onto one multiplier
+      DIGIT    : integer := 0;   -- the paper's dividers and roots: 1 made of rows, for synthesis
+      TILE     : integer := 18;  -- the lean products: bits of the multipliers' longer operand, 25 for 25x18
       SHORT : integer := 0    -- the paper's words of W = 32: 1 shorter where that costs little accuracy
     );
     port (

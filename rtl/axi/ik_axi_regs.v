@@ -6,13 +6,13 @@
 `default_nettype none
 
 module ik_axi_regs #(
-    parameter integer W       = 32,
-    parameter integer DATAPATH    = 1,
-    parameter integer DIGIT   = 0,
-    parameter integer ADDR_W  = 32,
-    parameter integer DATA_W  = 64,
-    parameter integer LATENCY = 44,  // clocks of ik_axis
-    parameter integer PLACES  = 64   // records between AR and W, at most
+    parameter integer W        = 32,
+    parameter integer DATAPATH = 1,
+    parameter integer DIGIT    = 0,
+    parameter integer ADDR_W   = 32,
+    parameter integer DATA_W   = 64,
+    parameter integer LATENCY  = 44,  // clocks of ik_axis
+    parameter integer PLACES   = 64   // records between AR and W, at most
 ) (
     input  wire        clk,
     input  wire        rst,

@@ -7,11 +7,11 @@
 `default_nettype none
 
 module ik_axis #(
-    parameter integer W     = 32,
-    parameter integer TAG_W = 8,
-    parameter integer DATAPATH  = 1,
-    parameter integer DIGIT = 0,
-    parameter integer TILE  = 18
+    parameter integer W        = 32,
+    parameter integer TAG_W    = 8,
+    parameter integer DATAPATH = 1,
+    parameter integer DIGIT    = 0,
+    parameter integer TILE     = 18
 ) (
     input  wire               clk,
     input  wire               rst,
