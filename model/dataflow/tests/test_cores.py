@@ -79,16 +79,6 @@ def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
     assert Fraction(least) < expected - Fraction(exact, place) <= Fraction(greatest)
 
 
-def test_mul3_of_every_small_pair():
-    a, b = np.meshgrid(np.arange(-64, 64), np.arange(-64, 64))
-    for shift in range(3, 10):
-        tiles = (a & ~1) * (b & ~1), (a & ~1) * (b & 1), (a & 1) * (b & ~1), (shift < 4) * (a & 1) * (b & 1)
-        q = mul3(a, b, shift, 7, 7, tile=6)
-        assert (q == (sum((4 * tile) // (1 << shift) for tile in tiles) + 2) // 4).all()
-        error, (least, greatest) = q - a * b / (1 << shift), mul3_error(shift, 7, 7, tile=6)
-        assert least < error.min() and error.max() <= greatest
-
-
 # ---- normalization by an even shift ----------------------------------------------------------------------------------
 
 
@@ -110,14 +100,6 @@ def test_even_is_its_definition(pairs, bits, data):
         assert 1 << bits <= 4 * int(m[0]) < 4 << bits
 
 
-def test_even_of_every_small_word():
-    for width in (2, 8, 10):
-        for bits in (3, width, width + 5):
-            k, m = even(np.arange(1 << width), width, bits)
-            expected = [normalized(v, width, bits) for v in range(1 << width)]
-            assert list(zip(k.tolist(), m.tolist(), strict=True)) == expected
-
-
 @pytest.mark.parametrize(("width", "bits"), [(16, 24), (32, 34), (36, 24), (50, 31), (62, 34), (64, 24), (64, 34)])
 def test_even_of_arrays_is_its_definition(width, bits):
     """Of every length of a word, at and next to each power of two."""
@@ -130,12 +112,6 @@ def test_even_of_arrays_is_its_definition(width, bits):
     assert {(1 << width) - 1, 1 << width - 1, 0} <= set(words.tolist())
 
 
-def test_even_of_zero():
-    """A shift that a word has, and a mantissa that rsqrt gives 1 for."""
-    k, m = even(np.array([0], dtype=object), 64, 34)
-    assert (int(k[0]), int(m[0])) == (31, 0)
-
-
 # ---- reciprocal square root ------------------------------------------------------------------------------------------
 
 FRACS = {SHORT: range(19, SHORT_FRAC + 1), LONG: range(SHORT_FRAC + 1, 32), SMALL: range(19, SMALL_FRAC + 1)}
@@ -143,10 +119,9 @@ FORMS = list(FRACS)
 IDS = ["short", "long", "small"]
 SMALL_TILE = 16
 TILES = [(frac, TILE) for frac in range(19, 32)] + [(frac, SMALL_TILE) for frac in FRACS[SMALL]]
-QUADRATIC = [(frac, TILE) for frac in FRACS[LONG]] + [(frac, SMALL_TILE) for frac in FRACS[SMALL]]
 
 
-@pytest.mark.parametrize("frac", FRACS[SHORT])
+@pytest.mark.parametrize("frac", [19, 20, 21, pytest.param(22, marks=[pytest.mark.slow, pytest.mark.cost(8)])])
 def test_rsqrt_of_every_mantissa_is_faithful(frac):
     """y - 1 < 1/(2 sqrt V) < y + 1 in places, for V from m to all but m + 1: squared, in integers.
 
@@ -168,12 +143,7 @@ def test_rsqrt_of_every_mantissa_is_faithful(frac):
         root = 2.0**frac / 2 / np.sqrt(np.stack([m, m + 1]) / 2.0**bits)
         low, high = min(low, (y - root[0]).min()), max(high, (y - root[1]).max())
     proved = rsqrt_error(frac)
-    print(f"rsqrt, {frac} fraction bits: errors from {low:.3f} to {high:.3f}, proved {show(proved)}")
     assert proved.low < low < -0.5 and 0.5 < high < proved.high
-
-
-def show(proved) -> str:
-    return f"{float(proved.low):.3f} to {float(proved.high):.3f}"
 
 
 @pytest.mark.parametrize(("frac", "tile"), TILES)
@@ -196,37 +166,6 @@ def mantissas(frac: int) -> np.ndarray:
         [rng.integers(first, last, 900_000), near, np.arange(first, first + 50_000), np.arange(last - 50_000, last)]
     )
     return every[(every >= first) & (every < last)]
-
-
-@pytest.mark.parametrize(("frac", "tile"), QUADRATIC)
-def test_rsqrt_is_within_its_proved_error(frac, tile):
-    """Double precision resolves 2^-21 of a place."""
-    m = mantissas(frac)
-    assert len(m) >= 900_000
-    y = rsqrt(m, frac, tile)
-    assert y.min() >= 1 << frac - 1 and y.max() <= 1 << frac
-    low, high = (y - 2.0**frac / 2 / np.sqrt(v / 2.0 ** (frac + 3)) for v in (m, m + 1))
-    proved = rsqrt_error(frac, tile)
-    print(f"rsqrt, {frac} fraction bits: errors from {low.min():.3f} to {high.max():.3f}, proved {show(proved)}")
-    assert proved.low - 2**-20 < low.min() < -0.6
-    assert 0.6 < high.max() < proved.high + 2**-20
-
-
-@given(st.integers(19, 31), st.data())
-def test_rsqrt_of_any_mantissa_is_faithful(frac, data):
-    """In integers, at any width."""
-    m = data.draw(st.integers(1 << frac + 1, (1 << frac + 3) - 1))
-    y = int(rsqrt(np.array([m]), frac)[0])
-    assert (y - 1) ** 2 * (m + 1) <= 1 << 3 * frac + 1 < (y + 1) ** 2 * m
-
-
-@pytest.mark.parametrize("frac", [19, 21, 22, 31])
-def test_rsqrt_below_a_quarter_is_that_a_quarter_above(frac):
-    first = 1 << frac + 1
-    m = np.concatenate([[0, 1, first - 1], np.random.default_rng(1).integers(0, first, 1000)])
-    y = rsqrt(m, frac)
-    assert y[0] == 1 << frac
-    assert (y == rsqrt(m + first, frac)).all()
 
 
 @pytest.mark.parametrize("form", FORMS, ids=IDS)
@@ -257,26 +196,7 @@ def test_place_is_the_distance_from_the_segments_middle(frac, tile):
     assert set(row.tolist()) == set(range(form.rows))
 
 
-def value(form, row, u):
-    """The function from the words of a row, before anything is cut off."""
-    c0, c1, *c2 = (word / mpmath.mpf(2) ** frac for word, frac in zip(rsqrt_rows(form)[row], form.c_frac, strict=True))
-    return c0 - c1 * u + (c2[0] * u * u if c2 else 0)
-
-
-@pytest.mark.parametrize("form", FORMS, ids=IDS)
-def test_table_meets_the_root_at_its_nodes(form):
-    """To the places of its words; at 100 digits."""
-    with mpmath.workdps(100):
-        halves = [mpmath.mpf(2) ** -f / 2 for f in form.c_frac]
-        for row in range(form.rows):
-            left, width = segment(form, row)
-            a = mpmath.sqrt(len(halves)) / 4 * width
-            for u in (a, -a, *([mpmath.mpf(0)] if len(halves) > 2 else [])):
-                off = value(form, row, u) - root(left + width / 2 + u)
-                assert abs(off) <= halves[0] + halves[1] * abs(u) + (halves[2] * width**2 / 8 if halves[2:] else 0)
-
-
-@pytest.mark.parametrize(("frac", "tile"), [(21, TILE), (22, TILE), (31, TILE), (29, SMALL_TILE)])
+@pytest.mark.parametrize(("frac", "tile"), [(21, TILE), (31, TILE), (29, SMALL_TILE)])
 def test_parts_of_the_proof(frac, tile):
     """Segment by segment: interpolation where it is worst, next to its bound; then the polynomial within its own."""
     form = form_of(frac, tile)

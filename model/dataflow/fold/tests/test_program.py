@@ -30,6 +30,8 @@ def test_the_program_computes_the_dataflow(width):
     assert words(made) == words(program(24)[1])
 
 
+@pytest.mark.slow
+@pytest.mark.cost(26)
 def test_every_field_matters():
     """Each field of each clock that says something, changed: but for a few that change nothing, such as an addend that
     is 0 anyway."""
