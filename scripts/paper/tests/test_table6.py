@@ -17,11 +17,11 @@ from model.io.words import RESULT_FIELDS, from_words
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.page import FIGURES as FPGA
-from scripts.paper.table6 import compiled, hardware, limits, measure, others
+from scripts.paper.table6 import compiled, hardware, measure, others
 from scripts.paper.table6.arrays import lean_of
 from scripts.paper.table6.compiled import EQUATIONS, FLAGS, REALS, WAYS, Software
-from scripts.paper.table6.contenders import Contender, columns, found, hand_errors, in_c, in_jax, in_numba, in_numpy
-from scripts.paper.table6.page import QUOTED, page
+from scripts.paper.table6.contenders import Contender, columns, found, hand_errors, in_jax, in_numba
+from scripts.paper.table6.page import page
 
 needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
@@ -144,14 +144,6 @@ def test_clocks_are_counted_by_the_rtl():
     assert 0 < hardware.random_error(random_reachable(500, 32, 3), "lean") < 2e-8
 
 
-def test_lanes_and_roads():
-    takes = {"LUT": 10, "FF": 10, "multipliers": 100, "RAM": 1}
-    chip = limits.Chip("", 1000, 1000, 1000, 1000, (), "")
-    assert limits.lanes(chip, takes) == (7, "multipliers")
-    shared, duplex = (limits.Road("", "", 64e9, both, "").poses for both in (True, False))
-    assert (shared, duplex) == (1e9, 2e9)
-
-
 # -- the command and its page ----------------------------------------------------------------------
 
 
@@ -162,22 +154,6 @@ def figures():
 def test_page_is_of_its_figures():
     written = measure.PAGE.read_text()
     assert written == page(figures(), json.loads(FPGA.read_text())), "run: python -m scripts.paper.table6 --page"
-
-
-def test_file_of_figures_reads_back():
-    assert measure.FIGURES.read_text() == measure.written(figures())
-
-
-@needs_cc
-def test_every_row_is_there(software):
-    """Of all software that the command knows, of both datapaths and of what is quoted."""
-    told, kept = measure.PAGE.read_text(), figures()
-    assert [row["key"] for row in kept["software"]] == [c.key for c in measure.contenders(software)]
-    wanted = [name for name, *_ in QUOTED] + [row["name"] for row in kept["software"]]
-    assert [name for name in wanted if f" {name} |" not in told] == []
-    assert {(row["datapath"], row["path"]) for row in kept["hardware"]} == {
-        (datapath, path) for datapath in hardware.DATAPATHS for path in hardware.PATHS
-    }
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
@@ -197,24 +173,6 @@ def test_clocks_from_memory_are_those_of_the_present_core():
     told = hardware.PATHS[path]("lean")
     stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
     assert told | {"reach_error": measure.figure(told["reach_error"])} == {name: kept[name] for name in told}, stale
-
-
-def test_sentences_follow_the_figures():
-    """A slow CPU, and the page says the opposite of what it says of a quick one."""
-    kept, fpga = figures(), json.loads(FPGA.read_text())
-
-    def of(ns, load):
-        for row in kept["software"]:
-            for part in ("reach", "random") if "lacks" not in row else ():
-                row[part]["ns"] = ns
-        kept["machine"]["load"] = load
-        return page(kept, fpga)
-
-    quick, slow = of(1.0, 0.0), of(5000.0, 100.0)
-    assert "a current CPU answers more targets a second than one pipeline" in quick
-    assert "one pipeline answers more targets a second than a thread of this CPU" in slow
-    assert "a current CPU has its answer earlier" in quick and "the core has its answer earlier" in slow
-    assert "The machine was busy" in slow and "The machine was busy" not in quick
 
 
 def test_missing_software_has_a_row(targets):
@@ -267,8 +225,3 @@ def test_what_the_compiler_refuses_is_one_line(command, monkeypatch, tmp_path):
     monkeypatch.setattr(compiled, "SOURCE", broken)
     status, out, err = command(measure.main, "--only", "c-")
     assert (status, out, len(err)) == (2, [], 1) and "cannot compile software.c" in err[0] and "nonsense" in err[0]
-
-
-def test_numpy_and_c_have_keys_of_their_own():
-    keys = [c.key for c in (*in_numpy(), *in_c(None))]
-    assert len(set(keys)) == len(keys) == 4 + len(EQUATIONS) * len(REALS) * len(WAYS)
