@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every command of scripts/ says and takes the same way: options, mistakes in one line, exit status, progress.
+"""Options, error messages, exit status and progress that all commands of scripts/ share.
 
-Exit status of a command: 0 all is well, 1 a check fails or a simulation breaks off, 2 input that cannot be used (one
-line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad input (one line on stderr, nothing written),
+130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
 
 PLAIN_COLUMNS = 120
-"""Width of a table when it does not go to a terminal."""
+"""Columns of a table that is not printed on a terminal."""
 
 EVERY = 5.0
-"""Seconds between lines of progress where there is no terminal."""
+"""Seconds between lines of progress without a terminal."""
 
 
 class InputError(Exception):
-    """Input that cannot be used; the text is one line for the user."""
+    """Bad input; the text is one line for the user."""
 
 
 # -- the command line ------------------------------------------------------------------------------
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that reports a mistake as every other part of a command does: in one line.
+    """A parser that raises InputError.
 
-    command: the module below scripts/ that is run. passes: what exit status 0 means. fails: what 1 means.
+    command: module below scripts/. passes, fails: meaning of the exit status 0 and 1.
     """
 
     def __init__(self, command: str, description: str, passes: str = "all is well", fails: str = "a check fails"):
@@ -70,7 +70,7 @@ class Parser(argparse.ArgumentParser):
     def parse_args(self, args=None, namespace=None) -> argparse.Namespace:
         parsed = super().parse_args(args, namespace)
         chosen = (getattr(parsed, name, None) for name in ("datapath", "width"))
-        paths, widths = (value if isinstance(value, list) else [value] for value in chosen)  # some take several
+        paths, widths = (value if isinstance(value, list) else [value] for value in chosen)  # lists or single values
         for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
             if any(width and width not in path.widths for width in widths):
                 *others, last = map(str, path.widths)
@@ -79,24 +79,23 @@ class Parser(argparse.ArgumentParser):
         return parsed
 
     def choice(self, option: str, what: str, valid: Sequence[str], default: str | None, about: str) -> None:
-        """An option that takes one of a few words."""
+        """Add an option that takes one of the words `valid`."""
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
         self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1], most: int = 1,
         sims: Sequence[str] = SIMULATORS,
     ) -> None:  # fmt: skip
-        """The options that say which core is simulated by what; most: of --datapath, which is a list where that is more
-        than 1; sims: those that --sim takes; no datapath as the default: all dataflows of the paper's scenario,
-        otherwise the first."""
+        """Add --sim, --datapath and --width. With `most` above 1 --datapath takes up to that number of names; None as
+        its default stands for all dataflows in the paper's scenario, otherwise the first."""
         default = "(default: %(default)s)"
         self.choice("--sim", "simulator", sims, sim, f"the simulator {default}")
         if most == 1:
-            self.choice("--datapath", "datapath", list(CONFIGURATIONS), datapath, f"the machine to run {default}")
+            self.choice("--datapath", "datapath", list(CONFIGURATIONS), datapath, f"the datapath {default}")
         else:
             scenario = "" if datapath else f"of the paper's scenario {','.join(DATAPATHS)}, otherwise "
             about = (
-                f"up to {most} machines with a comma between them, on the same targets: {', '.join(CONFIGURATIONS)} "
+                f"up to {most} datapaths, separated by commas, on the same targets: {', '.join(CONFIGURATIONS)} "
                 f"(default: {scenario}{datapath or DEFAULT})"
             )
             check = some_of("datapath", list(CONFIGURATIONS), most)
@@ -105,15 +104,15 @@ class Parser(argparse.ArgumentParser):
         self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
 
     def sample(self, targets: int, about: str) -> Parser:
-        """The options of a command that measures on random targets."""
+        """Add the options of a command that measures random targets."""
         default = "(default: %(default)s)"
         self.add_argument("--targets", type=whole(1), default=targets, metavar="N", help=f"{about} {default}")
-        self.add_argument("--seed", type=whole(0), default=1, metavar="N", help=f"of everything random {default}")
+        self.add_argument("--seed", type=whole(0), default=1, metavar="N", help=f"random seed {default}")
         return self
 
 
 def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
-    """The type of an option that takes one of a few words."""
+    """Return an option type: one of the words `valid`."""
 
     def check(text: str) -> str:
         if text not in valid:
@@ -124,7 +123,7 @@ def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
 
 
 def some_of(what: str, valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
-    """The type of an option that takes up to so many of a few words, each once, with a comma between them."""
+    """Return an option type: up to `most` different words of `valid`, separated by commas."""
     one = one_of(what, valid)
 
     def check(text: str) -> list[str]:
@@ -137,7 +136,7 @@ def some_of(what: str, valid: Sequence[str], most: int) -> Callable[[str], list[
 
 
 def whole(least: int) -> Callable[[str], int]:
-    """The type of an option that takes a whole number of at least `least`."""
+    """Return an option type: a whole number of at least `least`."""
 
     def check(text: str) -> int:
         if not (text.isascii() and text.isdigit() and len(text) <= 15 and int(text) >= least):
@@ -148,7 +147,7 @@ def whole(least: int) -> Callable[[str], int]:
 
 
 def reference_axis(text: str) -> Axis:
-    """The type of an option that takes a reference axis."""
+    """Convert an option to a reference axis."""
     try:
         return text if text == TORSO else axes.parse(text)
     except axes.AxisError as exc:
@@ -156,19 +155,19 @@ def reference_axis(text: str) -> Axis:
 
 
 def swivel_angle(text: str) -> float | str:
-    """The type of an option that takes a swivel angle (rad), or says that of a clip."""
+    """Convert an option to a swivel angle (rad) or one of the words clip and constant."""
     return text if text in ("clip", "constant") else finite(text)
 
 
 def word_length(text: str) -> int:
-    """The type of an option that takes the core's W (bits)."""
+    """Convert an option to the core's W (bits)."""
     if not (text.isascii() and text.isdigit() and int(text) in WIDTHS):
         raise argparse.ArgumentTypeError(f"unknown width {text!r}; valid: {WIDTHS[0]} to {WIDTHS[-1]} bits")
     return int(text)
 
 
 def finite(text: str) -> float:
-    """The type of an option that takes a finite number, such as an angle."""
+    """Convert an option to a finite number."""
     try:
         value = float(text)
     except ValueError:
@@ -178,19 +177,11 @@ def finite(text: str) -> float:
     return value
 
 
-def arm_length(text: str) -> float:
-    """The type of an option that takes the length of an arm, in any unit."""
+def positive(text: str) -> float:
+    """Convert an option to a positive number, such as a length or an error."""
     value = finite(text)
     if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not positive: an arm length must be greater than 0")
-    return value
-
-
-def accuracy(text: str) -> float:
-    """The type of an option that takes an error that is not to be exceeded, in parts of the reach."""
-    value = finite(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not positive: no core is without error")
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
     return value
 
 
@@ -257,7 +248,7 @@ def exit_status(name: str, work: Callable[[], int]) -> int:
 
 
 def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
-    """Makes a function of the words of a command line the `main` of the command `name`, with its `exit_status`."""
+    """Decorate a function of the words of a command line: it becomes a `main` that returns an `exit_status`."""
 
     def main_of(work: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
         @functools.wraps(work)
@@ -271,8 +262,9 @@ def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Call
 
 @contextlib.contextmanager
 def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
-    """Around all that writes `paths`: makes their folders and tries to write in each; in the end those of them go that
-    are new and empty. Raises InputError when that cannot work.
+    """Make the folders of `paths` and check that they are writable; on exit remove those that are new and empty.
+
+    Raises InputError.
     """
     folders = list(dict.fromkeys([out, *(path.parent for path in paths)]))
     new = [one for one in dict.fromkeys(p for f in folders for p in (f, *f.parents)) if not os.path.exists(one)]
@@ -281,7 +273,7 @@ def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
         yield
     finally:
         for folder in sorted(new, key=lambda path: -len(path.parts)):
-            with contextlib.suppress(OSError):  # it is not empty
+            with contextlib.suppress(OSError):  # not empty
                 folder.rmdir()
 
 
@@ -301,7 +293,7 @@ def _check_out(folders: Sequence[Path], paths: Sequence[Path]) -> None:
 
 @contextlib.contextmanager
 def writing() -> Iterator[None]:
-    """Around what writes files: an OSError, the disk is full, say, becomes an InputError."""
+    """Turn an OSError, a full disk for example, into an InputError."""
     try:
         yield
     except OSError as exc:
@@ -315,7 +307,7 @@ def _what_failed(error: OSError) -> str:
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A place beside `path` where another program may write; it gets that name at the end, unless something raises."""
+    """Yield a temporary path in the folder of `path`; rename it to `path` at the end, or remove it after an error."""
     temporary = path.with_name(f".{os.getpid()}.{path.name}")
     try:
         yield temporary
@@ -326,7 +318,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 def folder_name(text: str) -> Path:
-    """The type of an option that takes a folder."""
+    """Convert an option to the path of a folder."""
     if not text.strip():
         raise argparse.ArgumentTypeError("the name of a folder is empty")
     return Path(text)
@@ -343,19 +335,19 @@ def show(*tables: Table) -> None:
 
 
 RECENT = 120.0
-"""Seconds of which a rate is."""
+"""Seconds over which a rate is averaged."""
 
 
 def pace(rate: float) -> str:
-    """Things a second, a minute or an hour."""
+    """Format a rate per second, minute or hour."""
     of, seconds = next(((of, k) for of, k in (("s", 1), ("min", 60)) if rate * k >= 1 or not rate), ("h", 3600))
     return f"{rate * seconds:.0f}/{of}"
 
 
 class Meter:
-    """How far a command is, on stderr: a bar on a terminal; elsewhere a line every `every` seconds.
+    """Progress on stderr: a bar on a terminal, otherwise a line every `every` seconds that begins with `name`.
 
-    name: of the command, before each line. total, first: things to do in all, and done before.
+    total, first: number of items, and of those done by an earlier run.
     """
 
     def __init__(self, name: str, total: int, first: int = 0, every: float = EVERY, bar: Progress | None = None):
@@ -366,7 +358,7 @@ class Meter:
         self.task = bar.add_task(name, total=total, completed=first, rate=pace(0.0)) if bar else None
 
     def __call__(self, done: int, what: str = "") -> None:
-        """So many are done; `what` is being done."""
+        """Report the number of items done and the present activity."""
         with self.lock:
             self.done, self.what = done, what
             self.recent.append((time.monotonic(), done))
@@ -376,8 +368,7 @@ class Meter:
             self.beat()
 
     def rate(self) -> float:
-        """Things a second in the last RECENT seconds, or between the last two: what an earlier run has done counts at
-        once, and says nothing of the rest."""
+        """Return items per second over the last RECENT seconds, or between the last two reports if that is longer."""
         with self.lock:
             now = time.monotonic()
             while len(self.recent) > 2 and now - self.recent[1][0] > RECENT:
@@ -386,7 +377,7 @@ class Meter:
             return (self.done - before) / max(now - since, 1e-9)
 
     def beat(self) -> None:
-        """Say how far it is if that is due, whether or not anything was done since."""
+        """Print a line if it is due, also without progress."""
         with self.lock:
             now = time.monotonic()
             if now - self.said < self.every:
@@ -399,7 +390,7 @@ class Meter:
         self.line(": ".join(part for part in (self.name, self.what, of) if part))
 
     def line(self, text: str) -> None:
-        """A line on stderr, above the bar if there is one."""
+        """Print a line on stderr, above the bar if there is one."""
         if self.bar:
             self.bar.console.print(text, highlight=False, markup=False, soft_wrap=True)
         else:
@@ -408,7 +399,7 @@ class Meter:
 
 @contextlib.contextmanager
 def _repeated(call: Callable[[], None], seconds: float) -> Iterator[None]:
-    """Calls it every so many seconds from a thread of its own."""
+    """Call a function every `seconds` in a thread."""
     over = threading.Event()
 
     def repeat() -> None:
@@ -424,27 +415,26 @@ def _repeated(call: Callable[[], None], seconds: float) -> Iterator[None]:
         thread.join()
 
 
-_speaking: list[Meter] = []
-"""The meters without a terminal, each within the one before: the last one speaks."""
+_meters: list[Meter] = []
+"""Nested meters without a terminal; the innermost prints."""
 
 
 @contextlib.contextmanager
 def progress(name: str, total: int, first: int = 0, every: float = EVERY) -> Iterator[Meter]:
-    """A `Meter` that is called with the number of things done, and speaks also while nothing gets done: a compiler
-    works, say."""
+    """Yield a `Meter`, which also prints while nothing is reported, during a compilation for example."""
     console = Console(stderr=True)
     if not console.is_terminal:
         meter = Meter(name, total, first, every)
-        if _speaking:
-            meter.said = _speaking[-1].said
-        _speaking.append(meter)
+        if _meters:
+            meter.said = _meters[-1].said
+        _meters.append(meter)
         try:
-            with _repeated(lambda: _speaking[-1] is meter and meter.beat(), every / 5):
+            with _repeated(lambda: _meters[-1] is meter and meter.beat(), every / 5):
                 yield meter
         finally:
-            _speaking.pop()
-            if _speaking:
-                _speaking[-1].said = meter.said
+            _meters.pop()
+            if _meters:
+                _meters[-1].said = meter.said
         return
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),

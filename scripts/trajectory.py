@@ -23,7 +23,7 @@ from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
 from model.motion.pose import hanging
-from scripts.console import InputError, Parser, accuracy, arm_length, folder_name, reference_axis, swivel_angle
+from scripts.console import InputError, Parser, folder_name, positive, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
 ALL = "all"
@@ -82,8 +82,8 @@ def parser_of(
     parser.add_argument("--joints", type=lambda text: text.split(","), metavar="UPPER,FORE,HAND", help=about)
     only_csv = "only with a CSV file, for rows of a file without that column"
     for option, kind, unit, what, default in (
-        ("--d1", arm_length, "LENGTH", "upper arm", DEFAULT_D1),
-        ("--d2", arm_length, "LENGTH", "forearm", DEFAULT_D2),
+        ("--d1", positive, "LENGTH", "upper arm", DEFAULT_D1),
+        ("--d2", positive, "LENGTH", "forearm", DEFAULT_D2),
     ):
         parser.add_argument(option, type=kind, metavar=unit, help=f"{what}, {only_csv} (default: {default})")
     about = (
@@ -95,7 +95,7 @@ def parser_of(
         "accuracy asked for: the largest hand error / reach of any target (default: the table of "
         "model/bounds/tolerances.py, which asks nothing of the paper datapath near singular poses or below 32 bits)"
     )
-    parser.add_argument("--bar", type=accuracy, metavar="ERROR", help=about)
+    parser.add_argument("--bar", type=positive, metavar="ERROR", help=about)
     return parser
 
 

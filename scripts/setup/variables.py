@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What make says of a variable on its command line that its target does not take. Standard library only.
+"""Print make's error message for a variable that its target does not take. Standard library only.
 
     python3 scripts/setup/variables.py TARGET 'UNKNOWN ...' 'TAKEN ...'
-
-prints one line; the Makefile stops with it.
 """
 
 import difflib
@@ -11,7 +9,7 @@ import sys
 
 
 def complaint(target, unknown, taken):
-    """The line about the first of the unknown names, with the name that was meant if one looks like it."""
+    """Return the message for the first unknown name, with a similar valid name if there is one."""
     name = unknown[0]
     alike = difflib.get_close_matches(name.upper(), taken, 1)
     if alike:

@@ -116,7 +116,7 @@ def test_an_extra_that_does_not_install(checkout, capsys):
     checkout.pip_result = (1, "ERROR: no such hash\n")
     assert "ERROR: no such hash (more in build/setup.log)" in refused(capsys, checkout.set_up, ["fpga"])
     checkout.set_up(["table6"])
-    assert "could not add the software of requirements/table6.lock" in capsys.readouterr().err
+    assert "could not add the packages of requirements/table6.lock" in capsys.readouterr().err
     assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"]) and not checkout.is_ready(["table6"])
 
 
