@@ -16,9 +16,9 @@ SEEDS = range(3, 13)
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
 TOPS = [  # parameters as of other tests, whose builds serve here
-    pytest.param("ik_axis", "tb.core.ik_axis", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "SHORT": 0, "TILE": 18}, STREAMS,
+    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "SHORT": 0, "TILE": 18}, STREAMS,
                  id="lean"),
-    pytest.param("ik_axis", "tb.core.ik_axis", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "SHORT": 0, "TILE": 18}, STREAMS,
+    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "SHORT": 0, "TILE": 18}, STREAMS,
                  id="fold"),
     pytest.param("ik_axi", "tb.axi.ik_axi,tb.axi.registers", {}, "power_up|one_record|after_a_reset", id="memory"),
 ]  # fmt: skip
@@ -52,4 +52,4 @@ def test_nothing_depends_on_the_start(top, modules, parameters, tests):
 @pytest.mark.cost(60)
 def test_a_register_without_an_initial_value_is_detected(tmp_path):
     options = {"root": copy_rtl(tmp_path, BUG), "name": "start"}
-    assert any(failing("ik_axis", "tb.core.ik_axis", {"W": 16}, BUG.fails, **options))
+    assert any(failing("ik_axis", "tb.core.stream_tests", {"W": 16}, BUG.fails, **options))

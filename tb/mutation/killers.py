@@ -267,7 +267,7 @@ def flat_unit(module: str, parameters: dict[str, int]) -> Killer | None:
 
 def _stream(path: str, width: int) -> Killer:
     parameters = {"W": width, "TAG_W": 3, **CONFIGURATIONS[path].parameters}
-    given = {"toplevel": "ik_axis", "module": "tb.core.ik_axis", "parameters": parameters}
+    given = {"toplevel": "ik_axis", "module": "tb.core.stream_tests", "parameters": parameters}
     return _of_cocotb(f"streams {path}", lambda: given)
 
 

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tests of stream_tests.py, a pytest case each; one build and one simulation serve all cases of a parameter set."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from model.dataflow.datapaths import CONFIGURATIONS
+from tb.core import stream_tests
+from tb.sim.env import simulator
+from tb.sim.runner import simulate
+
+# One of each datapath, with both lengths of tags. The paper's datapath has 255 clocks at W = 23, where a FIFO of 256
+# places would be too short. Streams do not depend on the word length: Icarus, which is slow, has the shortest words.
+SETS = {"paper-23": ("paper", 23, 3), "fold-24": ("fold", 24, 8)}
+SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
+GENERATORS = [value for value in vars(stream_tests).values() if hasattr(value, "generate_tests")]
+TESTS = [test.name for generator in GENERATORS for test in generator.generate_tests()]
+
+pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
+
+
+@pytest.fixture(scope="module")
+def failures(request, tmp_path_factory):
+    """Run the selected tests of a parameter set; return the messages of those that failed."""
+    datapath, width, tag_width = SETS[request.param]
+    chosen = [item.callspec.params for item in request.session.items if item.path == request.path]
+    names = [params["name"] for params in chosen if params["failures"] == request.param]
+    results = tmp_path_factory.mktemp("streams") / "results.xml"
+    parameters = {"W": width, "TAG_W": tag_width, **CONFIGURATIONS[datapath].parameters}
+    wanted = "|".join(re.escape(f"stream_tests.{name}") + "$" for name in names)
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("COCOTB_RESULTS_FILE", str(results))
+        env = {"COCOTB_TEST_FILTER": wanted}
+        try:
+            simulate("ik_axis", "tb.core.stream_tests", parameters=parameters, env=env, seed=1)
+        except SystemExit as ended:
+            if not str(ended).startswith("FAILED"):
+                raise
+    cases = list(ElementTree.parse(results).iter("testcase"))
+    assert {case.get("name") for case in cases} >= set(names), "a test did not run"
+    failed = {case.get("name"): case.find("failure") for case in cases}
+    return {name: str(failure.attrib) for name, failure in failed.items() if failure is not None}
+
+
+def cases():
+    """Return parameter sets and tests. Icarus takes a minute for the paper's pipeline: the quick gate has one of each
+    kind of test of it."""
+    quick = ("one_result", "idle=none/stall=long", "idle=bursts/stall=bursts", "full", "after=out")
+    for key in SETS:
+        for name in TESTS:
+            slow = simulator() == "icarus" and key == "paper-23" and not any(part in name for part in quick)
+            yield pytest.param(key, name, marks=pytest.mark.slow if slow else [])
+
+
+@pytest.mark.parametrize(("failures", "name"), cases(), indirect=["failures"], scope="module")
+def test_streams(failures, name):
+    assert name not in failures, failures[name]
