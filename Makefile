@@ -60,8 +60,8 @@ unexport CORES
 OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
-# The user's are of another Python.
-unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH
+# The user's are of another Python; without bytecode each simulation compiles the same modules again.
+unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH PYTHONDONTWRITEBYTECODE
 # What Yosys, nextpnr and zig keep of themselves stays in the checkout, too.
 export YOWASP_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/yowasp
 export ZIG_GLOBAL_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/zig

@@ -33,6 +33,7 @@ DROPPED = (
     "VERILATOR_BIN",
     "VERILATOR_ROOT",
     "PYTHONHOME",
+    "PYTHONDONTWRITEBYTECODE",  # each simulation would compile the same modules again
 )
 
 
