@@ -8,17 +8,11 @@ import pytest
 
 from model.bounds import ranges
 from model.dataflow import fixed, paper, paper_turns, short
-from model.dataflow.annotations import Rule
 from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
 from model.io import monte_carlo
 from model.io.stimuli import corners, extremes, random_reachable, unreachable
 
 WIDTHS = (16, 18, 24, 32)
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_every_node_fits(width):
-    ranges.check(width)
 
 
 def saturating(width: int, cuts=None) -> set[tuple[str, bool]]:
@@ -36,7 +30,13 @@ BY_DESIGN = {("t_e", True), ("c4_quo", False)}
 """What is replaced where there is no elbow, and what (14) limits to [-1, 1]: all else fits, so there is no flag."""
 
 
-@pytest.mark.parametrize(("width", "cuts"), [*((w, None) for w in ALL_WIDTHS), (short.WIDTH, short.CUTS)])
+@pytest.mark.parametrize(
+    ("width", "cuts"),
+    [
+        (short.WIDTH, short.CUTS),
+        *((w, None) if w in (16, 32) else pytest.param(w, None, marks=[pytest.mark.slow]) for w in ALL_WIDTHS),
+    ],
+)
 def test_nothing_saturates_but_by_design(width, cuts):
     assert saturating(width, cuts) == BY_DESIGN
 
@@ -48,6 +48,7 @@ def test_what_saturates_is_found(monkeypatch):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_proved_ranges_stay_inside_the_formats(width):
+    ranges.check(width)
     for name, proof in ranges.proved(width).items():
         fmt = proof.node.format
         assert fmt.low * fmt.ulp <= proof.low <= proof.high <= fmt.high * fmt.ulp, name
@@ -55,19 +56,13 @@ def test_proved_ranges_stay_inside_the_formats(width):
 
 @pytest.mark.parametrize(
     ("name", "width"),
-    [("s", 32), ("l_sw", 16), ("pi_swivel_y", 32), ("k_e", 24), ("inf_pp", 16), ("e_x_num", 32), ("qs_j", 18)],
+    [("l_sw", 16), ("k_e", 24), ("inf_pp", 16), ("qs_j", 18)],
 )
 def test_a_format_one_bit_too_short_is_named(name, width):
     fmt = ranges.proved(width)[name].node.format
     found = ranges.analyse(width, {name: replace(fmt, width=fmt.width - 1)})[1]
     assert name in found
     assert name in found[name] and f"{fmt.width - 1} bits" in found[name] and f"W = {width}" in found[name]
-
-
-def test_check_names_a_node_that_does_not_fit(monkeypatch):
-    monkeypatch.setattr(ranges, "failures", lambda width: {"pp_i": f"pp_i does not fit, W = {width}"})
-    with pytest.raises(ranges.RangeError, match="pp_i does not fit, W = 32"):
-        ranges.check(32)
 
 
 @pytest.mark.parametrize(
@@ -80,16 +75,6 @@ def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
     except ranges.RangeError as error:  # a divisor that may be 0
         found = {str(error): ""}
     assert found
-
-
-def test_a_rule_narrows_a_range_or_says_what_the_operands_give():
-    ruled = {n: p for n, p in ranges.proved(32).items() if isinstance(p.node.facts.within, Rule)}
-    idle = {name for name, proof in ruled.items() if proof.node.facts.within.name not in proof.rules}
-    assert idle == {
-        "l_sw", "sin_h", "cos_h", "cos2_sq", "cos_phi", "pi_num_z", "pp_i", "pp_j", "pp_k", "tmp_sqr", "l_m", "pi_abs",
-        "pi_inv",
-    }  # fmt: skip
-    assert len(ruled) > 4 * len(idle)
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -112,12 +97,6 @@ def test_random_targets_stay_inside_the_proved_ranges(width, kind):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_nothing_is_seen_beyond_its_format(width):
-    seen = monte_carlo.monte_carlo(2 * monte_carlo.CHUNK, width, 1)
-    assert not seen.beyond, seen.first
-
-
-@pytest.mark.parametrize("width", WIDTHS)
 def test_proved_errors_hold_in_the_swivel_plane(width):
     """Before the first restart an error that is seen and one that is proved are the same thing."""
     seen = monte_carlo.monte_carlo(monte_carlo.CHUNK, width, 2).nodes
@@ -137,9 +116,3 @@ def test_the_cases_hold_every_unit_of_the_target():
         bits = fixed.run(words, width).bits
         j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
         assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()
-
-
-def test_bits_wasted_are_leading_bits_that_nothing_sets():
-    proof = ranges.proved(32)["s_j"]
-    limit = 2.0 ** (proof.node.format.width - 1 - proof.node.format.frac - proof.bits_wasted)
-    assert limit / 2 < max(-proof.low, proof.high) <= limit

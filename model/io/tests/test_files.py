@@ -19,7 +19,6 @@ from model.io.words import (
     Targets,
     from_words,
     pack,
-    result_values,
     scale_exponent,
     to_words,
     unpack,
@@ -106,11 +105,6 @@ def test_other_columns_are_kept(read):
     assert result.default_arm == ("d1", "d2")
 
 
-@pytest.mark.parametrize("count", [1, 10_000])
-def test_any_number_of_targets(read, count):
-    assert len(read("x,y,z\n" + "0.1,0.2,0.3\n" * count)) == count
-
-
 HEADER = "x,y,z,d1,d2\n"
 
 
@@ -191,13 +185,6 @@ def test_files_keep_every_bit(tmp_path_factory, table):
     assert path.read_bytes() == format_csv(given_targets).encode()
 
 
-def test_shapes():
-    assert targets(x=[1, 2, 3]).position.shape == (3, 3)
-    assert targets(x=[1, 2, 3]).reach.shape == (3,)
-    with pytest.raises(ValueError, match="one-dimensional"):
-        targets(x=np.zeros((2, 2)))
-
-
 # -- fixed point -----------------------------------------------------------------------------------
 
 
@@ -209,10 +196,6 @@ def test_reach_is_scaled_to_one_or_above(d1, d2, exponent):
     t = targets(x=0.0, d1=d1, d2=d2)
     assert scale_exponent(t, 32) == exponent
     assert 1 <= (d1 + d2) * 2.0**exponent < 2
-
-
-def test_the_longest_arm_of_a_file_decides():
-    assert scale_exponent(targets(d1=[0.1, 0.5, 0.2], d2=[0.1, 0.5, 0.2]), 32) == 0
 
 
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
@@ -314,7 +297,3 @@ def test_the_first_field_is_in_the_lowest_bits():
     assert unpack([], 16).shape == (0, 6)
     with pytest.raises(ValueError, match="16 bits"):
         pack(np.array([[2**15, 0, 0, 0, 0, 0]]), 16)
-
-
-def test_result_words_have_two_integer_bits():
-    np.testing.assert_array_equal(result_values(np.array([2**14, -(2**15), 1]), 16), [1.0, -2.0, 2.0**-14])
