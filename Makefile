@@ -163,7 +163,7 @@ soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece 
 	@exec $(VENV) -m scripts.soak_memory --sim $(soak_sim) $(call given,JOBS,--jobs="$$CGA_JOBS") \
 	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
 
-mutants: ## small changes of the Verilog, each of which a bench has to notice [COUNT= SEED= ONLY=file OUT= FARM=; KEEP=1: mutants.md]
+mutants: ## mutants of the netlists, each of which a bench must kill [COUNT= SEED= ONLY=file OUT= FARM=; KEEP=1: mutants.md]
 	@$(SETUP) icarus fpga$(farm)
 	@exec $(VENV) -m scripts.mutants $(call given,COUNT,--count="$$CGA_COUNT") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") $(call given,FARM,--farm="$$CGA_FARM") \

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dividers and roots of rows, and the configurations ``short``, ``lean25`` and ``fold``: all nodes are the model's."""
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -10,6 +8,7 @@ from model.dataflow import fixed, short, trig
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import inner_frac
 from model.io.stimuli import mixed
+from tb.core.corner_targets import nearly_rounded_up, shifted
 from tb.sim.env import CORES, simulator
 from tb.sim.simulate import Job, simulate
 
@@ -25,20 +24,6 @@ KINDS += [(path, width, CORES[0]) for path, widths in BUILT.items() for width in
 if simulator() == "icarus":
     KINDS += [("short", 32, CORES[1])]
     KINDS += [pytest.param("paper", 32, CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]
-
-
-def shifted(width):
-    """Targets of all sizes, at the end of arms of all sizes: words are shifted right by all but their first bits."""
-    sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
-    return np.array([(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes])
-
-
-def nearly_rounded_up(width, form, frac):
-    """Targets whose angles have a sine or a cosine that is a place of its sum too small to be rounded up."""
-    angles = np.random.default_rng(5).integers(0, 1 << width - 1, 100000)
-    dropped = (1 << form.sum_frac - frac) - 1
-    near = [angles[y & dropped == dropped >> 1][:10] for y in trig.sums(angles, width, form)]
-    return np.array([(999, -700, 444, angle, 999, 999) for angle in np.concatenate(near)])
 
 
 @pytest.mark.sim

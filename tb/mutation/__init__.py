@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Testbenches of the modules of rtl/lib, one pair a module."""
+"""The mutation campaign: mutants of elaborated netlists, benches that must kill them, proofs for the survivors."""

@@ -78,8 +78,7 @@ def run_unit(
 def runs(module: str, bench: Callable[..., Tests], *few: Parameters, more: Sequence[Parameters] = ()) -> Callable:
     """A test of ``bench`` on parameter sets of a module: a few in the quick gate, and more in ``make test-all``.
 
-    What it runs is its attribute ``simulations``, module and :func:`simulation` of each group, for who runs it on other
-    Verilog (tb/mutation).
+    Its attribute ``simulations`` is the module and :func:`simulation` of each group, for tb/mutation.
     """
     groups = [pytest.param(few, id="few")]
     if more:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bench of ``ik_axis`` in Verilog alone: every node compared, under stalls, with the FIFO full, after a reset.
+"""A Verilog bench of ``ik_axis`` that compares every node of a netlist, under stalls, with a full FIFO, after a reset.
 
-Icarus compiles and runs it in the seconds that cocotb takes to begin, so that hundreds of mutants are tried in an hour.
-It ends with the first difference.  What it finds right is what tb/core finds right; it is no second set of rules.
+Icarus runs it in the seconds that cocotb takes to start. It stops at the first difference.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,22 +14,21 @@ import numpy as np
 
 from model.dataflow import fixed, trig
 from model.dataflow.datapaths import CONFIGURATIONS, Datapath
-from model.dataflow.nodes import WIDTHS, inner_frac
+from model.dataflow.nodes import inner_frac
 from model.io.stimuli import mixed
 from model.io.words import FIELDS
-from tb.core.test_configurations import nearly_rounded_up, shifted
+from tb.core.corner_targets import nearly_rounded_up, shifted
 from tb.sim.every_node import columns
 
-TOP = "ik_mutant"
-DATA = "data.hex"
+TOP, DATA = "node_bench", "data.hex"
 TAG_W = 8
 RIGHT = "all right"
-"""How the bench's last line begins, if it is content."""
+"""Start of the last line of output without a difference."""
 
 
 @dataclass(frozen=True)
-class Nodes:
-    """What is built and how many mixed targets it gets; ``corners``: also those next to a rounding."""
+class NodeBench:
+    """A datapath, its word length, and the number of mixed targets; `corners` adds targets next to a rounding."""
 
     datapath: str
     width: int
@@ -47,11 +46,11 @@ class Nodes:
 
     @property
     def parameters(self) -> dict[str, int]:
-        """Of ``ik_axis``."""
-        given = {"W": self.width, "MIN_W": min(self.width, WIDTHS[0]), "TAG_W": TAG_W, "DIGIT": self.digit}
-        return given | self.path.parameters
+        """Parameters of ``ik_axis``."""
+        return {"W": self.width, "TAG_W": TAG_W, "DIGIT": self.digit, **self.path.parameters}
 
     def words(self) -> np.ndarray:
+        """Return the targets as words."""
         words = mixed(self.targets, self.width, 4)
         if self.corners:
             frac = min(inner_frac(self.width), trig.FRACS[-1])
@@ -59,42 +58,31 @@ class Nodes:
             words = np.concatenate([words, shifted(self.width), near])
         return words
 
-    def written(self, folder: Path, netlist: bool = False) -> Path:
-        """Writes the bench and, beside it, its data; ``netlist``: of what Yosys has made of these parameters."""
-        folder.mkdir(parents=True, exist_ok=True)
+    def write(self, folder: Path) -> Path:
+        """Write the bench and its data into a folder; return the path of the bench."""
         words = self.words()
         answer = fixed.run(words, self.width, self.datapath)
         nodes = list(answer.bits.nodes.values())
-        fields = [(words[:, k], self.width) for k in range(len(FIELDS))]
-        fields += [(answer.results[:, k], self.width) for k in range(len(FIELDS))] + [(answer.flags, 8)]
-        rows = [0] * len(words)
-        at = 0
-        for values, width in fields:
-            rows = [row | (int(v) & (1 << width) - 1) << at for row, v in zip(rows, values, strict=True)]
-            at += width
-        for node in nodes:
-            for number, limb in enumerate(columns(node)):
-                bits = min(64, node.format.width - 64 * number)
-                mask = (1 << bits) - 1
-                rows = [row | (int(v) & mask) << at for row, v in zip(rows, limb.tolist(), strict=True)]
-                at += bits
+        rows, at = [0] * len(words), 0
+        for values, bits in fields(words, answer, nodes, self.width):
+            rows = [row | (int(v) & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
+            at += bits
         (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
         bench = folder / f"{TOP}.v"
-        bench.write_text(self._text(nodes, len(words), at, netlist))
+        bench.write_text(self._text(nodes, len(words), at))
         return bench
 
-    def _text(self, nodes, count: int, bits: int, netlist: bool) -> str:
+    def _text(self, nodes: list, count: int, bits: int) -> str:
         path, w = self.path, self.width
-        core = f"u_axis.\\g_{path.rtl}.u_core " if netlist else f"u_axis.g_{path.rtl}.u_core"
-        given = {} if netlist else self.parameters
+        core = f"u_axis.\\g_{path.rtl}.u_core "
         at = 2 * len(FIELDS) * w + 8
         by_time: dict[int, list[str]] = {}
         for node in nodes:
             within = ".".join(part for part in (node.instance, node.name) if part)
-            if netlist and path.times and node.instance:  # a block of the folded core, and no instance
+            if path.times and node.instance:  # a named block of the folded core, not an instance
                 within = f"\\{within} "
-            signal = f"{core}.{within}"
-            line = f'if ({signal} !== want[{at}+:{node.format.width}]) differs("{node.section}.{node.name}");'
+            compare = f"{core}.{within} !== want[{at}+:{node.format.width}]"
+            line = f'if ({compare}) differs("{node.section}.{node.name}");'
             by_time.setdefault(node.time, []).append(line)
             at += node.format.width
         compared = "\n".join(
@@ -102,17 +90,26 @@ class Nodes:
             for time, lines in sorted(by_time.items())
         )
         latest = max(by_time)
-        values = ", ".join(f".{name}({value})" for name, value in given.items())
         return BENCH.format(
-            top=TOP, w=w, n=count, bits=bits, tag=TAG_W, values=values, compared=compared,
+            top=TOP, w=w, n=count, bits=bits, tag=TAG_W, compared=compared,
             ring=1 << (latest + 2).bit_length(), go=f"{core}.go" if path.times else "1'b1",
             most=count * (path.period + 8) * 3 + 20 * latest + 4000,
             full=2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length()),
         )  # fmt: skip
 
 
+def fields(words: np.ndarray, answer, nodes: list, width: int) -> Iterator[tuple[np.ndarray, int]]:
+    """Yield the columns of the data with their widths: targets, results, flags, nodes; the first in the low bits."""
+    for table in (words, answer.results):
+        yield from ((table[:, k], width) for k in range(len(FIELDS)))
+    yield answer.flags, 8
+    for node in nodes:
+        for number, limb in enumerate(columns(node)):
+            yield limb, min(64, node.format.width - 64 * number)
+
+
 BENCH = """\
-// Written by tb/mutation/nodes.py.
+// Written by tb/mutation/node_bench.py.
 `timescale 1ns / 1ps
 module {top};
   localparam W = {w}, N = {n}, FULL = {full};
@@ -122,13 +119,13 @@ module {top};
   wire in_ready, out_valid;
   wire [6*W-1:0] result;
   wire [{tag}+8-1:0] user;
-  integer sent, left, clock, ran, target, quiet, first, blocked, held, k, seed;
+  integer sent, left, clock, ran, target, first, blocked, held, k, seed;
   integer ring[0:{ring}-1];
   reg stalled;
   reg [8*1000-1:0] file;
   reg [6*W+{tag}+8-1:0] stood;
   reg [{tag}-1:0] tag;
-  ik_axis #({values}) u_axis (
+  ik_axis u_axis (
       .clk(clk), .rst(rst),
       .s_axis_tdata(next[6*W-1:0]), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(result), .m_axis_tuser(user), .m_axis_tvalid(out_valid), .m_axis_tready(out_ready)
@@ -147,7 +144,7 @@ module {top};
       forever #1000;
     end
   endtask
-  // the target that was admitted so many clocks ago, and its words
+  // the target admitted `ago` clocks ago, and its words
   task find(input integer ago);
     begin
       target = ran >= ago ? ring[(ran - ago) % {ring}] : -1;
@@ -172,11 +169,11 @@ module {top};
           if (first < 0) first = clock;
           blocked = 0;
         end else blocked = blocked + 1;
-        if (stalled && {{out_valid, result, user}} !== {{1'b1, stood}}) fails("changed while it was stalled");
+        if (stalled && {{out_valid, result, user}} !== {{1'b1, stood}}) fails("changed while stalled");
         stood = {{result, user}};
         stalled = out_valid && !out_ready;
         if (out_valid && out_ready) begin
-          if (left >= sent) fails("a result that nobody asked for");
+          if (left >= sent) fails("result without a target");
           owed = data[left];
           k = left;
           if (user[{tag}-1:0] !== k[{tag}-1:0]) fails("tag");
@@ -192,7 +189,7 @@ module {top};
         end
       end
       #1 clk = 1;
-      #1 next = data[sent < N ? sent : N-1];  // and the other inputs, which whoever calls sets
+      #1 next = data[sent < N ? sent : N-1];  // the caller sets the other inputs
       tag = sent;
     end
   endtask
@@ -209,7 +206,7 @@ module {top};
     for (k = 0; k < {ring}; k = k + 1) ring[k] = -1;
     repeat (4) step;
     rst = 0;
-    // one after the other
+    // no stalls
     in_valid = 1;
     while (sent < N / 2) step;
     in_valid = 0;
@@ -219,12 +216,12 @@ module {top};
     while (sent < 3 * N / 4) begin
       if (held == 0) begin
         held = $dist_uniform(seed, 1, 8);
-        in_valid = $random(seed) | (in_valid && blocked != 0);  // what was offered stays
+        in_valid = $random(seed) | (in_valid && blocked != 0);  // an offer stays
         out_ready = $random(seed);
       end else held = held - 1;
       step;
     end
-    // nobody takes a result until nothing more gets in, then a reset while all is full
+    // no result is taken until the FIFO is full, then a reset
     in_valid = 1;
     out_ready = 0;
     blocked = 0;

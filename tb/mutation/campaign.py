@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A campaign: the designs that are mutated, the order of the mutants, the verdict on each, and the file of results."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import json
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from model.dataflow.datapaths import CONFIGURATIONS
+from tb.mutation.benches import Jobs, Nodes, fault, unit_fault
+from tb.mutation.equivalence import proof
+from tb.mutation.netlists import BUILD, Mutant, Netlist
+from tb.mutation.node_bench import NodeBench
+from tb.mutation.yosys import relative
+from tb.sim.sources import closure
+
+KILLED, PROVED, SURVIVED = "killed", "proved", "survived"
+
+
+@dataclass(frozen=True)
+class Design:
+    """A top with its parameters, and its benches, the cheapest first."""
+
+    name: str
+    top: str
+    parameters: dict[str, int]
+    benches: tuple[Nodes | Jobs, ...]
+
+    def has(self, only: str) -> bool:
+        """Return whether a file of the design has `only` in its name."""
+        files = set(closure(self.top))
+        if self.top == "ik_axi":
+            files -= set(closure("ik_axis"))
+        else:
+            own = self.benches[0].bench.path.rtl
+            files -= {path for other in CONFIGURATIONS.values() for path in closure(f"ik_{other.rtl}")}
+            files |= set(closure(f"ik_{own}"))
+        return any(only in relative(path) for path in files)
+
+
+def core(*benches: NodeBench) -> Design:
+    """Return the design of benches that differ in their targets only."""
+    name = " ".join(benches[0].name.split()[1:-1])
+    return Design(name, "ik_axis", benches[0].parameters, tuple(map(Nodes, benches)))
+
+
+def memory(log2_burst: int, data_w: int) -> Design:
+    """Return a design of ``ik_axi``."""
+    parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
+    return Design(f"memory {data_w}", "ik_axi", parameters, (Jobs(16),))
+
+
+DESIGNS = (
+    core(NodeBench("lean", 18, 250), NodeBench("lean", 18, 4000, corners=True)),
+    core(NodeBench("lean", 32, 300, corners=True), NodeBench("lean", 32, 3000, corners=True)),
+    core(NodeBench("fold", 20, 50), NodeBench("fold", 20, 400)),
+    core(NodeBench("fold", 32, 50), NodeBench("fold", 32, 400)),
+    core(NodeBench("paper", 18, 250), NodeBench("paper", 18, 3000)),
+    core(NodeBench("paper", 18, 200, digit=1), NodeBench("paper", 18, 3000, digit=1)),
+    memory(3, 64),
+    memory(1, 32),
+)
+
+
+@functools.cache
+def netlist(number: int, seed: int) -> Netlist:
+    """Return the netlist of DESIGNS[number]."""
+    design = DESIGNS[number]
+    return Netlist(design.name, design.top, tuple(design.parameters.items()), seed)
+
+
+@dataclass(frozen=True)
+class Result:
+    """The verdict on a mutant; `by`: the bench that kills it, or the modules in which it is proved equivalent."""
+
+    key: str
+    file: str
+    mutant: str
+    verdict: str
+    by: str = ""
+    why: str = ""
+    seconds: float = 0.0
+
+    @property
+    def column(self) -> str:
+        """Column of the table: the kind of bench, or the verdict."""
+        return self.by.split()[0] if self.verdict == KILLED else self.verdict
+
+
+COLUMNS = ("nodes", "unit", "jobs", PROVED, SURVIVED)
+
+
+def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
+    """Yield design, seed and mutant, evenly over the files whose name contains `only`, then over the designs."""
+    files: dict[str, list[list]] = {}
+    for design in (number for number, design in enumerate(DESIGNS) if design.has(only)):
+        mutants = [m for m in netlist(design, seed).mutants if only in m.file]
+        for file, group in itertools.groupby(mutants, key=lambda mutant: mutant.file):
+            files.setdefault(file, []).append([(design, seed, mutant) for mutant in group])
+    queues = [[job for row in itertools.zip_longest(*lists) for job in row if job] for lists in files.values()]
+    for row in itertools.zip_longest(*queues):
+        yield from (job for job in row if job)
+
+
+def judge(job: tuple[int, int, int]) -> Result:
+    """Judge a mutant, given by design, seed and number: run the benches, and prove what the first does not kill."""
+    design, seed, number = job
+    first, *more = DESIGNS[design].benches
+    origin = netlist(design, seed)
+    mutant = origin.mutants[number - 1]
+    begin = time.monotonic()
+
+    def result(verdict: str, by: str = "", why: str = "") -> Result:
+        seconds = round(time.monotonic() - begin, 1)
+        return Result(mutant.key, mutant.file, mutant.describe(), verdict, by, why, seconds)
+
+    (BUILD / "work").mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=BUILD / "work") as folder:
+        place = Path(folder)
+        if why := fault(first, origin, number, place):
+            return result(KILLED, first.name, why)
+        if where := proof(mutant, place / "own", climb=False):
+            return result(PROVED, where)
+        if why := unit_fault(mutant, place):
+            return result(KILLED, "unit", why)
+        for bench in more:
+            if why := fault(bench, origin, number, place):
+                return result(KILLED, bench.name, why)
+        where = proof(mutant, place / "around")
+    return result(PROVED if where else SURVIVED, where)
+
+
+def recorded(path: Path) -> dict[str, Result]:
+    """Read results by key, without survivors, which are tried again. An incomplete line is ignored."""
+    found = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        with suppress(ValueError):
+            row = Result(**json.loads(line))
+            found[row.key] = row
+    return {key: row for key, row in found.items() if row.verdict != SURVIVED}
+
+
+def append(path: Path, result: Result) -> None:
+    """Append a line in one write, so that a signal leaves no part of it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+    try:
+        os.write(handle, f"{json.dumps(asdict(result))}\n".encode())
+    finally:
+        os.close(handle)
+
+
+def rows(results: list[Result]) -> list[list]:
+    """Return the table by file: mutants, then each of COLUMNS; the last row is the total."""
+    groups = {name: [r for r in results if r.file == name] for name in sorted({r.file for r in results})}
+    return [
+        [name.removeprefix("rtl/"), len(group), *(sum(r.column == column for r in group) for column in COLUMNS)]
+        for name, group in [*groups.items(), ("all", results)]
+    ]

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Netlists with many mutants each, made by Yosys' ``mutate``; a register of the top selects one.
+
+A mutant changes one bit of one port of a cell: stuck, inverted, or inverted by another bit of the port.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import itertools
+import json
+import re
+import shutil
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from tb.axi.instances import echoing
+from tb.mutation.yosys import SECONDS, YOSYS, relative, yosys
+from tb.sim.env import ROOT
+from tb.sim.runner import alone
+from tb.sim.seeded_bugs import copy_rtl
+from tb.sim.sources import closure, digest, headers, includes, sources
+
+BUILD = ROOT / "build" / "mutants"
+SELECT, BITS = "mutant", 16
+"""Plusarg and register of the top that select a mutant; 0 selects none."""
+PER_FILE = 24
+"""Mutants of one file of rtl/ in one netlist."""
+EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
+"""Ports without mutants: read ports of memories are asynchronous and tied, and a changed register output would lose its
+initial value. A changed register input has the same effect."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A mutant of a netlist; `command` is the mutate command of Yosys without its switch."""
+
+    netlist: Netlist
+    file: str
+    number: int
+    line: int
+    command: str
+
+    @property
+    def options(self) -> dict[str, str]:
+        """Options of the command: mode, module, cell, port, portbit, ctrlbit."""
+        return {key[1:]: value for key, value in itertools.pairwise(self.command.split()) if key.startswith("-")}
+
+    @property
+    def key(self) -> str:
+        """Digest of the mutant and of the Verilog it belongs to."""
+        return hashlib.sha256(f"{self.netlist.key} {self.command}".encode()).hexdigest()[:16]
+
+    def describe(self) -> str:
+        """Return the change in one line, and where it is."""
+        options = self.options
+        by = f" by bit {options['ctrlbit']}" if "ctrlbit" in options else ""
+        cell = options["cell"].split("$")[1] if options["cell"].startswith("$") else options["cell"]
+        place = f"{source_name(options['module'])}: {cell}.{options['port']}[{options['portbit']}]"
+        return f"{self.file}:{self.line}: {options['mode']}{by} {place}, {self.netlist.name}"
+
+
+def source_name(module: str) -> str:
+    """Return the name in the sources of a module that Yosys names with its parameters."""
+    return next(part for part in reversed(module.split("\\")) if "=" not in part)
+
+
+@dataclass(frozen=True)
+class Netlist:
+    """A top with one set of parameters, elaborated in build/. `ik_axi` has an echo as its datapath."""
+
+    name: str
+    top: str
+    parameters: tuple[tuple[str, int], ...]
+    seed: int
+
+    @functools.cached_property
+    def key(self) -> str:
+        """Digest of what the netlist is made from."""
+        own = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version(YOSYS)]
+        return hashlib.sha256(json.dumps([*own, digest([*sources(), *headers()])]).encode()).hexdigest()[:16]
+
+    @functools.cached_property
+    def folder(self) -> Path:
+        """Folder with design.il, netlist.v, modules.json and mutants.json; made on the first access."""
+        folder = BUILD / "netlists" / f"{self.name.replace(' ', '-')}-{self.key}"
+        with alone(folder.parent):
+            if not (folder / "mutants.json").exists():
+                shutil.rmtree(folder, ignore_errors=True)
+                folder.mkdir(parents=True)
+                self._make(folder)
+        return folder
+
+    @property
+    def design(self) -> str:
+        """Yosys' command to read the netlist without mutants."""
+        return f"read_rtlil {relative(self.folder)}/design.il"
+
+    @functools.cached_property
+    def modules(self) -> dict[str, dict]:
+        """Module of the netlist -> its parents and parameters."""
+        return json.loads((self.folder / "modules.json").read_text())
+
+    @functools.cached_property
+    def mutants(self) -> list[Mutant]:
+        """All mutants, ordered by file."""
+        return [Mutant(self, *row) for row in json.loads((self.folder / "mutants.json").read_text())]
+
+    def divided(self) -> tuple[str, str]:
+        """Return the Verilog of the top and that of the other modules."""
+        text = (self.folder / "netlist.v").read_text()
+        begin = text.index(f"module {self.top}(")
+        end = text.index("endmodule\n", begin) + len("endmodule\n")
+        return text[begin:end], text[:begin] + text[end:]
+
+    def _make(self, folder: Path) -> None:
+        within = relative(folder)
+        copy = echoing if self.top == "ik_axi" else copy_rtl
+        copy(folder)
+        paths = " ".join(f"-I{relative(path)}" for path in includes(folder))
+        paths += "".join(f" {relative(path)}" for path in closure(self.top, folder) if path.suffix == ".v")
+        given = " ".join(f"-chparam {name} {value}" for name, value in self.parameters)
+        elaborate = [f"read_verilog -defer {paths}", f"hierarchy -check -top {self.top} {given}", "proc"]
+        write = [f"write_rtlil {within}/design.il", f"write_json {within}/design.json"]
+        yosys(folder, [*elaborate, "memory_collect", *write], 10 * SECONDS)
+        modules = json.loads((folder / "design.json").read_text())["modules"]
+        (folder / "design.json").unlink()
+        (folder / "modules.json").write_text(json.dumps(described(modules)))
+
+        names = self._files(modules)
+        design = f"read_rtlil {within}/design.il"
+        lists = {file: folder / f"{file.replace('/', '-')}.list" for file in names}
+        options = f"mutate -list {PER_FILE} -seed {self.seed}"
+        lines = [f"{options} -o {relative(path)} {' '.join(names[file])}" for file, path in lists.items()]
+        yosys(folder, [design, *lines], 10 * SECONDS)
+        rows = []
+        for file, path in lists.items():
+            for command in path.read_text().splitlines():
+                if EXCLUDED & set(command.split()):
+                    continue
+                line = re.search(rf"-src \S*{re.escape(file)}:(\d+)", command)
+                command = re.sub(r" -(?:src|wire|wirebit) \S+", "", command)
+                rows.append([file, len(rows) + 1, int(line[1]) if line else 1, command])
+        lines = [f"{row[3]} -ctrl {SELECT} {BITS} {row[1]}" for row in rows]
+        yosys(folder, [design, *lines, f"write_verilog -noattr {within}/netlist.v"], 10 * SECONDS)
+        values = {name: signed(bits) for name, bits in modules[self.top]["parameter_default_values"].items()}
+        (folder / "netlist.v").write_text(switched((folder / "netlist.v").read_text(), self.top, values))
+        (folder / "mutants.json").write_text(json.dumps(rows))
+
+    def _files(self, modules: dict) -> dict[str, list[str]]:
+        """Return the modules of each file that is mutated here; of `ik_axi` those outside `ik_axis`."""
+        left_out = set(closure("ik_axis")) if self.top == "ik_axi" else set()
+        files = {path.stem: relative(path) for path in sources() if path not in left_out}
+        found: dict[str, list[str]] = {}
+        for name in modules:
+            if source_name(name) in files:
+                found.setdefault(files[source_name(name)], []).append(name)
+        return dict(sorted(found.items()))
+
+
+def described(modules: dict) -> dict[str, dict]:
+    """Return parents and parameters of each module in Yosys' JSON."""
+    found = {}
+    for name, module in modules.items():
+        values = {key: signed(bits) for key, bits in module.get("parameter_default_values", {}).items()}
+        found[name] = {"parents": [], "parameters": values}
+    for name, module in modules.items():
+        for child in {cell["type"] for cell in module["cells"].values()} & set(modules):
+            found[child]["parents"].append(name)
+    return found
+
+
+def signed(bits: str) -> int:
+    """Return the value of a parameter in Yosys' JSON."""
+    return int(bits, 2) - ((bits[0] == "1") << len(bits))
+
+
+def declared(parameters: dict[str, int]) -> str:
+    """Return parameter declarations, for a netlist whose instances still set them."""
+    return "".join(f"  parameter {name} = {value};\n" for name, value in parameters.items())
+
+
+def switched(text: str, top: str, parameters: dict[str, int]) -> str:
+    """Replace the select port of the top with a register set by a plusarg, and declare the top's parameters."""
+    text, ports = re.subn(rf"^(module {top}\([^;]*), {SELECT}\);", rf"\1);\n{declared(parameters)}", text, flags=re.M)
+    begin = text.index(f"module {top}(")
+    register = f'  reg [{BITS - 1}:0] {SELECT} = 0;\n  initial if ($value$plusargs("{SELECT}=%d", {SELECT})) ;\n'
+    port = rf"  input \[{BITS - 1}:0\] {SELECT};\n  wire \[{BITS - 1}:0\] {SELECT};\n"
+    own, inputs = re.subn(port, lambda _: register, text[begin:], count=1)
+    assert ports == inputs == 1, f"{top} has no port {SELECT}"
+    return text[:begin] + own
