@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One target through the pipeline: every node of it in dataflow order, RTL beside model. What `make follow` does.
+"""Print every node of one target in dataflow order, RTL next to model: `make follow`.
 
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
-Prints a line for each node: clock, clocks since admission, equation, name, word and value in RTL and model, and what
-it is made of. A `!` before a line marks a node that differs; the first of them and its operands follow at the end.
+Prints a line for each node: clock, clocks since admission, equation, name, word and value in RTL and model, operation
+and operands. A `!` marks a node that differs; the first one and its operands follow at the end.
 The trajectory runs as in `make run`; targets count from 0.
-With --waves: OUT/waves.vcd and OUT/aligned.vcd, in which all nodes of a target stand in one clock, with save files.
-Exit status: 0 if every node of the target equals the model, 1 if one differs or the simulation breaks off, 2 for
-input that cannot be used, 130 after Ctrl-C.
+With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
+Exit status: 0 every node of the target equals the model, 1 one differs or the simulation fails, 2 bad input.
 """
 
 from __future__ import annotations
@@ -31,12 +30,12 @@ from tb.sim.simulate import Job, SimulationError, simulate
 
 
 def _parser() -> Parser:
-    about = "Print every node of one target, RTL beside model, in dataflow order."
+    about = "Print every node of one target in dataflow order, RTL next to model."
     parser = parser_of(
         "follow", about, out="build/follow", written="the waves",
         passes="every node of the target equals the model", fails="one differs",
     )  # fmt: skip
-    about = "which target of the trajectory, counted from 0"
+    about = "target of the trajectory, counted from 0"
     parser.add_argument("--target", type=whole(0), required=True, metavar="N", help=about)
     about = f"also write OUT/{VCD} and OUT/{ALIGNED}, all nodes of a target in one clock, with GTKWave save files"
     parser.add_argument("--waves", action="store_true", help=about)
@@ -44,10 +43,10 @@ def _parser() -> Parser:
 
 
 def chosen(arguments: argparse.Namespace) -> Prepared:
-    """The trajectory that is run. Raises InputError or TargetError."""
+    """Return the trajectory to run. Raises InputError or TargetError."""
     item, *others = prepare(arguments)
     if others:
-        raise InputError("argument --trajectory: one trajectory, not all of them, has the target that is followed")
+        raise InputError("argument --trajectory: --target needs a single trajectory")
     if arguments.target >= len(item.words):
         last = len(item.words) - 1
         raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
@@ -56,7 +55,7 @@ def chosen(arguments: argparse.Namespace) -> Prepared:
 
 @contextlib.contextmanager
 def _place(arguments: argparse.Namespace) -> Iterator[Path]:
-    """The folder of the waves: --out, or one that goes again."""
+    """Yield the folder of the waves: --out, or a temporary one."""
     if arguments.waves:
         with output(arguments.out, [arguments.out / name for name in WAVES]):
             yield arguments.out.absolute()
@@ -65,18 +64,18 @@ def _place(arguments: argparse.Namespace) -> Iterator[Path]:
             yield Path(folder)
 
 
-# -- what is printed -------------------------------------------------------------------------------
+# -- output -------------------------------------------------------------------------------
 
 
 def _operand(node: Node, of: Node) -> str:
-    """An operand as it is named in the line of a node: with its section if that is another one."""
+    """Return the name of an operand of the node `of`, with its section if that is another one."""
     if node.op == "constant":
         return f"{int(node.value) / 2**node.format.frac:.10g}"
     return node.name if node.section == of.section or node.op == "input" else f"{node.section}.{node.name}"
 
 
 def made_of(node: Node) -> str:
-    """Operation and operands of a node, and what it computes of them where the dataflow says it."""
+    """Return operation, operands and, where the dataflow has it, the expression of a node."""
     operands = ", ".join(_operand(each, node) for each in node.operands)
     exact = f": {node.facts.exact}" if node.facts.exact else ""
     return f"{node.op} {operands}{exact}" if operands else node.op
@@ -87,7 +86,7 @@ LEFT = "equation", "node", "made of"
 
 
 def _cells(recording: Recording, node: Node, target: int) -> tuple[str, ...]:
-    """The line of a node."""
+    """Return the cells of a node's line."""
     words = recording.word(node, target), model_bits(node, target)
     return (
         str(recording.admitted[target] + node.time), f"+{node.time}", node.equation, node.name,
@@ -96,7 +95,7 @@ def _cells(recording: Recording, node: Node, target: int) -> tuple[str, ...]:
 
 
 def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:
-    """The nodes of a target in dataflow order, a line each, below a line for each section."""
+    """Yield a line for each node of a target in dataflow order, below a line for each section."""
     rows = [_cells(recording, node, target) for node in nodes]
     widths = [max(map(len, column)) for column in zip(HEADINGS, *rows, strict=True)]
 
@@ -119,7 +118,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
 
 
 def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[str]:
-    """The first of the differences of one target, and what the node is made of, which is right, as it comes before."""
+    """Yield lines on the first difference of a target and on its operands, which equal the model."""
     first, target = found[0], found[0].target
     yield f"first difference: {first}"
     yield f"         made of: {made_of(first.node)}; in RTL and model alike"
@@ -154,7 +153,7 @@ def _simulate(arguments: argparse.Namespace, item: Prepared, vcd: Path) -> None:
 
 @command("follow")
 def main(words: Sequence[str] | None) -> int:
-    """Run the command line; the exit status."""
+    """Run the command line; return the exit status."""
     arguments = _parser().parse_args(words)
     item = chosen(arguments)
     target, datapath, width = arguments.target, arguments.datapath, arguments.width

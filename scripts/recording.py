@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a VCD of ``ik_axis`` says of every node of every target, and the same with all nodes of a target in one clock.
+"""Read every node of every target from a VCD of ``ik_axis``; write a VCD with all nodes of a target in one clock.
 
-The words are read at the falling edge of the clock, as the scoreboard reads them (:mod:`tb.core.pipeline`), and by
-their path below ``ik_axis``, so that they do not depend on what a simulator calls its scopes.
+Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`), and found by their
+path below ``ik_axis``, which is the same in all simulators.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from tb.sim.difference import Difference
 
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
-"""What :func:`write_waves` leaves in a folder: two recordings and their save files."""
+"""Files that :func:`write_waves` writes: two recordings and their save files."""
 
 HANDSHAKE = (("rst",), ("s_axis_tvalid",), ("s_axis_tready",))
 NUMBER, DIFFERS = "target", "differs"
-"""Signals of the aligned VCD beside the nodes: a target's number, and whether a node of it differs from the model."""
+"""Other signals of the aligned VCD: a target's number, and whether one of its nodes differs from the model."""
 
 NUMBER_BITS = 32
 
 
 @dataclass(frozen=True)
 class Recording:
-    """One trajectory in a VCD. words: of a node by clock, bits with X and Z, clock 1 first; admitted: the clock of
-    each target; timescale: of the VCD, whose units `first` (falling edge of clock 1) and `period` are in."""
+    """One trajectory in a VCD. words: bits of each node by clock, from clock 1; admitted: clock of each target;
+    first: falling edge of clock 1, in units of `timescale`, as is `period`."""
 
     words: dict[str, list[str]]
     admitted: list[int]
@@ -44,17 +44,17 @@ class Recording:
     period: int
 
     def time(self, clock: int) -> int:
-        """When the falling edge of a clock is, in units of the VCD: the words of the clock stand there."""
+        """Return the time of a clock's falling edge in units of the VCD."""
         return self.first + (clock - 1) * self.period
 
     def word(self, node: Node, target: int) -> str:
-        """The bits of a node for a target; X where the recording ends before."""
+        """Return the bits of a node for a target; X after the end of the recording."""
         words, clock = self.words[node.name], self.admitted[target] + node.time
         return words[clock - 1] if clock <= len(words) else "x" * node.format.width
 
 
 def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
-    """Reads the VCD of a run of one trajectory. Raises ValueError if it is of something else."""
+    """Read the VCD of a run of one trajectory. Raises ValueError for a VCD of another design."""
     wanted = {place(datapath, node): node for node in nodes}
     code_of: dict[tuple[str, ...], str] = {}
     value: dict[str, int | str] = {}
@@ -78,7 +78,7 @@ def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
             if kind is TokenKind.CHANGE_SCALAR or kind is TokenKind.CHANGE_VECTOR:
                 change = token.data
                 value[change.id_code] = change.value
-                fell |= change.id_code == clk and change.value in (0, "0") and now > 0  # it starts anyhow
+                fell |= change.id_code == clk and change.value in (0, "0") and now > 0  # not the initial value
             elif kind is TokenKind.CHANGE_TIME:
                 if fell:
                     sample()
@@ -105,7 +105,7 @@ def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
 
 
 def _bits(value: int | str, width: int) -> str:
-    """A value of a VCD, whose leading places are left out, in all its bits."""
+    """Return all bits of a VCD's value, which omits leading digits."""
     if isinstance(value, int):
         return format(value, f"0{width}b")
     return value.lower().rjust(width, value[0].lower() if value[0] in "xXzZ" else "0")
@@ -160,7 +160,7 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Sequen
 
 
 def _line(writer: VCDWriter, path: tuple[str, ...], bits: int):
-    """A variable at its place, with its range as simulators write it."""
+    """Register a variable at its path, with a range as simulators write it."""
     *scopes, name = path
     return writer.register_var(tuple(scopes), f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits, init="x")
 
@@ -173,7 +173,7 @@ def _blank(writer: VCDWriter, now: int, lines) -> None:
 def write_waves(
     vcd: Path, recording: Recording, found: Sequence[Difference], datapath: str, width: int, nodes: Sequence[Node]
 ) -> None:
-    """Writes the aligned VCD beside the ordinary one, and the save files of both with the first difference marked."""
+    """Write the aligned VCD next to the ordinary one, and save files of both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)
     first = found[0] if found else None
     with writing():
@@ -189,7 +189,7 @@ def write_waves(
 
 
 def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:
-    """The same for the recording of one trajectory, of targets (N, 6)."""
+    """Call `write_waves` for the recording of one trajectory with the targets `words` (N, 6)."""
     nodes = list(fixed.run(words, width, datapath).bits.nodes.values())
     recording = read(vcd, datapath, nodes)
     write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes)

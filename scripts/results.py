@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run writes: results.csv and results.npz of each trajectory, score.json, and of a clip the clip again."""
+"""Files of a run: results.csv and results.npz of each trajectory, score.json, and a clip with its arms turned."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ CLIP_KINDS = ("bvh", "glb")
 
 
 def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
-    """Where `write_results` writes the results.csv of each trajectory."""
+    """Return the paths of the results.csv of each trajectory."""
     many = len(prepared) > 1
     return [folder / item.targets.name / "results.csv" if many else folder / "results.csv" for item in prepared]
 
 
 def of_datapath(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
-    """All that `write_results` writes for one datapath."""
+    """Return the paths that `write_results` writes for one datapath."""
     tables = result_paths(folder, prepared)
     clip = [folder / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
     return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
 
 
 def written(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared]) -> list[Path]:
-    """All that `write_results` writes."""
+    """Return all paths that `write_results` writes."""
     return [*(path for folder in folders for path in of_datapath(folder, prepared)), out / SCORES]
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
-    """How far the elbows are from those of the clip, (N,), in parts of the reach."""
+    """Return the distances of the elbows from those of the clip, relative to the reach, (N,)."""
     elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
     ours = np.ldexp(result.each.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
 
 def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
-    """The clip with its arms turned by the core's quaternions."""
+    """Return the clip with its arms turned by the core's quaternions."""
     values = result_values(ran.results, width)
     qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
     arms = len(item.moves)
@@ -58,7 +58,7 @@ def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
 
 
 def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
-    """The same as the contents of files of CLIP_KINDS."""
+    """Return the turned clip as the content of a file for each of CLIP_KINDS."""
     bvh = turned(item, ran, width)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clip.bvh"
@@ -69,8 +69,7 @@ def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
 def write_results(
     out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Sequence[Sequence[tuple[Run, Score]]]
 ) -> None:
-    """Write results.csv and results.npz of every trajectory and of a clip the clip again, for each datapath in its
-    folder, and the score.json of all."""
+    """Write the files of each datapath to its folder, and one score.json."""
     with writing():
         for folder, ran in zip(folders, done, strict=True):
             _write_datapath(folder, prepared, ran)

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run trajectories through the core in a simulator and score them: what `make run` does.
+"""Run trajectories through the core in a simulator and score them: `make run`.
 
     python -m scripts.run [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
 
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without a
 trajectory and a datapath it runs both datapaths on the paper's scenario, with the results in OUT/lean and OUT/paper,
-and prints them beside tables 5 and 6 of the paper.
+and prints them next to tables 5 and 6 of the paper.
 
-Exit status: 0 if every trajectory passes, 1 if one fails or the simulation breaks off, 2 for input that
-cannot be used (one line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+Exit status: 0 every trajectory passes, 1 one fails or the simulation fails; others as in scripts/console.py.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ def _parser() -> Parser:
     parser = parser_of(
         "run", about, out="build/run", written="results.csv and score.json", datapath=None, most=MOST_DATAPATHS
     )
-    about = f"also write OUT/{VCD}, of one trajectory OUT/{ALIGNED}, too, and GTKWave save files"
+    about = f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"
     parser.add_argument("--waves", action="store_true", help=about)
     parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
     return parser
@@ -47,7 +46,7 @@ def _parser() -> Parser:
 def score_runs(
     arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
 ) -> list[tuple[Run, Score]]:
-    """The score of each run, beside the errors that are predicted if `predict` says so."""
+    """Return each run with its score, and with predicted errors if `predict` is set."""
     scores = [
         score(
             item.targets, item.words, item.exponent, run.results, run.flags,
@@ -66,8 +65,7 @@ def run_and_score(
     arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None,
     predict: bool = True,
 ) -> list[tuple[Run, Score]]:
-    """Run all trajectories through a datapath in one simulation and score them, in their order, as `score_runs`. Raises
-    SimulationError."""
+    """Run all trajectories through a datapath in one simulation; return them with scores. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     total = sum(len(job.words) for job in jobs)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
@@ -85,7 +83,7 @@ def run_and_score(
 
 
 def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
-    """The table of each datapath; of several on one trajectory, one table beside the paper's."""
+    """Print a table for each datapath, or for several on one trajectory a single table next to the paper's."""
     if len(done) > 1 and len(done[0]) == 1:
         show(table_beside_the_paper([(result, ran.flags) for ((ran, result),) in done]))
         return
@@ -95,7 +93,7 @@ def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
 
 
 def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str) -> list[Path]:
-    """What is made of a recording: its save file, and of one trajectory the recording with a target in a column."""
+    """Write a recording's save file and, for a single trajectory, its aligned recording; return the paths."""
     vcd = (folder / VCD).absolute()
     if len(prepared) == 1:
         align(vcd, prepared[0].words, width, datapath)
@@ -106,13 +104,13 @@ def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    """Load, simulate, score, write and print; the exit status 0 or 1. Raises what `exit_status` reports."""
+    """Load, simulate, score, write and print; return the exit status 0 or 1."""
     out = arguments.out
     if arguments.waves and arguments.sim not in SIMULATORS:
         raise InputError(f"argument --waves: {arguments.sim} writes none; use {' or '.join(SIMULATORS)}")
     prepared = prepare(arguments)
     folders = datapaths(arguments)
-    # A prediction takes longer than everything else of a long file.
+    # For a long file the prediction takes longer than everything else.
     predict = sum(len(item.words) for item in prepared) < LONG
     with output(out, written(out, folders.values(), prepared)), ExitStack() as recordings:
         done = []
@@ -138,7 +136,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 @command("run")
 def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; the exit status."""
+    """Run the command line; return the exit status."""
     parsed = _parser().parse_args(arguments)
     if parsed.list:
         for name in trajectories.TRAJECTORIES:

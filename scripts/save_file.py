@@ -25,16 +25,13 @@ from model.io.words import FIELDS, RESULT_FIELDS
 
 TOP = "ik_axis"
 SHOWN_BITS = 64
-"""The longest word that GTKWave shows as a decimal number."""
+"""Longest word that GTKWave shows as a decimal number."""
 
 STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
 
 
 def signals(vcd: Path) -> dict[tuple[str, ...], str]:
-    """Every signal below ``ik_axis`` in a VCD: its path from there -> the name that GTKWave has for it.
-
-    Simulators put different scopes above the design's top; they are left out of the path.
-    """
+    """Return the signals below ``ik_axis`` in a VCD: path from there -> name in GTKWave, with outer scopes."""
     found: dict[tuple[str, ...], str] = {}
     scopes: list[str] = []
     with open(vcd, "rb") as stream:
@@ -54,13 +51,13 @@ def signals(vcd: Path) -> dict[tuple[str, ...], str]:
 
 
 def place(datapath: str, node: Node) -> tuple[str, ...]:
-    """Path of a node's signal below ``ik_axis``."""
+    """Return the path of a node's signal below ``ik_axis``."""
     return (f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", *([node.instance] if node.instance else []), node.name)
 
 
 @dataclass(frozen=True)
 class Mark:
-    """What a save file points at: the message, the node that it names, its time and the clock's period (VCD units)."""
+    """First difference in a save file: message, node, time and clock period (VCD units)."""
 
     message: str
     node: str
@@ -69,9 +66,9 @@ class Mark:
 
 
 def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
-    """Writes ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
+    """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
 
-    Raises ValueError if the VCD is of something else, OSError if a file cannot be read or written.
+    Raises ValueError for a VCD of another design, OSError if a file cannot be read or written.
     With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
     """
     nodes = _nodes(datapath, width)
@@ -97,7 +94,7 @@ def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark
 
 
 def write_aligned_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
-    """The same for an aligned VCD (:func:`scripts.recording.write_aligned`), which has no streams."""
+    """Write the save file for an aligned VCD (:func:`scripts.recording.write_aligned`), which has no streams."""
     nodes = _nodes(datapath, width)
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, vcd)
@@ -125,13 +122,13 @@ class _Save:
         self.names = signals(vcd)
 
     def name_of(self, path: tuple[str, ...]) -> str:
-        """What the VCD calls a signal. Raises ValueError if it has none, as that of another datapath."""
+        """Return the name of a signal in the VCD. Raises ValueError if it has none, as with another datapath."""
         if path not in self.names:
             raise ValueError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
         return self.names[path]
 
     def open(self, comment: str, mark: Mark | None) -> None:
-        """What stands before the traces: the window, and where it opens."""
+        """Write the settings of the window and the place where it opens."""
         self.writer.comment(comment)
         if mark:
             self.writer.comment(f"first difference: {mark.message}")
@@ -143,7 +140,7 @@ class _Save:
         self.writer.zoom_markers(zoom=-15.0, marker=mark.time if mark else -1)
 
     def sections(self, datapath: str, nodes: Mapping[str, Node], mark: Mark | None) -> None:
-        """A group for each section; open is that of the marked node, which is red."""
+        """Write a closed group for each section; that of the marked node, in red, is open."""
         for section, what in CONFIGURATIONS[datapath].sections.items():
             closed = not mark or nodes[mark.node].section != section
             with self.writer.group(f"{section}: {what}", closed=closed):
@@ -155,7 +152,7 @@ class _Save:
                         self.word(place(datapath, node), node.format, label, color=color)
 
     def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
-        """A signal as bits: binary if it is one, else as ``shown``."""
+        """Add a signal: binary if it is a single bit, else in the format ``shown``."""
         name = self.name_of(path)
         self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
@@ -163,7 +160,7 @@ class _Save:
         self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None,
         color: GTKWColor | None = None,
     ) -> None:  # fmt: skip
-        """A word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
+        """Add a word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
         if fmt.width == 1:
             self.writer.trace(self.name_of(path), alias=label, datafmt="bin", color=color)
             return
@@ -174,7 +171,7 @@ class _Save:
             "extraflags": GTKWFlag.fpdecshift if frac else GTKWFlag.none,
             "color": color,
         }
-        if frac:  # pyvcd does not know this line
+        if frac:  # pyvcd does not write this line
             self.stream.write(f"[fpshift_count] {frac}\n")
         if of is None and shown == fmt.width:
             self.writer.trace(self.name_of(path), alias=label, **options)
@@ -186,7 +183,7 @@ class _Save:
 
 
 def names(save_file: Path) -> Iterator[str]:
-    """The signals that a save file names, in its order, once for every time."""
+    """Yield the signals of a save file, in its order, with repetitions."""
     for line in save_file.read_text(encoding="utf-8").splitlines():
         if line.startswith("#{"):
             yield from (word.split(")", 1)[1] for word in line.split("} ", 1)[1].split())

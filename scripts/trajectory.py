@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a command that runs the core is asked to run: its options, and the targets of --trajectory as words.
-
-All of it is checked before anything is simulated.
-"""
+"""Options of commands that run the core, and the targets of --trajectory as words; all input is checked here."""
 
 from __future__ import annotations
 
@@ -29,12 +26,12 @@ from tb.sim.env import CORES
 ALL = "all"
 
 MOST_DATAPATHS = 3
-"""That a command runs side by side."""
+"""Number of datapaths that a command can compare."""
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trajectory that is ready to run: its targets and the words (N, 6) that `to_words` made of them."""
+    """A trajectory ready to run: its targets and their words (N, 6)."""
 
     targets: Targets
     words: np.ndarray
@@ -51,11 +48,11 @@ def parser_of(
     passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DEFAULT,
     most: int = 1, core: bool = True,
 ) -> Parser:  # fmt: skip
-    """The parser of a command that runs trajectories, with the options that all of them have.
+    """Return the parser of a command that runs trajectories.
 
-    out: the default of --out; written: what is written there, for its help; passes, fails: as of `Parser`; datapath:
-    the default, None if it depends on the trajectory (`datapaths`); most: how many --datapath takes; core: whether
-    there is one to choose.
+    out: default of --out; written: files there, for its help; passes, fails: as for `Parser`; datapath: the default,
+    None if it depends on the trajectory (`datapaths`); most: number of names that --datapath takes; core: has the
+    command options of the core?
     """
     parser = Parser(command, description, passes=passes, fails=fails)
     about = (
@@ -63,7 +60,7 @@ def parser_of(
         "d1, d2, in any unit of length, or a BVH clip of motion capture (default: %(default)s)"
     )
     parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
-    about = f"folder for {written}, made if need be (default: %(default)s)"
+    about = f"folder for {written}, created if missing (default: %(default)s)"
     parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
     if core:
         parser.core(datapath=datapath, most=most)
@@ -100,8 +97,8 @@ def parser_of(
 
 
 def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
-    """The datapaths that --datapath asks for, and the folder of the results of each. Without it both dataflows run on
-    the paper's scenario, as the front page compares them, and the first on anything else."""
+    """Return the datapaths to run, each with the folder of its results. Without --datapath both dataflows run on the
+    paper's scenario, and lean on anything else."""
     scenario = arguments.trajectory == trajectories.DEFAULT
     chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
     return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
@@ -113,13 +110,13 @@ def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
 GOES_WITH = {"d1": (CSV,), "d2": (CSV,), "phi": (CSV, CLIP), "arm": (CLIP,), "joints": (CLIP,)}
-"""Options that not every kind of trajectory takes."""
+"""Options that only some kinds of trajectories take."""
 
 OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
 
 
 def _kind(name: str) -> str:
-    """What --trajectory names. Raises InputError."""
+    """Return the kind of --trajectory. Raises InputError."""
     if name == ALL or name in trajectories.TRAJECTORIES:
         return BUILT_IN
     if name.lower().endswith(".bvh"):
@@ -131,7 +128,7 @@ def _kind(name: str) -> str:
 
 
 def _load(arguments: argparse.Namespace) -> list[Prepared]:
-    """The targets that --trajectory asks for, and their words of --width bits. Raises InputError or TargetError."""
+    """Return the trajectories of --trajectory. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
     for option, kinds in GOES_WITH.items():
@@ -153,7 +150,7 @@ def _load(arguments: argparse.Namespace) -> list[Prepared]:
 
 
 def _of_clip(arguments: argparse.Namespace) -> Prepared:
-    """The arms of a clip as one stream. Raises TargetError."""
+    """Return the arms of a clip as one stream. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory))
     arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
@@ -164,7 +161,7 @@ def _of_clip(arguments: argparse.Namespace) -> Prepared:
 
 
 def prepare(arguments: argparse.Namespace) -> list[Prepared]:
-    """The trajectories of --trajectory as words of --width bits. Raises InputError or TargetError."""
+    """Load the trajectories and print warnings. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:
         for doubt in doubts(item.targets):
@@ -173,8 +170,8 @@ def prepare(arguments: argparse.Namespace) -> list[Prepared]:
 
 
 def doubts(targets: Targets) -> Iterator[str]:
-    """What looks like another unit than is meant, a line each."""
-    if targets.path is None:  # ours are meant
+    """Yield a warning for each sign of a wrong unit."""
+    if targets.path is None:  # built-in
         return
     distance = np.linalg.norm(targets.position, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
