@@ -58,7 +58,6 @@ def half_of(words, clamp, clamped=0):
     return np.where(clamp, clamped, (words >> 1) | (words & 1))
 
 
-HALF_OF = "clamp ? {1} : (({0} >>> 1) | $signed({{1'b0, {0}[0]}}))"
 """The same in Verilog."""
 
 
@@ -98,12 +97,12 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
         within=REACHABLE,
     )  # fmt: skip
 
-    r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b, exact="d1 + d2")
-    d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b, exact="d1 - d2")
+    r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b)
+    d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b)
     for name, word in (("x_sq", x), ("y_sq", y), ("z_sq", z), ("r_sq", r_raw), ("d_sq", d_raw)):
         d.op(name, (word,), exact, "mul", lambda a: a.astype(object) ** 2)
-    d.op("xy_sq", ("x_sq", "y_sq"), exact, "mux", lambda a, b: a + b, exact="x_sq + y_sq")
-    d.op("s_raw", ("xy_sq", "z_sq"), exact, "mux", lambda a, b: a + b, exact="xy_sq + z_sq_at_xy_sq")
+    d.op("xy_sq", ("x_sq", "y_sq"), exact, "mux", lambda a, b: a + b)
+    d.op("s_raw", ("xy_sq", "z_sq"), exact, "mux", lambda a, b: a + b)
     far, near = ("s_raw", "r_sq", "bad_length"), ("s_raw", "d_sq", "bad_length")
     d.op("too_far", far, d.bit, "mux", lambda s, r, bad: (s > r).astype(bool) & ~bad, within=REACHABLE)
     d.op("too_near", near, d.bit, "mux", lambda s, q, bad: (s < q).astype(bool) & ~bad, within=REACHABLE)
@@ -134,13 +133,13 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
         d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=ARM_SH)
         d.op(
             name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM,
-            within=ARM, exact=HALF_OF.format(f"{name}_sh_at_clamp", "(1 <<< (W - 3))"),
+            within=ARM,
         )  # fmt: skip
     for axis, raw in (("x", x), ("y", y), ("z", z)):
         d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=IN_REACH_SH)
         d.op(
             f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM,
-            within=IN_REACH, exact=HALF_OF.format(f"p_a_{axis}_sh_at_clamp", "0"),
+            within=IN_REACH,
         )  # fmt: skip
     # d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder could
     # come to lie out of their reach.
@@ -148,12 +147,12 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1), within=NOT_NEAR_SH)
     d.op(
         "d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR,
-        within=NOT_NEAR, exact="clamp ? 0 : (d_dif_sh_at_clamp >>> 1)",
+        within=NOT_NEAR,
     )  # fmt: skip
     # How much finer the target's own unit is than the arms': p_w = 2^j p_a.
     d.op(
         "scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1),
-        within=Given("target's unit", lambda c: c.j), exact="clamp ? 2 : (lz_p_at_clamp - lz_r_at_clamp + 1)",
+        within=Given("target's unit", lambda c: c.j),
     )  # fmt: skip
 
 
@@ -298,7 +297,7 @@ def elbow(d: Domain) -> None:
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
     d.op(
         "d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, lambda a, b: a + b,
-        within=ARMS, grows=SUM, exact="d_1 + d_2",
+        within=ARMS, grows=SUM,
     )  # fmt: skip
     d.op(
         "s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, lambda a, j: a * 2.0**-j, FLOOR,
@@ -352,12 +351,10 @@ def elbow(d: Domain) -> None:
             f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
             lambda q, t, c, a, cut=cut: np.where(c, np.where(a, -1, 1) * (t >> 2 + cut << cut), q),
             lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), (JAM[0] * 2**cut, JAM[1] * 2**cut),
-            grows=Growth(ulps=2**cut), exact=f"!clamp_at_e_x_quo ? e_{axis}_quo"
-            f" : away_at_e_x_quo ? -(p_w_{axis}_at_e_x_quo >>> 2) : (p_w_{axis}_at_e_x_quo >>> 2)",
+            grows=Growth(ulps=2**cut),
         )  # fmt: skip
     # (15) needs the length of the upper arm in the scale of p_e.
     d.op(
         "d_e", ("d_1", "l_sw", "clamp"), d.word(1), "mux",
         lambda a, b, c: np.where(c, b >> 1, a >> 1), lambda a, b, c: np.where(c, b / 2, a), FLOOR,
-        exact="clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1)",
     )  # fmt: skip

@@ -60,13 +60,13 @@ def elbow_quaternion(d: Domain) -> None:
     d.op(
         "c4", ("c4_quo", "clamp", "fold"), d.word(1), "mux",
         lambda q, c, f: np.where(c, np.where(f, one, -one), q), lambda q, c, f: np.where(c, np.where(f, 1.0, -1.0), q),
-        grows=SAME, exact="!clamp_at_c4_quo ? c4_quo : fold_at_c4_quo ? (1 <<< (W - 2)) : -(1 <<< (W - 2))",
+        grows=SAME,
     )  # fmt: skip
     _half(d, "h4_p", "c4", +1)
     _half(d, "h4_m", "c4", -1)
     d.root("qe_w", n["h4_p"], d.word(1))
     d.root("qe_abs", n["h4_m"], d.word(1))
-    d.op("qe_i", ("qe_abs",), d.word(1), "mux", lambda a: -a, lambda a: -a, grows=SAME, exact="-qe_abs")
+    d.op("qe_i", ("qe_abs",), d.word(1), "mux", lambda a: -a, lambda a: -a, grows=SAME)
 
 
 def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
@@ -95,7 +95,6 @@ TURN = Rule("unit vectors", "components of a vector of length 1", upto(lambda c:
 ALL_UPPER_ARM = Limited(
     "of an arm that is all upper arm, d1 + |p_ez| may be rounded to 2, and is limited to the largest word"
 )
-H = "(wide + d_e_at_p_e_z + (p_e_z < 0 ? -p_e_z : p_e_z))"  # the sum of two registers
 
 
 def rotate_to_elbow(d: Domain) -> None:
@@ -114,22 +113,17 @@ def rotate_to_elbow(d: Domain) -> None:
     limited, free = lambda a, z: np.minimum(a + abs(z), top), lambda a, z: a + abs(z)
     h = d.op(
         "h", ("d_e", "p_e_z"), d.word(1), "sum2", limited, free, grows=SUM, limited=ALL_UPPER_ARM,
-        exact=f"{H} < (1 <<< (W - 1)) ? {H} : (1 <<< (W - 1)) - 1",
     )  # fmt: skip
     d.mul("uh_x", n["u_x"], h, d.word(1))
     d.mul("uh_y", n["u_y"], h, d.word(1))
     d.mul("uu_x", n["u_x"], p_x, d.wide(1), within=ELBOW_SAME)
     d.mul("uu_y", n["u_y"], p_y, d.wide(1), within=ELBOW_SAME)
     d.sum("uu", n["uu_x"], n["uu_y"], fmt=d.word(1), within=ELBOW_UNIT)
-    for axis, low, high, exact in (
-        ("x", "uh_x", p_x, "below_at_uh_x ? uh_x : p_e_x_at_uh_x"),
-        ("y", "uh_y", p_y, "below_at_uh_x ? uh_y : p_e_y_at_uh_x"),
-        ("z", "uu", h, "below_at_uu ? uu : h_at_uu"),
-    ):
+    for axis, low, high in (("x", "uh_x", p_x), ("y", "uh_y", p_y), ("z", "uu", h)):
         d.op(
             f"m_{axis}", ("p_e_z", low, high), d.word(1), "mux",
             lambda z, a, b: np.where(z < 0, a, b), lambda z, a, b: np.where(z < 0, a, b),
-            grows=SAME, exact=exact,
+            grows=SAME,
         )  # fmt: skip
     d.normalize(("l_m_z", "l_m_x", "l_m_y"), (n["m_z"], n["m_x"], n["m_y"]), "lz_m", within=MANTISSA)
     for a in "xyz":
@@ -189,7 +183,6 @@ def rotate_to_wrist(d: Domain) -> None:
             lambda p, c, f, b: np.where(f, np.where(b, c, -c), p),
             lambda p, c, f, b: np.where(f, np.where(b, c, -c) / 8, p),
             grows=Growth((1.0, 1 / 8, 0.0, 0.0), exact=True),
-            exact=f"!flat ? p_w_{a}_at_flat : back_at_flat ? pp_{m}_m_at_flat : -pp_{m}_m_at_flat",
         )  # fmt: skip
     d.mul("sg_r", n["side_x"], n["r_x"], d.wide(1))
     d.mul("sg_y", q_j, n["side_y"], d.wide(1))
@@ -205,7 +198,7 @@ def rotate_to_wrist(d: Domain) -> None:
     # 0 counts as positive: both signs are right there.
     q3_k = d.op(
         "q3_k", ("q3_abs", "sign"), d.word(1), "mux", signed, signed,
-        grows=SAME, exact="negative_at_q3_abs ? -q3_abs : q3_abs",
+        grows=SAME,
     )  # fmt: skip
 
     d.at(equation="(18)")

@@ -15,6 +15,7 @@ import itertools
 import re
 from collections.abc import Callable
 from fractions import Fraction
+from inspect import isfunction
 
 import numpy as np
 
@@ -32,11 +33,7 @@ from model.dataflow.lean_words import (
     Result,
     Shift,
     Turned,
-    plus,
-    square,
-    times,
 )
-from model.dataflow.lean_words import minus as less
 from model.dataflow.nodes import Domain, Format, Node
 from model.io.words import ARMS
 
@@ -67,6 +64,24 @@ def real_formula(facts: list[str], goal: str, bits: Callable[[str], bool] = lamb
     names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
     lines = [f"(declare-const {name} {'Bool' if bits(name) else 'Real'})" for name in names]
     return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
+
+
+class Term(str):
+    """A real term: runs the dataflow's functions and returns the formula of their result."""
+
+    __slots__ = ()
+
+    def astype(self, kind):
+        return self
+
+    def __add__(self, other):
+        return Term(f"(+ {self!s} {other!s})")
+
+    def __sub__(self, other):
+        return Term(f"(- {self!s} {other!s})")
+
+    def __mul__(self, other):
+        return Term(f"(* {self!s} {other!s})")
 
 
 class UnknownOperationError(Exception):
@@ -182,11 +197,8 @@ class Exact(Domain):
             self._is(name, *self._choice(name, operands, names, bits))
 
     def _choice(self, name: str, operands: tuple[Node, ...], names: list[str], bits: Callable) -> list[str]:
-        if bits in (plus, less, times):
-            operator = {plus: "+", less: "-", times: "*"}[bits]
-            return [f"(= {name} ({operator} {names[0]} {names[1]}))"]
-        if bits is square:
-            return [f"(= {name} (* {names[0]} {names[0]}))"]
+        if isfunction(bits):
+            return [f"(= {name} {bits(*map(Term, names))})"]
         if isinstance(bits, Limit):
             return [f"(= {name} {names[0]})"]
         if isinstance(bits, Mantissa):
