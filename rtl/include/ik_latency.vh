@@ -2,7 +2,7 @@
 // Written by `python -m scripts.generate.headers` from model/dataflow/paper.py and model/dataflow/lean.py; do not edit.
 
 // For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,
-// which does not look at the tile.
+// which ignores the tile.
 
 function integer datapath_latency(input integer lean, input integer w, input integer tile);
   begin

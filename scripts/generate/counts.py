@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The operations of a dataflow, counted: nodes by the unit that computes them, and sums by their + and -."""
+"""Count the operations of a dataflow: nodes by the unit that computes them, sums by their + and -."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from model.dataflow.nodes import Latency
 WIDTH = 32
 
 VECTORS = ("norm", "sincos", "trig")
-"""Units that give several results at once."""
+"""Units with several results."""
 
 
 class _Counted(np.ndarray):
-    """Words that count the + and - done with them."""
+    """Words that count the + and - applied to them."""
 
     done: Counter = Counter()
 
@@ -29,7 +29,7 @@ class _Counted(np.ndarray):
 
 
 class _Counting(fixed.Bits):
-    """Runs the dataflow and keeps for every choice how many + and - it does with words."""
+    """Dataflow run that records the + and - of every choice."""
 
     def __init__(self, width: int) -> None:
         super().__init__(width)
@@ -43,14 +43,14 @@ class _Counting(fixed.Bits):
 
 
 def counted_run(flow: Callable, width: int = WIDTH) -> tuple[fixed.Bits, Counter]:
-    """The dataflow after a run, and for every choice how many + and - it does."""
+    """Run a dataflow; return it and the number of + and - of every choice."""
     d = _Counting(width)
     flow(d, d.inputs(lambda name, fmt: np.array([1 << (width - 3)])))
     return d, d.additions
 
 
 def operations(flow: Callable) -> dict[str, Counter]:
-    """Section -> how many of each unit, a kind of `Latency.TABLE`, and how many ``additions``.
+    """Return for each section the number of each unit, a kind of `Latency.TABLE`, and of ``additions``.
 
     A + or - is an addition where a sum is rounded or exact, not inside of another unit, such as the rounding of a
     product or a shift's count.  ``exact`` are products of the flags, which are also counted as what they are.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A dataflow as a graph: its nodes after a run, what leads to one of them, the longest path, the words that wait.
+"""A dataflow as a graph: its nodes after a run, the cone of a node, the longest path, balancing delays.
 
-What the pages and pictures are drawn from.  Formats and clocks do not depend on the target of the run.
+Pages and pictures are drawn from it. Formats and clocks do not depend on the target of the run.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ KINDS = {
     "input": "input", "mul": "product", "add": "sum", "div": "division", "root": "root", "sincos": "sine, cosine",
     "scale": "shift", "choose": "choice",
 }  # fmt: skip
-"""Kinds of operations, and their names."""
+"""Kind of operation -> its name."""
 
 KIND_OF = {
     "mul": "mul", "mul3": "mul", "mul3_far": "mul", "square": "mul", "product": "mul",
@@ -32,24 +32,24 @@ FLAGS = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length")
 
 
 def design(datapath: str, width: int = WIDTH) -> dict[str, Node]:
-    """The nodes of a datapath; a choice that adds words is a sum."""
+    """Return the nodes of a datapath; a choice that adds words counts as a sum."""
     bits, additions = counted_run(DATAPATHS[datapath].flow, width)
     exact = {n for n, v in bits.nodes.items() if v.latency == "mux" and additions[n]}
     return {n: replace(v, op="sum") if n in exact else v for n, v in bits.nodes.items()}
 
 
 def kind(node: Node) -> str:
-    """The kind of a node's operation, a key of ``KINDS``."""
+    """Return the kind of a node's operation, a key of ``KINDS``."""
     return {"input": "input", "sum": "add"}.get(node.op) or KIND_OF[node.latency]
 
 
 def start(node: Node, width: int = WIDTH) -> int:
-    """The clock in which the node's operands are taken."""
+    """Return the clock in which the node's operands are taken."""
     return node.time - (Latency(width)[node.latency] if node.latency else 0)
 
 
 def operands(node: Node, nodes: Mapping[str, Node]) -> list[str]:
-    """Names of the operands that are among ``nodes``, each once."""
+    """Return the names of the operands that are in ``nodes``, each once."""
     return list(dict.fromkeys(o.name for o in node.operands if o.name in nodes))
 
 
@@ -63,17 +63,17 @@ class Delay:
 
     @property
     def clocks(self) -> int:
-        """How long the word waits."""
+        """Clocks that the word waits."""
         return self.end - self.begin
 
     @property
     def flip_flops(self) -> int:
-        """Bits that the delay takes."""
+        """Flip-flops of the delay."""
         return self.clocks * self.bits
 
 
 def check(nodes: Mapping[str, Node], width: int = WIDTH) -> None:
-    """ValueError, which names the node, for one without a format, one that nobody makes, or a negative delay."""
+    """Raise ValueError with the node's name for a missing format, a missing operand or a negative delay."""
     for node in nodes.values():
         if not isinstance(node.format, Format):
             raise ValueError(f"node {node.name}: no format")
@@ -90,7 +90,7 @@ def check(nodes: Mapping[str, Node], width: int = WIDTH) -> None:
 
 
 def delays(nodes: Mapping[str, Node], width: int = WIDTH, out: int | None = None) -> dict[str, Delay]:
-    """The balancing delay behind every node that has one; results wait for the clock ``out`` in which all leave."""
+    """Return the balancing delay after every node that has one; results wait for clock ``out``, in which all leave."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for o in node.operands:
@@ -103,7 +103,7 @@ def delays(nodes: Mapping[str, Node], width: int = WIDTH, out: int | None = None
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """What leads to node ``name``.  KeyError for an unknown name."""
+    """Return the nodes that lead to node ``name``. KeyError for an unknown name."""
     if name not in nodes:
         raise KeyError(f"no node {name}; results are {', '.join(RESULT_FIELDS)}")
     wanted, todo = set(), [name]
@@ -116,7 +116,7 @@ def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
 
 
 def part(nodes: Mapping[str, Node], *, section: str | None = None, equation: str | None = None) -> dict[str, Node]:
-    """The nodes of a section or of an equation, and those that go into them, which are left without operands."""
+    """Return the nodes of a section or equation and their operands, which keep no operands of their own."""
     inside = {n for n, v in nodes.items() if section in (None, v.section) and equation in (None, v.equation)}
     around = {o.name for n in inside for o in nodes[n].operands if o.name} - inside
     return {
@@ -127,7 +127,7 @@ def part(nodes: Mapping[str, Node], *, section: str | None = None, equation: str
 
 
 def longest_path(nodes: Mapping[str, Node]) -> list[Node]:
-    """From an input to the last result: of the operands that an operation waits for, the one that comes last."""
+    """Return the nodes from an input to the last result, each the latest operand of the next."""
     path = [max(nodes.values(), key=lambda n: n.time)]
     while before := [o for o in (*path[-1].operands, path[-1].after) if o and o.name in nodes]:
         path.append(nodes[max(before, key=lambda n: n.time).name])
@@ -135,7 +135,7 @@ def longest_path(nodes: Mapping[str, Node]) -> list[Node]:
 
 
 def q(fmt: Format) -> str:
-    """Q i.f: integer bits without the sign, fraction bits; U for words without a sign."""
+    """Return a format as Q i.f: integer bits without the sign, fraction bits; U for unsigned words."""
     if fmt.width == 1:
         return "bit"
     if not fmt.signed:
@@ -144,7 +144,7 @@ def q(fmt: Format) -> str:
 
 
 def declared(fmt: Format) -> str:
-    """The range of a format."""
+    """Return the range of a format as text."""
     if not fmt.signed:
         return "0, 1" if fmt.width == 1 else f"[0, {_power(fmt.width - fmt.frac)})"
     top = _power(fmt.width - 1 - fmt.frac)
@@ -156,7 +156,7 @@ def _power(i: int) -> str:
 
 
 def tip(node: Node, width: int = WIDTH) -> str:
-    """A node in a line: operation, operands, format, clocks."""
+    """Describe a node in a line: operation, operands, format, clocks."""
     names = ", ".join(o.name or "constant" for o in node.operands)
     what = f"{node.name} {node.equation}".strip() + f": {KINDS[kind(node)]}" + (f" of {names}" if names else "")
     clocks = f"clocks {start(node, width)} to {node.time}" if node.latency else f"clock {node.time}"

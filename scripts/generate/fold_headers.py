@@ -119,7 +119,7 @@ FORMS = (cores.LONG, trig.LONG), (cores.SMALL, trig.SMALL)
 
 
 def _numbers(root: Form, sine: Form) -> dict[str, int]:
-    """What the machine needs of two forms in one table.  The sine's sum is in the double window: its c0 counts half."""
+    """Return the numbers of two forms that share one table. The sine's c0 counts half: its window is double."""
     frac = sine.c_frac[0] + 1
     assert root.c_frac[1:] == sine.c_frac[1:] and root.slope_frac == sine.slope_frac and root.c_frac[0] < frac
     drop = {
@@ -179,7 +179,7 @@ def table() -> str:
 
 
 def _range(node: Node) -> str:
-    """Of a node's word; none of a bit."""
+    """Return the sign extension of a node's word; empty for a bit."""
     name, sign, number = re.fullmatch(r"(.*?)(?: ([+-]) (\d+))?", node.format.frac_expr).groups()
     more = int(f"{sign or '+'}{number or 0}") + node.format.width - node.format.frac - 1
     if name == "0":

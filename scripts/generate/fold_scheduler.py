@@ -30,14 +30,14 @@ except ImportError:
     cp_model = None
 
 WIDTH = 24
-"""Any: the steps are the same."""
+"""Word length of the steps; they are the same at every width."""
 
 LATENCY = 140
-"""Clocks that a target may take."""
+"""Largest latency of a target, in clocks."""
 
 
 class NoScheduleError(Exception):
-    """It is proved that there is none."""
+    """No schedule exists."""
 
 
 class _Problem:
@@ -84,7 +84,7 @@ class _Problem:
         self.model.add_no_overlap(intervals)
 
     def _words(self) -> None:
-        """Read after they are written, and before the next target writes them."""
+        """Words are read after they are written and before the next target writes them."""
         written = {name: [clock] for name, clock in self.loads.items()}
         for start, placed in self.placed:
             for use in timing.word_writes(placed):
@@ -96,7 +96,7 @@ class _Problem:
                     self.model.add(start + use.at < write + self.period)
 
     def _flags(self) -> None:
-        """The same of flags and counts, which are registers."""
+        """Constrain flags and counts, which are registers, likewise."""
         self.set_at: dict[str, list] = {"phi<0": [self.loads["phi"]]}
         for start, placed in self.placed:
             for use in timing.flag_sets(placed):
@@ -131,7 +131,7 @@ class _Problem:
 
 
 def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | None:
-    """The schedule of least latency found in the time; None if none was.
+    """Return the schedule of least latency found within the time, or None.
 
     Raises :class:`NoScheduleError` if there is none.
     """
@@ -148,7 +148,7 @@ def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | Non
 
 @command("schedule")
 def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; the exit status."""
+    """Run the command line and return the exit status."""
     parser = Parser("schedule", "Schedule the folded machine.", fails="no schedule was found")
     parser.add_argument("--period", type=whole(1), default=88, metavar="CLOCKS", help="of a lap (default: %(default)s)")
     parser.add_argument("--seconds", type=whole(1), default=240, metavar="N", help="to search (default: %(default)s)")

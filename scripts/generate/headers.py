@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the Verilog headers that Python is the source of: node formats and clocks, and the CORDIC's table.
+"""Write the Verilog headers that Python generates: node formats and clocks, tables, the folded core's program.
 
     python -m scripts.generate.headers           writes the headers that are out of date
     python -m scripts.generate.headers --check   only names them, and exits with 1 if there are any
@@ -33,13 +33,13 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 
 
 def traced(datapath: str) -> dict[int, Bits]:
-    """A dataflow at every width, run on one target: formats and clocks do not depend on the target."""
+    """Run a dataflow at every width on one target; formats and clocks do not depend on the target."""
     one = {w: 1 << (w - 3) for w in CONFIGURATIONS[datapath].widths}
     return {w: run(np.array([[d, 0, 0, 0, d, d]]), w, datapath).bits for w, d in one.items()}
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
-    """The T_ of the operand that is ready last; where that depends on the width, the larger of them."""
+    """Return the T_ of the operand that is ready last; if that depends on the width, the larger of two."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
@@ -119,7 +119,7 @@ def latency_header() -> str:
             cases.append(f"      {key + width}: datapath_latency = {clocks};")
     return f"""{NOTE.format(source="model/dataflow/paper.py and model/dataflow/lean.py")}
 // For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,
-// which does not look at the tile.
+// which ignores the tile.
 
 function integer datapath_latency(input integer lean, input integer w, input integer tile);
   begin
@@ -200,7 +200,7 @@ endgenerate
 
 
 def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
-    """What ``ik_quadratic`` and the module around it need of a form."""
+    """Return the parameters of a form for ``ik_quadratic`` and the module around it."""
     c2 = len(form.c_frac) > 2
     u_frac = form.u_frac - form.u_low
     return {
@@ -216,7 +216,7 @@ def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
 
 
 def rom(form: Form, table: Sequence[tuple]) -> str:
-    """Its rows, without the bits of c0 above its word."""
+    """Return the rows of the ROM, without the bits of c0 above its word."""
     bits = sum(form.c_bits)
     lines = []
     for i, row in enumerate(table):
@@ -265,7 +265,7 @@ HEADERS = {
 
 
 def stale() -> list[Path]:
-    """The headers whose file does not say what the model says."""
+    """Return the headers that differ from the model."""
     return [path for path, text in HEADERS.items() if not path.exists() or path.read_text() != text()]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How quick ik_axi is, measured in the RTL on buses of 32, 64 and 128 bits: memory.md.
+"""Clocks and bandwidth of ik_axi, measured in the RTL on buses of 32, 64 and 128 bits: memory.md.
 
     python -m scripts.generate.memory [--sim icarus|verilator]
 """
@@ -23,7 +23,7 @@ BUSES = (32, 64, 128)
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """A row for each latency, or for one, as tb/axi/rates.py writes them. Raises SimulationError."""
+    """Return a row for each latency, or for one, as tb/axi/rates.py writes it. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generated pages, read back: for tests, and for what checks that a page is fresh."""
+"""Read generated pages back, to check that they are current."""
 
 import re
 
 
 def table(text, heading):
-    """Rows of the table whose first column is called `heading`."""
+    """Return the rows of the table whose first column is `heading`."""
     lines = text.splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
     rows = []
@@ -18,11 +18,11 @@ def table(text, heading):
 
 NUMBER = re.compile(r"-?\b\d+\.?\d*(?:e[-+]?\d+)?\b")
 SAME_FIGURE = 0.06
-"""A figure of two digits may be rounded the other way where a processor's sines differ in the last place."""
+"""Tolerance: a processor's sines may differ in the last place and round a two-digit figure the other way."""
 
 
 def differing(text: str, fresh: str) -> list[str]:
-    """The lines of a page that differ from those just made, figures compared to two digits."""
+    """Return the lines of a page that differ from fresh ones, comparing figures to two digits."""
     old, new = text.splitlines(), fresh.splitlines()
     wrong = [] if len(old) == len(new) else [f"the page has {len(old)} lines, just made {len(new)}"]
     for a, b in zip(old, new, strict=False):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make docs: scores of all trajectories, where every clock goes, pictures of the arm and of the pipelines.
+"""Pages of scores and latency, pictures of the pipelines (make docs).
 
     python -m scripts.generate.pages [--sim icarus|verilator]     runs all trajectories through the RTL, then writes
 """
@@ -20,7 +20,7 @@ from model.io import trajectories
 from model.io.stimuli import REGIONS
 from scripts import run
 from scripts.console import Parser, command
-from scripts.generate import accuracy, arm
+from scripts.generate import accuracy
 from scripts.generate.flow import design, longest_path, start
 from scripts.generate.pipeline import pipeline_svg
 from scripts.generate.render import render
@@ -44,7 +44,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def latency_page() -> str:
-    """latency.md."""
+    """Return latency.md."""
     paths = []
     for datapath, width in (("lean", 32), ("lean", 18), ("paper", 32)):
         path = [node for node in longest_path(design(datapath, width)) if node.latency]
@@ -59,9 +59,8 @@ def latency_page() -> str:
 
 
 def pages() -> dict[Path, str]:
-    """What needs no run: file -> text."""
+    """Return the files that need no simulation: path -> text."""
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}
-    pictures |= {GENERATED / "arm.svg": arm.picture(), GENERATED / "frame.svg": arm.frame_picture()}
     return {GENERATED / "latency.md": latency_page(), **pictures}
 
 

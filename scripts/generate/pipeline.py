@@ -31,7 +31,7 @@ Bar = tuple[str, int, int, list[str]]
 
 
 def bars(nodes: Iterable[Node], width: int = WIDTH) -> list[Bar]:
-    """What works when, by kind; a choice that takes no clock is wiring and left out."""
+    """Group operations by kind and clocks; a choice that takes no clock is wiring and is left out."""
 
     def key(node: Node) -> tuple[str, int, int]:
         return kind(node), start(node, width), node.time
@@ -41,7 +41,7 @@ def bars(nodes: Iterable[Node], width: int = WIDTH) -> list[Bar]:
 
 
 def lanes(of: Iterable[Bar]) -> list[list[Bar]]:
-    """The bars in as few lanes as it takes, kind by kind in the order of ``COLOURS``, none over another."""
+    """Place bars in lanes without overlap, kind by kind in the order of ``COLOURS``."""
     found: list[list[Bar]] = []
     order = list(COLOURS)
     for bar in sorted(of, key=lambda bar: (order.index(bar[0]), bar[1], bar[2])):
@@ -54,7 +54,7 @@ def lanes(of: Iterable[Bar]) -> list[list[Bar]]:
 
 
 def pipeline_svg(datapath: str, width: int = WIDTH) -> str:
-    """pipeline-<datapath>.svg: clocks from the one in which a target is admitted to that of its result at `ik_axis`."""
+    """Return pipeline-<datapath>.svg: every clock from admission of a target to its result at `ik_axis`."""
     nodes = design(datapath, width).values()
     ready = max(node.time for node in nodes)
     total = ready + FIFO_CLOCKS

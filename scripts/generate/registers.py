@@ -72,7 +72,7 @@ def _access(field: FieldNode) -> str:
 
 
 def description(path: Path = SOURCE) -> dict:
-    """What the templates get: the text, the registers and the codes of errors, (name, number, text)."""
+    """Return the text, the registers and the error codes (name, number, text) for the templates."""
     compiler = RDLCompiler()
     compiler.compile_file(str(path))
     top = compiler.elaborate().top
@@ -105,7 +105,7 @@ def texts(source: Path = SOURCE) -> dict[Path, str]:
 
 
 def stale(source: Path = SOURCE) -> list[Path]:
-    """The files that do not say what the description says."""
+    """Return the files that differ from the description."""
     return [path for path, text in texts(source).items() if not path.exists() or path.read_text() != text]
 
 

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generated pages: their templates, their tables and their pictures."""
+"""Templates and tables of the generated pages."""
 
 from __future__ import annotations
 
-import functools
-import io
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,18 +19,18 @@ TEMPLATES = Environment(
 
 
 def row(cells: Iterable[Any]) -> str:
-    """A row of a table."""
+    """Format a row of a table."""
     return f"| {' | '.join(map(str, cells))} |"
 
 
 def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> str:
-    """A table, its first ``left`` columns to the left and the others, figures, to the right."""
+    """Format a table; the first ``left`` columns are left-aligned, the others right-aligned."""
     line = ["---"] * left + ["--:"] * (len(head) - left)
     return "\n".join(map(row, (head, line, *rows)))
 
 
 def error(value: float | None) -> str:
-    """An error in a table, which None is where nothing was measured."""
+    """Format an error for a table; None means not measured."""
     return "-" if value is None else f"{value:.1e}"
 
 
@@ -41,25 +39,5 @@ TEMPLATES.globals |= {"table": table}
 
 
 def render(name: str, **values: Any) -> str:
-    """The page of ``templates/<name>.md.j2``, or of a name with another suffix; a missing value is an error."""
+    """Render ``templates/<name>.md.j2``, or ``<name>.j2`` if the name has a suffix; a missing value is an error."""
     return TEMPLATES.get_template(f"{name}.j2" if "." in name else f"{name}.md.j2").render(values)
-
-
-def svg(paint: Callable) -> Callable[..., bytes]:
-    """Of ``paint(pyplot, ...)``, which returns a figure: the same that returns an SVG, of the same bytes every time."""
-
-    @functools.wraps(paint)
-    def painted(*arguments: Any) -> bytes:
-        import matplotlib
-
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-
-        style = {"svg.hashsalt": "cga-ik", "svg.fonttype": "path", "font.family": "DejaVu Sans", "font.size": 10}
-        with matplotlib.rc_context(style):
-            figure, out = paint(plt, *arguments), io.BytesIO()
-            figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-            plt.close(figure)
-        return out.getvalue()
-
-    return painted

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 again: the operations of equations (10)-(19) and of the elaborated RTL, counted; operations.md.
+"""Table 4 of the paper: operations of equations (10)-(19) and of the elaborated RTL; operations.md.
 
-Expressions are those of model/reference/printed.py.  The RTL is elaborated by Verilator (``--json-only``), and the
-instances and the written + and - in the tree that it gives are counted; nothing is simulated or compiled.
+Expressions come from model/reference/printed.py. Verilator elaborates the RTL (``--json-only``); instances and written
++ and - in its tree are counted. Nothing is simulated or compiled.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
 
 
 def count(expression: sympy.Expr) -> Ops:
-    """The operations of one expression tree, nothing shared."""
+    """Count the operations of an expression tree, nothing shared."""
     if expression.is_Symbol or expression.is_Number:
         return Ops()
     inside = sum((count(a) for a in expression.args), Ops()) if not expression.is_Mul else Ops()
@@ -108,12 +108,12 @@ def _power(base: sympy.Expr, exponent: sympy.Expr) -> Ops:
 
 
 def total(expressions: Iterable[sympy.Expr]) -> Ops:
-    """The operations of several expressions, nothing shared between them."""
+    """Count the operations of several expressions, nothing shared between them."""
     return sum((count(e) for e in expressions), Ops())
 
 
 def shared(lines: dict[str, sympy.Expr]) -> Ops:
-    """The operations after ``sympy.cse`` over all lines at once."""
+    """Count the operations after ``sympy.cse`` over all lines at once."""
     names = sympy.numbered_symbols("shared_")
     trees = [e.doit() for e in lines.values()]
     common, rest = sympy.cse(trees, symbols=names, optimizations="basic", order="canonical")
@@ -145,7 +145,7 @@ def lines_with_19() -> dict[str, sympy.Expr]:
 
 
 def savings() -> dict[str, tuple[Ops, Ops, str]]:
-    """What of (12) and (13) has changed with (19): its operations before and after, and what section 4.2 says of it."""
+    """Return the parts of (12) and (13) that (19) changes: operations before and after, claim of section 4.2."""
     before, after, lines = printed_lines("(12)", "(13)"), printed_lines("(19)"), lines_with_19()
     six = {n: e for n, e in before.items() if n[-1] in "45"}
     elbow = [n for n in before if n.startswith("p_e_")]
@@ -198,7 +198,7 @@ def _parameter(module: dict, name: str) -> int:
 
 
 LIBRARY = ("ik_mul", "ik_sum2", "ik_sum3", "ik_half", "ik_div", "ik_root", "ik_sincos", "ik_norm", "ik_lzc", "ik_shift")
-"""What sections are made of.  Of what is inside one of these only the delays of its operands are counted."""
+"""Modules of which sections consist. Inside them only the delays of operands are counted."""
 
 
 def _operand_bits(operator: dict, by_address: dict[str, dict]) -> int:
@@ -240,8 +240,8 @@ def rtl_counts(root: Path = ROOT) -> dict[str, Counter]:
 
 
 def operators(modules: list[dict]) -> Counter:
-    """The ``add`` and ``mul`` that all instances below the top do in every clock: not those of constants, of functions
-    and of initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation for
+    """Count the ``add`` and ``mul`` of all instances below the top, except in constants, functions and initial blocks,
+    which are tables. Verilator copies the right side of an assignment to a concatenation for
     each of its parts: what stands in one place of one generate block is one operator."""
     by_address = {m["addr"]: m for m in modules}
     kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
@@ -274,7 +274,7 @@ def operators(modules: list[dict]) -> Counter:
 
 
 def rtl_ops(c: Counter) -> Ops:
-    """A section's instances as operations."""
+    """Convert a section's instances to operations."""
     return Ops(
         add=c["ik_sum2"] + 2 * c["ik_sum3"] + c["ik_half"] + c["operator"],
         mul=c["ik_mul"],
@@ -285,7 +285,7 @@ def rtl_ops(c: Counter) -> Ops:
 
 
 def differences(rtl: dict[str, Counter], flow: dict[str, Counter]) -> list[str]:
-    """Where the elaborated RTL does not have the operations of the dataflow, one line each."""
+    """Return a line for each difference between the operations of the elaborated RTL and of the dataflow."""
     found = []
     for section in SECTIONS:
         a, b = Counter(rtl[section]), flow.get(section, Counter())
@@ -306,7 +306,7 @@ def _bullet(text: str) -> str:
 
 
 def operators_at_once() -> dict[str, dict[str, int]]:
-    """Datapath, with dividers and roots made of rows -> its operators and its clocks."""
+    """Return operators and clocks of each datapath, with dividers and roots built from rows."""
     found = {}
     for datapath, top in (("paper", "ik_paper"), ("lean", "ik_lean")):
         digit = {"DIGIT": 1} if datapath == "paper" else {}
@@ -315,7 +315,7 @@ def operators_at_once() -> dict[str, dict[str, int]]:
 
 
 def page(rtl: dict[str, Counter]) -> str:
-    """operations.md."""
+    """Return operations.md."""
     lines, lines_19 = printed_lines(), lines_with_19()
     ops = {s: rtl_ops(c) for s, c in rtl.items()}
     print_ = total(lines.values())

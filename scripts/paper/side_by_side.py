@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Machines beside tables 5 and 6 of the paper: what `make run` prints of several on one trajectory."""
+"""Several datapaths on one trajectory, compared with tables 5 and 6 of the paper; printed by `make run`."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ SAID = {
 """Table 5 of the paper; the rows of table 6 follow it."""
 
 SOURCES = (
-    f"LUT4, multipliers (the {tables.CHIP} has {tables.CHIP_MULTIPLIERS}) and clock are those of `make fpga`, "
+    f"LUT4, multipliers (the {tables.CHIP} has {tables.CHIP_MULTIPLIERS}) and clock are from `make fpga`, "
     "docs/generated/fpga.md; clocks and errors were counted in this run. The paper's software takes "
     f"{tables.SOFTWARE_US:.0f} us for {tables.TARGETS} targets."
 )
 
 
 def _said(targets: int) -> dict[str, str]:
-    """Tables 5 and 6 of the paper, the times for so many targets."""
+    """Return tables 5 and 6 of the paper, with times for a number of targets."""
     total = tables.FIRST_US + targets / tables.MHZ
     return SAID | {FIRST: f"{tables.FIRST_US:g}", ALL: f"{total:g}", TIMES: _times(targets, total)}
 
@@ -48,12 +48,12 @@ def _times(targets: int, us: float) -> str:
 
 
 def _small_chip(datapath: str) -> str:
-    """The chip that a folded machine is placed on."""
+    """Return the chip that a folded datapath is placed on."""
     return next((chip for chip, name, _ in FOLD if name == datapath), "")
 
 
 def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
-    """The same rows of a run and its figures; `data`: what `make fpga` has measured."""
+    """Return the same rows for a run. data: the figures of `make fpga`."""
     datapath, width = result.datapath, result.width
     mhz = synthesis = None
     if datapath in TOPS:
@@ -76,7 +76,7 @@ def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
 
 
 def table_beside_the_paper(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
-    """Runs of one trajectory by several datapaths, with their flag bits (N,), in columns beside the paper's figures."""
+    """Return a table of runs of one trajectory, with their flag bits (N,), next to the paper's figures."""
     first, data = done[0][0], json.loads(FIGURES.read_text(encoding="utf-8"))
     chips = {result.datapath: _small_chip(result.datapath) for result, _ in done}
     small = [f"{name}: {CHIPS[chip][1]} and clock of an {CHIPS[chip][0]}." for name, chip in chips.items() if chip]

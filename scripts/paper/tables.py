@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables 5 and 6 of the paper, and what its chip holds."""
+"""Figures of tables 5 and 6 of the paper, and the resources of its chip."""
 
 LUTS = 30_000
 MHZ = 100
@@ -9,7 +9,7 @@ LATENCY = 550
 TARGETS = 100
 FIRST_US = 5.0
 ALL_US = 6.0
-"""The pipeline, until the first result and until that of the last target."""
+"""Microseconds of the pipeline until the first and the last result."""
 SOFTWARE_US = 860.0
 
 CHIP = "2VP70"
@@ -19,5 +19,5 @@ CHIP_MULTIPLIERS = 328
 
 
 def of_chip(luts: int) -> str:
-    """Their part of the chip's LUTs."""
+    """Return LUTs as a percentage of the chip's."""
     return f"{luts / CHIP_LUTS:.0%}"

@@ -45,7 +45,7 @@ def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str,
     ("datapath", "header", "key"), [("lean", "lean", 100), ("lean16", "lean", 1100), ("paper", "paper", 0)]
 )
 def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
-    """At every word length the expressions evaluate to the clocks and fraction bits of the model."""
+    """Expressions evaluate to the model's clocks and fraction bits at every word length."""
     text = headers.nodes_header(header)
     latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latency_header()))
     runs = headers.traced(datapath)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""C header, Python constants and page of the registers say what their description says."""
+"""C header, Python constants, page and RTL of the registers agree with their description."""
 
 import re
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derives the lean dataflow from the paper's equations (10)-(18), with symbols, and writes docs/generated/lean.md.
+"""Derive the lean dataflow from the paper's equations (10)-(18), with symbols, and writes docs/generated/lean.md.
 
 The paper's side of every comparison is the table of model/reference/printed.py with the one edit that
 scripts/paper/derivation/paper.py proves to be needed. The lean side is the table of model/reference/lean_table.py; a

@@ -65,7 +65,7 @@ MATRIX = {
 
 @dataclass
 class Tables:
-    """What is compared. A test alters copies of it."""
+    """Tables that are compared. A test alters copies of them."""
 
     lean: dict = field(default_factory=lambda: copy.deepcopy(LEAN))
     half: dict = field(default_factory=lambda: copy.deepcopy(HALF))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a statement of docs/generated/lean.md is proved, and what its steps share."""
+"""Proof of a statement of docs/generated/lean.md, and functions that its steps share."""
 
 from __future__ import annotations
 
@@ -169,6 +169,6 @@ def turn(axis: str, c, s) -> sp.Matrix:
 
 
 def rotation_matrix(quaternion) -> sp.Matrix:
-    """Of Q v Q~ with a quaternion of any length, from the algebra."""
+    """Return the matrix of Q v Q~ for a quaternion of any length, from the algebra."""
     columns = [normal_vector(cga.rotate(cga.quaternion(*quaternion), e)) for e in (cga.e1, cga.e2, cga.e3)]
     return sp.Matrix([[sp.expand(sp.sympify(columns[n][m])) for n in range(3)] for m in range(3)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derives equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/generated/derivation.md.
+"""Derive equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/generated/derivation.md.
 
 The left side of every comparison is what the functions of model/reference/geometry.py return for symbols; the right
 side is PRINTED, the paper's equations as printed, typed once. The status is 1 when a verdict is not the one
@@ -29,7 +29,7 @@ def derive(printed: dict = PRINTED) -> list[Section]:
 
 
 def unexpected(sections: list[Section]) -> list[str]:
-    """What came out otherwise than is known of the paper. Empty if all is well."""
+    """Return the verdicts that differ from the expected ones."""
     found = []
     for section in sections:
         for row in section.rows:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a row of the paper's equations is proved or refuted."""
+"""Proof or refutation of a row of the paper's equations."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ EXPANSION = "expansion"
 
 @dataclass
 class Setting:
-    """What a step takes as given: polynomials that vanish, roots that have a name, and a point to refute with."""
+    """Assumptions of a step: polynomials that vanish, named roots, and a point to refute with."""
 
     relations: dict[str, sp.Expr] = field(default_factory=dict)  # LaTeX -> polynomial that is 0
     leading: str = ""  # names in order of elimination: makes the relations' leading terms coprime
     roots: dict[sp.Expr, sp.Expr] = field(default_factory=dict)  # a quantity >= 0 -> its square
     point: dict[str, object] = field(default_factory=dict)  # exact values for all symbols
-    foreign: dict[sp.Symbol, sp.Expr] = field(default_factory=dict)  # roots met that nobody expected
+    foreign: dict[sp.Symbol, sp.Expr] = field(default_factory=dict)  # unexpected roots
     plain: bool = False  # derived coefficients are shown factored but not reduced
     recognized: dict[str, None] = field(default_factory=dict)  # relations used to recognize roots, in order
 
@@ -127,7 +127,7 @@ def compare(setting: Setting, equation: str, name: str, derived, printed, factor
         method = EXPANSION + (f", modulo {', '.join(f'${cell(u)}$' for u in used)}" if used else "")
         return Row(equation, name, shape, "equal" if factor == 1 else "factor", method, sp.Integer(factor))
     value = setting.at_point(derived * factor - printed)
-    # Only a point can refute: a remainder alone could be a relation that the setting has not been told.
+    # Only a point can refute: a remainder alone could be a relation that the setting lacks.
     shown = value if value.is_Rational else sp.N(value, 6)
     method = "a point where they differ" if value != 0 else "undecided: a remainder, but equal at the point"
     spot = ", ".join(f"{TEX[k]} = {sp.latex(sp.sympify(v))}" for k, v in setting.point.items())
@@ -137,7 +137,7 @@ def compare(setting: Setting, equation: str, name: str, derived, printed, factor
 
 
 def radicand(expression, setting: Setting) -> sp.Expr:
-    """What is under the one square root of the expression, without an absolute value, positive at the point."""
+    """Return the radicand of the expression's one square root, without absolute value and positive at the point."""
     found = {p.base for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2}
     (base,) = found
     base = base.args[0] if isinstance(base, sp.Abs) else base

@@ -24,7 +24,7 @@ _RENAMED = (
     ("sign_raw", "side"),
     ("Abs", "abs"),
 )
-"""Names of :mod:`model.reference.printed` -> those of the page, which come close to the print."""
+"""Names of :mod:`model.reference.printed` -> names of the page, which resemble the print."""
 
 
 def _renamed(text: str) -> str:

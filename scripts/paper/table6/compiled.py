@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C of this folder: compiled with what this machine has, called by ctypes."""
+"""The C of this folder, compiled with the local compiler and called by ctypes."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ SOURCE = Path(__file__).parent / "software.c"
 BUILD = ROOT / "build" / "table6"
 
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
-"""Without the last two a root or a choice keeps a compiler from making vectors; no result depends on either."""
+"""Without the last two flags a root or a choice prevents vectorization; no result depends on either."""
 
 SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")
-"""What makes the same loop take one target at a time; gcc and clang both know them."""
+"""Flags that disable vectorization in gcc and clang."""
 
 WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
 """Way -> the function of ways.h and how it is compiled: each target waiting for the one before; none waiting; several
@@ -32,7 +32,7 @@ REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiler() -> str:
-    """cc of PATH. InputError where there is none."""
+    """Return cc of PATH. Raises InputError if there is none."""
     found = shutil.which("cc")
     if not found:
         raise InputError("no C compiler: cc is not in PATH (on Debian: apt-get install gcc)")
@@ -40,7 +40,7 @@ def compiler() -> str:
 
 
 def compiler_version() -> str:
-    """The first line that it says of itself."""
+    """Return the first line of the compiler's version."""
     said = subprocess.run([compiler(), "--version"], capture_output=True, text=True, check=False).stdout
     return said.splitlines()[0] if said else "cc"
 
@@ -72,7 +72,7 @@ class Bound:
         self._pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*self._columns, *self._answers)]
 
     def __call__(self, times: int = 1, *more: np.ndarray) -> np.ndarray:
-        """All targets so many times over; the answers (N, 6). `more`: arrays for what else the function gives."""
+        """Solve all targets ``times`` times; return the answers (N, 6). more: arrays for further outputs."""
         count = len(self._columns[0])
         self.function(
             ctypes.c_long(times),
@@ -83,14 +83,14 @@ class Bound:
         return self._answers.T
 
     def watched(self) -> np.ndarray:
-        """ns of each solve of a chain (N,), with a look at the clock in each."""
+        """Return the ns of each solve of a chain (N,), clock read included."""
         ns = np.zeros_like(self._columns[0])
         self(1, ns)
         return ns
 
 
 class Software:
-    """Everything compiled."""
+    """The compiled libraries."""
 
     def __init__(self, folder: Path = BUILD):
         self._libraries = {extra: build(folder, extra) for extra in ((), SCALAR)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who solves the targets of table 6 in software: C, numpy, numba, JAX.
+"""Software that solves the targets of table 6: C, numpy, numba, JAX.
 
 Each is given targets and solves them again and again. The others, which answer another question than the core, are in
 :mod:`scripts.paper.table6.others`.
@@ -50,7 +50,7 @@ class Contender:
 
 
 def found(module: str) -> ModuleType | None:
-    """A package that need not be there; one that is there and does not load counts as missing, too."""
+    """Import an optional package; return None if it is missing or does not load."""
     try:
         return importlib.import_module(module)
     except (ImportError, OSError, RuntimeError):
@@ -58,7 +58,7 @@ def found(module: str) -> ModuleType | None:
 
 
 def version(module: str) -> str:
-    """Of a package, to be put beside its name."""
+    """Return the version of a package for the table."""
     package = found(module)
     return getattr(package, "__version__", "") if package else ""
 
@@ -69,7 +69,7 @@ def columns(targets: Targets) -> list[np.ndarray]:
 
 
 def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
-    """The hand that answers (N, 6) bring about against the target, in parts of the reach (N,)."""
+    """Return the hand errors / reach (N,) of answers (N, 6)."""
     out = np.empty(len(targets))
     for start in range(0, len(targets), CHUNK):
         rows = slice(start, start + CHUNK)
@@ -80,7 +80,7 @@ def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
 
 
 def repeated(solve: Callable[[], Any]) -> Callable[[int], Any]:
-    """``solve`` so many times; what it returned last."""
+    """Return a function that calls ``solve`` repeatedly and returns the last result."""
 
     def again(times: int) -> Any:
         result = None

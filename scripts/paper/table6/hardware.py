@@ -29,7 +29,7 @@ CHUNK = 20_000
 
 
 def stream_to_stream(datapath: str) -> dict:
-    """The 100 targets of `reach` through the RTL, nobody stalling: clocks to the first answer and to the last, clocks
+    """Run the 100 targets of `reach` through the RTL without stalls: clocks to the first answer and to the last, clocks
     an answer, the largest hand error / reach."""
     words, _ = to_words(make("reach"), WIDTH)
     (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=datapath, width=WIDTH)

@@ -66,7 +66,7 @@ def cpu() -> tuple[str, str]:
 
 
 def machine() -> dict[str, Any]:
-    """What the timings were taken on."""
+    """Describe the computer of the timings."""
     name, vectors = cpu()
     return {
         "cpu": name,
@@ -84,7 +84,7 @@ def machine() -> dict[str, Any]:
 
 
 def seconds(again: Callable[[int], Any]) -> float:
-    """Of one time of `again(times)`: the median of several measurements."""
+    """Return the seconds of one repetition of `again(times)`, the median of several measurements."""
 
     def measured(times: int) -> float:
         begin = time.perf_counter()
@@ -100,7 +100,7 @@ def seconds(again: Callable[[int], Any]) -> float:
 
 
 def figure(value: float) -> float:
-    """As it is kept: four digits."""
+    """Round to the four digits that are kept."""
     return float(f"{value:.4g}")
 
 
@@ -181,7 +181,7 @@ def write_figures(figures: dict[str, Any]) -> None:
 
 
 def write_page() -> None:
-    """table6.md from its figures and those of `make fpga`."""
+    """Write table6.md from table6.json and fpga.json."""
     PAGE.write_text(page(json.loads(FIGURES.read_text()), json.loads(FPGA.read_text())), encoding="utf-8")
 
 

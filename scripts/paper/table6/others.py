@@ -3,7 +3,7 @@
 
 Ours: the hand's place and the swivel angle are given, one pose is wanted. EAIK solves arms in closed form, ours among
 them, but from the whole pose of the hand: it is given the forearm's frame in the model's answer, which has the swivel
-angle in it, and gives back all sets of joint angles; the hand's error is that of the best. ikpy searches: given the
+angle in it, and gives back all sets of joint angles; the hand error is the best one's. ikpy searches: given the
 hand's place alone, from the same start each time, it finds some elbow. Both have tolerances in units of length, so each
 arm is given to them as one that reaches 1.
 """
@@ -58,7 +58,7 @@ def hand_poses(targets: Targets) -> np.ndarray:
 def _eaik_bound(targets: Targets) -> Bound:
     targets = of_reach_1(targets)
     robot_of = found("eaik.IK_HP").HPRobot
-    # Shoulder, elbow. With z as the third axis, which meets the elbow's, too, EAIK 1.2.2 takes the arm for one of
+    # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 takes the arm for one of
     # another family and misses the pose by half of the reach.
     axes = np.array([Z, X, Y, X])
     made = {

@@ -177,7 +177,7 @@ def assert_found(step, tables):
     ],
 )
 def test_an_error_is_found(table, name, right, wrong, step):
-    """In a line of the lean form, of the matrix form, or of an equation of the paper."""
+    """Altered line of the lean form, of the matrix form, or of an equation of the paper."""
     tables = Tables()
     *equation, name = name.split()
     spoil({k: lines for k, lines in getattr(tables, table).items() if k in (equation or [k])}, name, right, wrong)

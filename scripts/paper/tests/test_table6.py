@@ -85,7 +85,7 @@ def test_ways_agree(software, equations_, real):
 @needs_cc
 @pytest.mark.parametrize("way, loops", [("batch", 0), ("vector", 4)])
 def test_only_vectors_are_vectors(tmp_path, way, loops):
-    """By gcc's own report, of the loops over targets: two sets of equations in two types."""
+    """gcc's report on the loops over targets: two sets of equations in two types."""
     if "gcc" not in Path(compiled.compiler()).resolve().name or platform.machine() not in ("x86_64", "aarch64"):
         pytest.skip("asks gcc")
     name, extra = WAYS[way]
@@ -157,7 +157,7 @@ def test_page_is_of_its_figures():
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
-    """What lies around the datapath takes the same clocks around both."""
+    """The logic around the datapath takes the same clocks for both datapaths."""
     around = {}
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - latency(row["datapath"], row["width"]))
