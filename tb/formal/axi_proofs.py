@@ -52,7 +52,7 @@ REGS_SAYS = {
     "b_for_a_write": "no answer to a write without its address and its word",
     "r_for_a_read": "none to a read without its address",
     "parameters_stay": "count, source and destination change by a write alone",
-    "told_is_kept": "what has been told in a clock is in IRQ_STATUS in the next",
+    "told_is_kept": "an end reported in a clock is in IRQ_STATUS in the next",
     "kept_until_erased": "and stays until it is erased or reset",
     "start_or_reset": "start and soft reset never come together",
 }
@@ -64,16 +64,16 @@ JOB_SAYS = {
     "areas_copied": "they are those that the registers held at its start",
     "stopped_outside": "no burst may begin but while a job runs, nor behind an error on B or a soft reset",
     "runs_to_the_end": "it ends in the clock after the engines are idle, and not before",
-    "told_once": "an end is told once, as done or as an error, when the job is no longer busy",
+    "told_once": "an end is reported once, as done or as an error, when the job is no longer busy",
     "done_or_error": "STATUS has done or error, never both, and error exactly with a code",
-    "told_is_so": "and says what was told",
+    "told_is_so": "and agrees with the reported end",
     "starts": "a start while nothing runs makes busy, and erases the last end",
 }
 
 GATES_SAYS = {"independent": "no gates lead from an input of AXI to an output of ik_axi"}
 
 WHOLE_SAYS = {
-    "f_go": "what the engines assume of each other, here and in the next five: a job starts when nothing is under way",
+    "f_go": "assumption of the engines, as the next five: a job starts when nothing is under way",
     "f_area": "in areas inside the address space",
     "f_got_some": "no more targets are read than the job has and the core has places for, and none behind the last",
     "f_ended": "the last target stays the last",
@@ -86,7 +86,7 @@ WHOLE_SAYS = {
     "within_promise": "never more than 8 bursts are under way in a direction",
     "quiet": "outside of a job that runs, nothing is under way",
     "some_in_each_burst": "a burst has a record at least",
-    "never_stuck": "while a job runs, at most one clock is nobody's turn: neither the memory's nor that of ik_axis",
+    "never_stuck": "while a job runs, at most one clock passes in which neither memory nor ik_axis has to act",
 }
 WHOLE_AFTER = {
     "f_got_some": ["got_is", "read_before", "position", "counts_are", "areas_are", "quiet", "to_write_is",

@@ -66,7 +66,7 @@ class _Reader:
             if sign.startswith("<<"):  # by a number, or by a name for its power of two
                 term = f"(* {term} {1 << int(other) if other.isdigit() else other})"
             else:
-                term = f"({ {'||': 'or', '==': '='}.get(sign, sign)} {term} {other})"
+                term = f"({ {'||': 'or', '==': '='}.get(sign, sign) } {term} {other})"
         return term
 
     def primary(self) -> str:
@@ -196,4 +196,3 @@ def floors(bug: Bug | None = None) -> Iterator[Question]:
     for file, questions in ((DIV, _divider), (ROOT_DIGIT, _root)):
         text = (ROOT / file).read_text()
         yield from questions(bug.seeded(text) if bug and bug.file == file else text)
-

@@ -42,7 +42,7 @@ wire f_event = f_ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || reco
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
 // the memory's turn, or that of ik_axis
 wire f_owed = m_axi_arvalid || f_due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer || (f_inside != 0 && !result_valid);
-reg [1:0] f_still;  // clocks of a job without an event, and nobody's turn
+reg [1:0] f_still;  // clocks of a job in which neither side has to act
 always @(posedge clk) begin
   f_still <= (rst || !f_running || f_event || f_owed) ? 2'd0 : f_still + (f_still != 3);
 end

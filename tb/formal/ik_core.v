@@ -1,9 +1,9 @@
-// Abstract pipeline in the place of `IK_CORE (ik_lean or ik_paper): any function of a target, in the real latency.
+// Abstract pipeline that replaces `IK_CORE (ik_lean or ik_paper): any function of a target, with the real latency.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ik_axis never looks at a result, so that results are left open: those of all targets may be anything, but one target,
-// any one, is picked and followed: its result is f_result, an arbitrary constant, with the tag it came with.
-// That valid and tag of the real modules do the same is proved by ik_lean.vh and ik_paper.vh.
+// ik_axis does not depend on results, so they are arbitrary, except for one arbitrary target that is followed: its
+// result is the arbitrary constant f_result, with the target's tag. valid.sby proves the latency of valid and tag in
+// the real modules.
 // Latency: datapath_latency clocks.
 `default_nettype none
 

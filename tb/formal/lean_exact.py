@@ -42,7 +42,7 @@ LONG = (1 << 60) - 1
 
 
 WORDS = {"and", "or", "not", "ite", "true", "false"}
-"""Of SMT-LIB."""
+"""Reserved words of SMT-LIB."""
 
 
 def number(value: float | Fraction) -> str:

@@ -252,9 +252,7 @@ class Design(Elaborated):
             names = "p v fh fa fb hh hl lh ll two guess"
             cut = {side: width[f"ghost_{side}_lo"] - 1 for side in "ab"}
             facts.append(inside("ll", 0, ((1 << cut["a"]) - 1) * ((1 << cut["b"]) - 1)))
-            facts.append(
-                f"(= p (+ (* {1 << sum(cut.values())} hh) (* {1 << cut['a']} hl) (* {1 << cut['b']} lh) ll))"
-            )
+            facts.append(f"(= p (+ (* {1 << sum(cut.values())} hh) (* {1 << cut['a']} hl) (* {1 << cut['b']} lh) ll))")
             up = sum(cut.values()) - shift + 2
             if up > 0:  # the guess at ll, in sixteenths: see 'guess is no more than ll'
                 facts.append(f"(and (<= 0 two) (<= (* {1 << sum(cut.values())} two) (* 16 ll)))")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is proved of streams, dividers and roots: the .sby files, what their properties say, bugs that break them."""
+"""Proofs of streams, dividers and roots: .sby files and the meaning of their properties."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ AXIS_SAYS = {
     "nothing_invented": "nothing is offered while nothing is inside",
     "within_places": "never more inside than places: in the pipeline, as its rows hold them, in the FIFO's memory by "
     "its own pointers, and in its output register",
-    "ready_when_places": "tready is high exactly when a place is free, and low in a reset: it waits for nobody",
+    "ready_when_places": "tready is high exactly when a place is free, and low in a reset",
     "offered_in_time": "no deadlock: with anything inside, a result is offered at the latest T+1 clocks later, "
     "even if tready stays low",
     "ready_in_time": "no deadlock: with a ready receiver, tready comes back at the latest T+2 clocks later",
@@ -146,17 +146,17 @@ ROOT_SAYS = {
 
 FOLD_SAYS = {
     "low_after_reset": "tvalid and tready are low in the clock after a reset",
-    "stable": "an answer that is offered and not taken stays, valid and unchanged, tag and flags included",
-    "in_order": "the n-th answer that leaves has the tag of the n-th target since the reset, for any n: "
+    "stable": "a result that is offered and not taken stays, valid and unchanged, tag and flags included",
+    "in_order": "the n-th result that leaves has the tag of the n-th target since the reset, for any n: "
     "none lost, doubled or reordered",
     "nothing_invented": "nothing is offered while nothing is inside",
-    "two_at_most": "two targets at most are inside, in the machine or offered",
+    "two_at_most": "at most two targets are inside, in the datapath or offered",
     "taken_when_offered": "a target is taken only while it is offered",
     "loads_what_is_offered": "words are loaded only from a target that is offered, before it is taken",
-    "answer_whole": "an answer is offered when all its six words are written, and they are what the program gave",
-    "word_once": "no word of an answer is written twice",
-    "step_of_clock": "the step that the machine carries out is that of the program for the clock of its lap",
-    "offered_in_time": "no deadlock: with a target inside, an answer is offered within two laps, whatever tready is",
+    "answer_whole": "a result is offered when all its six words are written, and they are those of the program",
+    "word_once": "no word of a result is written twice",
+    "step_of_clock": "the current step is the program's step for the clock of the lap",
+    "offered_in_time": "no deadlock: with a target inside, a result is offered within two laps, whatever tready is",
     "ready_in_time": "no deadlock: with a ready receiver, a target is taken within two laps of its offer",
     "full_rate": "with a sender and a receiver that never wait, a target is taken in every PERIOD clocks, exactly",
 }
@@ -167,7 +167,7 @@ def fifo(places: int) -> Proof:
 
 
 def axis(datapath: str, stages: int, places: int) -> tuple[Proof, Proof, Proof]:
-    """The stream top, its handshake, and what the abstract pipeline stands in for."""
+    """Return the proofs of the stream top, its handshake, and the latency of the real pipeline."""
     width = f"W=32, {datapath}: {stages} stages, {places} places"
     return (
         Proof("axis", datapath, "ik_axis", width, AXIS_SAYS, AXIS_USES, AXIS_AFTER),
@@ -176,10 +176,8 @@ def axis(datapath: str, stages: int, places: int) -> tuple[Proof, Proof, Proof]:
     )
 
 
-AXIS_256 = Proof(
-    "axis", "256", "ik_axis", "W=22, paper: 248 stages, 256 places", AXIS_SAYS, AXIS_USES, AXIS_AFTER
-)
-"""The last word length of the paper's datapath for which so many will do."""
+AXIS_256 = Proof("axis", "256", "ik_axis", "W=22, paper: 248 stages, 256 places", AXIS_SAYS, AXIS_USES, AXIS_AFTER)
+"""The largest word length of the paper's datapath with 256 FIFO places."""
 
 
 def div(width: int, shift: int) -> Proof:
@@ -207,4 +205,4 @@ PROOFS = (
     Proof("handshake", "fold", "ik_axis", "W=32", HANDSHAKE_SAYS),
     *AXI_PROOFS,
 )
-"""The numbers are those of the .sby files; a test holds them against the model and the RTL's latencies."""
+"""All proofs; a test compares the numbers with .sby files, model and latencies of the RTL."""

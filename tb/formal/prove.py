@@ -156,7 +156,7 @@ def survives(proof: Proof, bug: Bug) -> str:
 
 def digest(proof: Proof) -> str:
     """Return the digest of sources, questions and method."""
-    asked = repr((proof.name, proof.says, proof.uses, proof.after))
+    asked = repr((proof.name, list(proof.says), proof.uses, proof.after))
     return digest_of(asked, steps.TACTIC, METHOD, *(code(path) for path in proof.files))
 
 

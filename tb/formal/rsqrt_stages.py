@@ -260,8 +260,10 @@ class Stages:
         width = self.unrolled.widths
         address = f"|{top}_m:R0A rom@0|"
         longer = WIDE - self.form.index_bits
-        yield "address", "the table is read at the model's row", lambda row, u, y, f: (
-            f"(= ((_ zero_extend {longer}) {address}) {_text(row)})"
+        yield (
+            "address",
+            "the table is read at the model's row",
+            lambda row, u, y, f: f"(= ((_ zero_extend {longer}) {address}) {_text(row)})",
         )
         yield "u", "u_1 is the model's u", lambda row, u, y, f: f"(= {self.at('u_1', 2)} {u.text})"
         for number, (product, clock) in enumerate(self.products):
@@ -284,8 +286,12 @@ class Stages:
             yield f"{product.name}, factors", f"{a} and {b} are the model's factors", factors
             yield f"{product.name}, product", f"{register} is their product", multiplied
         y, twice = self.unrolled.at("y", self.clocks), self.unrolled.at("twice", 1)
-        yield "y", "the result is the model's, doubled where twice says so", lambda row, u, result, f: (
-            f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
+        yield (
+            "y",
+            "the result is the model's, doubled where twice says so",
+            lambda row, u, result, f: (
+                f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
+            ),
         )
 
 
@@ -299,4 +305,3 @@ def stages(bug: Bug | None = None) -> Iterator[Question]:
     """Yield all questions; with a bug, those at W = 32."""
     for frac, tile in [(FULL, cores.TILE)] if bug else forms():
         yield from Stages(frac, tile, bug).questions()
-

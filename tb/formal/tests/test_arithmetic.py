@@ -26,6 +26,7 @@ tools = pytest.mark.skipif(
     bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal` does it"
 )
 
+
 @pytest.mark.parametrize("width", [16, 17, 32])
 def test_every_range_is_asked_for(width):
     """Every range that the dataflow claims has a question."""
