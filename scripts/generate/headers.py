@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the Verilog headers that Python generates: node formats and clocks, tables, the folded core's program.
 
-    python -m scripts.generate.headers           writes the headers that are out of date
-    python -m scripts.generate.headers --check   only names them, and exits with 1 if there are any
+    python -m scripts.generate.headers      writes the headers that are out of date
 """
 
 from __future__ import annotations
 
-import argparse
 import itertools
-import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -269,17 +266,12 @@ def stale() -> list[Path]:
     return [path for path, text in HEADERS.items() if not path.exists() or path.read_text() != text()]
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m scripts.generate.headers", description=__doc__.splitlines()[0])
-    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if a header is out of date")
-    check = parser.parse_args().check
-    out_of_date = stale()
-    for path in out_of_date:
-        if not check:
-            path.write_text(HEADERS[path]())
-        print(f"{'out of date' if check else 'wrote'}: {path.relative_to(ROOT)}")
-    return 1 if check and out_of_date else 0
+def main() -> None:
+    """Write the headers that are out of date."""
+    for path in stale():
+        path.write_text(HEADERS[path]())
+        print(f"wrote {path.relative_to(ROOT)}")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -46,7 +46,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 def latency_page() -> str:
     """Return latency.md."""
     paths = []
-    for datapath, width in (("lean", 32), ("lean", 18), ("paper", 32)):
+    for datapath, width in (("lean", 32), ("paper", 32)):
         path = [node for node in longest_path(design(datapath, width)) if node.latency]
         rows = []
         for node in path:

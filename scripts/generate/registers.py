@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what says where the registers of ik_axi are, from rtl/axi/ik_axi.rdl: C header, Python constants, page.
+"""Registers of ik_axi from rtl/axi/ik_axi.rdl: C header, Python constants, page.
 
-    python -m scripts.generate.registers           writes the files that are out of date
-    python -m scripts.generate.registers --check   only names them, and exits with 1 if there are any
+    python -m scripts.generate.registers      writes the files that are out of date
 
-Of our own templates: PeakRDL's C names a register by a hash where several share a type.
+The templates are our own: PeakRDL's C names a register by a hash if several share a type.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,18 +106,13 @@ def stale(source: Path = SOURCE) -> list[Path]:
     return [path for path, text in texts(source).items() if not path.exists() or path.read_text() != text]
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m scripts.generate.registers", description=__doc__.splitlines()[0])
-    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if a file is out of date")
-    check = parser.parse_args().check
-    out_of_date = stale()
-    for path in out_of_date:
-        if not check:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(texts()[path])
-        print(f"{'out of date' if check else 'wrote'}: {path.relative_to(ROOT)}")
-    return 1 if check and out_of_date else 0
+def main() -> None:
+    """Write the files that are out of date."""
+    for path in stale():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(texts()[path])
+        print(f"wrote {path.relative_to(ROOT)}")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
