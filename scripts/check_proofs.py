@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scripts import formal, soak_page
+from scripts import formal, soak
 from scripts.console import Parser, exit_status
 from scripts.fpga import measure
 
@@ -35,7 +35,7 @@ class Page:
 
 
 def _soaks(code: Callable[[dict], str]) -> Callable[[], dict[str, str]]:
-    return lambda: {name: code(row) for name, row in soak_page.recorded().items()}
+    return lambda: {name: code(row) for name, row in soak.recorded().items()}
 
 
 PAGES = (
@@ -47,10 +47,10 @@ PAGES = (
     ),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
     Page(
-        soak_page.PAGE,
+        soak.PAGE,
         "make soak KEEP=1",
         _soaks(lambda row: row["code"]),
-        _soaks(lambda row: soak_page.code(row["datapath"])),
+        _soaks(lambda row: soak.code(row["datapath"])),
     ),
 )
 

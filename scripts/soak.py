@@ -1,87 +1,103 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An unlimited stream of random targets of all kinds through the RTL, every node compared: what `make soak` does.
+"""Random targets of all kinds through the RTL, every node compared with the model: `make soak`.
 
-    python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--datapath ...] [--width ...] [--keep] ...
-    python -m scripts.soak --against c ...
-    python -m scripts.soak --special [--from CHUNK] [--datapath ...] [--width ...] ...
-    python -m scripts.soak ... --farm tcp://HOST:PORT
+    python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--special] [--against c] [--farm ADDRESS] ...
     python -m scripts.soak --again FILE.csv
+    python -m scripts.soak --worst ROUNDS [--width W] [--seed S]
 
-Targets come in chunks of 20000. A chunk is a function of seed, width and its number only, so there is no state to keep:
---from resumes at any chunk. --against c: results of the lean equations are also held against those of
-scripts/paper/table6/long.c. --special: not random, but all 12^6 targets of twelve special words on each input. With
-Verilator each core of the machine runs chunks of its own; with --farm Dask workers do (scripts/parallel.py),
-to the same end. At the end the hardest targets go into OUT/hardest.csv and,
-with --keep, into tb/core/hardest.csv, the regression list; docs/generated/soak.md then gets what was found.
+A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
+all 12^6 targets of twelve special words on each input. --against c also compares results with the C of table 6. The
+hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/hardest.csv and docs/generated/soak.md.
 
-It stops at the first chunk in which a bit or a flag is wrong, a quaternion is not of unit length or a hand of the lean
-datapath is further off than its tolerance, names seed and chunk, and writes the targets to OUT/failing.csv. For the
-paper's equations at such poses `model.bounds.tolerances` has no figure, so their accuracy is reported beside what
-`model.bounds.predict` explains, and judged by nothing.
+The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
+datapath beyond its tolerance, and writes the targets to OUT/failing.csv. The paper's datapath has no tolerance near its
+singular poses; the excess over `model.bounds.predict` is reported.
 
-Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 input that cannot be used (one line on
-stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+--worst searches the bit-true model of the lean datapath for the largest hand errors: each round changes the worst
+targets of the round before in one to six words.
+
+Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 bad input (one line on stderr), 130 after
+Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
+import json
+import math
 import os
 import sys
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import date
+from functools import cache, partial
 from pathlib import Path
 
+import numpy as np
+
+from model.bounds import tolerances
+from model.bounds.tolerances import REGULAR_DISTANCE
+from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
 from model.dataflow.nodes import WIDTHS
-from model.io.stimuli import SPECIAL
-from scripts import parallel, second, soak_page
-from scripts.chunks import Chunks, named
-from scripts.console import InputError, Parser, Stopped, command, folder_name, output, progress, show, whole
-from scripts.failing import read_rows, row_of, tell, write_rows
+from model.io.files import write_atomically
+from model.io.flags import FLAGS, SATURATED, expected_flags
+from model.io.scoring import singular_distance
+from model.io.stimuli import REGIONS, SPECIAL, mixed, region
+from model.io.words import FIELDS, from_words
+from scripts import parallel
+from scripts.console import (
+    InputError,
+    Meter,
+    Parser,
+    Stopped,
+    command,
+    folder_name,
+    output,
+    progress,
+    show,
+    whole,
+    writing,
+)  # fmt: skip
+from scripts.generate.render import render
+from scripts.paper.table6.compiled import SOURCE, library
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
-from tb.core.random_targets import CHUNK, Core, judge
+from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
+from tb.sim.env import GENERATED
+from tb.sim.sources import closure, digest
 
-TARGETS = 1_000_000
-SEED = 1
-
-
-# -- the command line --------------------------------------------------------------------------------------------------
-
-
-DEFAULTS = {"targets": TARGETS, "seed": SEED, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
-NOT_AGAIN = (*DEFAULTS, "keep", "special", "farm", "against")
+PAGE, FIGURES = GENERATED / "soak.md", GENERATED / "soak.json"
+DEFAULTS = {"targets": 1_000_000, "seed": 1, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
+EXCLUDED = {"again": (*DEFAULTS, "keep", "special", "farm", "against"), "special": ("targets", "seed")}
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser("soak", "Random targets of all kinds through the core, every node compared with the model.")
     add = parser.add_argument
-    add("--targets", type=whole(1), metavar="N", help=f"how many (default: {TARGETS})")
-    add("--seed", type=whole(0), metavar="S", help=f"of everything random (default: {SEED})")
-    add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"begin at this chunk of {CHUNK} (default: 0)")
-    add("--special", action="store_true", help=f"in their place all {SPECIAL} targets of 12 special words an input")
+    add("--targets", type=whole(1), metavar="N", help=f"number of targets (default: {DEFAULTS['targets']})")
+    add("--seed", type=whole(0), metavar="S", help=f"random seed (default: {DEFAULTS['seed']})")
+    add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"first chunk of {CHUNK} targets (default: 0)")
+    add("--special", action="store_true", help=f"all {SPECIAL} targets of 12 special words an input instead")
     parser.core(sim="verilator", datapath=None, width=None)
-    add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="chunks at a time (default: %(default)s)")
+    add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="parallel chunks (default: %(default)s)")
     parallel.option(parser)
-    add(
-        "--out", type=folder_name, default=Path("build/soak"), metavar="DIR",
-        help="folder for hardest.csv and failing.csv, made if need be (default: %(default)s)",
-    )  # fmt: skip
-    add("--against", choices=["c"], help="hold results against those of the C of table 6 in long double, too")
-    add("--keep", action="store_true", help="keep the hardest targets in tb/core/hardest.csv, the figures in soak.md")
+    about = "folder for hardest.csv and failing.csv (default: %(default)s)"
+    add("--out", type=folder_name, default=Path("build/soak"), metavar="DIR", help=about)
+    add("--against", choices=["c"], help="also compare results with the C of table 6 in long double")
+    add("--keep", action="store_true", help="update tb/core/hardest.csv and soak.md")
     add("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
+    add("--worst", type=whole(1), metavar="ROUNDS", help="search the model of the lean datapath for the largest errors")
     parsed = parser.parse_args(arguments)
-    if parsed.again:
-        for name in NOT_AGAIN:
+    for option, excluded in EXCLUDED.items():
+        for name in excluded if getattr(parsed, option) else ():
             value = getattr(parsed, name)
-            if value is not None and value is not False:  # a seed of 0 is one
-                option = name.rstrip("_")
-                raise InputError(f"argument --{option}: does not go with --again, whose file says what to run")
+            if value is not None and value is not False:  # 0 is a valid seed
+                raise InputError(f"argument --{name.rstrip('_')}: not allowed with --{option}")
     if parsed.special:
-        for name in ("targets", "seed"):
-            if getattr(parsed, name) is not None:
-                raise InputError(f"argument --{name}: does not go with --special, which has its own targets")
         parsed.targets = max(0, SPECIAL - CHUNK * (parsed.from_ or 0))
         if not parsed.targets:
             raise InputError(f"argument --from: special words have chunks 0 to {(SPECIAL - 1) // CHUNK}")
@@ -95,74 +111,290 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parsed
 
 
+# -- chunks ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """The verdict on a chunk; words and hand errors are kept if it fails."""
+
+    first: int
+    words: np.ndarray
+    found: Found
+    failures: list[Failure]
+    hand: np.ndarray
+
+
+@cache
+def _built(core: Core) -> Core:
+    return Core.built(core.sim, core.datapath, core.width)
+
+
+def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int) -> Chunk:
+    """Run chunk `number`, at most to target `end`; on a farm, with a program of the worker."""
+    start = number * CHUNK
+    words = chunk(number, core.width, seed)[: end - start]
+    core = core if core.program else _built(core)
+    found, failures, hand = judge(core, words, range(start, start + len(words)), opinions if against else None)
+    kept = slice(None if failures else 0)
+    return Chunk(start, words[kept], found, failures, hand[kept])
+
+
+class Chunks:
+    """The `targets` from chunk `first` on; `found` holds the results so far, `number` is the next chunk."""
+
+    def __init__(self, core: Core, seed: int | None, first: int, targets: int, against: bool = False):
+        self.core, self.seed, self.number, self.against = core, seed, first, against
+        self.end = first * CHUNK + targets
+        self.found = Found()
+        self.name = "all targets of special words" if seed is None else f"seed {seed}"
+
+    def run(self, jobs: int, done: Callable[[int], None], farm: str | None = None) -> Chunk | None:
+        """Return the first failing chunk, if any; call `done` with the number of targets that passed."""
+        numbers = range(self.number, -(-self.end // CHUNK))
+        try:
+            with parallel.shared(min(jobs, len(numbers)), farm) as each:
+                for run in each(partial(run_chunk, self.core, self.seed, self.end, self.against), numbers):
+                    if run.failures:
+                        return run
+                    self.number += 1
+                    self.found += run.found
+                    done(self.found.targets)
+        except parallel.BrokenOffError as error:
+            raise parallel.BrokenOffError(f"{error}, in chunk {self.number} of {self.name} or later") from None
+        return None
+
+
+# -- the C of table 6 --------------------------------------------------------------------------------------------------
+
+EQUATIONS = ("lean", "paper")
+UNEQUAL = 2.0**-24
+"""Ratio of the arms below which the paper's equations, which add their squares, lose too much of 64 bits."""
+
+
+@cache
+def _compiled() -> ctypes.CDLL:
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        return ctypes.CDLL(str(library(SOURCE.with_name("long.c"), Path(folder) / "long.so")))
+
+
+def opinions(words: np.ndarray, width: int) -> list[Opinion]:
+    """Solve input words (N, 6) in C with both sets of equations; each applies to regular targets without flags."""
+    phi, d1, d2 = 3, 4, 5
+    scale = np.full(words.shape[1], np.longdouble(2) ** (2 - width))
+    scale[phi] = np.longdouble(2) ** (1 - width) * 4 * np.arctan(np.longdouble(1))
+    given = [np.ascontiguousarray(column * factor) for column, factor in zip(words.T, scale, strict=True)]
+    plain = expected_flags(words, width) == 0
+    regular = plain.copy()
+    regular[plain] = singular_distance(from_words(words[plain], 0, width, "soak")) >= REGULAR_DISTANCE
+    shorter, longer = np.sort(words[:, [d1, d2]].astype(float)).T
+    regular &= shorter >= UNEQUAL * longer
+    found = []
+    for name, rows in zip(EQUATIONS, (plain, regular), strict=True):
+        answers = np.full(words.shape, np.nan)
+        pointers = [ctypes.c_void_p(array.ctypes.data) for array in (*given, answers)]
+        getattr(_compiled(), f"{name}_poses")(ctypes.c_long(len(words)), *pointers)
+        found.append(Opinion(f"C, long double, {name} equations", answers, rows))
+    return found
+
+
+# -- the worst targets -------------------------------------------------------------------------------------------------
+
+KEPT, EACH, ALIKE = 400, 50, 8
+"""Targets of a round, changed copies of each, and targets of one kind: the same signs and sizes."""
+
+
+def hand_errors(words: np.ndarray, width: int) -> np.ndarray:
+    """Return hand error / reach (N,) of the lean model; 0 for targets out of reach."""
+    return np.nan_to_num(hardest.errors(words, fixed.run(words, width, "lean").results, width)[0])
+
+
+def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
+    rows = np.repeat(words, EACH, axis=0)
+    steps = random.choice([-1, 1], rows.shape) * random.integers(1, 4, rows.shape)
+    steps <<= random.integers(0, random.integers(1, width, (len(rows), 1)), rows.shape)
+    changed = random.random(rows.shape) < random.choice([0.2, 0.5, 1.0], (len(rows), 1))
+    top = (1 << (width - 1)) - 1
+    return np.unique(np.clip(rows + np.where(changed, steps, 0), -top - 1, top), axis=0)
+
+
+def _worst_of(words: np.ndarray, width: int) -> np.ndarray:
+    """Return the KEPT worst targets, the worst first, with a limited number of each kind."""
+    seen: dict[bytes, int] = {}
+    chosen = []
+    for n in np.argsort(-hand_errors(words, width), kind="stable").tolist():
+        row = words[n, [0, 1, 2, 4, 5]]
+        kind = np.concatenate([np.sign(row), np.frexp(row.astype(float))[1] // 2]).tobytes()
+        seen[kind] = seen.get(kind, 0) + 1
+        if seen[kind] <= ALIKE:
+            chosen.append(n)
+    return words[chosen[:KEPT]]
+
+
+def worst_target(width: int, rounds: int, seed: int, meter: Meter) -> np.ndarray:
+    """Return the worst target found, (1, 6)."""
+    random = np.random.default_rng((seed, width))
+    words = np.concatenate([mixed(20000, width, seed), *(region(name, 5000, width, seed) for name in REGIONS)])
+    words = _worst_of(words, width)
+    for number in range(rounds):
+        words = _worst_of(np.unique(np.concatenate([words, _changed(words, width, random)]), axis=0), width)
+        meter(number + 1, f"W = {width}")
+    return words[:1]
+
+
+def _worst(arguments: argparse.Namespace) -> int:
+    width, bar = arguments.width, tolerances.sought(arguments.width)
+    with progress("soak", arguments.worst) as meter:
+        words = worst_target(width, arguments.worst, arguments.seed, meter)
+    hand = hand_errors(words, width)[0]
+    print(f"W = {width}: {hand:.3e} of the reach, tolerance {bar:.3g}: {', '.join(map(str, words[0]))}")
+    return int(hand > bar)
+
+
+# -- files -------------------------------------------------------------------------------------------------------------
+
+
+def _write_rows(path: Path, rows: list[hardest.Row]) -> None:
+    with writing():
+        write_atomically(path, hardest.text(rows))
+
+
+def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> hardest.Row:
+    error = None if math.isnan(hand_error) else float(hand_error)
+    return hardest.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
+
+
+def _read_rows(path: Path) -> list[hardest.Row]:
+    try:
+        return hardest.read(path)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def recorded() -> dict[str, dict]:
+    """Return the figures of the page by row."""
+    try:
+        return json.loads(FIGURES.read_text(encoding="utf-8")) if FIGURES.exists() else {}
+    except ValueError as error:
+        raise InputError(f"{FIGURES}: {error}") from None
+
+
+def code(datapath: str) -> str:
+    """Return a digest of the Verilog of a datapath, and of ik_axis.v."""
+    return digest({*closure(f"ik_{CONFIGURATIONS[datapath].rtl}"), *closure("ik_axis")[:1]})
+
+
+def _keep(core: Core, of: str, found: Found, first: int) -> None:
+    """Add a row to the figures, and write the page."""
+    row = {
+        "datapath": core.datapath, "width": core.width, "of": of, "simulator": core.sim, "from": first,
+        "date": date.today().isoformat(), "code": code(core.datapath),
+        "targets": found.targets, "reachable": found.reachable,
+        "hand": found.hand_error_max, "tolerance": tolerances.hand(core.width, core.datapath),
+        "norm": found.norm_error_max, "flags": dict(found.flags), "apart": found.apart,
+    }  # fmt: skip
+    rows = dict(sorted((recorded() | {f"{core.datapath}, {core.width} bits, {of}": row}).items()))
+    with writing():
+        write_atomically(FIGURES, json.dumps(rows, indent=1) + "\n")
+        write_atomically(PAGE, _page(list(rows.values())))
+
+
+def _page(rows: list[dict]) -> str:
+    names = [flag.name for flag in FLAGS if flag.bit != SATURATED]
+
+    def number(value: float | None) -> str:
+        return "-" if value is None else f"{value:.2e}"
+
+    return render(
+        "soak", names=names,
+        targets=[
+            (r["datapath"], r["width"], r["of"], r["date"], r["targets"], r["reachable"], number(r["hand"]),
+             number(r["tolerance"]), number(r["norm"])) for r in rows
+        ],
+        flags=[(r["datapath"], r["width"], r["of"], *(r["flags"].get(name, 0) for name in names)) for r in rows],
+        apart=[
+            (r["datapath"], r["width"], r["of"], of, count, number(most), f"{most * 2.0 ** (r['width'] - 2):.2f}",
+             number(tolerances.lean(r["width"])))
+            for r in rows for of, (count, most) in r["apart"].items()
+        ],
+    )  # fmt: skip
+
+
 # -- the run -----------------------------------------------------------------------------------------------------------
 
 
-def _built(sim: str, datapath: str, width: int) -> Core:
+def _report(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]) -> list[int]:
+    """Report failures on stderr, with the words of the first target of each; return the rows of all."""
+    for failure in failures:
+        first, *more = failure.lines
+        n = failure.rows[0] if failure.rows else None
+        print(f"soak: {'unknown target' if n is None else where(n)}: {first}", file=sys.stderr)
+        if n is not None:
+            named = " ".join(f"{name}={word}" for name, word in zip(FIELDS, words[n].tolist(), strict=True))
+            print(f"soak: its words: {named}", file=sys.stderr)
+        for line in more:
+            print(f"soak: {line}", file=sys.stderr)
+    return list(dict.fromkeys(n for failure in failures for n in failure.rows))
+
+
+def _compile(sim: str, datapath: str, width: int) -> Core:
     with progress("soak", 1) as meter:
         meter(0, "compiling")
         return Core.built(sim, datapath, width)
 
 
 def _soak(arguments: argparse.Namespace) -> int:
-    """Run the chunks; the exit status 0 or 1. Raises what `exit_status` reports, and Stopped."""
     hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
     with output(arguments.out, [hardest_path, failing]):
-        return _chunks(arguments, hardest_path, failing)
-
-
-def _chunks(arguments: argparse.Namespace, hardest_path: Path, failing: Path) -> int:
-    lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
-    earlier = {file: read_rows(file) if file.exists() else [] for file in lists}
-    if arguments.keep:
-        soak_page.recorded()  # a file that is of no use is said before, not after hours
-    if arguments.against:
-        second.compiled()
-    core = (Core if arguments.farm else _built)(arguments.sim, arguments.datapath, arguments.width)
-    of = named(arguments.seed)
-    what = f"{core}, {of}"
-    print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
-    chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets, bool(arguments.against))
-    with progress("soak", arguments.targets) as meter:
-        try:
-            broken = chunks.run(arguments.jobs, meter, arguments.farm)
-            rate = chunks.found.targets / (time.monotonic() - meter.begin)
-        except Stopped:
-            done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
-            print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)
-            raise
-    if broken:
-        where = f"in chunk {chunks.number} of {of}"
-        rows = tell(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
-        found = [f"{of} target {broken.first + n}" for n in rows]
-        listed = zip(rows, found, strict=True)
-        write_rows(failing, [row_of(core, broken.words[n], broken.hand[n], text) for n, text in listed])
-        print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
-        return 1
-    found = chunks.found
-    show(table_of_soak(what, core, found, rate), table_of_hardest(found))
-    hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
-    rows = [row_of(core, h.words, h.hand_error, f"{of} target {h.target}") for h in hards]
-    for file, before in earlier.items():
-        write_rows(file, hardest.merge(before + rows))
-        print(f"wrote {file}")
-    if arguments.keep:
-        soak_page.keep(core, of, found, arguments.from_)
-        print(f"wrote {soak_page.PAGE.name}")
-    return 0
+        lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
+        earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
+        if arguments.keep:
+            recorded()  # an unusable file is an error before the run, not hours later
+        if arguments.against:
+            _compiled()
+        core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)
+        chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets, bool(arguments.against))
+        what = f"{core}, {chunks.name}"
+        print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
+        with progress("soak", arguments.targets) as meter:
+            try:
+                broken = chunks.run(arguments.jobs, meter, arguments.farm)
+                rate = chunks.found.targets / (time.monotonic() - meter.begin)
+            except Stopped:
+                done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
+                print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)
+                raise
+        if broken:
+            where = f"in chunk {chunks.number} of {chunks.name}"
+            rows = _report(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
+            found = [(n, f"{chunks.name} target {broken.first + n}") for n in rows]
+            _write_rows(failing, [_row(core, broken.words[n], broken.hand[n], text) for n, text in found])
+            print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
+            return 1
+        show(table_of_soak(what, core, chunks.found, rate), table_of_hardest(chunks.found))
+        hards = {tuple(hard.words): hard for hard in chunks.found.by_hand + chunks.found.by_norm}.values()
+        rows = [_row(core, hard.words, hard.hand_error, f"{chunks.name} target {hard.target}") for hard in hards]
+        for file, before in earlier.items():
+            _write_rows(file, hardest.merge(before + rows))
+            print(f"wrote {file}")
+        if arguments.keep:
+            _keep(core, chunks.name, chunks.found, arguments.from_)
+            print(f"wrote {PAGE.name}")
+        return 0
 
 
 def _again(arguments: argparse.Namespace) -> int:
-    """Run the targets of a list; the exit status 0 or 1. Raises what `exit_status` reports."""
-    rows = read_rows(arguments.again)
+    rows = _read_rows(arguments.again)
     if not rows:
         raise InputError(f"{arguments.again}: no targets")
     status = 0
     for (datapath, width), group in hardest.groups(rows).items():
-        core = _built(arguments.sim, datapath, width)
+        core = _compile(arguments.sim, datapath, width)
         words = hardest.array(group)
         found, failures, _ = judge(core, words, range(len(words)))
-        tell(failures, words, lambda n, group=group: group[n].found)
+        _report(failures, words, lambda n, group=group: group[n].found)
         status |= bool(failures)
         print(
             f"{core}: {len(words)} targets, largest hand error / reach {found.hand_error_max:.3e}: "
@@ -173,10 +405,10 @@ def _again(arguments: argparse.Namespace) -> int:
 
 @command("soak")
 def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; the exit status."""
+    """Run the command line; return the exit status."""
     parsed = _parse(arguments)
     try:
-        return _again(parsed) if parsed.again else _soak(parsed)
+        return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)
     except Stopped as stopped:
         return 128 + stopped.args[0]
 

@@ -20,7 +20,7 @@ LEAN = {
 """Word length -> largest hand error / reach of the lean datapath, in any pose that was not sought for its error
 (:func:`sought`).  3.3 ulps of a result for 18 bits, 3.4 for 16, 3.5 up to 26 and 3.6 for 28, but 4.2 for 24, 27 and 29;
 then more, up to 21.5 for 32, whose inner words have three bits more than the results where the others have seven, and
-whose roots have one.  Short searches (`python -m scripts.climb`) find up to 3.2 ulps from 17 to 26 bits, 3.3 at 28, 3.9
+whose roots have one.  Short searches (`soak --worst 300`) find up to 3.2 ulps from 17 to 26 bits, 3.3 at 28, 3.9
 at 29, and 1.91e-8 and 1.47e-8 at 30 and 31."""
 
 ROUNDED_ULPS = 2 + 2**0.5

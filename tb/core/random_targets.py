@@ -18,8 +18,8 @@ from model.bounds import tolerances
 from model.io.flags import FLAGS, expected_flags, names
 from model.io.monte_carlo import edges
 from model.io.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
+from model.io.words import result_values
 from tb.core import hardest
-from tb.core.opinion import Apart, Opinion, both
 from tb.sim import every_node
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
@@ -28,6 +28,34 @@ CHUNK = 20000
 
 CANDIDATES = 1000
 """Targets of a chunk, those with the largest hand errors, that are ranked: the paper's by a prediction."""
+
+
+Apart = dict[str, tuple[int, float]]
+"""Name of a second solution -> number of targets compared, and the largest difference of a result."""
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """Answers (N, 6) of another program; ``asked`` (N,) are the targets to compare."""
+
+    of: str
+    answers: np.ndarray
+    asked: np.ndarray
+
+    def apart(self, results: np.ndarray, width: int) -> np.ndarray:
+        """Return the largest difference of a target's six results, (N,); inf without an answer, 0 if not compared.
+
+        Either sign of Qs is right: where k rounds to 0, rounding decides the sign.
+        """
+        values = result_values(results, width)
+        sign = np.where((values[:, :4] * self.answers[:, :4]).sum(axis=1) < 0, -1.0, 1.0)[:, None]
+        differences = np.abs(values - self.answers * np.where(np.arange(6) < 4, sign, 1.0)).max(axis=1)
+        return np.where(self.asked, np.nan_to_num(differences, nan=np.inf), 0.0)
+
+
+def _both(a: Apart, b: Apart) -> Apart:
+    none = (0, 0.0)
+    return {of: (a.get(of, none)[0] + b.get(of, none)[0], max(a.get(of, none)[1], b.get(of, none)[1])) for of in a | b}
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
@@ -82,7 +110,7 @@ class Found:
             max(self.norm_error_max, other.norm_error_max),
             _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
             _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
-            both(self.apart, other.apart),
+            _both(self.apart, other.apart),
             self.flags + other.flags,
         )
 
