@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the lean dataflow does with words, integers or their real values, in one line each."""
+"""Operations of the lean dataflow on words, integers or their real values."""
 
 from __future__ import annotations
 
@@ -11,21 +11,28 @@ import numpy as np
 from .nodes import wrap
 
 
-def plus(a, b):
-    return a + b
+@dataclass(frozen=True)
+class Addition:
+    """The first plus ``sign`` times the second."""
+
+    sign: int
+
+    def __call__(self, a, b):
+        return a + b if self.sign > 0 else a - b
 
 
-def minus(a, b):
-    return a - b
+@dataclass(frozen=True)
+class Product:
+    """The product of integers of any size; the square of a single operand."""
+
+    operands: int
+
+    def __call__(self, *factors):
+        return factors[0].astype(object) * factors[-1]
 
 
-def times(a, b):
-    """The product of integers of any size."""
-    return a.astype(object) * b
-
-
-def square(a):
-    return times(a, a)
+plus, minus = Addition(1), Addition(-1)
+times, square = Product(2), Product(1)
 
 
 def half_up(words, drop: int):

@@ -15,7 +15,6 @@ import itertools
 import re
 from collections.abc import Callable
 from fractions import Fraction
-from inspect import isfunction
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from model.bounds.lean_ranges import LeanRanges
 from model.dataflow import lean
 from model.dataflow.annotations import Within
 from model.dataflow.lean_words import (
+    Addition,
     Count,
     Elbow,
     HalfLength,
@@ -30,6 +30,7 @@ from model.dataflow.lean_words import (
     Limit,
     Mantissa,
     PartSum,
+    Product,
     Result,
     Shift,
     Turned,
@@ -197,7 +198,7 @@ class Exact(Domain):
             self._is(name, *self._choice(name, operands, names, bits))
 
     def _choice(self, name: str, operands: tuple[Node, ...], names: list[str], bits: Callable) -> list[str]:
-        if isfunction(bits):
+        if isinstance(bits, Addition | Product):
             return [f"(= {name} {bits(*map(Term, names))})"]
         if isinstance(bits, Limit):
             return [f"(= {name} {names[0]})"]

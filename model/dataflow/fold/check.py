@@ -14,7 +14,7 @@ from typing import Any
 
 from .program import CODES, FIELDS, PLACES
 from .steps import HALF, NO_COUNT, ONE, POWER, ZERO, Group, Operand, Pick, Step, Write
-from .timing import ELBOW, FETCH, INPUTS, ZEROS
+from .timing import ELBOW, FETCH, INPUTS, MADE_OF, ZEROS, roots_of, terms_of
 
 TARGETS = 3
 
@@ -40,19 +40,10 @@ class Expressions:
             return name
         if name in (NO_COUNT, "n<bits"):
             return self(name, count)
-        if name.startswith("~"):
-            return self("not", self.flag(name[1:], registers, count))
-        if " & ~" in name:
-            first, second = name.split(" & ~")
-            return self("less", self.flag(first, registers, count), self.flag(second, registers, count))
+        if (terms := terms_of(name)) != [(name, False)]:
+            return self("terms", *((self.flag(term, registers, count), negated) for term, negated in terms))
         get = registers.get
-        if name == "minus":
-            return get("k_1<0")
-        if name in ("clamp", "away", "fold", "arm_swap"):
-            made = ("a_far<0", "b_near<0", "at_shoulder", "d_dif<0", "d1<0", "d2<0", "no_1", "no_2")
-            last = (get("cos_a<0"),) if name == "arm_swap" else ()
-            return self(name, *map(get, made), *last)
-        return get("e_q") if name == "low" else get(name)
+        return self(name, *map(get, sorted(roots_of(name)))) if name in MADE_OF else get(name)
 
     def operand(self, flag: Any, second: int, words: Sequence[Any]) -> Any:
         """One of two words that a flag chooses; words of a pair are (flag, word) each."""

@@ -19,6 +19,7 @@ import numpy as np
 from ...io.words import ARMS
 from .. import lean
 from ..lean_words import (
+    Addition,
     Count,
     Elbow,
     HalfLength,
@@ -26,13 +27,10 @@ from ..lean_words import (
     Limit,
     Mantissa,
     PartSum,
+    Product,
     Result,
     Shift,
     Turned,
-    minus,
-    plus,
-    square,
-    times,
 )
 from ..nodes import Domain, Node
 from .layout import DOUBLE, EXACT_WEIGHT, PLAIN, Layout
@@ -237,11 +235,11 @@ class Lowering(Domain):
                 raw = self.terms[read[0]]
                 addend = raw.addend.replace("half", "result")
                 self.terms[raw.name] = replace(raw, minus=flag, result=name, write=None, addend=addend)
-            case _ if bits is square or bits is times:
+            case Product():
                 self.terms[name] = Step(name, read[0], read[-1])
-            case _ if bits is plus or bits is minus:
+            case Addition():
                 first, second = read
-                self._plus(node, first, second, less=bits is minus)
+                self._plus(node, first, second, less=bits.sign < 0)
             case _:  # a mask
                 self.signs |= {n.name for n in node.operands if n.format != self.bit} - set(POSITION)
         if isinstance(bits, Turned | PartSum):

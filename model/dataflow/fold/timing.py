@@ -7,6 +7,7 @@ here are a target's own, from the beginning of its lap on: modulo the period the
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 from .steps import ALWAYS, NO_COUNT, POWER, Group, Pick, Step
@@ -104,17 +105,17 @@ MADE_OF = {
 """Flags that are logic of others; ``flags`` are those that leave with the results."""
 
 
+def terms_of(flag: str) -> list[tuple[str, bool]]:
+    """Split ``a & ~b`` or ``~b`` into its terms: a name, and whether it is negated."""
+    return [(term.removeprefix("~"), term.startswith("~")) for term in flag.split(" & ")]
+
+
 def roots_of(flag: str) -> set[str]:
-    """The registers that a flag is made of."""
+    """Return the registers that a flag is made of."""
     if flag in CLOCKED:
         return set()
-    for part in (" & ~", " ^ "):
-        if part in flag:
-            return set().union(*(roots_of(f) for f in flag.split(part)))
-    flag = flag.removeprefix("~")
-    if flag in MADE_OF:
-        return set().union(*(roots_of(f) for f in MADE_OF[flag]))
-    return {flag}
+    roots = (map(roots_of, MADE_OF[term]) if term in MADE_OF else [{term}] for term, _ in terms_of(flag))
+    return set().union(*itertools.chain.from_iterable(roots))
 
 
 def flag_sets(placed: Placed) -> list[Use]:
