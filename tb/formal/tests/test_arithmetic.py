@@ -97,6 +97,7 @@ def test_rounding_is_within_its_bounds(width, monkeypatch):
 
 
 @tools
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Rules, Rounded])
 def test_rules_and_errors(kind):
     """All questions at one width hold, and a claim that is too narrow does not."""

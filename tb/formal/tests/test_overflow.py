@@ -213,6 +213,7 @@ def test_every_case_is_asked(claim, said):
 
 
 @needs_tools
+@pytest.mark.slow
 def test_one_node_and_the_bug():
     """One sum, and the seeded bug in a product, in seconds."""
     with ThreadPoolExecutor(2) as pool:
