@@ -13,16 +13,16 @@ import numpy as np
 from .words import FIELDS, RESULT_FIELDS
 
 BYTES = 32
-"""Of a record."""
+"""Bytes of a record."""
 
 WORD = np.dtype("<i4")
 
 TAG_BITS = 24
-"""How much of a tag comes back."""
+"""Bits of a tag that a result record returns."""
 
 
 def target_records(words: np.ndarray, tags: np.ndarray) -> bytes:
-    """What lies in memory for targets: words (N, 6) of 32 bits as `FIELDS`, tags (N,) of 32 bits."""
+    """Return the target records of words (N, 6) of 32 bits as `FIELDS`, tags (N,) of 32 bits."""
     records = np.zeros((len(words), BYTES // 4), dtype=np.int64)
     records[:, : len(FIELDS)] = words
     records[:, len(FIELDS)] = tags
@@ -30,7 +30,7 @@ def target_records(words: np.ndarray, tags: np.ndarray) -> bytes:
 
 
 def core_words(records: bytes, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """What the core of `width` bits gets of target records: words (N, 6) int64 and tags (N,).
+    """Decode target records into words of `width` bits: (N, 6) int64 and tags (N,).
 
     Half up; a length that would leave the format saturates, an angle wraps.
     """
@@ -47,7 +47,7 @@ def core_words(records: bytes, width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def result_records(results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
-    """What is written for a job: results (N, 6) of `width` bits, flags and tags (N,)."""
+    """Return the result records of a job: results (N, 6) of `width` bits, flags and tags (N,)."""
     count, fields = results.shape
     records = np.zeros((count, BYTES // 4), dtype=np.int64)
     records[:, :fields] = results << (32 - width)
@@ -57,6 +57,6 @@ def result_records(results: np.ndarray, flags: np.ndarray, tags: np.ndarray, wid
 
 
 def result_words(records: bytes, width: int) -> np.ndarray:
-    """The results (N, 6) of `width` bits in result records."""
+    """Return the results (N, 6) of `width` bits in result records."""
     table = np.frombuffer(records, dtype=WORD).astype(np.int64).reshape(-1, BYTES // 4)
     return table[:, : len(RESULT_FIELDS)] >> (32 - width)

@@ -25,7 +25,7 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 
 
 class Flag(NamedTuple):
-    """One flag: its name, its value as a bit mask, and what it says in one line."""
+    """One flag: its name, its bit mask, and its meaning in one line."""
 
     name: str
     bit: int
@@ -50,10 +50,9 @@ def names(flags: int) -> str:
 
 
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
-    """The flags that the core owes for input words (N, 6) of `width` bits; (N,) int64.
+    """Return the exact flags of input words (N, 6) of `width` bits; (N,) int64.
 
-    `SATURATED` is reserved. Raises ValueError for a word that does not fit `width` bits, which the core
-    could not be asked.
+    `SATURATED` is reserved. Raises ValueError for a word that does not fit `width` bits.
     """
     words = np.asarray(words, dtype=np.int64)
     half = 2 ** (width - 1)

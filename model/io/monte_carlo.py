@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What random targets do at every node of the paper's dataflow: words, errors against double precision, overflows."""
+"""Random targets through the paper's dataflow: words, errors and overflows observed at every node."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .stimuli import random_reachable, unreachable
 from .words import DEFAULT_D1, DEFAULT_D2, Targets, from_words, result_values, scale_exponent
 
 CHUNK = 20000
-"""Targets that are looked at together."""
+"""Targets in one chunk."""
 
 
 # -- targets ---------------------------------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ def words_of(targets: Targets, width: int) -> np.ndarray:
 
 @dataclass
 class Seen:
-    """What was observed of one node: words, and errors against double precision in ulps."""
+    """Observations of one node: words, and errors against double precision in ulps."""
 
     low: int
     high: int
@@ -119,7 +119,7 @@ class Seen:
 
 @dataclass
 class Observed:
-    """What was observed of all nodes.  Targets with a node beyond its format count in ``beyond`` and nowhere else."""
+    """Observations of all nodes.  Targets with a node beyond its format count in ``beyond`` and nowhere else."""
 
     nodes: dict[str, Seen] = field(default_factory=dict)
     beyond: dict[str, int] = field(default_factory=dict)
@@ -134,7 +134,7 @@ def shown(nodes: dict[str, Node]) -> list[str]:
 
 
 def observe(into: Observed, words: np.ndarray, width: int) -> None:
-    """Runs targets through the bit-true model and through double precision and notes ranges and errors."""
+    """Run targets through the bit-true model and in double precision; add ranges and errors to ``into``."""
     bits = fixed.run(words, width).bits
     clamped = np.asarray(bits.nodes["clamp"].value).astype(bool)
     good = np.ones(len(words), dtype=bool)
@@ -171,7 +171,7 @@ def observe(into: Observed, words: np.ndarray, width: int) -> None:
 
 
 def monte_carlo(targets: int, width: int, seed: int, step=lambda done: None) -> Observed:
-    """Observes ``targets`` random targets, chunk by chunk."""
+    """Observe ``targets`` random targets, chunk by chunk."""
     result = Observed()
     for number, start in enumerate(range(0, targets, CHUNK)):
         # A chunk is always made in full, so that fewer targets are the first of more.

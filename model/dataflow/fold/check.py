@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a program computes the dataflow: its words are run with expressions instead of numbers.
+"""Symbolic check that a program computes the dataflow.
 
 The machine here is that of ``rtl/fold``, register by register, and knows the codes of a step's fields but no schedule.
 Several targets go through it, one a lap.  What comes out, as an expression of the inputs, must be what the steps of the
@@ -22,7 +22,7 @@ MARKS = ("first_result", "last_result", "hold", "last_input")
 
 
 class WrongProgramError(ValueError):
-    """A program that does not compute what the steps do."""
+    """A program that computes other results than the steps."""
 
 
 class Expressions:
@@ -55,7 +55,7 @@ class Expressions:
 
 
 def expected(groups: list[Group], of: Expressions, target: int) -> dict[str, Any]:
-    """Results of a target, step by step."""
+    """Return the results of a target, computed step by step."""
     steps = [(group, at, step) for group in groups for at, step in group.steps]
     words: dict[str, Any] = {name: of("in", name, target) for name in INPUTS}
     pairs: dict[str, list] = {}

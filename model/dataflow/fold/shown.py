@@ -52,14 +52,14 @@ class _Finder:
             self.found[name] = Shown(self.nodes[name], (clock,), text)
 
     def place(self, name: str) -> str:
-        """Of a node's last bit in a word."""
+        """Return the index of a node's LSB in a word."""
         return f"D - {1 + self.lowering.weight[name]} - ({self.nodes[name].format.frac_expr})"
 
     def bits(self, word: str, at: str, name: str) -> str:
         return f"{word}[{at} +: {width_of(self.nodes[name])}]"
 
     def of_sum(self, name: str, step: Step) -> str:
-        """T, or what of it is the node's."""
+        """Return the bits of T that hold the node."""
         if self.nodes[name].format.width == 2 * self.lowering.width + 2:
             return "~t" if step.norm and step.norm.kind == "inverse" else "t"
         if step.write and step.write.double_by:
@@ -68,7 +68,7 @@ class _Finder:
         return self.of_window(name, step.write.window if step.write else DOUBLE if step.cut == "double" else PLAIN)
 
     def of_window(self, name: str, window: int) -> str:
-        """What of T is the node's, where its word is in this window."""
+        """Return the bits of T that hold the node, for a word in this window."""
         node, last = self.nodes[name], f"XW - D - {1 + window} + {self.place(name)}"
         above = node.format.width - node.format.frac - self.lowering.weight[name] - 2 - window
         if above > 0:  # T is shorter
@@ -128,7 +128,7 @@ class _Finder:
 
 
 def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
-    """Node -> where it is, in the order of the dataflow.  Raises LookupError for a node that is nowhere."""
+    """Return each node's location, in the order of the dataflow.  Raise LookupError for a missing node."""
     finder = _Finder(lowering, program)
     for name, clock in program.loads.items():
         finder.add(name, clock, "in")
@@ -144,7 +144,7 @@ def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
 
 @cache
 def times(width: int) -> dict[str, int]:
-    """Node -> the clock from which on its register has it, counted from that in which its target is taken."""
+    """Return the clock at which each node's register is valid, counted from the acceptance of its target."""
     lowering, made = program(width)
     taken = max(made.loads.values())
     return {name: max(of.time - taken, 1) for name, of in shown(lowering, made).items()}

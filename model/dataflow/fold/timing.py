@@ -45,18 +45,18 @@ class Use:
 
 
 def word_of(operand: str | Pick) -> str:
-    """The variable: both words of a pair are one."""
+    """Return the variable of an operand; both words of a pair share one."""
     return operand.pair if isinstance(operand, Pick) else operand
 
 
 def row_reads(placed: Placed) -> list[int]:
-    """Clocks in which the step reads the memory for a row."""
+    """Return the clocks in which the step reads a table row's argument."""
     bend = [placed.at + BEND] if placed.step.a is None else []
     return bend + [placed.at + ROW] * bool(placed.step.rows)
 
 
 def word_reads(placed: Placed) -> list[Use]:
-    """Words read in which clocks, constants left out."""
+    """Return the words read and their clocks, without constants."""
     step, at = placed.step, placed.at
     operands = [word_of(o) for o in (step.a, step.b) if o is not None]
     uses = [Use(name, at + READ) for name in operands if name not in ("0", "1", "1/2", POWER)]
@@ -64,14 +64,14 @@ def word_reads(placed: Placed) -> list[Use]:
 
 
 def word_writes(placed: Placed) -> list[Use]:
-    """Words written in which clocks."""
+    """Return the words written and their clocks."""
     step, at = placed.step, placed.at
     written = [Use(word_of(step.write.to), at + WRITE)] if step.write else []
     return written + ([Use(step.norm.to, at + NORM)] if step.norm else [])
 
 
 def flag_uses(placed: Placed) -> list[Use]:
-    """Flags needed in which clocks."""
+    """Return the flags needed and their clocks."""
     step, at = placed.step, placed.at
     uses = [Use(o.flag, at + READ) for o in (step.a, step.b) if isinstance(o, Pick)]
     uses += [Use(step.addend_by, at + ADD), Use(step.minus, at + ADD)]
@@ -119,7 +119,7 @@ def roots_of(flag: str) -> set[str]:
 
 
 def flag_sets(placed: Placed) -> list[Use]:
-    """Registers of flags and counts that the step sets, in which clocks: usable in the next one."""
+    """Return the flag and count registers that the step sets and their clocks; usable one clock later."""
     step, at = placed.step, placed.at
     sets = [Use(step.sign, at + WRITE)] if step.sign else []
     if step.norm and step.norm.count:
@@ -151,6 +151,6 @@ class Schedule:
 
 
 def placed_steps(groups: list[Group], starts: dict[str, int]) -> list[Placed]:
-    """Every step in its clock, in order."""
+    """Return all steps with their clocks, in order."""
     steps = [Placed(starts[group.name] + at, step) for group in groups for at, step in group.steps]
     return sorted(steps, key=lambda placed: placed.at)
