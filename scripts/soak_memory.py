@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random jobs from memory to memory at length: what `make soak-memory` does.
+"""Random jobs of ik_axi from memory to memory: `make soak-memory`.
 
     python -m scripts.soak_memory [--jobs N] [--seed S] [--from PIECE] [--sim icarus|verilator] [--processes N]
 
-Jobs of random size and alignment, with and without random pauses on the channels of AXI; every result in memory is
-compared with the model of ik_axis, a monitor holds the rules of AXI in every clock. Jobs come in pieces, a simulation
-each. A piece is a function of seed and number: --from resumes at any, and takes the parameters of tb/axi/instances.py
-in turn, first those with the datapaths, then those with an echo in their place.
+Jobs have random size and alignment, with and without random pauses on the AXI channels. Every result in memory is
+compared with the model of ik_axis; a monitor checks the rules of AXI in every clock. A piece of jobs is one simulation,
+a function of seed and piece number, so --from resumes at any piece. Pieces take the parameters of tb/axi/instances.py
+in turn, first with the datapaths, then with an echo instead of the core.
 
-It stops at the first piece in which a test fails, and names seed and piece.
+The run stops at the first piece in which a test fails, and prints seed and piece.
 
-Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 input that cannot be used (one line on
-stderr), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 bad input (one line on stderr), 130 after
+Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from tb.sim.simulate import SimulationError
 JOBS = 1000
 INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
 PIECE = 100
-"""Jobs of a piece, of those with pauses on one channel too."""
+"""Jobs of a piece, those with pauses on one channel included."""
 
 ECHO_PLACE = ROOT / "build" / "soak-memory"
 
 
 def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
-    """What was built, jobs and targets that were right, and what failed."""
+    """Return the parameters, the numbers of correct jobs and targets, and the failure, if any."""
     parameters, echo = INSTANCES[number % len(INSTANCES)]
     what = f"{'echo' if echo else 'core'} {named(parameters)}"
     with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:
@@ -63,11 +63,11 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
 def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("soak_memory", "Random jobs through ik_axi, from memory to memory, every result compared.")
     add = parser.add_argument
-    add("--jobs", type=whole(1), default=JOBS, metavar="N", help="how many at least (default: %(default)s)")
-    add("--seed", type=whole(0), default=1, metavar="S", help="of everything random (default: %(default)s)")
-    add("--from", dest="from_", type=whole(0), default=0, metavar="PIECE", help="begin at this one (default: 0)")
+    add("--jobs", type=whole(1), default=JOBS, metavar="N", help="minimum number of jobs (default: %(default)s)")
+    add("--seed", type=whole(0), default=1, metavar="S", help="random seed (default: %(default)s)")
+    add("--from", dest="from_", type=whole(0), default=0, metavar="PIECE", help="first piece (default: 0)")
     parser.choice("--sim", "simulator", SIMULATORS, "verilator", "the simulator (default: %(default)s)")
-    about = "pieces at a time (default: %(default)s)"
+    about = "parallel pieces (default: %(default)s)"
     add("--processes", type=whole(1), default=os.cpu_count(), metavar="N", help=about)
     options = parser.parse_args(arguments)
     echoing(ECHO_PLACE)
