@@ -190,7 +190,7 @@ release-check: ## before a version: no page of proofs or measurements is stale; 
 	@$(VENV) -m scripts.check_proofs --strict
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder -m release
 
-fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|short|memory|fold WIDTH= FARM=]
+fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|memory|fold WIDTH= FARM=]
 	@$(SETUP) fpga$(farm)
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,FARM,--farm="$$CGA_FARM")

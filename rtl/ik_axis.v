@@ -16,9 +16,7 @@ module ik_axis #(
     parameter integer DIGIT    = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
     // the lean products: bits of the multipliers' longer operand; 18, 25 for 25x18 and not folded, 16 for 16x16, with small
     // tables, and W from 18 on folded
-    parameter integer TILE     = 18,
-    parameter integer SHORT    = 0,   // the paper's words of W = 32: 1 shorter where that costs little accuracy
-    parameter integer MIN_W    = 16   // least W; 3 to 15 only for the test of every target there is, lean, TILE from 18
+    parameter integer TILE     = 18
 ) (
     input  wire               clk,
     input  wire               rst,  // synchronous, active high: forgets all targets
@@ -71,11 +69,9 @@ module ik_axis #(
   localparam DATAPATH_OK = DATAPATH >= 0 && DATAPATH <= 2;
   localparam DIGIT_OK = DIGIT == 0 || DIGIT == 1;
   localparam TILE_OK = TILE == 16 || TILE == 18 || (TILE == 25 && DATAPATH != 2);
-  localparam SHORT_OK = SHORT == 0 || (SHORT == 1 && DATAPATH == 0 && W == 32);
-  localparam MIN_W_OK = MIN_W >= 3 && MIN_W <= 16;
-  localparam integer LEAST = (DATAPATH == 2) ? ((TILE == 16) ? 18 : 20) : (DATAPATH == 1 && TILE != 16) ? MIN_W : 16;
+  localparam integer LEAST = (DATAPATH == 2) ? ((TILE == 16) ? 18 : 20) : 16;
   localparam W_OK = W >= LEAST && W <= ((TILE == 16) ? 24 : 32) && (DATAPATH != 2 || W % 2 == 0);
-  localparam LEGAL = TAG_OK && DATAPATH_OK && DIGIT_OK && TILE_OK && SHORT_OK && MIN_W_OK && W_OK;
+  localparam LEGAL = TAG_OK && DATAPATH_OK && DIGIT_OK && TILE_OK && W_OK;
   generate
     if (!TAG_OK) begin : g_no_tag
       ik_axis_needs_TAG_W_of_1_or_more u_stop ();
@@ -88,12 +84,6 @@ module ik_axis #(
     end
     if (!TILE_OK) begin : g_no_tile
       ik_axis_needs_TILE_of_18_16_or_not_folded_25 u_stop ();
-    end
-    if (!SHORT_OK) begin : g_no_cuts
-      ik_axis_needs_SHORT_of_0_or_with_DATAPATH_0_and_W_32_of_1 u_stop ();
-    end
-    if (!MIN_W_OK) begin : g_no_least
-      ik_axis_needs_MIN_W_of_3_to_16 u_stop ();
     end
     if (!W_OK) begin : g_no_words
       ik_axis_needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24 u_stop ();
@@ -149,8 +139,7 @@ module ik_axis #(
       ik_paper #(
           .W    (W),
           .TAG_W(TAG_W),
-          .DIGIT(DIGIT),
-          .SHORT(SHORT)
+          .DIGIT(DIGIT)
       ) u_core (
           .clk      (clk),
           .rst      (rst),

@@ -12,8 +12,7 @@ package ik_axis_pkg is
       TAG_W    : integer := 8;   -- width of the tag, 1 or more
       DATAPATH : integer := 1;   -- 0 paper, 1 lean, 2 lean folded onto one multiplier
       DIGIT    : integer := 0;   -- the paper's dividers and roots: 1 made of rows, for synthesis
-      TILE     : integer := 18;  -- the lean products: bits of the multipliers' longer operand, 25 for 25x18
-      SHORT : integer := 0    -- the paper's words of W = 32: 1 shorter where that costs little accuracy
+      TILE     : integer := 18   -- the lean products: bits of the multipliers' longer operand, 25 for 25x18
     );
     port (
       clk           : in  std_logic;

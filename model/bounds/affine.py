@@ -106,7 +106,7 @@ class Affine(Domain):
     """The dataflow in affine forms at the poses of ``bits``; the input words are exact."""
 
     def __init__(self, bits: fixed.Bits) -> None:
-        super().__init__(bits.width, cuts=bits.cuts, tile=bits.tile)
+        super().__init__(bits.width, tile=bits.tile)
         self.bits = bits
         self.exact = {name: node.value for name, node in Real(bits, {}).nodes.items()}
         for name, node in bits.nodes.items():

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, reduce
 
@@ -22,7 +21,7 @@ import numpy as np
 
 from ..dataflow.annotations import ANYTHING, Given, Rule
 from ..dataflow.interval_cases import Case, cases
-from ..dataflow.nodes import Domain, Format, Node
+from ..dataflow.nodes import CORDIC, Domain, Format, Node
 from ..dataflow.paper import paper
 from ..io.words import ARMS
 
@@ -64,12 +63,9 @@ class Bound:
 class Ranges(Domain):
     """The dataflow on intervals over one :class:`Case`.  ``failed`` collects the nodes that do not fit."""
 
-    def __init__(
-        self, width: int, case: Case, formats: dict[str, Format] | None = None, cuts: Mapping[str, int] | None = None
-    ) -> None:
-        super().__init__(width, cuts=cuts)
-        elbow = max(self.place(f"e_{axis}_quo", self.word(1)) for axis in "xyz")
-        self.case = replace(case, elbow=elbow)
+    def __init__(self, width: int, case: Case, formats: dict[str, Format] | None = None) -> None:
+        super().__init__(width)
+        self.case = replace(case, elbow=self.word(1).ulp)
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
         self.proved: dict[str, Bound] = {}
@@ -181,9 +177,8 @@ class Ranges(Domain):
         if isinstance(rule, Rule):
             size = min(size, max(map(abs, rule.limit(self.case))))
         words = [u / v for u in p.word for v in q.word]
-        place = self.place(name, fmt)
-        word = min(words) - place, max(words)
-        return self._rule(name, min(ends), max(ends), (p.error + size * q.error) / least + place, fmt, word)
+        word = min(words) - fmt.ulp, max(words)
+        return self._rule(name, min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, fmt, word)
 
     def square_root(self, name, n, fmt):
         v = n.value
@@ -192,8 +187,7 @@ class Ranges(Domain):
         ends = low + math.sqrt(max(v.word[0], 0))
         error = math.sqrt(v.error) if ends == 0 else min(v.error / ends, math.sqrt(v.error))
         word = tuple(math.sqrt(max(w, 0)) for w in v.word)
-        place = self.place(name, fmt)
-        return self._rule(name, low, high, error + place, fmt, (max(word[0] - place, 0.0), word[1]))
+        return self._rule(name, low, high, error + fmt.ulp, fmt, (max(word[0] - fmt.ulp, 0.0), word[1]))
 
     def mantissa(self, name, word, words, counts, fill):
         # Exact: shifting changes the unit, not the vector.  Bounds downstream are about the words as they are.
@@ -201,7 +195,7 @@ class Ranges(Domain):
 
     def cordic(self, names, phi):
         fmt = self.word(1)
-        return tuple(self._rule(name, -1.0, 1.0, self.cordic_error(name)[1] * fmt.ulp, fmt) for name in names)
+        return tuple(self._rule(name, -1.0, 1.0, CORDIC[1] * fmt.ulp, fmt) for name in names)
 
     def apply(self, name, operands, fmt, bits, real):
         if isinstance(self.facts[name].within, Given) or fmt.width == 1:
@@ -260,14 +254,12 @@ class Proved:
         return max(0, fmt.width - (1 if fmt.signed else 0) - needed)
 
 
-def analyse(
-    width: int, formats: dict[str, Format] | None = None, cuts: Mapping[str, int] | None = None
-) -> tuple[dict[str, Proved], dict[str, str]]:
+def analyse(width: int, formats: dict[str, Format] | None = None) -> tuple[dict[str, Proved], dict[str, str]]:
     """Every node's proved range at word length ``width``, and what does not fit: node -> one line.
 
-    ``formats`` holds single nodes against other formats than the dataflow's, ``cuts`` shortens words.
+    ``formats`` holds single nodes against other formats than the dataflow's.
     """
-    runs = [Ranges(width, case, formats, cuts).run() for case in cases(width)]
+    runs = [Ranges(width, case, formats).run() for case in cases(width)]
     failed: dict[str, str] = {}
     for run in runs:
         for name, line in run.failed.items():

@@ -2,7 +2,7 @@
 """The tolerances that scores, the soak and the list of hardest targets judge by: hand error / reach, norm error.
 
 A prediction (:mod:`model.bounds.predict`) explains an error and is never a tolerance. For the paper's equations near
-their singular poses, where their error grows without bound, and for their short words the table has none: there bits,
+their singular poses, where their error grows without bound, the table has none: there bits,
 flags and norms are judged, and the accuracy only if the user asks for one (``BAR=``).
 """
 
@@ -46,9 +46,8 @@ LEAN_NORMS = {
 every word changes norm^2 by the sum of their magnitudes, which is 2 at most (Qs), sqrt(2) (Qe); the rest is of the
 roots, whose places are 2^-8 ulps at 16 bits, half an ulp at 32.  Searches find 2.1 at 18 bits, 15.4 at 32."""
 
-PAPER_NORM, SHORT_NORM = 16.0, 2048.0
-"""The same of the paper's datapath, of either quaternion: at most 9.4 was seen, and 670 of the shorter words at 32
-bits, whose factors have places of up to 128 ulps."""
+PAPER_NORM = 16.0
+"""The same of the paper's datapath, of either quaternion: at most 9.4 was seen."""
 
 
 def lean(width: int) -> float:
@@ -82,5 +81,5 @@ def yardstick(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
 def norm(width: int, datapath: str) -> float:
     """Largest abs(norm^2 - 1) of a quaternion."""
     lean = CONFIGURATIONS[datapath].equations == "lean"
-    ulps = max(LEAN_NORMS[width]) if lean else SHORT_NORM if datapath == "short" else PAPER_NORM
+    ulps = max(LEAN_NORMS[width]) if lean else PAPER_NORM
     return ulps * 2.0 ** (2 - width)

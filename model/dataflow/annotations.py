@@ -50,17 +50,16 @@ class Given:
 @dataclass(frozen=True)
 class Growth:
     """How errors come out of an operation: the largest of the operands' times ``gains`` (default: 1), or all of them
-    ``added``; and an ulp or more, ``ulps``, unless the operation is ``exact``."""
+    ``added``; and an ulp, unless the operation is ``exact``."""
 
     gains: tuple[float, ...] = ()
     added: bool = False
     exact: bool = False
-    ulps: int = 1
 
     def __call__(self, errors: Sequence[float], ulp: float) -> float:
         """The error of the result from those of the operands."""
         grown = [gain * error for gain, error in zip(self.gains, errors, strict=True)] if self.gains else errors
-        return (sum(grown) if self.added else max(grown)) + (0.0 if self.exact else self.ulps * ulp)
+        return (sum(grown) if self.added else max(grown)) + (0.0 if self.exact else ulp)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ is no float in any result: products and sums are exact and rounded once, divisio
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -90,10 +89,9 @@ def cordic(phi, width: int):
 class Bits(Domain):
     """Runs the dataflow in integers.  ``overflow`` keeps for every product, sum and quotient where it did not fit."""
 
-    def __init__(self, width: int, datapath: str = "paper", cuts: Mapping[str, int] | None = None) -> None:
-        """``cuts``: others than the datapath's own."""
+    def __init__(self, width: int, datapath: str = "paper") -> None:
         path = CONFIGURATIONS[datapath]
-        super().__init__(width, path.widths, path.cuts if cuts is None else cuts, path.tile)
+        super().__init__(width, path.widths, path.tile)
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
@@ -117,13 +115,10 @@ class Bits(Domain):
 
     def quotient(self, name, n, d, fmt):
         value, self.overflow[name] = floor_div(n.value, d.value, fmt.frac - n.format.frac + d.format.frac, fmt)
-        return self._cut(name, value)
+        return value
 
     def square_root(self, name, n, fmt):
-        return self._cut(name, floor_root(n.value, 2 * fmt.frac - n.format.frac))
-
-    def _cut(self, name, value):
-        return value >> self.cut_of(name) << self.cut_of(name)
+        return floor_root(n.value, 2 * fmt.frac - n.format.frac)
 
     def product3(self, name, a, b, fmt, scale):
         # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
@@ -150,8 +145,7 @@ class Bits(Domain):
         return np.where(empty, fill, word.value << counts.value)
 
     def cordic(self, names, phi):
-        cut = self.cut_of(names[0])
-        return tuple(value << cut for value in cordic(phi.value >> cut, self.width - cut))
+        return cordic(phi.value, self.width)
 
 
 @dataclass(frozen=True)

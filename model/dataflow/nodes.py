@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -45,9 +45,6 @@ JAM = (-1.0, 1.0)
 CORDIC = (-2.0, 2.0)
 """What each rounding rule adds, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded ulps
 each in both coordinates, the angle left over is below one ulp, and the result is rounded."""
-
-SHORT_CORDIC = (-2.8, 2.8)
-"""Of a CORDIC of a shorter word: the places of the angle that it does not look at are less than pi/4 of its ulps."""
 
 WIDTHS = range(16, 33)
 """Word lengths that the datapaths are built for."""
@@ -208,11 +205,10 @@ class Negated:
 class Domain(ABC):
     """The operations that :func:`paper` is written in.  Each makes one named node, one or more clocks later."""
 
-    def __init__(self, width: int, widths: range = WIDTHS, cuts: Mapping[str, int] | None = None, tile=TILE) -> None:
+    def __init__(self, width: int, widths: range = WIDTHS, tile=TILE) -> None:
         if width not in widths:
             raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
         self.width = width
-        self.cuts = cuts or {}  # quotient, root, sine or cosine -> lowest bits of its word that are 0
         self.tile = tile  # of mul3; roots and sines have other tables with less than 18 bits
         self.latency = Latency(width, tile)
         self.nodes: dict[str, Node] = {}
@@ -272,24 +268,6 @@ class Domain(ABC):
         formats = {name: self.word(int(name in LENGTHS)) for name in FIELDS}
         return {name: self.make(name, "input", (), fmt, None, value(name, fmt)) for name, fmt in formats.items()}
 
-    # ---- shorter words ---------------------------------------------------------------------------------------------
-
-    def cut_of(self, name: str) -> int:
-        """How many of the lowest bits of a quotient, root, sine or cosine are 0."""
-        return self.cuts.get(name, 0)
-
-    def place(self, name: str, fmt: Format) -> float:
-        """Value of its last place that is not 0."""
-        return fmt.ulp * 2 ** self.cut_of(name)
-
-    def _coarser(self, name: str, error: tuple[float, float]) -> tuple[float, float]:
-        """A rounding at that place, in ulps."""
-        return error[0] * 2 ** self.cut_of(name), error[1] * 2 ** self.cut_of(name)
-
-    def cordic_error(self, name: str) -> tuple[float, float]:
-        """What the CORDIC adds to sine and cosine, in ulps."""
-        return self._coarser(name, SHORT_CORDIC if self.cut_of(name) else CORDIC)
-
     # ---- what is known from here on ------------------------------------------------------------------------------
 
     def learn(self, fact: Callable[[Case], Case]) -> None:  # noqa: B027 - of ranges only
@@ -341,13 +319,13 @@ class Domain(ABC):
         """floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
         self.facts[name] = Facts(**facts)
         value = self.quotient(name, n, d, fmt)
-        return self.make(name, "div", (n, d), fmt, "div", value, error=self._coarser(name, FLOOR))
+        return self.make(name, "div", (n, d), fmt, "div", value, error=FLOOR)
 
     def root(self, name: str, n: Node, fmt: Format, **facts) -> Node:
         """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
         self.facts[name] = Facts(**facts)
         value = self.square_root(name, n, fmt)
-        return self.make(name, "root", (n,), fmt, "root", value, error=self._coarser(name, FLOOR))
+        return self.make(name, "root", (n,), fmt, "root", value, error=FLOOR)
 
     def mul3(
         self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, kind: str = "mul3", after: Node | None = None,
@@ -399,8 +377,7 @@ class Domain(ABC):
         """Sine and cosine of phi/2, words with one integer bit."""
         self.facts |= dict.fromkeys(names, Facts(**facts))
         values = zip(names, self.cordic(names, phi), strict=True)
-        error = self.cordic_error(names[0])
-        return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=error) for n, v in values)
+        return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC) for n, v in values)
 
     def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str, **facts) -> Node:
         """Shifts words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .annotations import COSINE, SUM, Given, Growth, Rule, leading, not_negative, upto, used
+from .annotations import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
 from .interval_cases import SQRT3, Case
 from .nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
 from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
@@ -282,7 +282,7 @@ def off_length(c: Case, d: Domain) -> Case:
         num = pp.value.error + t.value.word[1] * n[f"pp_{m}_m"].value.error + pp.format.ulp
         worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + c.elbow)
     straight = SQRT3 * worst
-    square = n["tmp1"].value.error + 2 * t.value.word[1] * d.place("tmp_sqr", t.format)
+    square = n["tmp1"].value.error + 2 * t.value.word[1] * t.format.ulp
     return replace(c, straight=straight, square=square / inf.low + 2 * straight * c.p_e * 1.1 + straight**2)
 
 
@@ -345,13 +345,11 @@ def elbow(d: Domain) -> None:
         d.sum(f"e_{axis}_num", n[f"e_{axis}_pp"], n[f"e_{axis}_sqr"], fmt=d.wide(5), within=ELBOW_NUM)
         d.learn(lambda c: off_length(c, d))
         d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1), within=ELBOW)
-        # A clamped arm's elbow lies on the line to the target, at half its distance here, in words as short.
-        cut = d.cut_of(f"e_{axis}_quo")
+        # A clamped arm's elbow lies on the line to the target, at half its distance here.
         d.op(
             f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
-            lambda q, t, c, a, cut=cut: np.where(c, np.where(a, -1, 1) * (t >> 2 + cut << cut), q),
-            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), (JAM[0] * 2**cut, JAM[1] * 2**cut),
-            grows=Growth(ulps=2**cut),
+            lambda q, t, c, a: np.where(c, np.where(a, -1, 1) * (t >> 2), q),
+            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), JAM,
         )  # fmt: skip
     # (15) needs the length of the upper arm in the scale of p_e.
     d.op(

@@ -20,7 +20,7 @@ class Real(Domain):
     """
 
     def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
-        super().__init__(bits.width, CONFIGURATIONS[bits.datapath].widths, bits.cuts, bits.tile)
+        super().__init__(bits.width, CONFIGURATIONS[bits.datapath].widths, bits.tile)
         self.bits = bits
         self.moves = moves
         for name, node in bits.nodes.items():

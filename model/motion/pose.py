@@ -86,8 +86,7 @@ def solve(
     * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
-    * datapath: "lean", "paper", "lean25", which is lean with other products, or "short", the paper's with
-      shorter words where width is 32
+    * datapath: "lean", "paper", or "lean25", which is lean with other products
 
     A target out of reach gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
     numbers that are not finite, an unknown width, datapath or order, and (as TargetError, of which it is the base)

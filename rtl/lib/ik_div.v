@@ -1,8 +1,8 @@
 // Rounds down (floor), saturates: q = floor(n * 2^SH / d); n signed NW, d signed DW, q signed QW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where d <= 0 the quotient saturates by the sign of n, and 0 counts as positive. ovf is valid with q and says that q
-// was saturated. With CUT > 0, q is rounded down to a multiple of 2^CUT. DIGIT chooses between a behavioural core, the reference, and ik_div_digit, made of rows for synthesis;
+// Where d <= 0 the quotient saturates by the sign of n, and 0 counts as positive. ovf is valid with q and set where q
+// was saturated. DIGIT chooses between a behavioural core, the reference, and ik_div_digit, made of rows for synthesis;
 // both give the same bits in the same clocks.
 // Latency: LAT clocks, from d DD more; ik_div_digit says which it can have, a behavioural core has any.
 `default_nettype none
@@ -14,9 +14,7 @@ module ik_div #(
     parameter integer QW    = 32,  // width of the quotient
     parameter integer LAT   = 34,  // clocks
     parameter integer DIGIT = 0,   // 1: digit recurrence, 0: behavioural
-    parameter integer DD    = 0,   // clocks by which d is delayed
-    parameter integer CUT   = 0,   // lowest bits of q that are 0
-    parameter integer CUT_D = 0    // lowest bits of d that are known to be 0
+    parameter integer DD    = 0    // clocks by which d is delayed
 ) (
     input  wire                 clk,
     input  wire signed [NW-1:0] n,
@@ -32,21 +30,17 @@ module ik_div #(
     if (DIGIT != 0) begin : g_digit
       ik_div_digit #(
           .NW (NW),
-          .DW (DW - CUT_D),
-          .SH (SH - CUT - CUT_D),
-          .QW (QW - CUT),
+          .DW (DW),
+          .SH (SH),
+          .QW (QW),
           .LAT(LAT)
       ) u_core (
           .clk(clk),
           .n  (n),
-          .d  (d_in[DW-1:CUT_D]),
-          .q  (q[QW-1:CUT]),
+          .d  (d_in),
+          .q  (q),
           .ovf(ovf)
       );
-      wire unused = &{1'b0, d_in};
-      if (CUT > 0) begin : g_cut
-        assign q[CUT-1:0] = {CUT{1'b0}};
-      end
     end else begin : g_behavioural
       // Wide enough for the dividend, the divisor and one sign bit more than q.
       localparam integer MW = ((NW + SH > DW) ? (NW + SH) : DW) + 1;
@@ -69,7 +63,7 @@ module ik_div #(
           .N(LAT)
       ) u_latency (
           .clk(clk),
-          .d  ({~fits, (fits ? floor[QW-1:0] : bound) & ({QW{1'b1}} << CUT)}),
+          .d  ({~fits, fits ? floor[QW-1:0] : bound}),
           .q  ({ovf, q})
       );
     end

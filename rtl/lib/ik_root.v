@@ -1,9 +1,9 @@
 // Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 where n < 0; n signed NW bits, q signed QW bits, never negative.
 // SPDX-License-Identifier: Apache-2.0
 //
-// neg is valid with q and says that n was negative. A root that does not fit has all bits set. With CUT > 0, q is rounded
-// down to a multiple of 2^CUT. DIGIT chooses between a behavioural core, the reference, and ik_root_digit, made of rows
-// for synthesis; both give the same bits in the same clocks.
+// neg is valid with q and set where n was negative. A root that does not fit has all bits set. DIGIT chooses between a
+// behavioural core, the reference, and ik_root_digit, made of rows for synthesis; both give the same bits in the same
+// clocks.
 // Latency: LAT clocks; ik_root_digit says which it can have, a behavioural core has any.
 `default_nettype none
 
@@ -12,8 +12,7 @@ module ik_root #(
     parameter integer SH    = 30,  // 2 F(q) - F(n)
     parameter integer QW    = 32,  // width of the root
     parameter integer LAT   = 32,  // clocks
-    parameter integer DIGIT = 0,   // 1: digit recurrence, 0: behavioural
-    parameter integer CUT   = 0    // lowest bits of q that are 0
+    parameter integer DIGIT = 0    // 1: digit recurrence, 0: behavioural
 ) (
     input  wire                 clk,
     input  wire signed [NW-1:0] n,
@@ -25,18 +24,15 @@ module ik_root #(
     if (DIGIT != 0) begin : g_digit
       ik_root_digit #(
           .NW (NW),
-          .SH (SH - 2 * CUT),
-          .QW (QW - CUT),
+          .SH (SH),
+          .QW (QW),
           .LAT(LAT)
       ) u_core (
           .clk(clk),
           .n  (n),
-          .q  (q[QW-1:CUT]),
+          .q  (q),
           .neg(neg)
       );
-      if (CUT > 0) begin : g_cut
-        assign q[CUT-1:0] = {CUT{1'b0}};
-      end
     end else begin : g_behavioural
       localparam integer XW = (NW + SH > 2 * QW) ? (NW + SH) : (2 * QW);
 
@@ -69,7 +65,7 @@ module ik_root #(
           .N(LAT)
       ) u_latency (
           .clk(clk),
-          .d  ({negative, floor & ({QW{1'b1}} << CUT)}),
+          .d  ({negative, floor}),
           .q  ({neg, q})
       );
     end

@@ -5,13 +5,11 @@
 // without folding quadrants. The gain of the rotations is taken out in advance.
 // The vector after FIRST iterations is a function of the FIRST signs of the angle alone: it is in a memory, and only
 // the angle goes through all iterations. The memory is read before the last of these signs is known, for both.
-// With CUT > 0 it is the CORDIC of words that are CUT bits shorter, of the upper bits of phi, which wait for CUT clocks.
 // Latency: W + 1 clocks (LAT_SINCOS): one iteration a bit, rounding.
 `default_nettype none
 
 module ik_sincos #(
-    parameter integer W   = 32,  // word length, 16 to 40
-    parameter integer CUT = 0    // lowest bits of the results that are 0
+    parameter integer W = 32  // word length, 16 to 40
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,
@@ -21,17 +19,13 @@ module ik_sincos #(
 
   `include "ik_sincos_table.vh"
 
-  localparam integer BITS = W - CUT;  // length of what is computed
-  localparam integer XW = BITS + SINCOS_GUARD;
+  localparam integer XW = W + SINCOS_GUARD;
   localparam integer DROP = TABLE_BITS - XW;  // table bits below those of the angle
   localparam integer DROP_GAIN = DROP + 2;  // x and y have two integer bits, the table has none
 
   localparam [TABLE_BITS-1:0] GAIN_W = (GAIN + (48'd1 << (DROP_GAIN - 1))) >> DROP_GAIN;
 
   // ---- angle left to turn ----
-
-  wire [BITS-1:0] phi_in;
-  ik_delay #(.W(BITS), .N(CUT)) u_phi (.clk(clk), .d(phi[W-1:CUT]), .q(phi_in));
 
   // An iteration halves it, so from the third on z has a bit less in each: its sign bit stands for those above.
   // a +- b is written with one adder and the sign as its carry: a + (b ^ s) + s. Below the lowest 1 of an angle, of which
@@ -45,7 +39,7 @@ module ik_sincos #(
 
   genvar i;
   generate
-    for (i = 0; i < BITS; i = i + 1) begin : g_angle
+    for (i = 0; i < W; i = i + 1) begin : g_angle
       localparam integer ZW = (i > 1) ? (XW + 1 - i) : XW;
       localparam integer NEXT = (i > 0) ? (XW - i) : XW;
       localparam [TABLE_BITS-1:0] ATAN = (atan_turn(i) + (48'd1 << (DROP - 1))) >> DROP;
@@ -54,7 +48,7 @@ module ik_sincos #(
       localparam [NEXT-1:0] BELOW = ~({NEXT{1'b1}} << STAY);
       wire [ZW-1:0] z;
       if (i == 0) begin : g_first
-        assign z = {phi_in, {SINCOS_GUARD{1'b0}}};
+        assign z = {phi, {SINCOS_GUARD{1'b0}}};
       end else begin : g_next
         assign z = g_angle[i-1].z_q;
       end
@@ -128,13 +122,13 @@ module ik_sincos #(
 
   // ---- the other iterations: x[i], y[i] after i of them ----
 
-  wire signed [XW-1:0] x[FIRST:BITS];
-  wire signed [XW-1:0] y[FIRST:BITS];
+  wire signed [XW-1:0] x[FIRST:W];
+  wire signed [XW-1:0] y[FIRST:W];
   assign x[FIRST] = x_first;
   assign y[FIRST] = y_first;
 
   generate
-    for (i = FIRST; i < BITS; i = i + 1) begin : g_turn
+    for (i = FIRST; i < W; i = i + 1) begin : g_turn
       wire right = g_angle[i].right;
       wire left = ~right;
       wire [XW-1:0] x_i = x[i] >>> i;
@@ -151,25 +145,19 @@ module ik_sincos #(
   endgenerate
 
   localparam signed [XW-1:0] HALF = {{(XW - 1) {1'b0}}, 1'b1} << (SINCOS_GUARD - 1);
-  wire signed [XW-1:0] x_round = x[BITS] + HALF;
-  wire signed [XW-1:0] y_round = y[BITS] + HALF;
-  reg [BITS-1:0] cos_q;
-  reg [BITS-1:0] sin_q;
+  wire signed [XW-1:0] x_round = x[W] + HALF;
+  wire signed [XW-1:0] y_round = y[W] + HALF;
+  reg [W-1:0] cos_q;
+  reg [W-1:0] sin_q;
   always @(posedge clk) begin
     cos_q <= x_round[XW-1:SINCOS_GUARD];
     sin_q <= y_round[XW-1:SINCOS_GUARD];
   end
-  assign cos_h[W-1:CUT] = cos_q;
-  assign sin_h[W-1:CUT] = sin_q;
-  generate
-    if (CUT > 0) begin : g_cut
-      assign cos_h[CUT-1:0] = {CUT{1'b0}};
-      assign sin_h[CUT-1:0] = {CUT{1'b0}};
-    end
-  endgenerate
+  assign cos_h = cos_q;
+  assign sin_h = sin_q;
 
-  // what the rounding drops, and CUT
-  wire unused = &{1'b0, x_round[SINCOS_GUARD-1:0], y_round[SINCOS_GUARD-1:0], phi};
+  // dropped by the rounding
+  wire unused = &{1'b0, x_round[SINCOS_GUARD-1:0], y_round[SINCOS_GUARD-1:0]};
 
 endmodule
 

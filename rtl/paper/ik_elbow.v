@@ -10,8 +10,7 @@
 
 module ik_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
-    parameter integer SHORT = 0    // 1: shorter words
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -46,7 +45,6 @@ module ik_elbow #(
 );
 
   `include "ik_paper_nodes.vh"
-  `include "ik_paper_short.vh"
 
   localparam integer WW = W + GUARD;  // a product before its rounding
 
@@ -199,7 +197,7 @@ module ik_elbow #(
       .clk(clk), .a(pp_pm), .b(pp_sq), .q(tmp1), .ovf()
   );
   // (13) tmp_sqr = sqrt tmp1
-  ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_TMP_SQR)) u_tmp_sqr (
+  ik_root #(.NW(W), .SH(2*F_TMP_SQR-F_TMP1), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_tmp_sqr (
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
   );
 
@@ -295,15 +293,15 @@ module ik_elbow #(
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
   ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_at_e_x_num (.clk(clk), .d(inf_pp), .q(inf_pp_at_e_x_num));
   // (13) e_x_quo = e_x_num / inf_pp
-  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_X_QUO)) u_e_x_quo (
+  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_x_quo (
       .clk(clk), .n(e_x_num), .d(inf_pp_at_e_x_num), .q(e_x_quo), .ovf()
   );
   // (13) e_y_quo = e_y_num / inf_pp
-  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_Y_QUO)) u_e_y_quo (
+  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_y_quo (
       .clk(clk), .n(e_y_num), .d(inf_pp_at_e_x_num), .q(e_y_quo), .ovf()
   );
   // (13) e_z_quo = e_z_num / inf_pp
-  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_E_Z_QUO)) u_e_z_quo (
+  ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_z_quo (
       .clk(clk), .n(e_z_num), .d(inf_pp_at_e_x_num), .q(e_z_quo), .ovf()
   );
 
@@ -320,13 +318,13 @@ module ik_elbow #(
   wire signed [W-1:0] half_x = p_w_x_at_e_x_quo >>> 2;  // the formats differ by one bit
   wire signed [W-1:0] half_y = p_w_y_at_e_x_quo >>> 2;
   wire signed [W-1:0] half_z = p_w_z_at_e_x_quo >>> 2;
-  ik_pick #(.W(W), .CUT(K_E_X_QUO)) u_p_e_x (
+  ik_pick #(.W(W)) u_p_e_x (
       .clk(clk), .a(e_x_quo), .b(half_x), .use_b(clamp_at_e_x_quo), .minus(away_at_e_x_quo), .q(p_e_x)
   );
-  ik_pick #(.W(W), .CUT(K_E_Y_QUO)) u_p_e_y (
+  ik_pick #(.W(W)) u_p_e_y (
       .clk(clk), .a(e_y_quo), .b(half_y), .use_b(clamp_at_e_x_quo), .minus(away_at_e_x_quo), .q(p_e_y)
   );
-  ik_pick #(.W(W), .CUT(K_E_Z_QUO)) u_p_e_z (
+  ik_pick #(.W(W)) u_p_e_z (
       .clk(clk), .a(e_z_quo), .b(half_z), .use_b(clamp_at_e_x_quo), .minus(away_at_e_x_quo), .q(p_e_z)
   );
 

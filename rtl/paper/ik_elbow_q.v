@@ -6,8 +6,7 @@
 
 module ik_elbow_q #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
-    parameter integer SHORT = 0    // 1: shorter words
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -29,7 +28,6 @@ module ik_elbow_q #(
 );
 
   `include "ik_paper_nodes.vh"
-  `include "ik_paper_short.vh"
 
   localparam integer WW = W + GUARD;  // a product before its rounding
 
@@ -76,7 +74,7 @@ module ik_elbow_q #(
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
   ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_at_t_e (.clk(clk), .d(d_12), .q(d_12_at_t_e));
   // (14) c4_quo = t_e / d_12
-  ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT), .CUT(K_C4_QUO)) u_c4_quo (
+  ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_c4_quo (
       .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
   );
 
@@ -100,11 +98,11 @@ module ik_elbow_q #(
   // (14) h4_m = (1 - c4) / 2
   ik_half #(.W(W), .MINUS(1)) u_h4_m (.clk(clk), .c(c4), .q(h4_m));
   // (14) qe_w = sqrt h4_p
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_QE_W)) u_qe_w (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_qe_w (
       .clk(clk), .n({1'b0, h4_p}), .q(qe_w), .neg()
   );
   // (14) qe_abs = sqrt h4_m
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_QE_ABS)) u_qe_abs (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_qe_abs (
       .clk(clk), .n({1'b0, h4_m}), .q(qe_abs), .neg()
   );
   always @(posedge clk) qe_i <= -qe_abs;

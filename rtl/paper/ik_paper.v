@@ -13,8 +13,7 @@
 module ik_paper #(
     parameter integer W     = 32,  // word length, 16 to 32
     parameter integer TAG_W = 8,   // width of the tag, 1 or more
-    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
-    parameter integer SHORT = 0    // 1: quotients, roots, sine and cosine in shorter words, of W = 32
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     // Clock
     input  wire             clk,
@@ -41,9 +40,6 @@ module ik_paper #(
     end
     if (DIGIT != 0 && DIGIT != 1) begin : g_no_cores
       ik_paper_needs_DIGIT_of_0_or_1 u_stop ();
-    end
-    if (SHORT != 0 && (SHORT != 1 || W != 32)) begin : g_no_cuts
-      ik_paper_needs_SHORT_of_0_or_with_W_32_of_1 u_stop ();
     end
   endgenerate
 
@@ -83,7 +79,7 @@ module ik_paper #(
   // ---- 3.1 swivel plane ----
 
   wire signed [W-1:0] s, l_sw, pi_swivel_x, pi_swivel_y, pi_swivel_z;
-  ik_swivel #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_swivel (
+  ik_swivel #(.W(W), .DIGIT(DIGIT)) u_swivel (
       .clk(clk),
       .phi(phi), .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
       .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z)
@@ -100,7 +96,7 @@ module ik_paper #(
   wire signed [W-1:0] pp_1_m, pp_2_m, pp_3_m;
   wire flat, back;
   wire signed [W-1:0] p_e_x, p_e_y, p_e_z, d_e;
-  ik_elbow #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_elbow (
+  ik_elbow #(.W(W), .DIGIT(DIGIT)) u_elbow (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .d_dif_j(d_dif_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
@@ -113,7 +109,7 @@ module ik_paper #(
   // ---- 3.3 elbow quaternion ----
 
   wire signed [W-1:0] qe_w, qe_i;
-  ik_elbow_q #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_elbow_q (
+  ik_elbow_q #(.W(W), .DIGIT(DIGIT)) u_elbow_q (
       .clk(clk),
       .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .fold(fold),
       .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
@@ -123,7 +119,7 @@ module ik_paper #(
   // ---- 3.4 rotate to the elbow position ----
 
   wire signed [W-1:0] q12_i, q12_j, q12_k;
-  ik_to_elbow #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_to_elbow (
+  ik_to_elbow #(.W(W), .DIGIT(DIGIT)) u_to_elbow (
       .clk(clk),
       .d_e(d_e), .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
       .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k)
@@ -132,7 +128,7 @@ module ik_paper #(
   // ---- 3.5 rotate to the wrist location ----
 
   wire signed [W-1:0] qs_w, qs_i, qs_j, qs_k;
-  ik_to_wrist #(.W(W), .DIGIT(DIGIT), .SHORT(SHORT)) u_to_wrist (
+  ik_to_wrist #(.W(W), .DIGIT(DIGIT)) u_to_wrist (
       .clk(clk),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
       .p_w_x_at_pi_swivel(p_w_x_at_pi_swivel), .p_w_y_at_pi_swivel(p_w_y_at_pi_swivel),

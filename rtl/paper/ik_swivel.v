@@ -8,8 +8,7 @@
 
 module ik_swivel #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
-    parameter integer SHORT = 0    // 1: shorter words
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -30,7 +29,6 @@ module ik_swivel #(
 );
 
   `include "ik_paper_nodes.vh"
-  `include "ik_paper_short.vh"
 
   localparam integer WW = W + GUARD;  // a product before its rounding
 
@@ -46,14 +44,14 @@ module ik_swivel #(
   // (10) s = s_x + s_y + s_z
   ik_sum3 #(.IW(WW), .SH(F_S_X-F_S), .OW(W), .SAT(0)) u_s (.clk(clk), .a(s_x), .b(s_y), .c(s_z), .q(s), .ovf());
   // (10) l_sw = sqrt s
-  ik_root #(.NW(W), .SH(2*F_L_SW-F_S), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_L_SW)) u_l_sw (
+  ik_root #(.NW(W), .SH(2*F_L_SW-F_S), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_sw (
       .clk(clk), .n({1'b0, s[W-2:0]}), .q(l_sw), .neg()  // a sum of squares has no sign
   );
 
   // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the square is missing in print ----
 
   wire signed [W-1:0] sin_h, cos_h;
-  ik_sincos #(.W(W), .CUT(K_SIN_H)) u_sincos (.clk(clk), .phi(phi), .sin_h(sin_h), .cos_h(cos_h));
+  ik_sincos #(.W(W)) u_sincos (.clk(clk), .phi(phi), .sin_h(sin_h), .cos_h(cos_h));
 
   wire signed [W-1:0] sin_phi;
   wire signed [WW-1:0] cos2_sq;
@@ -158,17 +156,17 @@ module ik_swivel #(
 
   // (11) pi_swivel_x = pi_num_x / l_sw
   ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_X-F_PI_NUM_X+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .DD(T_PI_NUM_X-T_L_SW), .CUT(K_PI_SWIVEL_X), .CUT_D(K_L_SW)) u_pi_swivel_x (
+      .DD(T_PI_NUM_X-T_L_SW)) u_pi_swivel_x (
       .clk(clk), .n(pi_num_x), .d(l_sw), .q(pi_swivel_x), .ovf()
   );
   // (11) pi_swivel_y = pi_num_y / l_sw
   ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Y-F_PI_NUM_Y+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .DD(T_PI_NUM_X-T_L_SW), .CUT(K_PI_SWIVEL_Y), .CUT_D(K_L_SW)) u_pi_swivel_y (
+      .DD(T_PI_NUM_X-T_L_SW)) u_pi_swivel_y (
       .clk(clk), .n(pi_num_y), .d(l_sw), .q(pi_swivel_y), .ovf()
   );
   // (11) pi_swivel_z = pi_num_z / l_sw
   ik_div #(.NW(WW), .DW(W), .SH(F_PI_SWIVEL_Z-F_PI_NUM_Z+F_L_SW), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .DD(T_PI_NUM_X-T_L_SW), .CUT(K_PI_SWIVEL_Z), .CUT_D(K_L_SW)) u_pi_swivel_z (
+      .DD(T_PI_NUM_X-T_L_SW)) u_pi_swivel_z (
       .clk(clk), .n(pi_num_z), .d(l_sw), .q(pi_swivel_z), .ovf()
   );
 

@@ -12,8 +12,7 @@
 
 module ik_to_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
-    parameter integer SHORT = 0    // 1: shorter words
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -29,7 +28,6 @@ module ik_to_elbow #(
 );
 
   `include "ik_paper_nodes.vh"
-  `include "ik_paper_short.vh"
 
   localparam integer WW = W + GUARD;  // a product before its rounding
 
@@ -115,7 +113,7 @@ module ik_to_elbow #(
       .clk(clk), .a(tmp2_x), .b(tmp2_y), .c(tmp2_z), .q(tmp2), .ovf()
   );
   // (15) l_m = sqrt tmp2
-  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_L_M)) u_l_m (
+  ik_root #(.NW(W), .SH(2*F_L_M-F_TMP2), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_l_m (
       .clk(clk), .n({1'b0, tmp2[W-2:0]}), .q(l_m), .neg()  // a sum of squares has no sign
   );
 
@@ -127,18 +125,15 @@ module ik_to_elbow #(
       .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
   );
   // (15) q12_i = l_m_x / l_m
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .CUT(K_Q12_I), .CUT_D(K_L_M)) u_q12_i (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_i (
       .clk(clk), .n(l_m_x_at_l_m), .d(l_m), .q(q12_i), .ovf()
   );
   // (15) q12_j = l_m_y / l_m
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .CUT(K_Q12_J), .CUT_D(K_L_M)) u_q12_j (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_j (
       .clk(clk), .n(l_m_y_at_l_m), .d(l_m), .q(q12_j), .ovf()
   );
   // (15) q12_k = l_m_z / l_m
-  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .CUT(K_Q12_K), .CUT_D(K_L_M)) u_q12_k (
+  ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_k (
       .clk(clk), .n(l_m_z_at_l_m), .d(l_m), .q(q12_k), .ovf()
   );
 

@@ -7,8 +7,7 @@
 
 module ik_to_wrist #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0,   // 1: dividers and roots of rows, 0: behavioural
-    parameter integer SHORT = 0    // 1: shorter words
+    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -38,7 +37,6 @@ module ik_to_wrist #(
 );
 
   `include "ik_paper_nodes.vh"
-  `include "ik_paper_short.vh"
 
   localparam integer WW = W + GUARD;  // a product before its rounding
 
@@ -65,12 +63,11 @@ module ik_to_wrist #(
       .clk(clk), .a(pi_sq_x), .b(pi_sq_y), .c(pi_sq_z), .q(pi_sq), .ovf()
   );
   // (17) pi_abs = sqrt pi_sq
-  ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_PI_ABS)) u_pi_abs (
+  ik_root #(.NW(W), .SH(2*F_PI_ABS-F_PI_SQ), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_pi_abs (
       .clk(clk), .n({1'b0, pi_sq[W-2:0]}), .q(pi_abs), .neg()  // a sum of squares has no sign
   );
   // (17) pi_inv = 1 / pi_abs
-  ik_div #(.NW(W), .DW(W), .SH(F_PI_INV-(W-2)+F_PI_ABS), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT),
-      .CUT(K_PI_INV), .CUT_D(K_PI_ABS)) u_pi_inv (
+  ik_div #(.NW(W), .DW(W), .SH(F_PI_INV-(W-2)+F_PI_ABS), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_pi_inv (
       .clk(clk), .n(ONE), .d(pi_abs), .q(pi_inv), .ovf()
   );
 
@@ -199,18 +196,18 @@ module ik_to_wrist #(
   // (17) h3_m = (1 - c3) / 2
   ik_half #(.W(W), .MINUS(1)) u_h3_m (.clk(clk), .c(c3), .q(h3_m));
   // (17) q3_scalar = sqrt h3_p
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_Q3_SCALAR)) u_q3_scalar (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_q3_scalar (
       .clk(clk), .n({1'b0, h3_p}), .q(q3_scalar), .neg()
   );
   // (17) q3_abs = sqrt h3_m
-  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT), .CUT(K_Q3_ABS)) u_q3_abs (
+  ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_q3_abs (
       .clk(clk), .n({1'b0, h3_m}), .q(q3_abs), .neg()
   );
   wire negative_at_q3_abs;
   wire signed [W-1:0] q3_k;
   ik_delay #(.W(1), .N(T_Q3_ABS-T_SIGN)) u_negative_at_q3_abs (.clk(clk), .d(sign[WW-1]), .q(negative_at_q3_abs));
   // 0 counts as positive: both signs are right there
-  ik_pick #(.W(W), .CUT(K_Q3_ABS)) u_q3_k (
+  ik_pick #(.W(W)) u_q3_k (
       .clk(clk), .a(q3_abs), .b(q3_abs), .use_b(1'b1), .minus(negative_at_q3_abs), .q(q3_k)
   );
 

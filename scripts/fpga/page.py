@@ -13,8 +13,8 @@ FIGURES = GENERATED / "fpga.json"
 
 DEVICE = "ECP5-85k, speed grade 8"
 
-TOPS = {"lean": "ik_lean", "lean25": "ik_lean", "paper": "ik_paper", "short": "ik_paper"}
-PARAMETERS = {"lean": {}, "lean25": {"TILE": 25}, "paper": {"DIGIT": 1}, "short": {"DIGIT": 1, "SHORT": 1}}
+TOPS = {"lean": "ik_lean", "lean25": "ik_lean", "paper": "ik_paper"}
+PARAMETERS = {"lean": {}, "lean25": {"TILE": 25}, "paper": {"DIGIT": 1}}
 """What a datapath is built with beside its width: the paper's with the dividers and roots that are logic."""
 
 SECTIONS = {

@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow import cores as lean_cores
-from model.dataflow import short
 from model.dataflow import trig as lean_trig
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
@@ -95,16 +94,6 @@ def nodes_header(datapath: str) -> str:
     outputs = _start(tuple(nodes[n] for n in RESULT_FIELDS), runs)
     lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
     return "\n".join(lines)
-
-
-def short_header() -> str:
-    """``rtl/include/ik_paper_short.vh``."""
-    cuts = [f"localparam integer K_{name.upper()} = (SHORT != 0) ? {bits} : 0;" for name, bits in short.CUTS.items()]
-    return f"""{NOTE.format(source="model/dataflow/short.py")}
-// For the body of a module with parameter SHORT. K_<NODE>: lowest bits of the node's word that are 0.
-
-{chr(10).join(cuts)}
-"""
 
 
 def latency_header() -> str:
@@ -250,7 +239,6 @@ def fold_header(name: str) -> str:
 
 HEADERS = {
     ROOT / "rtl" / "include" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
-    ROOT / "rtl" / "include" / "ik_paper_short.vh": short_header,
     ROOT / "rtl" / "include" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
     ROOT / "rtl" / "include" / "ik_latency.vh": latency_header,
     ROOT / "rtl" / "include" / "ik_sincos_table.vh": sincos_header,

@@ -143,7 +143,7 @@ def test_command(vcd, save_file, tmp_path, command):
     ("datapath", "content", "message"),
     [
         ("lean", None, "no ik_axis.g_lean.u_core.x in this VCD"),
-        ("peper", None, "unknown datapath 'peper'; valid: lean, paper, short"),
+        ("peper", None, "unknown datapath 'peper'; valid: lean, paper, lean25"),
         ("paper", "x y z\n", "own.vcd: 1:2: Expected id code"),
         ("paper", "$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n",
          "no module ik_axis in this VCD"),

@@ -22,21 +22,9 @@ def words():
     return np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
 
 
-if simulator() == "icarus":
-
-    @pytest.mark.sim
-    @pytest.mark.slow
-    def test_some_targets(words):
-        """From all over: all of them would take an hour."""
-        some = np.random.default_rng(1).permutation(words)[:1500]
-        (ran,) = simulate([Job("some", some)], simulator=simulator(), datapath="lean", width=WIDTH)
-        assert ran.bit_mismatches == 0, ran.first_mismatch
-
-
 if simulator() == "verilator":
 
     @pytest.mark.sim
-    @pytest.mark.slow
     def test_every_target(words):
         (ran,) = simulate([Job("every", words)], simulator="verilator", datapath="lean", width=WIDTH)
         assert ran.bit_mismatches == 0, ran.first_mismatch

@@ -17,20 +17,11 @@ AXIS = {
         *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)), {"TILE": 17, "DATAPATH": 0},
         {"TILE": 25, "DATAPATH": 2}, {"TILE": 17, "DATAPATH": 2, "W": 24},
     ],
-    "needs_SHORT_of_0_or_with_DATAPATH_0_and_W_32_of_1": [
-        *({"SHORT": short, "DATAPATH": 0} for short in (-1, 2)), *({"SHORT": 1, "DATAPATH": lean} for lean in (1, 2)),
-        {"SHORT": 1, "DATAPATH": 0, "W": 31},
-    ],
-    "needs_MIN_W_of_3_to_16": [{"MIN_W": 2}, {"MIN_W": 17}, {"MIN_W": -1}],
     "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [
         *({"W": w, "DATAPATH": lean} for w in (-1, 0, 3, 15, 33, 64) for lean in (0, 1)),
         *({"W": w, "DATAPATH": 2} for w in (16, 18, 19, 21, 31, 33, 34)),
         *({"W": w, "TILE": 16, "DATAPATH": 2} for w in (16, 17, 19, 25, 26)),
         *({"W": w, "TILE": 16} for w in (15, 25, 32)),
-        # a lower MIN_W is for the lean one, and not for the small tables
-        *({"W": w, "MIN_W": 3, "DATAPATH": 0} for w in (3, 15)),
-        *({"W": w, "MIN_W": 3, "DATAPATH": 2} for w in (14, 18)),
-        {"W": 15, "MIN_W": 3, "TILE": 16}, {"W": 4, "MIN_W": 5},
     ],
 }  # fmt: skip
 AXI = {
@@ -54,7 +45,6 @@ PAPER = {
     "needs_W_of_16_to_32": [{"W": 15}, {"W": 33}],
     "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
     "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": -1}],
-    "needs_SHORT_of_0_or_with_W_32_of_1": [{"SHORT": 2}, {"SHORT": -1}, {"SHORT": 1, "W": 31}],
 }
 FOLD = {
     "needs_W_even_of_20_to_32_with_TILE_16_of_18_to_24": [
@@ -77,7 +67,7 @@ ILLEGAL = [
 LEGAL = [
     *(("ik_axis", parameters) for parameters in (
         {"W": 16, "TAG_W": 1}, {"W": 32}, {"W": 16, "DATAPATH": 0}, {"W": 32, "DATAPATH": 0, "DIGIT": 1}, {"DIGIT": 1},
-        {"DATAPATH": 0, "SHORT": 1}, {"W": 3, "MIN_W": 3}, {"W": 15, "MIN_W": 3, "TILE": 25}, {"W": 16, "TILE": 25},
+        {"W": 16, "TILE": 25},
         {"W": 16, "TILE": 16}, {"W": 24, "TILE": 16}, {"W": 24, "TILE": 16, "DATAPATH": 0},
         {"W": 20, "DATAPATH": 2}, {"W": 32, "DATAPATH": 2, "TAG_W": 1}, {"W": 18, "DATAPATH": 2, "TILE": 16},
         {"W": 24, "DATAPATH": 2, "TILE": 16},
@@ -87,7 +77,7 @@ LEGAL = [
         {"W": 16, "TILE": 25}, {"W": 24, "TILE": 16},
     )),
     ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),
-    ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}), ("ik_paper", {"SHORT": 1}),
+    ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}),
     ("ik_fold", {"W": 20, "TAG_W": 1}), ("ik_fold", {"W": 18, "TILE": 16}), ("ik_fold", {"W": 32}),
 ]  # fmt: skip
 

@@ -8,6 +8,7 @@ in which it leaves.  With fewer places the stream has gaps.
 import subprocess
 
 from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.nodes import WIDTHS
 from tb.sim.env import environment
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import header, includes, sources
@@ -26,22 +27,17 @@ def wrong(place, root) -> list[str]:
     lines, count = ["module top;"], 0
     for path in PIPELINES:
         core = "g_lean.u_core" if path.parameters["DATAPATH"] else "g_paper.u_core"
-        for width in path.widths:
-            values = {"W": width, "MIN_W": min(width, 16), **path.parameters}
-            u, count = f"{path.name}_{width}", count + 1
+        for width in (w for w in path.widths if w in WIDTHS):
+            values = {"W": width, **path.parameters}
+            u, v, count = f"{path.name}_{width}", f"memory_{path.name}_{width}", count + 2
             lines += [
                 f"ik_axis #({', '.join(f'.{k}({v})' for k, v in values.items())}) {u} ();",
                 f'initial $display("{u}: T_OUT %0d, places %0d", {u}.{core}.T_OUT, 1 << {u}.LOG2,,',
                 f"  {u}.{core}.T_OUT + 3 <= 1 << {u}.LOG2 && 1 << {u}.LOG2 < 2 * ({u}.{core}.T_OUT + 3));",
+                f"ik_axi #({', '.join(f'.{k}({n})' for k, n in values.items())}) {v} ();",
+                f'initial $display("{v}: LATENCY %0d, LOG2_PLACES %0d", {v}.LATENCY, {v}.LOG2_PLACES,,',
+                f"  {v}.LATENCY == {v}.u_axis.{core}.T_OUT + 2 && {v}.LOG2_PLACES == {v}.u_axis.LOG2);",
             ]
-            if path.parameters["SHORT"] == 0 and width >= 16:
-                del values["MIN_W"], values["SHORT"]
-                v, count = f"memory_{u}", count + 1
-                lines += [
-                    f"ik_axi #({', '.join(f'.{k}({n})' for k, n in values.items())}) {v} ();",
-                    f'initial $display("{v}: LATENCY %0d, LOG2_PLACES %0d", {v}.LATENCY, {v}.LOG2_PLACES,,',
-                    f"  {v}.LATENCY == {v}.u_axis.{core}.T_OUT + 2 && {v}.LOG2_PLACES == {v}.u_axis.LOG2);",
-                ]
     (place / "top.v").write_text("\n".join([*lines, "endmodule", ""]))
     files = [place / "top.v"]
     for path in sources(root):

@@ -16,9 +16,9 @@ SEEDS = range(3, 13)
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
 TOPS = [  # parameters as of other tests, whose builds serve here
-    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "SHORT": 0, "TILE": 18},
+    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "TILE": 18},
                  STREAMS, id="lean"),
-    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "SHORT": 0, "TILE": 18},
+    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "TILE": 18},
                  STREAMS, id="fold"),
     pytest.param("ik_axi", "tb.axi.ik_axi,tb.axi.registers", {}, "power_up|one_record|after_a_reset", id="memory"),
 ]  # fmt: skip

@@ -11,7 +11,6 @@ module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
     parameter integer DIGIT = 0,  // of ik_paper alone
-    parameter integer SHORT = 0,
     parameter integer TILE  = 18  // of ik_lean alone
 ) (
     input  wire             clk,

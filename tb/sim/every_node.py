@@ -38,9 +38,10 @@ def nodes_of(datapath: str, width: int) -> list[Node]:
 
 
 def wrapper(datapath: str, width: int, digit: int) -> str:
-    """Verilog: ``ik_axis``, fields in lanes of 32 bits, and every node at a multiple of 32 bits of one port."""
+    """Return a top around ``ik_axis``, below 16 bits around the datapath alone: fields in lanes of 32 bits, every node
+    at a multiple of 32 bits of one port."""
     path = CONFIGURATIONS[datapath]
-    core = f"u_axis.g_{path.rtl}.u_core"
+    core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
     chosen = ", ".join(f".{key}({value})" for key, value in path.parameters.items())
     parts, words = [], 0
     for node in nodes_of(datapath, width):
@@ -54,6 +55,24 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
     asked = ", ".join(f"target[{32 * k + width - 1}:{32 * k}]" for k in reversed(lanes))
     given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(lanes))
     lines = ",\n      ".join(reversed(parts))
+    if width in WIDTHS:
+        instance = f"""\
+  ik_axis #(
+      .W({width}), .TAG_W(8), {chosen}, .DIGIT({digit})
+  ) u_axis (
+      .clk(clk), .rst(rst),
+      .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
+      .m_axis_tdata(answer), .m_axis_tuser({{out_flags, out_tag}}), .m_axis_tvalid(out_valid), .m_axis_tready(1'b1)
+  );"""
+    else:  # ik_axis is built for no shorter words than these
+        instance = f"""\
+  ik_{path.rtl} #(
+      .W({width}), .TAG_W(8)
+  ) u_core (
+      .clk(clk), .rst(rst), .in_valid(in_valid), .in_tag(tag), .in_data({{{asked}}}),
+      .out_valid(out_valid), .out_tag(out_tag), .out_flags(out_flags), .out_data(answer)
+  );
+  assign in_ready = 1'b1;"""
     return f"""\
 // Written by tb/sim/every_node.py: the {datapath} datapath, {width} bits.
 module {TOP} (
@@ -66,13 +85,7 @@ module {TOP} (
     output wire [{32 * words - 1}:0] nodes
 );
   wire [{len(lanes) * width - 1}:0] answer;
-  ik_axis #(
-      .W({width}), .MIN_W({min(width, WIDTHS[0])}), .TAG_W(8), {chosen}, .DIGIT({digit})
-  ) u_axis (
-      .clk(clk), .rst(rst),
-      .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
-      .m_axis_tdata(answer), .m_axis_tuser({{out_flags, out_tag}}), .m_axis_tvalid(out_valid), .m_axis_tready(1'b1)
-  );
+{instance}
   assign result = {{{given}}};
   assign nodes = {{
       {lines}

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.dataflow.nodes import WIDTHS
 from tb.sim import every_node
 from tb.sim.children import full, naming, started
 from tb.sim.env import ROOT
@@ -104,7 +103,7 @@ def _child(
     run_cocotb(
         "ik_axis",
         "tb.core.run_targets",
-        parameters={"W": w, **CONFIGURATIONS[datapath].parameters, **({} if w in WIDTHS else {"MIN_W": w})},
+        parameters={"W": w, **CONFIGURATIONS[datapath].parameters},
         sim=simulator,
         env={
             "IK_JOBS": str(place / "jobs.npz"),

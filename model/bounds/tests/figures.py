@@ -196,14 +196,14 @@ def groups() -> dict[str, Callable[[], Figures]]:
     for width in range(16, 33):
         found[f"cordic-{width}"] = lambda w=width: cordic(w)
     lean = [("lean", range(16, 33)), ("lean16", range(16, 25)), ("lean25", (18, 24, 32))]
-    paper = [("paper", (18, 24, 32)), ("short", (32,))]
+    paper = [("paper", (18, 24, 32))]
     for datapath, widths in lean + paper:
         for width in widths:
             found[f"{datapath}-{width}"] = lambda d=datapath, w=width: answers(everywhere, w, d)
     for datapath, widths in paper:
         for width in widths:
             found[f"{datapath}-{width}-regular"] = lambda d=datapath, w=width: answers(regular, w, d)
-    for datapath, width in (("lean", 18), ("lean", 24), ("lean", 32), ("lean16", 24), ("paper", 24), ("short", 32)):
+    for datapath, width in (("lean", 18), ("lean", 24), ("lean", 32), ("lean16", 24), ("paper", 24)):
         found[f"{datapath}-{width}-nodes"] = lambda d=datapath, w=width: nodes(w, d)
     return found
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from model.bounds import ranges
-from model.dataflow import fixed, paper, paper_turns, short
+from model.dataflow import fixed, paper, paper_turns
 from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
 from model.io import monte_carlo
 from model.io.stimuli import corners, extremes, random_reachable, unreachable
@@ -15,11 +15,11 @@ from model.io.stimuli import corners, extremes, random_reachable, unreachable
 WIDTHS = (16, 18, 24, 32)
 
 
-def saturating(width: int, cuts=None) -> set[tuple[str, bool]]:
+def saturating(width: int) -> set[tuple[str, bool]]:
     """Sums and quotients that may not fit, and whether only of clamped targets: nothing else can saturate."""
     found = set()
     for case in ranges.cases(width):
-        run = ranges.Ranges(width, case, cuts=cuts).run()
+        run = ranges.Ranges(width, case).run()
         for name, bound in run.proved.items():
             if run.nodes[name].op in ("sum", "div") and (name in run.failed or bound.rule == "saturates by design"):
                 found.add((name, case.clamped))
@@ -31,14 +31,10 @@ BY_DESIGN = {("t_e", True), ("c4_quo", False)}
 
 
 @pytest.mark.parametrize(
-    ("width", "cuts"),
-    [
-        (short.WIDTH, short.CUTS),
-        *((w, None) if w in (16, 32) else pytest.param(w, None, marks=[pytest.mark.slow]) for w in ALL_WIDTHS),
-    ],
+    "width", [w if w in (16, 32) else pytest.param(w, marks=[pytest.mark.slow]) for w in ALL_WIDTHS]
 )
-def test_nothing_saturates_but_by_design(width, cuts):
-    assert saturating(width, cuts) == BY_DESIGN
+def test_nothing_saturates_but_by_design(width):
+    assert saturating(width) == BY_DESIGN
 
 
 def test_what_saturates_is_found(monkeypatch):

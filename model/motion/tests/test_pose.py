@@ -63,7 +63,7 @@ def test_the_frame_is_a_turn_of_the_core(reachable):
 
 
 @pytest.mark.parametrize(
-    ("datapath", "width"), [("lean", 18), ("lean", 32), ("lean25", 18), ("paper", 18), ("paper", 32), ("short", 32)]
+    ("datapath", "width"), [("lean", 18), ("lean", 32), ("lean25", 18), ("paper", 18), ("paper", 32)]
 )
 def test_a_width_gives_the_words_of_the_core(reachable, datapath, width):
     points, phi = reachable

@@ -40,7 +40,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     here = place.relative_to(ROOT)
     include = " ".join(f"-I{folder.relative_to(ROOT)}" for folder in includes(place))
     values = {"W": width, "TAG_W": TAG_W, **path.parameters}
-    values = {key: values[key] for key in ("W", "TAG_W", "TILE" if path.rtl == "lean" else "SHORT")}
+    values = {key: value for key, value in values.items() if key in ("W", "TAG_W", "TILE")}
     sets = " ".join(f"-chparam {key} {value}" for key, value in values.items())
     own = " ".join(str(file.relative_to(ROOT)) for file in files)
     lines = [f"read_verilog -defer {include} {own}", f"hierarchy -check -top {top} {sets}", "proc"]
