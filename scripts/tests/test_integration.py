@@ -25,7 +25,7 @@ SLOW = "verilator ", "yosys ", "fusesoc --cores-root . run --target=sim_verilato
 
 def asked(tool):
     return [
-        pytest.param(line, marks=[pytest.mark.slow, pytest.mark.cost(60)] if line.startswith(SLOW) else [])
+        pytest.param(line, marks=[pytest.mark.release, pytest.mark.cost(60)] if line.startswith(SLOW) else [])
         for line in COMMANDS
         if line.startswith(tool)
     ]
