@@ -130,7 +130,7 @@ docs: ## write scores.md, latency.md, registers.md, memory.md and the generated 
 paper_needs_figures := graphviz
 paper_needs_table6  := table6
 
-paper: ## what answers the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 [ONLY=derivation|operations|wordlengths|figures|table6]
+paper: ## pages that answer the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 [ONLY=derivation|operations|wordlengths|figures|table6]
 	@$(SETUP) icarus $(if $(call given,ONLY,yes),$(paper_needs_$(value ONLY)),graphviz table6)
 	@exec $(VENV) -m scripts.paper $(call given,ONLY,--only="$$CGA_ONLY")
 
