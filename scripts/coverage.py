@@ -39,7 +39,7 @@ HTML = ROOT / "build" / "coverage" / "index.html"
 PAGE = GENERATED / "coverage.md"
 
 SUITE = [
-    "tb/units", "tb/core/test_ik_axis.py", "tb/core/test_sections.py", "tb/core/test_configurations.py",
+    "tb/units", "tb/core/test_streams.py", "tb/core/test_sections.py", "tb/core/test_configurations.py",
     "tb/core/test_every_target.py", "tb/axi/test_ik_axi.py",
 ]  # fmt: skip
 """Tests that compare every output, or every node, with a reference."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C driver against ``ik_axi``; most of it with an echo in the place of the datapath, as in test_ik_axi.py."""
+"""Tests of the C driver on ``ik_axi``, most of them with an echo instead of the datapath."""
 
 import shutil
 
@@ -7,6 +7,7 @@ import pytest
 
 from tb.axi.binding import compiled
 from tb.axi.instances import echoing
+from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
 MODULE = "tb.axi.driver"
@@ -24,24 +25,20 @@ def run(folder, library, tests: str, echo: bool = True, **parameters: int) -> No
     simulate("ik_axi", MODULE, parameters=parameters, env=env, seed=1, **options)
 
 
-def slow(cost: int, *values):
-    return pytest.param(*values, marks=[pytest.mark.slow, pytest.mark.cost(cost)])
+ICARUS = simulator() == "icarus"
+SMALL = {"W": 18, "ADDR_W": 20}
+SETS = {"few": (FEW, SMALL)} if ICARUS else {
+    "all": ("", SMALL), "long_addresses": ("", {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("tests", "parameters"),
-    [
-        pytest.param(FEW, {"W": 18, "ADDR_W": 20}, marks=pytest.mark.cost(10)),
-        slow(25, "", {"W": 18, "ADDR_W": 20}),
-        slow(25, "", {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}),
-    ],
-    ids=["few", "all", "long_addresses"],
-)
+@pytest.mark.cost(20)
+@pytest.mark.parametrize(("tests", "parameters"), SETS.values(), ids=list(SETS))
 def test_around_the_core(tmp_path, tests, parameters):
     run(tmp_path, compiled(tmp_path), tests, **parameters)
 
 
-@pytest.mark.slow
 @pytest.mark.cost(30)
+@pytest.mark.skipif(ICARUS, reason="Verilator runs the same tests in a tenth of the time")
 def test_with_the_core(tmp_path):
     run(tmp_path, compiled(tmp_path), "solves/interrupt=True/arm=(small|metres)", echo=False)

@@ -38,7 +38,7 @@ def bench(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
         return random.choice((random.getrandbits(D), random.getrandbits(D), near % (1 << D)))
 
     async def products(dut) -> None:
-        vectors = ({"a": word(), "b": word(), "cut": random.randrange(len(CUTS))} for _ in range(6000))
+        vectors = ({"a": word(), "b": word(), "cut": random.randrange(len(CUTS))} for _ in range(2000))
         await Standing(dut, expected, 3).check(vectors)
 
     return {"products": products}

@@ -37,7 +37,7 @@ def bench(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"t": t, "kind": kind, "n": random.getrandbits(6)}
 
     async def normals(dut) -> None:
-        await Standing(dut, expected, 2).check(sums() for _ in range(6000))
+        await Standing(dut, expected, 2).check(sums() for _ in range(2000))
 
     return {"normals": normals}
 

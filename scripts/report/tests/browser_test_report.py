@@ -31,14 +31,6 @@ def test_it_opens_from_disk_and_plays(written, browser):
     assert page.run("document.getElementById('play').textContent") == "Pause"
 
 
-def test_the_status_names_the_target(written, browser):
-    page = browser(written + "#trajectory=punch&target=44")
-    assert stays(page) == 44
-    assert page.run("document.getElementById('target').textContent") == "target 44 / 99"
-    assert page.run("document.getElementById('scrub').value") == "44"
-    assert page.run("document.getElementById('about').textContent") == trajectories.describe("punch")
-
-
 def test_it_does_not_move_for_who_asks_for_less_motion(written, browser):
     assert stays(browser(written, prefers_reduced_motion="reduce")) == 0
 
@@ -65,20 +57,6 @@ def test_play_and_pause(written, browser):
     page.run("document.activeElement.blur()")
     page.press(" ")
     stays(page)
-
-
-def test_speed(written, browser):
-    page = browser(written + "#target=0")
-    seconds = {}
-    for speed in ("0.5", "4"):
-        page.run(f"document.getElementById('speed').value = '{speed}'")
-        page.press("Home")
-        page.press(" ")
-        start = time.monotonic()
-        page.wait_for(f"{AT} >= 20")
-        seconds[speed] = time.monotonic() - start
-        page.press(" ")
-    assert seconds["0.5"] > 1.7 and seconds["4"] < seconds["0.5"] / 2
 
 
 def test_keys(written, browser):
@@ -183,8 +161,7 @@ COLOURS = """(() => {
 })()"""
 
 
-@pytest.mark.parametrize("size", [WIDE, NARROW], ids=str)
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")], ids=str)
 def test_the_arm_is_in_the_picture(written, browser, size, scheme):
     """At every tenth target of every motion the limbs are large enough to see, and wholly inside."""
     page = browser(written + "#target=0", size, prefers_color_scheme=scheme)
@@ -284,8 +261,7 @@ def test_a_clip_plays_at_its_own_rate(clip, browser):
     assert 1.5 < time.monotonic() - start < 4
 
 
-@pytest.mark.parametrize("size", [WIDE, (900, 700), (500, 800), (320, 600)], ids=str)
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")], ids=str)
 def test_the_whole_figure_is_in_the_picture(clip, browser, size, scheme):
     page = browser(clip + "#frame=0", size, prefers_color_scheme=scheme)
     pictures = set()
@@ -367,13 +343,3 @@ def test_problems_are_noticed(written, tmp_path, spoilt, problem):
         page.open(path.as_uri())
         page.run("new Promise((done) => setTimeout(done, 200))")
         assert len(page.problems) == 1 and problem in page.problems[0]
-
-
-def test_what_sticks_out_is_noticed(written, tmp_path):
-    path = tmp_path / "spoilt.html"
-    text = Path(written.removeprefix("file://")).read_text()
-    path.write_text(text.replace("</style>", "table { min-width: 500px; }\n</style>"))
-    with Page(tmp_path / "profile", *NARROW) as page:
-        page.open(path.as_uri() + "#target=0")
-        assert not page.run(FITS) or page.run(STICKING_OUT)
-        assert page.run("document.documentElement.dataset.fits") == "false"

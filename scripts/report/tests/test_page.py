@@ -215,17 +215,6 @@ def test_one_of_both_that_fails_is_named(cli, simulator):
     assert shown["passed"] and [each["passed"] for each in shown["beside"]] == [False]
 
 
-def test_three_machines(cli, simulator, files):
-    """In the order in which they are asked for."""
-    names = ["fold", "paper", "lean"]
-    assert cli("--datapath", ",".join(names))[0] == 0
-    assert [call["datapath"] for call in simulator.calls] == names
-    (shown,) = data()
-    assert [run["datapath"] for run in (shown, *shown["beside"])] == names
-    assert "fold, paper and lean datapaths, 32 bits, icarus" in text()
-    assert {name.split("/")[2] for name in files() if name.endswith("csv")} == set(names)
-
-
 def test_no_other_datapath(cli):
     status, _, err = cli("--datapath", "neither")
     assert (status, err) == (
@@ -235,14 +224,6 @@ def test_no_other_datapath(cli):
 
 
 # -- the page needs nothing else -------------------------------------------------------------------
-
-
-def test_nothing_is_loaded(cli):
-    cli("--trajectory", "all")
-    for load in ("http:", "https:", "//cdn", "src=", "<link", "@import", "url(", "fetch(", "XMLHttpRequest", "import("):
-        assert load not in text(), load
-    assert "{{" not in text()
-    assert "default-src 'none'" in text()
 
 
 def test_the_same_run_writes_the_same_bytes(cli):
@@ -262,42 +243,11 @@ def test_names_cannot_break_out(cli):
     assert text().count("<script") == 2 and text().count("</script>") == 2 and "<!--" not in text()
 
 
-@pytest.mark.parametrize("name", ["all", "circle", "my targets#1.csv"])
-def test_links_lead_to_the_results(cli, name):
-    if name.endswith("csv"):
-        Path(name).write_text("x,y,z\n0.3,0.1,-0.2\n")
-    assert cli("--trajectory", name)[0] == 0
-    links = whole()["files"]
-    assert list(links) == [*(shown["name"] for shown in data()), ""]
-    named = [PAGE.parent / link for each in links.values() for link in each]
-    assert sorted(named) == sorted(path for path in PAGE.parent.rglob("*.*") if path != PAGE)
-    assert not any(set(link) & set(" #?%") for each in links.values() for link in each), "no need to quote them"
-
-
-def test_the_results_are_those_of_make_run(cli, command):
-    cli("--trajectory", "circle")
-    command(run.main, "--trajectory", "circle")
-    for name in ("results.csv", "score.json"):
-        assert (PAGE.parent / name).read_bytes() == (Path("build/run") / name).read_bytes()
-
-
 def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
     Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n")
     cli("--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"))
     page = text(tmp_path / "o" / "report.html")
     assert str(ROOT) not in page and str(tmp_path) not in page and "docs/" not in page
-
-
-def test_the_script_finds_its_elements():
-    page = (report.HERE / "report.html").read_text()
-    script = report.script()
-    style = (report.HERE / "report.css").read_text()
-    for name in re.findall(r'element\("([\w-]+)"\)', script):
-        assert f'id="{name}"' in page, name
-    for name in re.findall(r"#([a-z][\w-]+) *[{,]", style):
-        assert f'id="{name}"' in page, name
-    used = set(re.findall(r"var\(--([\w-]+)\)", style + page)) - {"runs"}
-    assert all(style.count(f"--{name}:") == 2 for name in used), "each colour in light and in dark"
 
 
 # -- the command line ------------------------------------------------------------------------------
