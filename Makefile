@@ -76,7 +76,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
-.PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-worker lint formal check-proofs release-check fpga fpga-quick lock clean distclean
+.PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-worker lint formal check-proofs release-check fpga lock clean distclean
 
 help: ## this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
@@ -194,10 +194,6 @@ fpga: ## table 5 of the paper again: size and clock of the machines by open tool
 	@$(SETUP) fpga$(farm)
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,FARM,--farm="$$CGA_FARM")
-
-fpga-quick: ## the same for one small width, in 3 minutes; prints, and writes no page
-	@$(SETUP) fpga
-	@exec $(VENV) -m scripts.fpga --quick
 
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"

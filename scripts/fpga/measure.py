@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 5 of the paper again: logic, multipliers and clock of both datapaths, by open tools (make fpga).
 
-    python -m scripts.fpga [--quick] [--datapath lean|lean25|paper|memory|fold] [--width BITS] [--page]
+    python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold] [--width BITS] [--page]
         [--farm tcp://HOST:PORT]
 
 Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
 an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its
 sources, options and tools: a repeated command is quick, an interrupted one resumes.  With --farm what does not wait for
 other runs is done by Dask workers at once (scripts/parallel.py).  The figures go to fpga.json, from which the
-page fpga.md is made; --quick does one small width and writes neither, --page only makes the page.
+page fpga.md is made; --page only makes the page.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ import datetime
 import json
 import re
 import subprocess
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -29,7 +28,6 @@ from scripts.console import Parser, command, one_of, progress, word_length
 from scripts.fpga.page import (
     AIM_MHZ,
     BROKEN_DOWN,
-    DEVICE,
     FIGURES,
     FOLD,
     FOLD_MHZ,
@@ -43,7 +41,7 @@ from scripts.fpga.page import (
     folded,
     page,
 )
-from scripts.fpga.report import HOLDS, KINDS
+from scripts.fpga.report import HOLDS
 from scripts.fpga.runs import ALLOW, PACKAGES, PLACE, Run, TimeOutError, content, program, say, version
 from scripts.generate.accuracy import Errors
 from tb.sim.env import GENERATED, ROOT
@@ -53,7 +51,6 @@ PAGE = GENERATED / "fpga.md"
 
 WIDTHS = {"lean": (18, 24, 32), "lean25": (18,), "paper": (32,)}
 """What is measured unless others are asked for."""
-QUICK_WIDTH = 18
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 ONLY_COUNTED = {"lean25": ("xc7", "xcup")}
 """Not placed, and synthesized for these families: what is asked is what the shorter words win, and the larger tiles."""
@@ -306,22 +303,9 @@ def measure_fold(on: Measurement, widths: Sequence[int]) -> None:
 # -- command line ----------------------------------------------------------------------------------------------------
 
 
-def quick(width: int) -> int:
-    """One small width of the lean datapath: logic of the whole, clock of its smallest module."""
-    start = time.monotonic()
-    cells = synthesis("lean", width, "xc2vp").done()["cells"]
-    print(f"lean, W = {width}, xc2vp: " + ", ".join(f"{cells[k]} {k}" for k in KINDS))
-    placed_ = Run("place", "ecp5", "ik_lean_guard", {"W": width}).done()
-    path = placed_["path"]
-    print(f"ik_lean_guard alone on {DEVICE}: {placed_['mhz']} MHz, {path['from']} to {path['to']}, {path['ns']} ns")
-    print(f"{time.monotonic() - start:.0f} s; fpga.json and fpga.md are not changed")
-    return 0
-
-
 @command("fpga")
 def main(arguments: Sequence[str] | None) -> int:
     parser = Parser("fpga", __doc__.splitlines()[0], fails="a run was not done in time")
-    parser.add_argument("--quick", action="store_true", help="one small width, in a few minutes; writes no page")
     each = {"action": "append", "default": []}
     about = "only this one, or only the core from memory to memory, or folded"
     parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, *WHOLE_TOPS)), help=about, **each)
@@ -329,15 +313,13 @@ def main(arguments: Sequence[str] | None) -> int:
     parser.add_argument("--page", action="store_true", help="only write the page from the figures")
     parallel.option(parser)
     options = parser.parse_args(arguments)
-    if options.farm and (options.quick or options.page):
-        parser.error("argument --farm: goes with neither --quick nor --page")
+    if options.farm and options.page:
+        parser.error("argument --farm: does not go with --page")
     if options.page:
         PAGE.write_text(page(json.loads(FIGURES.read_text())))
         return 0
     for tool in PACKAGES:
         program(tool)
-    if options.quick:
-        return quick((options.width or [QUICK_WIDTH])[0])
     chosen = options.datapath or [*TOPS, *WHOLE_TOPS]
     with parallel.shared(1, options.farm) as each:
         on = Measurement(Figures(), each if options.farm else None)
