@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all tests share: the longest files start first, so that no worker is left with one at the end."""
+"""Test order and fixtures shared by all tests. The longest files start first, to balance the parallel workers."""
 
 import signal
 
@@ -7,7 +7,7 @@ import pytest
 
 
 def pytest_collection_modifyitems(items):
-    """A file is a unit, as its fixtures serve all its tests; that with the longest case comes first."""
+    """Sort files by their longest case, longest first. A file stays together because its tests share fixtures."""
     longest: dict = {}
     for item in items:
         longest[item.path] = max(longest.get(item.path, 0), cost(item))
@@ -15,7 +15,7 @@ def pytest_collection_modifyitems(items):
 
 
 def cost(item) -> float:
-    """Seconds: of the marker ``cost``, else what the others of its kind take."""
+    """Return the estimated seconds of a test: its ``cost`` marker, or a default for its kind."""
     marker = item.get_closest_marker("cost")
     if marker:
         return marker.args[0]
@@ -24,7 +24,7 @@ def cost(item) -> float:
 
 @pytest.fixture
 def interruptible():
-    """Restore the default handlers of signals that a shell or nohup has set to be ignored."""
+    """Restore the default handlers of signals that a shell or nohup may have set to be ignored."""
     before = {number: signal.signal(number, signal.SIG_DFL) for number in (signal.SIGTERM, signal.SIGHUP)}
     before[signal.SIGINT] = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From memory to memory: ``ik_axi`` with registers and memory around it."""
+"""Tests of ``ik_axi`` with a host at its registers and a memory at its bus port."""

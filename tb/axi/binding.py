@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C driver, examples/driver, as a library: compiled, loaded, called; what it asks of its platform is Python's."""
+"""ctypes binding of the C driver in examples/driver; Python implements the driver's platform callbacks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"
 
 
 def _codes() -> dict[str, int]:
-    """Name -> number of every code: the hardware's, and the driver's from the enumeration in ik.h."""
+    """Return name -> number of every code: the hardware's, and the driver's from the enumeration in ik.h."""
     listed = re.findall(r"^    IK_(\w+)( = 16)?, ", (SOURCE / "ik.h").read_text(encoding="utf-8"), re.MULTILINE)
     first = next(k for k, (_, number) in enumerate(listed) if number)
     return HARDWARE | {name.lower(): 16 + k for k, (name, _) in enumerate(listed[first:])}
@@ -35,7 +35,7 @@ REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiled(folder: Path, *options: str, text: str = "") -> Path:
-    """ik.c as a shared object, or ``text`` in its place."""
+    """Compile ik.c, or ``text`` instead of it, to a shared object and return its path."""
     library, source = folder / "ik.so", SOURCE / "ik.c"
     if text:
         source = folder / "ik.c"
@@ -85,7 +85,7 @@ class Core(ctypes.Structure):
 
 
 class Platform(Protocol):
-    """What the driver calls; the last three only where `Driver` is told so."""
+    """Callbacks of the driver; the last three are used only if `Driver` enables them."""
 
     def read(self, offset: int) -> int: ...
     def write(self, offset: int, value: int) -> None: ...
@@ -95,7 +95,7 @@ class Platform(Protocol):
 
 
 class Driver:
-    """A core's handle. An area: where the CPU sees it, and its address on the bus."""
+    """Handle of one core. An area is a pair: the CPU's pointer and the bus address."""
 
     def __init__(self, library: Path, platform: Platform, source: tuple[int, int], destination: tuple[int, int],
                  records: int, cache: bool = False, interrupt: bool = False, polls: int = 0,
@@ -118,7 +118,7 @@ class Driver:
         self.result_type = np.dtype(result, align=True)
 
     def _guarded(self, function: Callable) -> Callable:
-        """A callback of ctypes cannot raise: the caller of the library does it."""
+        """Wrap a callback: ctypes callbacks cannot raise, so errors are kept and `call` raises them."""
 
         def call(_user, *arguments):
             try:
@@ -136,7 +136,7 @@ class Driver:
         return code
 
     def start_up(self) -> str:
-        """ik_init; the code's name."""
+        """Call ik_init and return the code's name."""
         return NAMES[self.call("ik_init", ctypes.byref(self.bus))]
 
     def targets(self, columns: dict[str, np.ndarray], tags: np.ndarray) -> np.ndarray:
@@ -146,7 +146,7 @@ class Driver:
         return found
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
-        """ik_solve; the code's name, and as many results as the driver says that there are. It touches no others."""
+        """Call ik_solve; return the code's name and the results it reports as written. No other result may change."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
         code = self.call("ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))
         good = self.core.written * self.result_type.itemsize

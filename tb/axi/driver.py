@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C driver on ``ik_axi``: its own object code, the file IK_DRIVER, in a thread; every access to a register takes
-its clocks in the simulation.
+"""Simulation of the C driver on ``ik_axi``: the driver's object code, IK_DRIVER, runs in a thread, and each register
+access takes its clocks in the simulation.
 
-Targets in memory are the words of the model, results the model's values, exactly; each error of the hardware is a code,
-and the next call works.
+Tests require the model's target words in memory and exactly the model's result values. Each hardware error must give
+its code, and the next call must work.
 """
 
 from __future__ import annotations
@@ -28,38 +28,38 @@ from tb.axi.memory import PAGE
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
 RECORDS = 24
-"""Of the buffers."""
+"""Capacity of each buffer."""
 
 SIZE = RECORDS * BYTES
 
 PATIENCE = 4000
-"""Clocks in which an interrupt has to come."""
+"""Limit in clocks for an interrupt to arrive."""
 
 ARMS = {"metres": (0.33, 0.27), "millimetre": (330.0, 270.0), "small": (1.1e-3, 0.9e-3), "large": (1e6, 1.4e6)}
 
 
 def areas(machine: Machine) -> tuple[int, int]:
-    """Of targets and of results; beyond 32 bits where addresses are."""
+    """Return the bus addresses of targets and results; above 32 bits if the address width allows it."""
     base = (3 << 36) * (machine.addr_width > 37)
     return base + 0x41000 - 5 * BYTES, base + 0x82000 - 2 * BYTES
 
 
 class Platform:
-    """The buffers, and the callbacks of the driver: polling on coherent memory, or interrupts with a cache in between.
+    """Buffers and driver callbacks: polling on coherent memory, or interrupts with a non-coherent cache.
 
-    The cache writes what it has dirty of the results back when it likes, which is when a job is over.
+    The cache may write dirty lines of the results back at any time; this model does so when a job ends.
     """
 
     def __init__(self, machine: Machine, interrupt: bool, polls: int = 2000,
                  places: tuple[int, int] | None = None) -> None:  # fmt: skip
         self.machine, self.interrupt = machine, interrupt
-        self.buffers: dict[int, ctypes.Array] = {}  # address on the bus -> what the CPU sees
-        self.clean: dict[int, bytes] = {}  # what the cache last had in common with memory
-        self.jobs: list[bytes] = []  # target records of each
+        self.buffers: dict[int, ctypes.Array] = {}  # bus address -> the CPU's view
+        self.clean: dict[int, bytes] = {}  # cache contents when last coherent with memory
+        self.jobs: list[bytes] = []  # target records of each job
         self.naps = 0
-        self.running = False  # a job that the driver has started
-        self.woken = False  # by who aborts
-        self.race = False  # somebody starts a job just before the driver does
+        self.running = False  # the driver has started a job
+        self.woken = False  # by an abort
+        self.race = False  # another host starts a job just before the driver does
         self.source, self.destination = places or areas(machine)
         seen = [(self._place(address), address) for address in (self.source, self.destination)]
         self.driver = Driver(LIBRARY, self, *seen, RECORDS, cache=interrupt, interrupt=interrupt, polls=polls)
@@ -74,7 +74,7 @@ class Platform:
         held = memory.peek(first * PAGE, len(pages) * PAGE)
         buffer = ctypes.create_string_buffer(held, len(held))
         self.buffers[address] = buffer
-        for k, page in enumerate(pages):  # the same bytes for both
+        for k, page in enumerate(pages):  # shared by CPU and bus
             memory.pages[page] = memoryview(buffer).cast("B")[k * PAGE : (k + 1) * PAGE]
         return ctypes.addressof(buffer) + address % PAGE
 
@@ -146,7 +146,7 @@ class Platform:
         assert self.machine.dut.irq.value == 0, "the handler has not acknowledged"
 
     def wait(self) -> bool:
-        """Every second time it wakes for nothing."""
+        """Wait for the interrupt; every second call wakes spuriously."""
         self.naps += 1
         if self.naps % 2:
             return True
@@ -166,7 +166,7 @@ class Platform:
         assert await bridge(self.driver.start_up)() == "none"
 
     def targets(self, count: int, arm: str = "metres") -> np.ndarray:
-        """In reach and beyond, phi of many turns."""
+        """Return targets in and out of reach, with phi of many turns."""
         numbers = np.random.default_rng(self.machine.random.randrange(1 << 32))
         d1, d2 = ARMS[arm]
         columns = dict(zip("xyz", numbers.uniform(-0.8, 0.8, (3, count)) * (d1 + d2), strict=True))
@@ -175,7 +175,7 @@ class Platform:
         return self.driver.targets(columns, numbers.integers(0, 1 << 32, count))
 
     async def call(self, targets: np.ndarray, code: str = "none", written: int | None = None, address: int = 0) -> None:
-        """A call that ends with this code; words of its targets and all results that it has are the model's."""
+        """Solve targets, expect this code, and compare target words and all returned results with the model."""
         self.jobs.clear()
         written = (len(targets) if code == "none" else 0) if written is None else written
         machine, core = self.machine, self.driver.core
@@ -207,7 +207,7 @@ MODES = cocotb.parametrize(interrupt=[False, True])
 
 @cocotb.test()
 async def who_is_there(dut):
-    """What ik_init says is so; it ends a job of whoever was here before."""
+    """ik_init reports the core's parameters and aborts a job that was already running."""
     machine = await started(dut, pool=60)
     machine.place(0x10000, 0, 60)
     await machine.write("IRQ_ENABLE", 7)
@@ -227,7 +227,7 @@ async def who_is_there(dut):
 @MODES
 @cocotb.parametrize(arm=list(ARMS))
 async def solves(dut, interrupt, arm):
-    """Calls of less than a buffer, of one and of several; arms of any unit."""
+    """Calls shorter than a buffer, of exactly one and of several buffers, with arms in any unit."""
     platform = await ready(dut, interrupt)
     if arm == "large":
         platform.machine.stall(*CHANNELS)
@@ -242,13 +242,13 @@ async def solves(dut, interrupt, arm):
 @cocotb.parametrize(on=["read", "write"])
 @cocotb.parametrize(answer=["slverr", "decerr"])
 async def error_on_the_bus(dut, interrupt, on, answer):
-    """In the second job of a call: what was written before it is there."""
+    """A bus error in the second job of a call keeps the results written before it."""
     platform = await ready(dut, interrupt)
     machine = platform.machine
     for bad in (0, RECORDS - 2):
         area = platform.source if on == "read" else platform.destination
         place = address = area + bad * BYTES
-        if on == "write":  # a burst as a whole
+        if on == "write":  # ERROR is the address of its burst
             address = max(area, place - place % (machine.whole * BYTES))
         second = cocotb.start_soon(fault_in_second_job(platform, place, AxiResp[answer.upper()]))
         written = RECORDS + (address - area) // BYTES
@@ -267,7 +267,7 @@ async def fault_in_second_job(platform: Platform, place: int, answer: AxiResp) -
 @cocotb.test()
 @MODES
 async def refused_areas(dut, interrupt):
-    """Buffers that the core does not take, each told by its code; no access."""
+    """Illegal buffers are refused with the matching code and without any access."""
     machine = await started(dut, pool=8)
     source, destination = areas(machine)
     beyond = (1 << machine.addr_width) - 4 * BYTES
@@ -292,7 +292,7 @@ async def refused_areas(dut, interrupt):
 @cocotb.test()
 @MODES
 async def busy(dut, interrupt):
-    """A job of somebody else runs: it is left alone, and nothing is written; also where it began just before ours."""
+    """A job of another host is left alone and nothing is written, even if it started just before ours."""
     platform = await ready(dut, interrupt)
     machine = platform.machine
     machine.stall("r", "w")
@@ -314,10 +314,10 @@ async def busy(dut, interrupt):
 @cocotb.test()
 @MODES
 async def aborted(dut, interrupt):
-    """From elsewhere, in the middle of a call: a soft reset, and the bus is quiet behind it."""
+    """An abort from another thread during a call soft-resets the core and leaves the bus quiet."""
     platform = await ready(dut, interrupt, seed=3)
     machine = platform.machine
-    machine.reader.ar_channel.pause = True  # so that no job ends
+    machine.reader.ar_channel.pause = True  # keeps the job running
 
     async def elsewhere():
         await ClockCycles(dut.clk, 700)
@@ -336,7 +336,7 @@ async def aborted(dut, interrupt):
 @cocotb.test()
 @MODES
 async def memory_hangs(dut, interrupt):
-    """No end in time: the call ends, those behind it say that the core is busy until the memory answers."""
+    """A hanging memory times the call out; further calls report busy until the memory responds."""
     platform = await ready(dut, interrupt, polls=30)
     machine = platform.machine
     machine.reader.r_channel.pause = True

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What goes wrong with a job of ``ik_axi``: areas that are refused, errors on the bus, starts while busy, soft resets.
+"""Fault tests of ``ik_axi``: refused areas, bus errors, starts while busy, soft resets.
 
-After each the bus is quiet, nothing outside the areas has been touched, and the next job works.
+After each fault the bus must be quiet, bytes outside the areas untouched, and the next job must work.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from tb.axi.ik_regs import CODES
 from tb.axi.machine import CHANNELS, Machine, started
 
 ROUNDS = int(os.environ.get("IK_AXI_FAULTS", "12"))
-"""Random faults of each kind."""
+"""Number of random faults of each kind."""
 
 SOURCE, DESTINATION = 0x40000 - 5 * BYTES, 0x80000 - 2 * BYTES
 DONE, ERROR, REFUSED = 1, 2, 4  # bits of IRQ_STATUS
 
 
 async def ends_with(machine: Machine, code: str, address: int) -> None:
-    """The job that runs ends with this error, and says so everywhere."""
+    """Wait for the running job to end; check the error in STATUS, ERROR and IRQ_STATUS."""
     status = await machine.ended()
     wanted = {"busy": 0, "done": 0, "error": 1, "code": CODES[code]}
     assert status == wanted, f"{status}, expected {wanted}; {machine.memory.errors[:1]}"
@@ -41,7 +41,7 @@ async def next_job(machine: Machine) -> None:
 
 @cocotb.test()
 async def refused_areas(dut):
-    """Checked before any access, in a few clocks."""
+    """Illegal areas are refused within a few clocks, before any access."""
     machine = await started(dut)
     end = 1 << machine.addr_width
     cases = [
@@ -78,7 +78,7 @@ async def refused_areas(dut):
 
 @cocotb.test()
 async def no_records(dut):
-    """Count 0 is done at once, wherever the areas are."""
+    """A job of count 0 is done at once, whatever its areas."""
     machine = await started(dut)
     for source, destination in ((0x1000, 0x2000), (0x1000, 0x1000), (3, 5), (1 << 63, 1 << 63)):
         await machine.start(source, destination, 0)
@@ -93,13 +93,13 @@ async def no_records(dut):
 @cocotb.test()
 @cocotb.parametrize(answer=["slverr", "decerr"])
 async def error_on_read(dut, answer):
-    """The records before the beat that failed are in memory, nothing behind them, and the address is that beat's."""
+    """Only the records before the failing beat are written, and ERROR is the address of this beat."""
     machine = await started(dut, seed=5, latency=9)
     numbers, beat_bytes = machine.random, machine.data_width // 8
     for k in range(ROUNDS):
         if k == ROUNDS // 2:
             machine.stall(*CHANNELS)
-        count = numbers.randint(1, 200) if k != 1 else 512  # whose last number is of ones
+        count = numbers.randint(1, 200) if k != 1 else 512  # the last record index, 511, is all ones
         bad = numbers.randrange(count) * BYTES + numbers.randrange(machine.beats) * beat_bytes
         if k == 0:
             bad = 0
@@ -127,7 +127,7 @@ async def error_on_read(dut, answer):
 @cocotb.test()
 @cocotb.parametrize(answer=["slverr", "decerr"])
 async def error_on_write(dut, answer):
-    """WRITTEN counts the bursts before the one that failed, and the address is that burst's."""
+    """WRITTEN counts the bursts before the failing one, and ERROR is the address of this burst."""
     machine = await started(dut, seed=6, latency=5)
     numbers = machine.random
     for k in range(ROUNDS):
@@ -153,7 +153,7 @@ async def error_on_write(dut, answer):
 
 @cocotb.test()
 async def errors_in_turn(dut):
-    """DECERR and then SLVERR, of reads and of writes: each job tells of its own."""
+    """DECERR and SLVERR in turn, on reads and on writes: each job reports its own error."""
     machine = await started(dut)
     for answer in ("decerr", "slverr", "decerr"):
         for side, address in (("read", SOURCE), ("write", DESTINATION)):
@@ -167,7 +167,7 @@ async def errors_in_turn(dut):
 
 @cocotb.test()
 async def errors_on_both(dut):
-    """One on each side: the first that comes is reported, and what is said to be written is."""
+    """One error on each side: the first to arrive is reported, and WRITTEN records are in memory."""
     machine = await started(dut, seed=7)
     numbers = machine.random
     for k in range(ROUNDS):
@@ -189,7 +189,7 @@ async def errors_on_both(dut):
 
 @cocotb.test()
 async def start_while_busy(dut):
-    """Refused, with an interrupt of its own; new parameters do not reach the job that runs, but the next one."""
+    """A start while busy is refused with its own interrupt; new parameters apply to the next job only."""
     machine = await started(dut)
     machine.stall("r", "w")
     machine.place(SOURCE, 0, 60)
@@ -218,7 +218,7 @@ async def start_while_busy(dut):
 @cocotb.test()
 @cocotb.parametrize(paused=[False, True])
 async def soft_reset(dut, paused):
-    """In any clock of a job: what was begun on the bus is completed, then all is as if there had been no job."""
+    """A soft reset in any clock of a job completes open bus transactions and clears all status."""
     machine = await started(dut, seed=8, latency=12)
     numbers = machine.random
     if paused:
@@ -240,7 +240,7 @@ async def soft_reset(dut, paused):
         kept = await machine.read("COUNT"), await machine.wide("SOURCE"), await machine.wide("DESTINATION")
         assert kept == (count, SOURCE, DESTINATION) and await machine.read("IRQ_ENABLE") == 7
         machine.compare(DESTINATION, k, await machine.read("WRITTEN"))
-        if k % 2:  # the kept parameters are good for a job
+        if k % 2:  # the kept parameters are valid for a job
             await machine.write("CONTROL", 1)
             assert (await machine.ended())["done"] == 1
             machine.compare(DESTINATION, k, count)
@@ -253,7 +253,7 @@ async def soft_reset(dut, paused):
 
 @cocotb.test()
 async def soft_reset_behind_an_error(dut):
-    """An error that the job has met before the soft reset is forgotten, too."""
+    """A soft reset also clears an error that the job has already met."""
     machine = await started(dut, seed=10, latency=100)
     seen = 0
     for k in range(6):
@@ -276,7 +276,7 @@ async def soft_reset_behind_an_error(dut):
 
 @cocotb.test()
 async def reset_in_the_middle(dut):
-    """The reset of all, memory included: the next job works."""
+    """A reset of core and memory during a job: the next job works."""
     machine = await started(dut, seed=9)
     for k in range(4):
         machine.place(SOURCE, k, 50)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Jobs of ``ik_axi``: results equal to the model's of ik_axis, bytes beside them untouched, rules of AXI in every
-clock."""
+"""Job tests of ``ik_axi``: results equal the model's, neighbouring bytes stay untouched, and the AXI rules hold."""
 
 from __future__ import annotations
 
@@ -14,14 +13,14 @@ from model.io.axi_records import BYTES
 from tb.axi.machine import CHANNELS, Machine, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
-"""Random jobs, half of them with pauses."""
+"""Number of random jobs, half of them with pauses."""
 
 BASE = 0x40000 - 512
-"""Of the areas; the address space of the smallest instance that is tested ends at 1 MiB."""
+"""Base address of the areas; the smallest tested instance has an address space of 1 MiB."""
 
 
 def bursts(address: int, count: int, whole: int, beats: int) -> list[tuple[int, int]]:
-    """How an area is to be split: (address, beats)."""
+    """Return the expected bursts of an area as (address, beats)."""
     found = []
     while count:
         size = min(count, whole - address // BYTES % whole)
@@ -32,7 +31,7 @@ def bursts(address: int, count: int, whole: int, beats: int) -> list[tuple[int, 
 
 @cocotb.test()
 async def one_record(dut):
-    """One target becomes one result, and the pins are those of AXI4."""
+    """One target gives one result."""
     machine = await started(dut)
     await machine.solve(BASE, BASE + 0x2000, 1)
     await machine.solve(BASE + BYTES, BASE, 1, first=1)
@@ -41,7 +40,7 @@ async def one_record(dut):
 
 @cocotb.test()
 async def edges_of_bursts(dut):
-    """Jobs that begin and end at, before and behind an edge of bursts, with other edges at the destination."""
+    """Jobs that start and end at, before and after a burst boundary, with another alignment at the destination."""
     machine = await started(dut)
     whole = machine.whole
     for k, skip in enumerate((0, 1, whole - 1)):
@@ -58,7 +57,7 @@ async def edges_of_bursts(dut):
 
 @cocotb.test()
 async def pages(dut):
-    """Areas over several edges of 4 KiB, from one record before them on."""
+    """Areas that cross several 4 KiB boundaries, starting just below one."""
     machine = await started(dut)
     await machine.solve(0x10000 - BYTES, 0x20000 - 3 * BYTES, 300)
     machine.check()
@@ -67,7 +66,7 @@ async def pages(dut):
 
 @cocotb.test()
 async def long_job(dut):
-    """Many times what the core has places for, with pauses: no place is lost on the way."""
+    """A job of many times the FIFO depth, with pauses: no slot is lost."""
     machine = await started(dut, seed=4)
     machine.stall("ar", "r", "aw", "w", "b")
     await machine.solve(0x40000 - 3 * BYTES, 0x80000 - BYTES, 1500)
@@ -76,7 +75,7 @@ async def long_job(dut):
 
 @cocotb.test()
 async def neighbours(dut):
-    """The destination right behind the source and right before it, at both ends of the address space."""
+    """Destination directly after and directly before the source, at both ends of the address space."""
     machine = await started(dut)
     count, end = 2 * machine.whole + 3, 1 << machine.addr_width
     size = count * BYTES
@@ -90,8 +89,7 @@ async def neighbours(dut):
 
 
 async def random_jobs(machine: Machine, jobs: int) -> None:
-    """Sizes mostly small, areas anywhere that do not overlap; at its end a line of what was right goes to the file
-    IK_AXI_DONE."""
+    """Run jobs of mostly small sizes on random disjoint areas; then append their counts to the file IK_AXI_DONE."""
     numbers = machine.random
     limit = min(1 << machine.addr_width, 1 << 40) // BYTES
     solved = 0
@@ -114,7 +112,7 @@ async def random_jobs(machine: Machine, jobs: int) -> None:
 
 @cocotb.test()
 async def many_jobs(dut):
-    """Random jobs, nobody pauses."""
+    """Random jobs without pauses."""
     machine = await started(dut, seed=2)
     await random_jobs(machine, JOBS // 2)
 
@@ -131,14 +129,13 @@ async def many_jobs_with_pauses(dut, stalled):
 @cocotb.test()
 @cocotb.parametrize(shut=["r", "aw", "w", "b"])
 async def nobody_answers(dut, shut):
-    """A channel that is shut: no more is asked for than there are places, no more bursts than are promised; then all of
-    it comes, and right."""
+    """Block one channel: requests stay within FIFO slots and burst limit; after release every result is right."""
     machine = await started(dut)
     count = machine.places + 12 * machine.whole
     source, destination = 0x40000, 0x80000
     machine.place(source, 0, count)
     for port in (machine.reader.ar_channel, machine.writer.aw_channel, machine.writer.b_channel):
-        port.queue_occupancy_limit = 64  # the memory takes whatever is asked
+        port.queue_occupancy_limit = 64  # accept every request
     channel = getattr(machine.reader if shut == "r" else machine.writer, f"{shut}_channel")
     channel.pause = True
     await machine.start(source, destination, count)
@@ -146,12 +143,12 @@ async def nobody_answers(dut, shut):
     assert dut.u_job.busy.value == 1
     most = dict(machine.monitor.most)
     assert most["reads"] <= 8 and most["writes"] <= 8, f"{most}"
-    assert most["places"] <= machine.places + 1, f"{most}"  # one is on W
+    assert most["places"] <= machine.places + 1, f"{most}"  # one record may be on W
     promised = {"r": ("reads", min(8, machine.places // machine.whole)), "b": ("writes", 8)}
     if shut in promised:
         name, number = promised[shut]
         assert most[name] == number, f"{most}, {number} are promised"
-    if shut != "r":  # all that is allowed has been used
+    if shut != "r":  # every allowed request has been made
         room = 8 * machine.whole if shut == "b" else 0
         asked = sum(beats for _, beats in machine.monitor.bursts_read) // machine.beats
         most_asked = machine.places + 1 + room + (shut == "aw") * 10 * machine.whole
@@ -164,7 +161,7 @@ async def nobody_answers(dut, shut):
 
 @cocotb.test()
 async def counters(dut):
-    """CLOCKS are those of busy; stalls are counted where data are due and do not come or go."""
+    """CLOCKS counts busy clocks; the stall counters count clocks in which a due beat does not move."""
     machine = await started(dut, latency=20)
     await machine.solve(0x4000, 0x8000, 20)
     assert await machine.read("READ_STALLS") >= 20 and await machine.read("WRITE_STALLS") == 0

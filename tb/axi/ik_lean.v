@@ -1,7 +1,7 @@
-// Exact: the words of the target, one place on; flags are the low bits of x. In the place of ik_lean, at a quarter of its cost.
+// Exact: the target's words rotated by one; flags are the low bits of x. A stand-in for ik_lean at a quarter of its cost.
 // SPDX-License-Identifier: Apache-2.0
 //
-// For tests of what is around the core: every bit of a target is in its result, and the latency is that of ik_lean.
+// For tests of the logic around the core: every target bit reaches the result, and the latency equals ik_lean's.
 // Latency: datapath_latency clocks.
 `default_nettype none
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of ``ik_axi`` that the tests and ``make soak-memory`` build, and a run of one in a process of its own.
+"""Parameter sets of ``ik_axi`` for the tests and ``make soak-memory``, and a runner in a separate process.
 
-Most jobs have an echo in the place of the datapath (tb/axi/ik_lean.v): what is around it is the same, and a simulation
+Most jobs use an echo instead of the datapath (tb/axi/ik_lean.v): the surrounding logic is unchanged, and the simulation
 takes a quarter of the time.
 """
 
@@ -19,9 +19,9 @@ from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
 
-ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # which Verilator takes minutes for
+ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # takes Verilator minutes to compile
 CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS})
-"""With the datapaths themselves."""
+"""Parameter sets for the real datapaths."""
 
 ECHO = (
     {"W": 18, "ADDR_W": 20},
@@ -30,7 +30,7 @@ ECHO = (
     {"W": 18, "DATA_W": 32, "ADDR_W": 40, "LOG2_BURST": 5},
     {"W": 25, "DATA_W": 128, "LOG2_BURST": 1},
 )
-"""With the echo."""
+"""Parameter sets for the echo."""
 
 
 def named(parameters: dict[str, int]) -> str:
@@ -38,14 +38,14 @@ def named(parameters: dict[str, int]) -> str:
 
 
 def echoing(place: Path, bug: Bug | None = None) -> dict:
-    """A copy of rtl/ in `place` with the echo; what tells `simulate` of it."""
+    """Copy rtl/ to `place`, with the echo instead of ik_lean; return the options of `simulate` for this copy."""
     shutil.copy2(Path(__file__).with_name("ik_lean.v"), copy_rtl(place, bug) / "rtl" / "lean" / "ik_lean.v")
     return {"root": place, "name": "echo"}
 
 
 def apart(modules: str, sim: str, env: dict[str, str], root: Path = ROOT, **options) -> None:
-    """Runs cocotb tests in a process of its own, as cocotb-test changes signal handlers and the logging of its
-    process, and says nothing of one that passes. Raises SimulationError."""
+    """Run cocotb tests in a separate process, because cocotb-test changes signal handlers and logging; print nothing.
+    Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder, open(Path(folder) / "log", "w+") as log:
         given = json.dumps([modules, str(root), {"sim": sim, "env": env, **options}])
         with started([sys.executable, "-m", "tb.axi.instances", given], folder, stdout=log, stderr=log) as process:

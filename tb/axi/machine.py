@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_axi`` under test: clock, reset, registers, memory, monitor and what a job has to leave behind."""
+"""Bench of ``ik_axi``: clock, reset, registers, memory, monitor, and the checks of a job's results."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from tb.axi.memory import Memory, Reader, Writer
 from tb.axi.monitor import Monitor
 
 SEED = int(os.environ.get("IK_AXI_SEED", "0"))
-"""Another one gives other jobs, targets and pauses in every test."""
+"""Seed that changes the jobs, targets and pauses of every test."""
 
 GUARD = 256
-"""Bytes on either side of the results that are looked at after a job."""
+"""Bytes on either side of the results that a job must not change."""
 
 
 def random_words(count: int, seed: int) -> np.ndarray:
-    """Targets of all kinds, (N, 6), at 32 bits."""
+    """Return 32-bit targets of all kinds, (N, 6)."""
     words = mixed(count, 32, seed)
     numbers = np.random.default_rng(seed)
     words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # bits that are rounded
-    words[5] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # those that saturate and wrap
+    words[5] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # saturation and wrap-around
     return np.clip(words, -(2**31), 2**31 - 1)
 
 
 class Machine:
-    """One in a test: it owns the clock."""
+    """Bench around one ``ik_axi``; it owns the clock, so a test creates one."""
 
     def __init__(
         self, dut, seed: int = 1, pool: int = 600, latency: int = 0, words: np.ndarray | None = None
@@ -46,17 +46,17 @@ class Machine:
         self.dut = dut
         for name in ("cocotb", "cocotb.regression"):
             logging.getLogger(f"{name}.{dut._name}").setLevel(logging.WARNING)
-        seed += 100 * SEED  # tests have seeds below
+        seed += 100 * SEED  # the seeds of tests are below 100
         self.random = random.Random(seed)
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
         self.datapath = "lean" if int(dut.DATAPATH.value) else "paper"
-        self.beats = 256 // self.data_width  # of a record
-        self.whole = 1 << int(dut.LOG2_BURST.value)  # records
+        self.beats = 256 // self.data_width  # beats of a record
+        self.whole = 1 << int(dut.LOG2_BURST.value)  # records of a burst
         self.latency = fixed.latency(self.datapath, self.width)
-        self.places = 1 << self.latency.bit_length()  # a result a clock, with nobody waiting for a place
+        self.places = 1 << self.latency.bit_length()  # FIFO slots for one result per clock
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats, self.whole * self.beats, self.places)
         cocotb.start_soon(self.monitor.run())
@@ -66,13 +66,13 @@ class Machine:
         self._pool(random_words(pool, seed) if words is None else words, seed)
 
     def _pool(self, words: np.ndarray, seed: int) -> None:
-        """The pool of targets, each at 32 bits, and what the model of ik_axis says to them."""
+        """Create the pool of 32-bit targets and compute the model's results."""
         tags = np.random.default_rng(seed + 1).integers(0, 1 << 32, len(words))
         self.records = target_records(words, tags)
         self.results, self.flags, self.tags = self.answers(self.records)
 
     def answers(self, records: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Results, flags and tags that the model has for target records."""
+        """Return the model's results, flags and tags for target records."""
         kept, tags = core_words(records, self.width)
         if os.environ.get("IK_AXI_CORE") == "echo":  # tb/axi/ik_lean.v
             return np.roll(kept, 1, axis=1), kept[:, 0] & 0xFF, tags
@@ -84,12 +84,12 @@ class Machine:
         return len(self.tags)
 
     def expected(self, first: int, count: int) -> bytes:
-        """Of so many records of the pool, from one on."""
+        """Return the result records of ``count`` targets of the pool, starting at ``first``."""
         part = np.arange(first, first + count) % self.pool
         return result_records(self.results[part], self.flags[part], self.tags[part], self.width)
 
     def place(self, source: int, first: int, count: int) -> None:
-        """Writes targets of the pool to memory."""
+        """Write targets of the pool to memory."""
         data = (self.records * (2 + (first + count) // self.pool))[first * BYTES : (first + count) * BYTES]
         self.memory.poke(source, data)
 
@@ -118,7 +118,7 @@ class Machine:
         return await self.read(f"{name}_LO") | await self.read(f"{name}_HI") << 32
 
     async def start(self, source: int, destination: int, count: int, accepted: bool = True) -> None:
-        """Parameters in any order, then start; if that is accepted, these areas are what may be accessed."""
+        """Write the parameters in random order, then start; an accepted job may access its areas only."""
         values = {"COUNT": count}
         for name, value in (("SOURCE", source), ("DESTINATION", destination)):
             values |= {f"{name}_LO": value & 0xFFFFFFFF, f"{name}_HI": value >> 32}
@@ -133,7 +133,7 @@ class Machine:
         await self.write("CONTROL", 1)
 
     async def ended(self, most: int = 100000) -> dict[str, int]:
-        """STATUS at the end of a job; fails after so many clocks."""
+        """Return STATUS at the end of a job; fail after ``most`` clocks."""
         for _ in range(most):
             await FallingEdge(self.dut.clk)
             if self.dut.u_job.busy.value == 0:
@@ -143,7 +143,7 @@ class Machine:
     # ---- jobs --------------------------------------------------------------------------------------------------------
 
     async def solve(self, source: int, destination: int, count: int, first: int = 0) -> None:
-        """A job that goes well: every result right, and not a byte more."""
+        """Run a job that must succeed: every result is right and no other byte changes."""
         self.place(source, first, count)
         size = count * BYTES
         before = (self.memory.peek(destination - GUARD, GUARD), self.memory.peek(destination + size, GUARD))
@@ -157,7 +157,7 @@ class Machine:
         assert after == before, f"bytes beside {destination:#x} + {size:#x} have changed"
 
     def compare(self, destination: int, first: int, count: int) -> None:
-        """Results in memory are the model's."""
+        """Compare the results in memory with the model's."""
         got, wanted = self.memory.peek(destination, count * BYTES), self.expected(first, count)
         if got != wanted:
             k = next(k for k in range(count) if got[k * BYTES :][:BYTES] != wanted[k * BYTES :][:BYTES])
@@ -165,13 +165,13 @@ class Machine:
             raise AssertionError(f"result {k} of {count} at {destination:#x}: {rows[0]}, expected {rows[1]}")
 
     def check(self) -> None:
-        """All that must hold at the end of a test."""
+        """Check everything that must hold at the end of a test."""
         errors = self.memory.errors + self.monitor.errors
         assert not errors, f"{len(errors)} errors, the first: {errors[0]}"
         assert self.monitor.quiet(), "transactions are open"
 
     def stall(self, *channels: str, share: float = 0.3) -> None:
-        """Random pauses of channels: ar, r, aw, w, b and those of the registers, lite."""
+        """Pause channels at random: ar, r, aw, w, b, or lite for all register channels."""
         ports = {
             "ar": self.reader.ar_channel,
             "r": self.reader.r_channel,

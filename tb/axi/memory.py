@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The memory of a test: AXI4 slaves of cocotbext-axi with faults in it, and a watch over what is accessed."""
+"""Memory for tests: AXI4 slaves of cocotbext-axi with injected faults and a check of every access."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from cocotbext.axi.axi_slave import AxiSlaveRead, AxiSlaveWrite
 PAGE = 4096
 
 Area = tuple[int, int]
-"""First byte, and the first behind it."""
+"""First byte, and first byte after the area."""
 
 
 PERIOD = 10
-"""Of the clock (ns)."""
+"""Clock period in ns."""
 
 DEEP = 64
-"""Transactions that a memory with a latency takes before it answers the first."""
+"""Number of transactions that a memory with latency accepts before its first response."""
 
 
 class Memory:
-    """Bytes by address, of a pattern where nobody has written; only two areas may be accessed."""
+    """Bytes by address, with a pattern where nothing was written; only two areas may be accessed."""
 
     def __init__(self) -> None:
         self.pages: dict[int, bytearray] = {}
-        self.faults: dict[int, AxiResp] = {}  # address of a word of 32 bits -> answer
+        self.faults: dict[int, AxiResp] = {}  # address of a 32-bit word -> response
         self.readable: Area = (0, 0)
         self.writable: Area = (0, 0)
         self.errors: list[str] = []
@@ -65,7 +65,7 @@ class Memory:
 
 
 def later(source: Callable[[], Awaitable], clock, clocks: int) -> Callable[[], Awaitable]:
-    """What ``source`` gives, so many clocks later, in its order; a pipeline, not a delay between one and the next."""
+    """Delay the items of ``source`` by ``clocks``, in order and pipelined."""
     waiting: Queue = Queue()
 
     async def fill():
@@ -85,7 +85,7 @@ def later(source: Callable[[], Awaitable], clock, clocks: int) -> Callable[[], A
 
 
 class Reader(AxiSlaveRead):
-    """The read channels; with a latency data come so many clocks later than they could."""
+    """Read channels; a latency delays all data by this number of clocks."""
 
     def __init__(self, bus, clock, reset, memory: Memory, latency: int = 0) -> None:
         self.memory = memory
@@ -110,7 +110,7 @@ class Reader(AxiSlaveRead):
 
 
 class Writer(AxiSlaveWrite):
-    """The write channels. A beat with a fault is not written, the others of its burst are."""
+    """Write channels. A faulty beat is not written; the other beats of its burst are."""
 
     def __init__(self, bus, clock, reset, memory: Memory, latency: int = 0) -> None:
         self.memory = memory

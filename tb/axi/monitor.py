@@ -1,29 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the contract of ``ik_axi`` asks of its ports beyond the rules of AXI (tb/rules), held in every clock, at the
-falling edge."""
+"""Monitor of the ``ik_axi`` contract beyond the AXI rules (tb/rules), sampled at every falling edge."""
 
 from __future__ import annotations
 
 from cocotb.triggers import FallingEdge, Timer
 
 BURSTS = 8
-"""Most bursts under way in a direction."""
+"""Maximum number of outstanding bursts in each direction."""
 
 PATIENCE = 20000
-"""Clocks without a handshake on any channel, after which a test has failed."""
+"""Clocks without a handshake on any channel after which a test fails."""
 
 OWN = {
     "m_axi_ar": ("addr", "len", "size", "burst", "cache", "prot", "id"),
     "m_axi_aw": ("addr", "len", "size", "burst", "cache", "prot", "id"),
     "m_axi_w": ("strb", "last"),
 }
-"""Channel -> its payload, as far as it is looked at."""
+"""Channel -> its monitored payload."""
 
 OTHERS = ("m_axi_r", "m_axi_b", "s_axi_aw", "s_axi_w", "s_axi_ar", "s_axi_b", "s_axi_r")
 
 
 class Monitor:
-    """Errors are collected, not raised: a test asks for them at its end. Counts are since the last reset."""
+    """Collects errors, which a test checks at its end. Counts start at the last reset."""
 
     def __init__(self, dut, record_beats: int, most_beats: int, places: int) -> None:
         self.dut = dut
@@ -42,13 +41,13 @@ class Monitor:
         self._forget()
 
     def _forget(self) -> None:
-        self.reads: list[int] = []  # beats to come of each burst asked for
-        self.writes: list[int] = []  # beats to go of each burst announced, offered or taken
+        self.reads: list[int] = []  # outstanding beats of each requested burst
+        self.writes: list[int] = []  # remaining beats of each burst offered or accepted on AW
         self.unanswered = 0
-        self.complete = 0  # bursts whose last beat has gone
+        self.complete = 0  # bursts whose last beat was sent
         self.asked = self.sent = 0  # beats
         self.moved = self.clock  # clock of the last handshake
-        self.failed: dict[str, int] = {}  # address channel -> clock in which it was told to begin no more bursts
+        self.failed: dict[str, int] = {}  # address channel -> clock of the first error, after which no burst may start
         self.announced: set[str] = set()  # address channels whose burst has been counted
 
     def say(self, text: str) -> None:
@@ -152,5 +151,5 @@ class Monitor:
             self.reads.pop(0)
 
     def quiet(self) -> bool:
-        """Nothing is under way."""
+        """Return True if no transaction is open."""
         return not (self.reads or self.writes or self.unanswered)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How quick ``ik_axi`` is from a memory of a given latency: clocks of jobs, and how much of the read bus is used."""
+"""Throughput of ``ik_axi`` against memory latency: clocks of jobs and utilization of the read bus."""
 
 from __future__ import annotations
 
@@ -16,20 +16,19 @@ from model.io.words import to_words
 from tb.axi.machine import started
 
 QUICKEST = 2
-"""Clocks from AR taken to the first beat of R, where the memory does not wait."""
+"""Clocks from AR accepted to the first R beat for a memory without added latency."""
 
 LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
-"""The same for each memory; B takes as many more than it could as R."""
+"""Memory latencies in clocks; B is delayed by the same additional clocks as R."""
 
 BATCH, LONG = 100, 600
-"""Targets of a job: `reach` once, and again and again."""
+"""Targets of a job: `reach` once, and `reach` repeated."""
 
 
 @cocotb.test()
 @cocotb.parametrize(latency=LATENCIES)
 async def rates(dut, latency):
-    """Of a memory that answers in every clock at least 95 % of the read bus are used; a row goes to the file
-    IK_AXI_RATES."""
+    """Require 95 % use of the read bus without added latency; append a row to the file IK_AXI_RATES."""
     words, _ = to_words(make("reach"), 32)
     machine = await started(dut, latency=latency - QUICKEST, words=words)
     assert machine.pool == BATCH

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The registers of ``ik_axi`` are those of rtl/axi/ik_axi.rdl: every field of every register is read and written."""
+"""Register tests of ``ik_axi`` against rtl/axi/ik_axi.rdl: every field of every register is read and written."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def masks(register: str, access: str) -> int:
 
 
 def after_reset(machine: Machine) -> dict[str, int]:
-    """Register -> its value; what depends on parameters is taken from the instance."""
+    """Return register -> value after reset; parameter-dependent fields come from the instance."""
     parameters = {
         "width": machine.width,
         "data_width": machine.data_width,
@@ -42,7 +42,7 @@ def after_reset(machine: Machine) -> dict[str, int]:
 
 
 async def raw(machine: Machine, address: int, data: int, strobes: int, data_first: int = 0) -> AxiResp:
-    """A write with any strobes; data so many clocks before the address, or behind it if negative."""
+    """Write with any strobes; data leads the address by ``data_first`` clocks, or follows it if negative."""
     bus = machine.lite.write_if
     if data_first < 0:
         await bus.aw_channel.send(AxiLiteAWTransaction(awaddr=address, awprot=0))
@@ -65,8 +65,7 @@ async def after_a_reset(dut):
 
 @cocotb.test()
 async def every_field(dut):
-    """Written all ones, all zeros and a random word; only what may be written changes, and a register that is only read
-    says so."""
+    """Write all ones, all zeros and a random word: only writable bits change; read-only registers return SLVERR."""
     machine = await started(dut, pool=8)
     values = after_reset(machine)
     for register in OFFSETS:
@@ -86,7 +85,7 @@ async def every_field(dut):
 
 @cocotb.test()
 async def pulses(dut):
-    """What writing 1 erases, each bit alone, after a job that sets it; CONTROL reads as 0 and does nothing for a 0."""
+    """Each write-1-to-clear bit alone, after a job that sets it; CONTROL reads as 0 and ignores zeros."""
     machine = await started(dut, pool=8)
     for register, done in (("CONTROL", 0), ("IRQ_STATUS", 1)):
         assert masks(register, "w1c" if done else "w1")
@@ -115,7 +114,7 @@ async def pulses(dut):
 
 @cocotb.test()
 async def strobes(dut):
-    """Every set of strobes on every register that keeps what is written, address and data in any order."""
+    """Every strobe pattern on every writable register, with address and data in any order."""
     machine = await started(dut, pool=8)
     for register, offset in OFFSETS.items():
         keeps = masks(register, "rw")
@@ -137,7 +136,7 @@ async def strobes(dut):
 
 @cocotb.test()
 async def nothing_there(dut):
-    """Where there is no register: SLVERR, reads 0, changes nothing."""
+    """An unmapped address returns SLVERR, reads as 0 and changes nothing."""
     machine = await started(dut, pool=8)
     machine.stall("lite")
     last = max(OFFSETS.values())

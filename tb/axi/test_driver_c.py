@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C driver without the core: numbers to words and back as the model has them, what it refuses, what it says."""
+"""Tests of the C driver without the core: conversions equal the model's, bad input is refused, messages differ."""
 
 import ctypes
 import shutil
@@ -15,13 +15,13 @@ from tb.axi.ik_regs import OFFSETS
 
 REGISTER = {offset: name for name, offset in OFFSETS.items()}
 RECORDS = 400
-"""Of the buffers; less than the most targets of a call."""
+"""Capacity of each buffer; less than the longest call."""
 
 pytestmark = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
 
 class Pretended:
-    """Registers, and jobs that are done at once with random words. `jobs`: the target records of each."""
+    """Register model whose jobs end at once with random words. `jobs`: the target records of each job."""
 
     def __init__(self, width: int = 32, identity: int = 0x494B0100) -> None:
         self.registers = dict.fromkeys(OFFSETS, 0) | {"ID": identity, "CONFIG": 0x01204000 | width, "PIPELINE": 55}
@@ -60,7 +60,7 @@ class Pretended:
 
 
 def random_targets(random: np.random.Generator, count: int, decades: int) -> dict[str, np.ndarray]:
-    """Arms of any unit, coordinates up to and beyond what the scaling can take, phi of any size."""
+    """Return arms in any unit, coordinates up to and beyond the scaling limit, and phi of any size."""
     unit = 10.0 ** random.uniform(-decades, decades)
     spread = 10.0 ** random.uniform(-3, 1.3)
     columns = dict(zip("xyz", unit * spread * random.normal(0, 1, (3, count)), strict=True))
@@ -71,7 +71,7 @@ def random_targets(random: np.random.Generator, count: int, decades: int) -> dic
 
 
 def corners() -> list[dict[str, np.ndarray]]:
-    """Ties, both ends of the format, the largest and the least of double, whole and half turns."""
+    """Return ties, both ends of the format, the largest and smallest double, whole and half turns."""
     ulp = 2.0**-30
     fractions = np.array([0.5, 1.5, 2.5, 0.5 - 2**-20, 0.5 + 2**-20, 1 - 2**-22]) * ulp
     lengths = np.concatenate([fractions, -fractions, [0, -0.0, -2, 2 - ulp, 2 - ulp / 2, 2 - ulp / 4, 1, -1, 1e-310]])
@@ -87,7 +87,7 @@ def corners() -> list[dict[str, np.ndarray]]:
         one | {"d1": tiny, "d2": tiny, "x": tiny, "y": -2 * tiny, "z": 0.0},
         one | {"d1": huge / 2, "d2": huge / 2, "x": huge, "y": -huge},
         one | {"d1": huge, "d2": huge},
-        one | {"d1": 1.0, "d2": 1.0 - 2**-53},  # a reach that is rounded up to 2
+        one | {"d1": 1.0, "d2": 1.0 - 2**-53},  # a reach that rounds up to 2
         one | {"d1": 1.0, "d2": 2.0**-31},
         one | {"d1": 1.0, "d2": 2.0**-31 + 2.0**-60},
         *(one | {"d1": 0.5, "d2": 0.5, "x": x} for x in (-2.0, 2.0, -32.0, 32.0, -33.0, 32.0 - 2**-48, 31.9)),
@@ -95,7 +95,7 @@ def corners() -> list[dict[str, np.ndarray]]:
 
 
 def check(driver: Driver, core: Pretended, columns: dict, tags: np.ndarray) -> str:
-    """A call is as the model has it, in every bit; the code's name."""
+    """Solve and compare every bit with the model; return the code's name."""
     core.jobs.clear(), core.words.clear()
     columns = {name: np.broadcast_to(np.asarray(values), len(tags)) for name, values in columns.items()}
     targets = driver.targets(columns, tags)
@@ -124,7 +124,7 @@ def check(driver: Driver, core: Pretended, columns: dict, tags: np.ndarray) -> s
 
 
 def numbers(library, real: str = "double", sets: int = 120, count: int = 1000) -> list[str]:
-    """10^5 random targets and the corners; the codes."""
+    """Solve random targets, by default 120 sets of 1000, and the corners; return the codes."""
     core = Pretended()
     driver = Driver(library, core, *core.areas, RECORDS, real=real, polls=3)
     assert driver.start_up() == "none"
@@ -146,7 +146,7 @@ def library(tmp_path_factory):
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_without_a_warning_and_without_libc(compiler, real, tmp_path):
-    """Also where there is nothing but a compiler: no name is left open."""
+    """The driver compiles freestanding and references no external function except memcpy and memset."""
     if not shutil.which(compiler):
         pytest.skip(f"no {compiler} here")
     made = tmp_path / "ik.o"
@@ -154,7 +154,7 @@ def test_without_a_warning_and_without_libc(compiler, real, tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and not done.stderr, done.stderr
     listed = subprocess.run(["nm", "-u", made], capture_output=True, text=True, check=True).stdout.split()
-    assert set(listed) <= {"U", "memcpy", "memset"}, listed  # which a compiler may call by itself
+    assert set(listed) <= {"U", "memcpy", "memset"}, listed  # a compiler may emit calls to these
 
 
 @pytest.mark.parametrize("real", ["double", "float"])
@@ -174,7 +174,7 @@ def test_nothing_undefined(tmp_path, capfd):
 
 
 def test_refused(library):
-    """Nothing is started, and the target that is wrong is named."""
+    """Bad targets are refused before any job starts, and the first bad target is named."""
     core = Pretended(width=18)
     driver = Driver(library, core, *core.areas, RECORDS)
     good = {name: np.full(9, 0.25) for name in FIELDS}
@@ -196,7 +196,7 @@ def test_refused(library):
         assert driver.call("ik_solve", *arguments, ctypes.c_size_t(9)) == CODES["null"]
     assert driver.linked.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
     assert not core.jobs
-    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half a word of 18 bits, which the core rounds up
+    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half a word of 18 bits; the core rounds it up
     assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
 
 
@@ -209,7 +209,7 @@ def test_start_up(library):
         solved = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))[0]
         assert solved == ("none" if code == "none" else "no_core")
     core = Pretended()
-    core.registers["STATUS"] = 1  # for ever
+    core.registers["STATUS"] = 1  # never cleared
     assert Driver(library, core, *core.areas, RECORDS, polls=9).start_up() == "timeout"
     core = Pretended()
     for name in ("read", "write", "source", "destination", "records"):
@@ -221,7 +221,7 @@ def test_start_up(library):
 
 
 def test_result_that_is_not_there(library):
-    """A job that is done, and a buffer that the core did not write to."""
+    """A job reports done, but the core did not write the buffer."""
     core = Pretended()
     elsewhere = ctypes.create_string_buffer(RECORDS * BYTES)
     source, (_, address) = core.areas
@@ -232,7 +232,7 @@ def test_result_that_is_not_there(library):
 
 
 def test_texts(library):
-    """Each code has its own."""
+    """Each code has its own text."""
     driver = Driver(library, Pretended(), *Pretended().areas, RECORDS)
     texts = [driver.text(code) for code in CODES.values()]
     assert len(set(texts)) == len(CODES) and all(text.endswith(".") for text in texts)

@@ -11,7 +11,7 @@ MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers,tb.axi.rates"
 FEW = "one_record|many_jobs$|stalled=all|latency=2$"
 ICARUS = simulator() == "icarus"
 LONG = "long_job|pages|neighbours|rates|stalled=(ar|r|aw|w|b)$"
-"""Tests with many records, which Verilator runs in a tenth of the time; X shows in the others."""
+"""Tests with many records: Verilator runs them in a tenth of the time, and X shows in the others."""
 
 
 def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **options) -> None:

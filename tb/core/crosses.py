@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functional coverage of ``ik_axis``, seen at its ports: flag x datapath x singular region x stall pattern.
+"""Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern.
 
-Sampled by :class:`tb.core.pipeline.Pipeline` for each result that leaves; kept when a test has checked its results.
-cocotb-coverage is there where coverage is asked for, and needs Python 3.11.
+:class:`tb.core.pipeline.Pipeline` samples each result that leaves; samples are kept once a test has checked its
+results. cocotb-coverage is needed only when coverage is enabled, and requires Python 3.11.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from model.io.stimuli import mixed
 
 NAME = "ik_axis.flag_datapath_region_stall"
 NEAR = 64
-"""A target is near a singular pose within this part of the reach."""
+"""A target is near a singular pose if it is within reach / NEAR of it."""
 
 SIMULATION = uuid.uuid4().hex
-"""Tests of one simulation share their bins."""
+"""Identifier shared by all tests of one simulation, and thus by their bins."""
 
 AXES = {
     "flag": ["-", *(flag.name for flag in FLAGS if flag.bit != SATURATED)],
@@ -40,11 +40,11 @@ IMPOSSIBLE = {
     ("at_shoulder", None, "regular", None): "at the shoulder",
     ("too_far", None, "shoulder", None): "farther than d1 + d2 is not within a 64th of it",
 }
-"""Bins that nothing can hit, and why."""
+"""Bins that cannot be hit, and the reason."""
 
 
 def regions(target: Sequence[int]) -> list[str]:
-    """What a target is near to: the z axis, the shoulder, full stretch or beyond, full fold or inside."""
+    """Return the regions of a target: z axis, shoulder, full stretch or beyond, full fold or inside."""
     x, y, z, _, d1, d2 = (int(word) for word in target)
     reach, nearest = abs(d1) + abs(d2), abs(abs(d1) - abs(d2))
     off, far = isqrt(x * x + y * y), isqrt(x * x + y * y + z * z)
@@ -58,7 +58,7 @@ def regions(target: Sequence[int]) -> list[str]:
 
 
 def every_kind(width: int) -> np.ndarray:
-    """Targets with each flag, and none, in each region where it can be."""
+    """Return targets with each flag, and none, in each region where it can occur."""
     k = 1 << width - 5
     found = {}
     for target in [*mixed(4000, width, 8).tolist(), (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)]:
@@ -69,7 +69,7 @@ def every_kind(width: int) -> np.ndarray:
 
 
 def merged(folder: Path) -> dict[tuple[str, ...], int]:
-    """Bins of the cross and how often they were hit in all simulations together; none without one."""
+    """Merge all simulations in ``folder``; return bin of the cross -> hits, empty without a simulation."""
     import yaml
     from cocotb_coverage.coverage import merge_coverage
 
@@ -83,7 +83,7 @@ def merged(folder: Path) -> dict[tuple[str, ...], int]:
 
 
 class Crosses:
-    """What one simulation sees; :meth:`keep` writes it to a file of its own in ``folder``."""
+    """Coverage of one simulation; :meth:`keep` writes it to its own file in ``folder``."""
 
     def __init__(self, folder: Path) -> None:
         from cocotb_coverage.coverage import CoverCross, CoverPoint, coverage_db
@@ -91,7 +91,7 @@ class Crosses:
         self.path, self.bins = folder / f"{SIMULATION}.yml", coverage_db
 
         def sample(flag, datapath, region, stall):
-            """Each is a list of the bins that are hit."""
+            """Receive the lists of bins that are hit."""
 
         points = [
             CoverPoint(f"ik_axis.{name}", vname=name, rel=_among, bins=bins, inj=False) for name, bins in AXES.items()
@@ -101,12 +101,12 @@ class Crosses:
             self.sample = point(self.sample)
 
     def result(self, flags: int, datapath: str, target: Sequence[int], gap: bool, held: bool) -> None:
-        """A result has left; ``gap``: its target came after clocks without one, ``held``: it had to wait."""
+        """Sample a result; ``gap``: its target followed idle clocks, ``held``: the result had to wait."""
         stall = AXES["stall"][gap + 2 * held]
         self.sample(names(flags).split("+"), [datapath], regions(target), [stall])
 
     def keep(self) -> None:
-        """All that has been sampled so far."""
+        """Write everything sampled so far."""
         self.bins.export_to_yaml(str(self.path))
 
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardest targets that were ever found, a regression list: ``tb/core/hardest.csv``.
+"""Regression list of the hardest targets found so far: ``tb/core/hardest.csv``.
 
-``python -m scripts.soak --keep`` writes it, tb/core/test_hardest.py runs it.  Hard is a reachable target whose hand
-error is large beside its tolerance (the paper's: its prediction), or whose quaternions are far from unit length.  A row
-holds the datapath, the word length, the six input words, the hand error / reach (of the bit-true model, which the RTL
-equals) and where found.
+``python -m scripts.soak --keep`` writes it; tb/core/test_hardest.py runs it. A reachable target is hard if its hand
+error is large compared with its tolerance (paper: its prediction) or its quaternions are far from unit length. A row
+holds the datapath, the word length, the six input words, the hand error / reach (from the bit-true model, which the RTL
+equals) and where it was found.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ LIST = ROOT / "tb" / "core" / "hardest.csv"
 COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
 
 KEPT = 10
-"""Targets of each kind of hardness that are kept, per datapath and word length."""
+"""Targets kept for each measure of hardness, per datapath and word length."""
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the list.  ``hand_error`` is None for a target out of reach."""
+    """One line of the list. ``hand_error`` is None for a target out of reach."""
 
     datapath: str
     width: int
@@ -45,7 +45,7 @@ class Row:
 
 
 def errors(words: np.ndarray, results: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Hand error / reach (N,), nan for targets out of reach, and abs(norm^2 - 1), the larger of Qs and Qe (N,)."""
+    """Return hand error / reach (N,), nan out of reach, and abs(norm^2 - 1) (N,), the larger of Qs and Qe."""
     values = result_values(results, width)
     qs, qe = values[:, :4], values[:, 4:]
     lengths = result_values(words, width)
@@ -58,12 +58,12 @@ def errors(words: np.ndarray, results: np.ndarray, width: int) -> tuple[np.ndarr
 
 
 def array(rows: Iterable[Row]) -> np.ndarray:
-    """The input words of rows (N, 6)."""
+    """Return the input words of rows, (N, 6)."""
     return np.array([row.words for row in rows], dtype=np.int64).reshape(-1, len(FIELDS))
 
 
 def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
-    """(datapath, width) -> its rows."""
+    """Group rows by (datapath, width)."""
 
     def key(row: Row) -> tuple[str, int]:
         return row.datapath, row.width
@@ -71,11 +71,11 @@ def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
     return {k: list(group) for k, group in groupby(sorted(rows, key=key), key)}
 
 
-# -- the file --------------------------------------------------------------------------------------------------------
+# -- file format -----------------------------------------------------------------------------------------------------
 
 
 def read(path: Path) -> list[Row]:
-    """The rows of such a file.  Raises ValueError in one line, and OSError."""
+    """Read the rows of a list file. Raises ValueError with a one-line message, and OSError."""
     with open(path, encoding="utf-8", newline="") as stream:
         try:
             lines = list(csv.reader(stream, strict=True))
@@ -107,7 +107,7 @@ def _row(cells: list[str]) -> Row:
 
 
 def text(rows: Iterable[Row]) -> str:
-    """The file that holds these rows."""
+    """Return the contents of the list file for these rows."""
     out = io.StringIO()
     write = csv.writer(out, lineterminator="\n").writerow
     write(COLUMNS)
@@ -121,20 +121,20 @@ def _written(error: float) -> str:
     return f"{error:.6e}"
 
 
-# -- what is kept ----------------------------------------------------------------------------------------------------
+# -- selection of rows -----------------------------------------------------------------------------------------------
 
 
 def merge(rows: Iterable[Row]) -> list[Row]:
-    """The hardest of these rows: per datapath and word length ``KEPT`` by hand error beside their tolerance, then
-    ``KEPT`` others by norm error; hand errors are recomputed.  Does not depend on the order of the rows."""
+    """Return the hardest rows, independent of their order: per datapath and word length ``KEPT`` by hand error over
+    tolerance, then ``KEPT`` others by norm error. Hand errors are recomputed."""
     kept = []
     for (datapath, width), group in groups(rows).items():
-        # Of a target that was found more than once, the first by the text of where.
+        # Keep one row of a target found more than once: the first by `found`.
         once = {row.words: row for row in sorted(group, key=lambda row: (row.words, row.found), reverse=True)}
         unique = [once[words] for words in sorted(once)]
         words = array(unique)
         hand, norm = errors(words, fixed.run(words, width, datapath).results, width)
-        # A row at a time: the random ends that a prediction tries depend on the place among others.
+        # Row by row: the random endpoints that a prediction tries depend on a target's index in the array.
         ratio = hand / np.concatenate([tolerances.yardstick(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))
         by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The testbench of ``ik_axis``: clock, reset, stream drivers, monitors, model and the scoreboard over all nodes.
+"""Bench of ``ik_axis``: clock, reset, stream drivers, monitors, model, and a scoreboard for all nodes.
 
-Tests are short stories on top of :class:`Pipeline`.  All sampling is done at the falling edge of the clock, when
-inputs and registers of a clock have settled in both simulators.
+Tests build on :class:`Pipeline`. All sampling is done at the falling edge of the clock, when inputs and registers have
+settled in both simulators.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from tb.sim.difference import KEPT, Difference, report
 
 
 class Scoreboard:
-    """Compares every named node of every target with the bit-true model, at the clock where it is valid.
+    """Compares every named node of every target with the bit-true model, in the clock where the node is valid.
 
-    ``handle_of`` maps a node to its signal.  ``expect`` announces targets in the order in which they will be admitted;
-    ``admitted`` and ``sample`` are called once a clock.
+    ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission; ``admitted`` and
+    ``sample`` are called once per clock.
     """
 
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
@@ -46,22 +46,22 @@ class Scoreboard:
         self.differences: list[Difference] = []
 
     def expect(self, answer: fixed.Answer) -> None:
-        """Appends the model's values of the watched nodes for further targets."""
+        """Append the model's node values of further targets."""
         for name, values in self.expected.items():
             node = answer.bits.nodes[name]
             mask = (1 << node.format.width) - 1
             values += [int(v) & mask for v in node.value.tolist()]
 
     def admitted(self, clock: int, target: int) -> None:
-        """Target number ``target`` was admitted in clock ``clock``."""
+        """Record that target ``target`` was admitted in clock ``clock``."""
         self.in_clock[clock] = target
 
     def forget(self) -> None:
-        """After a reset: what was in flight no longer has to be right."""
+        """Drop all targets in flight after a reset."""
         self.in_clock.clear()
 
     def sample(self, clock: int, now: int) -> None:
-        """Compares what is valid in this clock, which is clock ``now`` for whoever reads of a difference."""
+        """Compare all nodes that are valid in core clock ``clock``; ``now`` is the bench clock for messages."""
         for time, pairs in self.by_time.items():
             target = self.in_clock.get(clock - time)
             if target is None:
@@ -77,12 +77,12 @@ class Scoreboard:
                         self.differences.append(difference)
 
     def report(self, since: int = 0) -> str:
-        """The first target that differs, counted from target ``since`` on; empty when nothing differs."""
+        """Return a message about the first differing target, counted from ``since``; empty if nothing differs."""
         return report(self.differences, self.nodes, since=since)
 
 
 def configuration(dut) -> str:
-    """The name of what ``ik_axis`` is built as."""
+    """Return the name of the datapath that ``ik_axis`` is built with."""
     return next(
         name
         for name, path in CONFIGURATIONS.items()
@@ -91,10 +91,10 @@ def configuration(dut) -> str:
 
 
 class Pipeline:
-    """``ik_axis`` under test.
+    """Bench around one ``ik_axis``.
 
-    With ``nodes`` every node is compared, without it results only.  ``results`` holds (words, tag, flags, clock) for
-    every beat that left, in order; ``latencies`` its clocks since admission.
+    With ``nodes`` every node is compared, otherwise results only. ``results`` holds (words, tag, flags, clock) of every
+    output beat in order, ``latencies`` the clocks since admission.
     """
 
     def __init__(self, dut, nodes: bool = True) -> None:
@@ -104,7 +104,7 @@ class Pipeline:
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         assert [len(port) for port in ports] == [data, tag, data, tag + 8]
         self.datapath = configuration(dut)
-        logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # the drivers' banners
+        logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
         self.source = AxiStreamSource(
@@ -117,10 +117,10 @@ class Pipeline:
         self.scoreboard = Scoreboard(self._handle, probe.values() if nodes else ())
         path = CONFIGURATIONS[self.datapath]
         self.period, self.behind = path.period, path.behind
-        self.go = getattr(dut, f"g_{path.rtl}").u_core.go if path.times else None  # 0: the core stands still
+        self.go = getattr(dut, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
-        self.ran = 0  # clocks in which the core did not stand still
-        self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # of all targets announced, in order
+        self.ran = 0  # clocks in which the core was not stalled
+        self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # all announced targets, in order
         self.answer_results: list[tuple[int, ...]] = []
         self.answer_flags: list[int] = []
         self.tags: list[int] = []
@@ -131,43 +131,43 @@ class Pipeline:
         self.errors: list[str] = []
         folder = coverage.folder()
         self.crosses = Crosses(folder) if folder else None
-        self.gap = self.held = False  # a clock without a target since the last one; a result that waits
+        self.gap = self.held = False  # an idle input clock since the last target; a waiting result
         self.gaps: list[bool] = []
         cocotb.start_soon(self._watch())
 
     # ---- signals -------------------------------------------------------------------------------------------------
 
     def module(self, node: Node):
-        """The instance of the module that a node is in."""
+        """Return the module instance that contains a node."""
         core = getattr(self.dut, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
         return getattr(core, node.instance) if node.instance else core
 
     def _handle(self, node: Node):
-        """The signal of a node."""
+        """Return the signal of a node."""
         return getattr(self.module(node), node.name)
 
-    # ---- what tests do -------------------------------------------------------------------------------------------
+    # ---- stimulus ------------------------------------------------------------------------------------------------
 
     async def reset(self, clocks: int = 4) -> None:
-        """Holds reset for some clocks; targets in flight are forgotten by core, drivers and scoreboard alike."""
+        """Assert reset for ``clocks`` clocks; core, drivers and scoreboard drop all targets in flight."""
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
         self.source.clear()
         for _ in range(clocks):
             await RisingEdge(self.dut.clk)
         self.sink.clear()
-        # Targets that were announced and never admitted will not come any more.
+        # Forget targets that were announced but never admitted.
         dropped = len(self.admitted)
         self.words = self.words[:dropped]
         del self.answer_results[dropped:], self.answer_flags[dropped:], self.tags[dropped:]
         for values in self.scoreboard.expected.values():
             del values[dropped:]
         self.dut.rst.value = 0
-        # What is sent at a rising edge, the driver sees at once in one simulator and a clock later in the other.
+        # A driver sees a beat sent at the rising edge at once in one simulator and a clock later in the other.
         await FallingEdge(self.dut.clk)
 
     def announce(self, words: np.ndarray) -> None:
-        """Computes what the model answers to further targets; they must then be sent in this order."""
+        """Compute the model's results for further targets, which must then be sent in this order."""
         answer = fixed.run(words, self.width, self.datapath)
         self.words = np.concatenate([self.words, words])
         self.answer_results += [tuple(r) for r in answer.results.tolist()]
@@ -175,7 +175,7 @@ class Pipeline:
         self.scoreboard.expect(answer)
 
     def send(self, words: np.ndarray) -> None:
-        """Queues targets, (N, 6) signed words; the tags count up."""
+        """Queue targets, (N, 6) signed words, with incrementing tags."""
         self.announce(words)
         for beat in pack(words, self.width):
             tag = len(self.tags) & ((1 << self.tag_width) - 1)
@@ -183,7 +183,7 @@ class Pipeline:
             self.source.send_nowait(AxiStreamFrame([beat], tuser=tag))
 
     async def drain(self, most_clocks: int = 20000) -> None:
-        """Waits until every target has been answered; fails after ``most_clocks`` clocks without a result."""
+        """Wait for all results; fail after ``most_clocks`` clocks without one."""
         seen, since = len(self.results), self.clock
         while len(self.admitted) < len(self.words) or self.due:
             await FallingEdge(self.dut.clk)
@@ -193,12 +193,12 @@ class Pipeline:
                 f"no result for {most_clocks} clocks: {len(self.words)} targets announced, {len(self.admitted)} "
                 f"admitted, {len(self.results)} results"
             )
-        # Nothing may come after the last.
+        # No further result may follow.
         for _ in range(8):
             await FallingEdge(self.dut.clk)
 
     def check(self) -> None:
-        """All that must hold after a drain: results, order, tags, flags, streams, every node."""
+        """Check everything that must hold after a drain: results, order, tags, flags, streams, every node."""
         assert not self.errors, f"{len(self.errors)} errors, the first: {self.errors[0]}"
         board = self.scoreboard
         assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
@@ -206,16 +206,16 @@ class Pipeline:
         if self.crosses:
             self.crosses.keep()
 
-    # ---- what watches --------------------------------------------------------------------------------------------
+    # ---- monitors ------------------------------------------------------------------------------------------------
 
     async def _watch(self) -> None:
-        """Once a clock: admission, departure, nodes. The rules of streams are held by tb/rules."""
+        """Sample admissions, departures and nodes once per clock; tb/rules checks the stream rules."""
         dut = self.dut
         streams = [
             (*(getattr(dut, f"{name}_t{part}") for part in ("valid", "ready", "data", "user")), taken)
             for name, taken in (("s_axis", self._admit), ("m_axis", self._leave))
         ]
-        # Under Verilator the clock line starts at random: an edge at time 0 is none.
+        # Verilator randomizes the initial clock level: ignore an edge at time 0.
         await Timer(1, unit="ns")
         while True:
             await FallingEdge(dut.clk)
@@ -224,7 +224,7 @@ class Pipeline:
                 self.scoreboard.forget()
                 self.due.clear()
                 self.gap = self.held = False
-                # The flip-flops are reset at the first rising edge with rst; nothing before it counts.
+                # Flip-flops are reset at the first rising edge with rst high; ignore everything before it.
                 continue
             for valid, ready, data, user, taken in streams:
                 if valid.value == 1 and ready.value == 1:
@@ -235,7 +235,7 @@ class Pipeline:
             self.ran += self.go is None or self.go.value == 1
 
     async def unknown_while_idle(self) -> None:
-        """To be started: what is not valid is X; nobody may look. The driver writes a beat after the next edge."""
+        """Drive X on the input data while tvalid is low, as a task. The driver writes a beat after the next edge."""
         dut = self.dut
         while True:
             await FallingEdge(dut.clk)
@@ -276,11 +276,11 @@ class Pipeline:
 
 
 PATTERNS = ("none", "single", "bursts", "long")
-"""Names of the pause patterns of :func:`pause`."""
+"""Pause patterns of :func:`pause`."""
 
 
 def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """A pause generator by name: none, single (every other clock), bursts (random lengths), long (700 clocks)."""
+    """Return a pause generator: none, single (every other clock), bursts (random lengths), long (700 clocks)."""
     random = np.random.default_rng(seed)
     if pattern == "none":
         return None

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The inputs of a section's module, as the dataflow has them."""
+"""Inputs of a section's module, derived from the dataflow."""
 
 
 def inputs(section: str, nodes) -> dict[str, tuple]:
-    """Port of a section's module -> (node, clock in which the port holds it).
+    """Return port of a section's module -> (node, clock in which the port holds it).
 
-    A port has the name and the clock of its node.  The target is the exception: 3.2 and 3.5 get it delayed to the clock
-    of the swivel plane, and there its ports are called ``p_w_x_at_pi_swivel`` and so on.
+    A port has the name and clock of its node. The target is the exception: 3.2 and 3.5 receive it delayed to the clock
+    of the swivel plane, on ports named ``p_w_x_at_pi_swivel`` and so on.
     """
     ports = {}
     for node in nodes.values():

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Before the first clock, of ``ik_axis`` or ``ik_axi``: nothing is offered; under reset nothing is taken either.
+"""Power-up test of ``ik_axis`` and ``ik_axi``: valid and irq are low before the first clock, ready under reset.
 
-For simulators in which registers start at random; with Icarus, tb/core/test_power_up.py looks for what is unknown.
+For simulators with random initial registers; tb/core/test_power_up.py covers unknown values with Icarus.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
 
 DRIVEN = {"s_axis_tvalid", "m_axis_tready", *(f"s_axi_{c}valid" for c in ("aw", "w", "ar")), "s_axi_bready"}
 DRIVEN |= {"s_axi_rready", "m_axi_rvalid", "m_axi_bvalid", *(f"m_axi_{c}ready" for c in ("aw", "w", "ar"))}
-"""Inputs."""
+"""Inputs of the core."""
 
 
 @cocotb.test()
@@ -24,7 +24,7 @@ async def power_up(dut):
     takes = [name for name in ports if name.endswith("ready") and name not in ALWAYS_READY]
     assert set(offers) - DRIVEN and set(takes) - DRIVEN
     if dut.clk.value == 1:
-        return  # the clock starts at random, too, and to Verilator 1 is its first edge
+        return  # the initial clock level is random, and Verilator treats 1 as the first edge
     for name in set(ports) & DRIVEN:
         getattr(dut, name).value = 0
     dut.clk.value = 0

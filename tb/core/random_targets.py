@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random targets of all kinds in chunks, and the judge of what the RTL makes of them: the soak, without its command.
+"""Random targets in chunks, and the checks of the RTL's results: the soak without its command line.
 
-Bits, flags and norms are judged at every target, the hand error where `model.bounds.tolerances` has a figure for it.
+Bits, flags and norms are checked for every target, the hand error where `model.bounds.tolerances` has a limit.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from tb.sim import every_node
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
 CHUNK = 20000
-"""Targets of a chunk."""
+"""Targets per chunk."""
 
 CANDIDATES = 1000
-"""Targets of a chunk, those with the largest hand errors, that are ranked: the paper's by a prediction."""
+"""Targets of a chunk with the largest hand errors, which are ranked by tolerance (paper: by prediction)."""
 
 
 Apart = dict[str, tuple[int, float]]
-"""Name of a second solution -> number of targets compared, and the largest difference of a result."""
+"""Name of a second solution -> number of targets compared, and largest difference of a result."""
 
 
 @dataclass(frozen=True)
 class Opinion:
-    """Answers (N, 6) of another program; ``asked`` (N,) are the targets to compare."""
+    """Second solution ``answers`` (N, 6) by another program; ``asked`` (N,) selects the targets to compare."""
 
     of: str
     answers: np.ndarray
@@ -45,7 +45,7 @@ class Opinion:
     def apart(self, results: np.ndarray, width: int) -> np.ndarray:
         """Return the largest difference of a target's six results, (N,); inf without an answer, 0 if not compared.
 
-        Either sign of Qs is right: where k rounds to 0, rounding decides the sign.
+        Both signs of Qs are valid: where k rounds to 0, rounding decides the sign.
         """
         values = result_values(results, width)
         sign = np.where((values[:, :4] * self.answers[:, :4]).sum(axis=1) < 0, -1.0, 1.0)[:, None]
@@ -59,10 +59,10 @@ def _both(a: Apart, b: Apart) -> Apart:
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
-    """The `number`-th chunk of targets, shuffled: half near singular poses and in the other `REGIONS`, an eighth
-    each clamped, at the edges of formats and of extreme words, every corner, the rest anywhere in reach.
+    """Return chunk `number` of targets, shuffled: half near singular poses and in the other `REGIONS`, an eighth each
+    of clamped targets, format edges and extreme words, every corner, the rest anywhere in reach.
 
-    Without a seed the `number`-th part of all targets of special words, in order."""
+    Without a seed, return part `number` of all targets made of special words, in order."""
     if seed is None:
         return of_special(number * count, count, width)
     own = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
@@ -76,7 +76,7 @@ def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.n
 
 @dataclass(frozen=True)
 class Hard:
-    """A target in reach with its number in the sequence, its errors, and what its hand error is held against."""
+    """Reachable target with its number in the sequence, its errors, and its tolerance or predicted error."""
 
     target: int
     words: list[int]
@@ -87,9 +87,8 @@ class Hard:
 
 @dataclass
 class Found:
-    """What some targets gave: how many there are, in reach, above their prediction; the largest errors, the hardest
-    targets by either measure; of each second opinion to how many targets it was asked, and the largest difference; how
-    many targets have each flag."""
+    """Totals of a set of targets: counts of all, reachable and above prediction; largest errors; hardest targets by
+    either measure; for each second solution the number compared and largest difference; targets with each flag."""
 
     targets: int = 0
     reachable: int = 0
@@ -122,7 +121,7 @@ def _first(of: list[Hard], measure: Callable[[Hard], float]) -> list[Hard]:
 
 @dataclass(frozen=True)
 class Failure:
-    """What is wrong: lines for the user, and the rows of the targets (K,), the first one's or the worst one's first."""
+    """Failed check: lines for the user and the target rows (K,), the first or worst one first."""
 
     lines: list[str]
     rows: list[int]
@@ -130,7 +129,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Core:
-    """What is simulated: simulator, datapath, word length, and the native program of those that make one."""
+    """Core to simulate: simulator, datapath, word length, and the native program if there is one."""
 
     sim: str
     datapath: str
@@ -142,7 +141,7 @@ class Core:
         return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
-        """What the RTL makes of targets (N, 6), the model's results (N, 6) and flags (N,). Raises SimulationError."""
+        """Return the RTL's run and the model's results (N, 6) and flags (N,). Raises SimulationError."""
         frames = list(every_node.answered(words, self.width, self.datapath))
         if self.program:
             run = every_node.compare(self.program, frames, self.width, self.datapath)
@@ -160,10 +159,10 @@ def judge(
     numbers: Sequence[int],
     opinions: Callable[[np.ndarray, int], list[Opinion]] | None = None,
 ) -> tuple[Found, list[Failure], np.ndarray]:
-    """Run targets: what they give, what fails, and the hand errors (N,), nan out of reach.
+    """Run targets; return their totals, the failures, and the hand errors (N,), nan out of reach.
 
-    numbers (N,): of the targets in their sequence. opinions: what others say to words of a length, of which no result
-    may differ by more than the tolerance of a hand. Raises SimulationError, for lost results too.
+    numbers (N,): positions of the targets in their sequence. opinions: returns second solutions for words of a width;
+    no result may differ from one by more than the hand tolerance. Raises SimulationError, also for lost results.
     """
     run, results, flags = core.run(words)
     if run.results.shape != words.shape or run.flags.shape != (len(words),):
@@ -227,7 +226,7 @@ _TARGET = re.compile(r"(?<= of target )\d+")
 
 
 def _bits_failure(run: Run, differing: list[int], numbers: Sequence[int]) -> Failure:
-    """The message with numbers of the sequence in the place of those of the run."""
+    """Make the failure message, with target numbers of the sequence instead of the run."""
     lines = [f"{run.bit_mismatches} bits differ from the bit-true model, results of {len(differing)} targets"]
     first = run.first_mismatch or ""
     named = [int(n) for n in _TARGET.findall(first)[:1]]

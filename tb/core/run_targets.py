@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cocotb side of ``tb/sim/simulate.py``: runs jobs of targets through ``ik_axis`` without stalls.
+"""cocotb side of ``tb/sim/simulate.py``: runs jobs of targets through ``ik_axis`` without stalls.
 
-IK_JOBS names an .npz file with one (N, 6) word array a job; IK_RESULTS the .npz file to write: for job k the arrays
-``results_k`` (N, 6), ``flags_k`` (N,), ``facts_k`` = latency, clocks from first in to last out, mismatching bits, and
-``first_k``, the first difference as text.  IK_PROGRESS names a file that holds the number of results so far.
+IK_JOBS names an .npz file with one (N, 6) word array per job; IK_RESULTS the .npz file to write, with for job k the
+arrays ``results_k`` (N, 6), ``flags_k`` (N,), ``facts_k`` = latency, clocks from first in to last out, mismatching
+bits, and ``first_k``, the first difference as text. IK_PROGRESS names a file for the number of results so far.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tb.core.pipeline import Pipeline
 
 @cocotb.test()
 async def run_targets(dut):
-    """Every job after a reset of its own."""
+    """Run each job after its own reset."""
     progress = Path(os.environ["IK_PROGRESS"])
     bench = Pipeline(dut)
     written: dict[str, np.ndarray] = {}
@@ -47,7 +47,7 @@ async def run_targets(dut):
             written[f"flags_{k}"] = np.array([r[2] for r in rows], dtype=np.int64)
             written[f"facts_{k}"] = np.array([bench.latencies[first], clocks, board.mismatching_bits - bits])
             written[f"first_{k}"] = np.array(board.report(since=since))
-    # A difference of a node is a score, not a failure of the run; a broken stream is.
+    # A node mismatch is a result of the run; only a broken stream fails it.
     streams = [e for e in bench.errors if ": RTL " not in e]
     assert not streams, f"{len(streams)} errors, the first: {streams[0]}"
     np.savez(os.environ["IK_RESULTS"], **written)

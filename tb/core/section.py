@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cocotb side of ``test_sections.py``: each section's module alone, every named node of it compared.
+"""cocotb side of ``test_sections.py``: each section's module alone, with every named node compared.
 
-IK_DATAPATH is the name, IK_WIDTH the word length, IK_TARGETS how many targets.  A section's inputs
-are the nodes of other sections that it uses; each is driven with the model's words in the clocks that belong to it.  A
-new target comes every clock but for idle gaps, in which the inputs hold random words.
+IK_DATAPATH is the datapath, IK_WIDTH the word length, IK_TARGETS the number of targets. A section's inputs are nodes of
+other sections; each is driven with the model's words in its own clocks. A target enters in every clock except idle
+gaps, in which the inputs hold random words.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tb.core.pipeline import Scoreboard
 from tb.core.ports import inputs
 
 GAP = 0.1
-"""How likely an idle gap is after a target."""
+"""Probability of an idle gap after a target."""
 
 
 DATAPATH, WIDTH, COUNT = os.environ["IK_DATAPATH"], int(os.environ["IK_WIDTH"]), int(os.environ["IK_TARGETS"])
@@ -32,7 +32,7 @@ DATAPATH, WIDTH, COUNT = os.environ["IK_DATAPATH"], int(os.environ["IK_WIDTH"]),
 @cocotb.parametrize(section=[name for name in CONFIGURATIONS[DATAPATH].sections if name != "results"])
 async def every_node_of_the_section(top, section):
     """Targets of every kind, most of them back to back."""
-    shell = getattr(top, section)  # of tb/sim/shells.py
+    shell = getattr(top, section)  # from tb/sim/shells.py
     dut = shell.u
     random = np.random.default_rng(cocotb.RANDOM_SEED)
     answer = fixed.run(mixed(COUNT, WIDTH, seed=cocotb.RANDOM_SEED), WIDTH, DATAPATH)
@@ -41,7 +41,7 @@ async def every_node_of_the_section(top, section):
     missing = [node.name for node in own if not hasattr(dut, node.name)]
     assert own and not missing, f"{section} has no signals {', '.join(missing) or '(nor the model nodes)'}"
 
-    # Clock 0 of each target, and what every input holds in every clock.
+    # First clock of each target, and the words of every input in every clock.
     gaps = np.where(random.random(COUNT) < GAP, random.integers(1, 10, COUNT), 0)
     starts = np.arange(COUNT) + np.cumsum(gaps)
     last = int(starts[-1]) + max(node.time for node in own)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stream tests of ``ik_axis``: stalls on both sides, tags and order, rate and latency, reset in traffic.
 
-Each test compares every result, tag and flag with the bit-true model; some compare every node as well, which takes most
-of the time of a simulation. The rules of AXI4-Stream are checked by tb/rules in every clock.
+Each test compares every result, tag and flag with the bit-true model; some also compare every node, which dominates
+simulation time. tb/rules checks the AXI4-Stream rules in every clock.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 
 async def started(dut, nodes: bool = False) -> Pipeline:
-    """Return the testbench after reset; ``nodes``: compare every node, not the results alone."""
+    """Return the bench after reset; ``nodes``: compare every node, not only the results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.unknown_while_idle())
@@ -38,8 +38,8 @@ def datapath_latency(bench: Pipeline) -> int:
 def places(bench: Pipeline) -> int:
     """Return the number of targets admitted while m_axis_tready is low.
 
-    A pipeline has a FIFO of a power of two of its clocks. The folded core holds a result at its output, a finished
-    result behind it, and one more target if that was loaded before.
+    A pipeline has a FIFO whose depth is its latency plus 3, rounded up to a power of two. The folded core holds one
+    result at its output, a finished result behind it, and one more target if that was loaded earlier.
     """
     if bench.period == 1:
         return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
@@ -50,7 +50,7 @@ def places(bench: Pipeline) -> int:
 
 @cocotb.test()
 async def one_result_per_clock(dut):
-    """Without stalls results leave in consecutive clocks, or a period apart, each after the same latency."""
+    """Unstalled results leave in consecutive clocks, or a period apart, all with the same latency."""
     bench = await started(dut, nodes=True)
     targets = mixed(200 if bench.period == 1 else 20, bench.width, seed=1)
     bench.send(targets)
@@ -67,7 +67,7 @@ async def one_result_per_clock(dut):
 
 @cocotb.test()
 async def recurrences(dut):
-    """Each divider and root of the paper's datapath is of the kind that DIGIT selects; both kinds compute the same."""
+    """Each divider and root of the paper datapath is of the kind that DIGIT selects; both kinds compute the same."""
     bench = await started(dut, nodes=True)
     if CONFIGURATIONS[bench.datapath].rtl == "paper":
         cores = [node for node in bench.scoreboard.nodes if node.op in ("div", "root")]
@@ -79,7 +79,7 @@ async def recurrences(dut):
 @cocotb.test()
 @cocotb.parametrize(idle=PATTERNS, stall=PATTERNS)
 async def stalls(dut, idle, stall):
-    """Gaps in the input crossed with stalls of the output; 'long' holds ready low until the FIFO is full."""
+    """Input gaps crossed with output stalls; 'long' holds ready low until the FIFO is full."""
     bench = await started(dut)
     for port, pattern, seed in ((bench.source, idle, 1), (bench.sink, stall, 2)):
         generator = pause(pattern, seed)
@@ -110,7 +110,7 @@ async def every_flag_in_every_region(dut, idle, stall):
 
 @cocotb.test()
 async def full(dut):
-    """With m_axis_tready low the core admits the targets that it has places for, and releases all of them later."""
+    """The core admits as many targets as it has slots while m_axis_tready is low, and releases all of them later."""
     bench = await started(dut)
     most, more = places(bench), 50 if bench.period == 1 else 5
     bench.sink.pause = True
@@ -129,8 +129,8 @@ async def full(dut):
 @cocotb.test()
 @cocotb.parametrize(after=["few", "many", "out", "full"])
 async def reset_in_traffic(dut, after):
-    """Reset with few targets inside, with many, with results leaving, with a full FIFO: all are dropped, and the
-    targets after the reset are answered."""
+    """Reset with few or many targets in flight, with results leaving, or with a full FIFO: all are dropped, and later
+    targets give results."""
     bench = await started(dut)
     latency = datapath_latency(bench)
     bench.sink.pause = after == "full"
@@ -155,8 +155,8 @@ async def reset_in_traffic(dut, after):
 async def reset_in_any_clock(dut):
     """Reset for one clock, in each of 200 clocks of traffic with gaps and stalls; later results are right.
 
-    The folded core is in another step of its program in each clock. Of the pipelines the one with the shortest words
-    takes all clocks, the others every 37th.
+    The folded core is in a different program step in each clock. Of the pipelines, the shortest words cover all clocks,
+    the others every 37th.
     """
     bench = await started(dut)
     every = bench.period > 1 or bench.width <= 18
@@ -179,7 +179,7 @@ async def reset_in_any_clock(dut):
 
 @cocotb.test()
 async def ready_before_valid(dut):
-    """After reset a pipeline is ready before a target is offered, the folded core once per period; no result leaves."""
+    """After reset a pipeline is ready before tvalid, the folded core once per period; no result leaves."""
     bench = await started(dut)
     for _ in range(20):
         await FallingEdge(dut.clk)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every node equals the model's: the paper's datapath with rows, ``lean25``, ``lean16`` and the folded datapaths."""
+"""Every node equals the model's: digit-recurrence paper datapath, ``lean25``, ``lean16`` and the folded datapaths."""
 
 import numpy as np
 import pytest
@@ -17,14 +17,14 @@ BUILT = {"lean16": (18, 24), "fold": (20, 24, 32), "fold16": (18, 20, 24)}
 if simulator() == "icarus":  # one of each; Verilator's native harness runs the others
     BUILT = {"lean16": (18,), "fold": (24,), "fold16": (18,)}
 KINDS += [(path, width, CORES[0]) for path, widths in BUILT.items() for width in widths]
-if simulator() == "icarus":  # Verilator takes minutes to compile rows
+if simulator() == "icarus":  # Verilator takes minutes to compile digit recurrences
     KINDS += [pytest.param("paper", 32, CORES[1], marks=[pytest.mark.slow, pytest.mark.cost(40)])]
 
 
 @pytest.mark.sim
 @pytest.mark.parametrize(("datapath", "width", "kind"), KINDS)
 def test_every_node_equals_the_model(datapath, width, kind):
-    """Compare every node of targets of every kind; Icarus, a hundred times slower, takes a few of them."""
+    """Compare every node for targets of every kind; Icarus, a hundred times slower, runs fewer targets."""
     native = simulator() == "verilator"
     words = mixed(300 if native else 40, width, 4)
     if native:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All 2^18 targets of words of 3 bits, every node: all inputs of the lean pipeline, the top bits of the folded one."""
+"""All 2^18 targets of 3-bit words, every node: all inputs of the lean pipeline, the top bits of the folded datapath."""
 
 import itertools
 
@@ -12,12 +12,12 @@ from tb.sim.simulate import Job, simulate
 
 WIDTH = 3
 FOLDED = 20
-"""The shortest words of the folded datapath."""
+"""Shortest word length of the folded datapath."""
 
 
 @pytest.fixture(scope="module")
 def words():
-    """Target number n has the input bits n: x in the lowest."""
+    """Return all targets; target number n has the input bits of n, with x lowest."""
     signed = np.concatenate([np.arange(1 << (WIDTH - 1)), np.arange(-(1 << (WIDTH - 1)), 0)])
     return np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardest targets that were ever found (tb/core/hardest.csv), through the bit-true model and through the RTL."""
+"""The hardest targets found so far (tb/core/hardest.csv) in the bit-true model and in the RTL."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ ROWS = hardest.read(hardest.LIST)
 GROUPS = hardest.groups(ROWS)
 
 IN_RTL = [(datapath, width) for datapath in DATAPATHS for width in (32, 18)]
-if simulator() == "icarus":  # a build costs nothing
+if simulator() == "icarus":  # builds are cheap
     IN_RTL += [("lean", width) for width in (16, 24, 27)]
 IN_RTL += [("fold", 24), ("fold", 32), ("fold16", 18)]
 QUICK = [("lean", 32), ("paper", 32)] if simulator() == "icarus" else [("lean", 32)]
@@ -29,7 +29,7 @@ def test_there_is_something_of_every_datapath():
 
 
 def test_the_list_is_sorted_and_bounded():
-    """As `python -m scripts.soak --keep` writes it: nothing edited by hand, nothing twice, nothing out of reach."""
+    """The list is as `python -m scripts.soak --keep` writes it: no manual edits, duplicates or unreachable targets."""
     order = [(row.datapath, row.width, -row.hand_error, row.words) for row in ROWS]
     assert order == sorted(order)
     assert len({(row.datapath, row.width, row.words) for row in ROWS}) == len(ROWS)
@@ -41,9 +41,9 @@ def test_the_list_is_sorted_and_bounded():
 
 @pytest.mark.parametrize(("datapath", "width"), GROUPS)
 def test_errors_in_the_model(datapath, width):
-    """The recorded error is the model's; unit norm; and the lean datapath keeps its tolerance in any pose.
+    """Recorded errors equal the model's, norms are within tolerance, and the lean datapath meets its hand tolerance.
 
-    Of the paper's equations the prediction is no bound where two singular poses meet, and these are such targets.
+    For the paper's equations the prediction is no bound where two singular poses meet, as they do for these targets.
     """
     rows = GROUPS[datapath, width]
     words = hardest.array(rows)
@@ -66,7 +66,7 @@ def test_errors_in_the_model(datapath, width):
     [key if key in QUICK else pytest.param(*key, marks=pytest.mark.slow) for key in IN_RTL],
 )
 def test_the_rtl_equals_the_model(datapath, width):
-    """Every node, natively under Verilator.  A length without rows of its own gets the longest's words, cut to it."""
+    """Compare every node, natively under Verilator. A width without rows uses the longest words, truncated."""
     words = _words(datapath, width)
     native = simulator() == "verilator"
     (run,) = simulate([Job("hardest", words)], simulator=simulator(), datapath=datapath, width=width, native=native)
@@ -76,14 +76,14 @@ def test_the_rtl_equals_the_model(datapath, width):
 
 
 def _words(datapath: str, width: int) -> np.ndarray:
-    listed = datapath if datapath in DATAPATHS else "lean"  # the folded machine is the lean dataflow
+    listed = datapath if datapath in DATAPATHS else "lean"  # fold is the lean dataflow
     if (listed, width) in GROUPS:
         return hardest.array(GROUPS[listed, width])
     longest = max(w for d, w in GROUPS if d == listed)
     return hardest.array(GROUPS[listed, longest]) >> max(0, longest - width)
 
 
-# -- how the list is kept --------------------------------------------------------------------------------------------
+# -- maintenance of the list -----------------------------------------------------------------------------------------
 
 
 def of_all_kinds(width: int) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tops are not built for stops elaboration with its name, and its neighbours elaborate."""
+"""Unsupported parameters stop elaboration with a named error; neighbouring supported values elaborate."""
 
 import re
 import subprocess
@@ -35,7 +35,7 @@ PASSED_ON = {
     "needs_TILE_of_18_16_or_not_folded_25": [{"TILE": 17}, {"TILE": 20}],
     "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [{"W": 15}, {"W": 33}, {"TILE": 16}],
 }
-"""Of ``ik_axi``, by the names of the core inside."""
+"""Illegal parameters of ``ik_axi`` that the core inside reports."""
 LEAN = {
     "needs_W_of_3_to_32_with_TILE_16_of_16_to_24": [{"W": 2}, {"W": 33}, *({"W": w, "TILE": 16} for w in (15, 25))],
     "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
@@ -55,7 +55,7 @@ FOLD = {
 }  # fmt: skip
 
 ILLEGAL = [
-    # one of each name in the quick gate
+    # only the first of each name is in the quick gate
     pytest.param(top, parameters, f"{named}_{name}", marks=pytest.mark.slow if k else ())
     for top, named, table in (
         ("ik_axis", "ik_axis", AXIS), ("ik_axi", "ik_axi", AXI), ("ik_axi", "ik_axis", PASSED_ON),
@@ -83,13 +83,13 @@ LEGAL = [
 
 
 def elaborated(top: str, parameters: dict[str, int]) -> tuple[int, set[str]]:
-    """Exit status of the simulator that SIM names, and the modules that it misses."""
+    """Return the exit status of the simulator that SIM names, and the modules it reports as missing."""
     folders = [f"-I{folder}" for folder in includes()]
     if simulator() == "icarus":
         command = ["iverilog", "-g2001", "-t", "null", "-s", top]
         command += [f"-P{top}.{name}={value}" for name, value in parameters.items()]
     else:
-        # warnings are for `make lint`
+        # `make lint` covers warnings
         command = ["verilator_bin", "--lint-only", "-Wno-fatal", "--default-language", "1364-2001", "--top-module", top]
         command += [*(f"-G{name}={value}" for name, value in parameters.items()), str(ROOT / "rtl" / "lint.vlt")]
     done = subprocess.run(

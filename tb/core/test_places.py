@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Places of the FIFO against clocks of the datapath, at every word length, as Icarus elaborates them.
+"""FIFO depth against datapath latency, at every word length, as elaborated by Icarus.
 
-A target's place is taken from its admission to the departure of its result: T_OUT clocks, two of the FIFO, and the one
-in which it leaves.  With fewer places the stream has gaps.
+A FIFO slot is reserved from a target's admission until its result leaves: T_OUT clocks, two for the FIFO, and the clock
+of departure. With fewer slots the stream has gaps.
 """
 
 import subprocess
@@ -14,7 +14,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import header, includes, sources
 
 WHOLE = ("ik_axis", "ik_axi", "ik_lean", "ik_paper")
-"""The modules that say T_OUT and LOG2; of the others there is only the header."""
+"""Modules that define T_OUT and LOG2; of the others only the header is compiled."""
 
 PIPELINES = [path for path in CONFIGURATIONS.values() if path.period == 1]
 FORMULA = "clog2(datapath_latency(DATAPATH, W, TILE) + 3)"
@@ -23,7 +23,7 @@ ONE_TOO_FEW = Bug("one place too few", "rtl/ik_axis.v", FORMULA, FORMULA.replace
 
 
 def wrong(place, root) -> list[str]:
-    """What does not fit in a copy of the RTL, a line each; `place` is a folder to work in."""
+    """Return a line for each mismatch in a copy of the RTL; `place` is a working folder."""
     lines, count = ["module top;"], 0
     for path in PIPELINES:
         core = "g_lean.u_core" if path.parameters["DATAPATH"] else "g_paper.u_core"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Before the first clock, in Icarus, whose registers start unknown: nothing is offered, nothing taken under reset."""
+"""Power-up in Icarus, where registers start as X: valid and irq are low before the first clock, ready under reset."""
 
 import re
 import subprocess
@@ -18,13 +18,13 @@ TOPS = [
 ]
 ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
 KNOWN = {"ik_axis": 1, "ik_axi": 6}
-"""How many outputs offer something, the interrupt with them."""
+"""Number of valid outputs, including the interrupt."""
 
 BUG = Bug("valid without an initial value", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "")
 
 
 def wrong(place, top: str, parameters: dict[str, int], root) -> list[str]:
-    """Outputs that are not 0, without a reset those that offer, with one those that take as well; a line each."""
+    """Return a line for each output that is not 0: valid without reset, valid and ready under reset."""
     text = next(path for path in sources(root) if path.stem == top).read_text()
     ports = re.findall(r"^\s*(in|out)put\s+wire\s*(?:\[.*?\])?\s*(\w+)", text, re.M)
     outputs = [name for way, name in ports if way == "out"]

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Registers, memories and what is X start at random, with several seeds, under Verilator: nothing that is seen depends
-on them."""
+"""Outputs do not depend on the initial state: random registers, memories and X under Verilator, several seeds."""
 
 from collections.abc import Iterator
 
@@ -11,11 +10,11 @@ from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
 
 SEEDS = range(3, 13)
-"""All other simulations have 1. Of forty three have a first step that writes over a constant, 12 the first of them."""
+"""Other simulations use 1. Of 40 seeds, three start at a step that overwrites a constant; 12 is the first of them."""
 
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
-TOPS = [  # parameters as of other tests, whose builds serve here
+TOPS = [  # parameters of other tests, whose builds are reused
     pytest.param("ik_axis", "tb.core.stream_tests", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "TILE": 18},
                  STREAMS, id="lean"),
     pytest.param("ik_axis", "tb.core.stream_tests", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "TILE": 18},
@@ -32,14 +31,14 @@ pytestmark = [
 
 
 def failing(top: str, modules: str, parameters: dict[str, int], tests: str, **options) -> Iterator[int]:
-    """The seeds with which tests fail, of one build."""
+    """Yield the seeds with which tests fail, from one build."""
     for seed in SEEDS:
         try:
             env = {"COCOTB_TEST_FILTER": tests, "IK_AXI_JOBS": "4"}
             simulate(top, f"tb.core.power_up,{modules}", parameters=parameters, env=env, start=seed,
                      built=seed != SEEDS[0], **options)  # fmt: skip
         except SystemExit as failed:
-            assert str(failed).startswith("FAILED"), failed  # not the build
+            assert str(failed).startswith("FAILED"), failed  # not a failed build
             yield seed
 
 

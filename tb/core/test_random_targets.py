@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The targets of a soak, chunk by chunk."""
+"""Tests of the soak's target chunks."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_chunks_at_other_word_lengths(width):
 
 @pytest.mark.parametrize("width", [16, 32])
 def test_special_words_are_all_that_there_are(width):
-    """In chunks, each of the 12^6 once; the highest and lowest word, 0, 1 and their neighbours are among them."""
+    """Chunks cover each of the 12^6 combinations once, including the ends of the range, 0, 1 and their neighbours."""
     words = np.concatenate([chunk(n, width, None) for n in range(-(-SPECIAL // 20000))])
     assert len(words) == len(np.unique(words, axis=0)) == 12**6 and len(of_special(SPECIAL, 5, width)) == 0
     assert set(words.ravel().tolist()) == set(special(width)) and len(set(special(width))) == 12
@@ -36,8 +36,8 @@ def test_special_words_are_all_that_there_are(width):
 
 
 def test_a_chunk_has_all_kinds():
-    """Also its first tenth, as a soak of few targets has it: the neighbourhoods of singular poses, down to where words
-    end, unequal arms, clamped targets; and the corners somewhere."""
+    """The first tenth of a chunk, as in a short soak, already has clamped targets, unequal arms and every decade of
+    distance to the singular poses; the whole chunk has every corner."""
     whole = chunk(0, 32, 1)
     assert set(corners(32).values()) <= set(map(tuple, whole.tolist()))
     words = whole[:2000]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Each section's module alone, at several word lengths: every named node equals the bit-true model's at its clock."""
+"""Each section's module alone, at several word lengths: every named node equals the bit-true model's in its clock."""
 
 import re
 
@@ -13,14 +13,14 @@ from tb.sim.env import ROOT, cores
 from tb.sim.runner import simulate, with_cores
 from tb.sim.shells import TOP, top_of
 
-# results has no module of its own
+# results has no module
 MODULES = [(name, section) for name, path in DATAPATHS.items() for section in path.sections if section != "results"]
 TARGETS = 300
 
 
 @pytest.mark.parametrize(("datapath", "section"), MODULES)
 def test_section_drives_every_input_of_the_module(datapath, section):
-    """The ports that the testbench drives are the inputs that the Verilog declares."""
+    """The inputs that the bench drives are the inputs declared in Verilog."""
     path = DATAPATHS[datapath]
     text = (ROOT / path.folder / f"{path.module(section)}.v").read_text()
     ports = re.findall(r"^\s*input\s+wire\s+(?:signed\s+)?(?:\[[^]]*\]\s*)?(\w+)", text, re.MULTILINE)
@@ -35,7 +35,7 @@ DELAYS = re.compile(
 
 @pytest.mark.parametrize("datapath", DATAPATHS)
 def test_a_delayed_copy_is_named_for_its_clock(datapath):
-    """x_at_y is x in the clock of node y, or of the first node whose name begins with y."""
+    """Signal x_at_y is x in the clock of node y, or of the first node whose name starts with y."""
     path = DATAPATHS[datapath]
     nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), 32, datapath).bits.nodes
     at = {name: node.time for name, node in nodes.items()} | {"out": max(nodes[n].time for n in fixed.RESULT_FIELDS)}
@@ -48,7 +48,7 @@ def test_a_delayed_copy_is_named_for_its_clock(datapath):
         for wait, given, held in DELAYS.findall(file.read_text()):
             clocks = eval(re.sub(r"T_(\w+)", lambda m: str(clock(m[1].lower())), wait))
             for source, copy in zip(given.strip("{}").split(","), held.strip("{}").split(","), strict=True):
-                if copy == "out_tag":  # no node
+                if copy == "out_tag":  # not a node
                     continue
                 name, _, when = re.match(r"\s*(\w+)", source)[1].partition("_at_")
                 until = copy.partition("_at_")[2]
@@ -58,7 +58,7 @@ def test_a_delayed_copy_is_named_for_its_clock(datapath):
     assert seen > 20
 
 
-# Other word lengths are compared in whole cores, by test_hardest.py.
+# test_hardest.py compares other word lengths in whole cores.
 MORE = [("paper", 32), ("lean", 18)]
 BUILT = [("lean", 32), ("paper", 18), *(pytest.param(*one, marks=pytest.mark.slow) for one in MORE)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tests of stream_tests.py, a pytest case each; one build and one simulation serve all cases of a parameter set."""
+"""Tests of stream_tests.py, one pytest case each; all cases of a parameter set share one build and simulation."""
 
 import re
 import xml.etree.ElementTree as ElementTree
@@ -11,9 +11,9 @@ from tb.core import stream_tests
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
-# One of each datapath, with both lengths of tags. The paper's datapath has 255 clocks at W = 23, where a FIFO of 256
-# places would be too short. Streams do not depend on the word length: Icarus, which is slow, has the shortest words and
-# runs one test of each kind on the paper's datapath.
+# One set per datapath, with both tag widths. At W = 23 the paper datapath takes 255 clocks, for which a FIFO of 256
+# slots would be too short. Streams do not depend on the word length: Icarus, which is slow, uses the shortest words and
+# runs one test of each kind on the paper datapath.
 SETS = {"fold-24": ("fold", 24, 8), "paper-23": ("paper", 23, 3)}
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
 GENERATORS = [value for value in vars(stream_tests).values() if hasattr(value, "generate_tests")]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What need not be covered, and why."""
+"""Coverage waivers and their reasons."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bits of nodes that no input sets, by the ranges that are proved of them (model/bounds)."""
+"""Node bits that no input sets, from the proved ranges in model/bounds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tb.sim.coverage import Point
 
 
 def _limits(datapath: str, width: int) -> Iterator[tuple[Node, float, float]]:
-    """Each node with the range of its word."""
+    """Yield each node with the range of its word."""
     if datapath == "paper":
         for proof in ranges.proved(width).values():
             yield proof.node, proof.low, proof.high
@@ -25,18 +25,18 @@ def _limits(datapath: str, width: int) -> Iterator[tuple[Node, float, float]]:
 
 @functools.cache
 def lowest(datapath: str) -> dict[str, int]:
-    """Node -> the lowest bit that is 0, with all above it, at every word length that has it."""
+    """Return node -> lowest bit that is 0, like all bits above it, at every word length that has it."""
     found: dict[str, int] = {}
     for width in WIDTHS:
         for node, low, high in _limits(datapath, width):
-            most = min(int(high / node.format.ulp), node.format.high)  # by proof none leaves its format
+            most = min(int(high / node.format.ulp), node.format.high)  # the proof shows that no value leaves its format
             first = most.bit_length() if low >= 0 else node.format.width
             found[node.name] = max(found.get(node.name, 0), first)
     return found
 
 
 def still(point: Point) -> bool:
-    """Whether the point is a toggle of such a bit of a node, or of a copy of it that waits (x_at_y)."""
+    """Return True if the point is a toggle of a constant bit of a node or of its delayed copy (x_at_y)."""
     folder = point.file.split("/")[1]
     signal = re.fullmatch(r"(?:.*\.)?(\w+?)(?:_at_\w+)?\[(\d+)\]:[01]->[01]", point.what)
     if folder not in ("lean", "paper", "fold") or point.kind != "toggle" or not signal:

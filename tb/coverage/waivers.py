@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Points of the RTL that no test can reach: ``waivers.json``, by the text of their line, each with its reason."""
+"""Waivers for unreachable points of the RTL: ``waivers.json`` matches them by line text and gives each a reason."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ WAIVERS = ROOT / "tb" / "coverage" / "waivers.json"
 
 @dataclass(frozen=True)
 class Waiver:
-    """Points in files that match ``file`` (with * and ?), of lines with ``text``, blanks aside, of a ``kind`` (several
-    with | between).  ``what`` names those of a line, all if it is empty, as they are listed when they are not reached:
-    signals with their bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; else the point itself.  :data:`PROVED` are
-    bits of nodes that are 0 by proof."""
+    """Points of a ``kind`` (alternatives separated by |) in files that match ``file`` (with * and ?), on lines that
+    contain ``text``, ignoring blanks. ``what`` selects points of a line, all if empty, in the notation of the report:
+    signals with bits, ``a[7:5,0]; b``, both ways or with `` 0->1``; otherwise the point itself. :data:`PROVED` selects
+    node bits that are 0 by proof."""
 
     file: str
     text: str
@@ -45,7 +45,7 @@ class Waiver:
 
 
 def named(what: str, by: str) -> bool:
-    """Whether the ``what`` of a point is among those that a part of a waiver's names."""
+    """Return True if part ``by`` of a waiver's names covers the ``what`` of a point."""
     name, numbers, way = re.fullmatch(r"(.*?)(?:\[([\d:,]+)\])?( [01]->[01])?", by).groups()
     found = re.fullmatch(r"(.*?)(?:\[(\d+)\])?:([01]->[01])", what)
     if what == by or not found:
@@ -59,7 +59,7 @@ def named(what: str, by: str) -> bool:
 
 
 def plain(text: str) -> str:
-    """Without blanks."""
+    """Remove all blanks."""
     return re.sub(r"\s+", "", text)
 
 
@@ -69,18 +69,18 @@ def _lines(file: str) -> list[str]:
 
 
 def source(file: str, line: int) -> str:
-    """The text of a line."""
+    """Return the text of a line."""
     return _lines(file)[line - 1].strip()
 
 
 def waivers() -> list[Waiver]:
-    """Those of the file, which has them by their reasons."""
+    """Return the waivers of the file, which groups them by reason."""
     given = json.loads(WAIVERS.read_text(encoding="utf-8"))
     return [Waiver(reason=reason, **fields) for reason, some in given.items() for fields in some]
 
 
 def excused(missed: Iterable[Point], given: Sequence[Waiver]) -> tuple[dict[Point, str], list[Waiver]]:
-    """The points among those not reached that a waiver excuses, with its reason, and the waivers that excuse none."""
+    """Return the waived points among ``missed`` with their reasons, and the waivers that match none."""
     reasons: dict[Point, str] = {}
     idle = set(given)
     for point in missed:

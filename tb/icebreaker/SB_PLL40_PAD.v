@@ -1,4 +1,4 @@
-// The PLL of an iCE40 as far as the example sees it: the bench drives its pin at the frequency of the output.
+// iCE40 PLL, reduced to what the example uses: the bench drives its pin at the output frequency.
 // SPDX-License-Identifier: Apache-2.0
 `default_nettype none
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""examples/icebreaker at its pins: a serial line from a kept cocotb extension, and the host script itself."""
+"""Simulation of examples/icebreaker at its pins: a UART model from a cocotb extension, and the host script itself."""

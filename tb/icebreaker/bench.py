@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The top of examples/icebreaker at its pins: every answer equals the bit-true model's; what is no target has none."""
+"""Tests of examples/icebreaker at its pins: every answer equals the bit-true model's; invalid frames get none."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from model.dataflow.datapaths import FOLD16
 from model.io.stimuli import mixed
 
 PERIOD = 40
-"""Of the clock (ns)."""
+"""Clock period in ns."""
 BIT = int(os.environ.get("IK_BIT", "6"))
-"""Clocks of a bit."""
+"""Clocks per bit."""
 BAUD = 1e9 / (PERIOD * BIT)
 QUIET = 512
-"""Clocks of a pause that ends a frame."""
+"""Clocks of silence that end a frame."""
 PARAMETERS = {"CLOCK": 10**9 // PERIOD, "BAUD": int(BAUD), "LOG2_QUIET": QUIET.bit_length() - 1}
 BYTE = 10 * BIT
-"""Clocks of a byte."""
+"""Clocks per byte."""
 TARGETS = int(os.environ.get("IK_TARGETS", "40"))
 
 
 class Board:
-    """The board's pins, out of reset. stop_bits: between bytes to it; skew: of its sender's clock."""
+    """Pins of the board, out of reset. stop_bits: of bytes sent to the board; skew: of the sender's clock."""
 
     def __init__(self, dut, stop_bits: int = 2, skew: float = 0.0):
         for name in ("RX", "TX"):
@@ -47,7 +47,7 @@ class Board:
         await ClockCycles(self.dut.CLK, count)
 
     async def press(self) -> None:
-        """The button, and a moment to come out of reset; what was on the line is gone."""
+        """Press the button, wait until reset has ended, and clear the received bytes."""
         self.dut.BTN_N.value = 0
         await self.clocks(30)
         self.dut.BTN_N.value = 1
@@ -61,7 +61,7 @@ class Board:
         await self.clocks(2)
 
     async def heard(self, count: int, most: int = 0) -> list[tuple[int, int, list[int]]]:
-        """What comes until ``count`` answers are there, and none later, or for ``most`` clocks more."""
+        """Return received answers: until ``count`` have arrived, with a time limit, or for ``most`` clocks."""
         found: list = []
         for _ in range((most or (count + 1) * (ANSWER_BYTES + 3) * BYTE) // BYTE):
             await self.clocks(BYTE)
@@ -71,17 +71,17 @@ class Board:
         return found
 
     async def nothing(self) -> None:
-        """No byte comes, for as long as an answer would take."""
+        """Check that no byte arrives for as long as an answer would take."""
         await self.clocks((ANSWER_BYTES + 3) * BYTE)
         assert self.sink.empty() and int(self.dut.TX.value) == 1
 
     def lit(self) -> str:
-        """The LEDs that are: green, red, both or none."""
+        """Return the lit LEDs: G, R, GR or an empty string."""
         return "".join(name for name in "GR" if not int(getattr(self.dut, f"LED{name}_N").value))
 
 
 def targets(count: int, seed: int = 1) -> tuple[np.ndarray, list[tuple[int, int, list[int]]]]:
-    """Words (N, 6) of targets of all kinds, and the answers to them with tags that count up from 7 past 255."""
+    """Return words (N, 6) of targets of all kinds, and their answers with tags that count from 7 and wrap after 255."""
     words = mixed(count, WIDTH, seed)
     model = fixed.run(words, WIDTH, FOLD16.name)
     flags, results = np.asarray(model.flags).tolist(), model.results.tolist()
@@ -99,7 +99,7 @@ async def board(dut, **options) -> Board:
 
 
 async def still_works(at: Board, seed: int = 5) -> None:
-    """A target is answered, and the red LED is off from then on."""
+    """Check that a target is answered and that the red LED is off afterwards."""
     words, expected = targets(1, seed)
     await at.send(frames(words, expected)[0])
     assert await at.heard(1) == expected
@@ -108,7 +108,7 @@ async def still_works(at: Board, seed: int = 5) -> None:
 
 @cocotb.test()
 async def out_of_reset(dut):
-    """Nothing until the PLL has locked; then the green LED, and nothing is said before a target comes."""
+    """Outputs are idle until the PLL locks; then the green LED is on, and nothing is sent before a target arrives."""
     dut.BTN_N.value = 1
     at = Board(dut)
     await at.clocks(2)
@@ -124,7 +124,7 @@ async def out_of_reset(dut):
 @cocotb.test()
 @cocotb.parametrize(skew=(-0.03, 0.0, 0.03))
 async def every_bit(dut, skew):
-    """As many targets as one likes without a pause, at two stop bits, from a sender whose clock is not ours."""
+    """Targets without a pause, at two stop bits, from a sender with clock skew."""
     at = await board(dut, skew=skew)
     words, expected = targets(TARGETS, seed=int(100 * skew) + 3)
     at.source.write_nowait(b"".join(frames(words, expected)))
@@ -135,7 +135,7 @@ async def every_bit(dut, skew):
 
 @cocotb.test()
 async def answer_at_once(dut):
-    """A target alone is answered within the datapath's latency and a few clocks; the line goes on without a gap."""
+    """A single target is answered within the datapath latency and a few clocks, and the answer has no gaps."""
     at = await board(dut)
     words, expected = targets(1)
     cocotb.start_soon(at.source.write(frames(words, expected)[0]))
@@ -150,8 +150,8 @@ async def answer_at_once(dut):
 
 @cocotb.test()
 async def wrong_bits(dut):
-    """A wrong bit in any byte: no answer, and the red LED unless it was the first byte, which makes it no frame. Nor is
-    half a check enough."""
+    """A wrong bit in any byte gives no answer and lights the red LED, except in the first byte, which then starts no
+    frame. A CRC with one matching half is rejected as well."""
     at = await board(dut)
     words, expected = targets(22, seed=9)
     sent = frames(words, expected)
@@ -169,7 +169,7 @@ async def wrong_bits(dut):
 
 @cocotb.test()
 async def cut_frames(dut):
-    """A frame that stops is given up after a pause, however short it is; bytes between frames are passed over."""
+    """A truncated frame of any length is dropped after a pause; bytes between frames are ignored."""
     at = await board(dut)
     words, expected = targets(1, seed=11)
     (sent,) = frames(words, expected)
@@ -183,7 +183,7 @@ async def cut_frames(dut):
     await at.send(bytes(byte for byte in range(256) if byte != TARGET[0]))
     await at.nothing()
     assert at.lit() == "G"
-    for part in (sent[:9], sent[9:]):  # a pause that is short enough
+    for part in (sent[:9], sent[9:]):  # a pause that is too short to end the frame
         await at.send(part)
         await at.clocks(QUIET - 2 * BYTE)
     assert await at.heard(1) == expected
@@ -191,7 +191,7 @@ async def cut_frames(dut):
 
 @cocotb.test()
 async def noise(dut):
-    """A low level of less than half a bit is no start bit, neither at rest nor within a frame."""
+    """A low pulse shorter than half a bit is no start bit, neither when idle nor within a frame."""
     at = await board(dut)
     words, expected = targets(1, seed=12)
     (sent,) = frames(words, expected)
@@ -213,7 +213,7 @@ async def noise(dut):
 
 @cocotb.test()
 async def no_stop_bit(dut):
-    """A byte without stop bit ends its frame at once, and begins none."""
+    """A byte without a stop bit ends its frame at once and starts none."""
     at = await board(dut)
     words, expected = targets(1, seed=13)
     (sent,) = frames(words, expected)
@@ -239,11 +239,11 @@ async def no_stop_bit(dut):
 
 @cocotb.test()
 async def button(dut):
-    """The button ends all at once: a frame that comes, a target in the core, an answer that goes, the red LED."""
+    """The button aborts everything: a frame being received, a target in the core, an answer being sent, the red LED."""
     at = await board(dut)
     words, expected = targets(2, seed=14)
     first, second = frames(words, expected)
-    for pause in (0, 40, 6 * BYTE):  # in the core, in an answer
+    for pause in (0, 40, 6 * BYTE):  # target in the core, answer being sent
         await at.send(first)
         cocotb.start_soon(at.source.write(second[:10]))
         await at.clocks(pause)
@@ -268,8 +268,8 @@ async def lights(led) -> None:
 
 @cocotb.test()
 async def more_than_it_can_take(dut):
-    """At one stop bit targets come faster than answers go: those for which there is no room are dropped whole, and
-    those that are answered are right."""
+    """Targets sent with one stop bit arrive faster than answers leave: frames without room are dropped whole, and all
+    answers are right."""
     at = await board(dut, stop_bits=1)
     words, expected = targets(120, seed=15)
     at.source.write_nowait(b"".join(frames(words, expected)))

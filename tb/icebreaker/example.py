@@ -14,6 +14,6 @@ PLL = Path(__file__).with_name("SB_PLL40_PAD.v")
 
 
 def run(module: str, **env: str) -> None:
-    """Run the cocotb tests of a module on the example and a model of its PLL. Raises SystemExit where one fails."""
+    """Run a module's cocotb tests on the example with a model of its PLL. Raises SystemExit if one fails."""
     top = "".join(path.read_text(encoding="utf-8") for path in [*sorted(FOLDER.glob("*.v")), PLL])
     simulate("icebreaker", module, top=top, parameters=PARAMETERS, env=env)

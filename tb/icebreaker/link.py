@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A program at the serial port of the simulated board: a pseudo-terminal stands for the line.
+"""Program connected to the simulated board: a pseudo-terminal replaces the serial line.
 
-``IK_PROGRAM`` is its command line as JSON, where PORT becomes the name of the port; ``IK_SAID`` a file for what it
-says; ``IK_LOST`` which bytes are lost on the way, of the line to the board and of that from it, as JSON of two lists.
+``IK_PROGRAM`` is its command line as JSON, where PORT is replaced by the port's name; ``IK_SAID`` a file for its
+output; ``IK_LOST`` two JSON lists of the bytes to drop, by index: to the board and from the board.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def kept(some: bytes, before: int, lost: list[int]) -> bytes:
 
 @cocotb.test()
 async def program(dut):
-    """It ends with status 0."""
+    """The program exits with status 0."""
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
     os.set_blocking(ours, False)
@@ -33,7 +33,7 @@ async def program(dut):
     lost_to, lost_from = json.loads(os.environ["IK_LOST"])
     words = [os.ttyname(theirs) if word == "PORT" else word for word in json.loads(os.environ["IK_PROGRAM"])]
     there = back = 0
-    # Not what the simulator has put into the environment for its own Python.
+    # Without the variables that the simulator sets for its embedded Python.
     env = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COCOTB", "GPI"))}
     with (
         open(os.environ["IK_SAID"], "wb") as said,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The top of examples/icebreaker, simulated at its pins."""
+"""Simulation tests of examples/icebreaker at its pins."""
 
 import pytest
 

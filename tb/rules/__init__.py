@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of AXI, from its specification, on every port of every simulation by cocotb."""
+"""AXI rules from the specification, checked on every port in every cocotb simulation."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A driver that breaks a rule of AXI on purpose, on ``ik_axis`` or ``ik_axi`` at work: the simulation is to end there.
+"""Driver that breaks an AXI rule on purpose on a running ``ik_axis`` or ``ik_axi``; the simulation must end there.
 
-IK_FORCE is signal=value, several with commas, laid over what the bench drives in every second clock; IK_WHEN says
-from which one on: behind the first, after the reset, in which a signal is a value.
+IK_FORCE is a comma-separated list of signal=value that overrides the bench in every second clock. IK_WHEN is
+signal=value: forcing starts in the clock after this first holds following the reset.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ async def force(dut) -> None:
 
 @cocotb.test()
 async def stream(dut):
-    """More targets than there are places, and nobody takes a result."""
+    """More targets than slots, while no result is accepted."""
     bench = Pipeline(dut)
     cocotb.start_soon(force(dut))
     await bench.reset()
@@ -47,7 +47,7 @@ async def stream(dut):
 
 @cocotb.test()
 async def memory(dut):
-    """A job, with pauses on all channels."""
+    """A job with pauses on all channels."""
     cocotb.start_soon(force(dut))
     machine = await started(dut, latency=9)
     machine.stall(*CHANNELS)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi in every simulation by cocotb: the rules of its registers and of its memory, either side.
+// Appended to ik_axi in every cocotb simulation: rules of its register and memory ports, for both sides.
 
 ik_rules_lite rules_s_axi (
     .clk    (clk),

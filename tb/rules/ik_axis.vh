@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axis in every simulation by cocotb: the rules of its streams, either side.
+// Appended to ik_axis in every cocotb simulation: rules of its streams, for both sides.
 
 ik_rules_channel #(
     .N     (6 * W + TAG_W),

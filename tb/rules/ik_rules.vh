@@ -1,6 +1,6 @@
-// What a rule of AXI does that is broken: it says so, is kept for whoever looks, and the simulation ends.
+// Action on a broken AXI rule: set its bit in `broken`; with STOP, print it and end the simulation.
 // SPDX-License-Identifier: Apache-2.0
-// A condition that is X is no: 1 it has to be. %m ends with the port.
+// A condition must be 1: X counts as broken. %m ends with the port.
 `define IK_RULE(number, holds, name, clause) \
   if ((holds) !== 1'b1) begin \
     broken[number] = 1'b1; \

@@ -1,4 +1,4 @@
-// The rules of an address channel of AXI4: what a burst may be. AxPROT may be anything (A4.7).
+// Rules of an AXI4 address channel: legal bursts. AxPROT may have any value (A4.7).
 // SPDX-License-Identifier: Apache-2.0
 `default_nettype none
 `include "ik_rules.vh"
@@ -27,13 +27,13 @@ module ik_rules_address #(
     if (offered) begin
       // table A3-3: 2'b11 is reserved
       `IK_RULE(0, burst != 2'b11, "BURST_TYPE", "IHI 0022E A3.4.1")
-      // no more than the width of the bus
+      // at most the width of the bus
       `IK_RULE(1, (8 << size) <= DATA_W, "BURST_SIZE", "IHI 0022E A3.4.1")
       // INCR 1 to 256, FIXED 1 to 16, WRAP 2, 4, 8 or 16
       `IK_RULE(2, burst != FIXED || len < 8'd16, "FIXED_LENGTH", "IHI 0022E A3.4.1")
       `IK_RULE(3, burst != WRAP || (power && addr == aligned[11:0]), "WRAP_LENGTH", "IHI 0022E A3.4.1")
       `IK_RULE(4, burst != INCR || {3'd0, aligned} + bytes <= 16'd4096, "WITHIN_4K", "IHI 0022E A3.4.1")
-      // what is not modifiable has no allocation
+      // a non-modifiable transaction must not set allocate bits
       `IK_RULE(5, cache[1] || cache[3:2] == 2'b00, "CACHE", "IHI 0022E A4.4")
     end
   end

@@ -1,4 +1,4 @@
-// All rules of a port of AXI4, either side.
+// All rules of an AXI4 port, for both sides.
 // SPDX-License-Identifier: Apache-2.0
 `default_nettype none
 
@@ -47,11 +47,11 @@ module ik_rules_axi4 #(
 
   localparam integer A = ID_W + ADDR_W + 20;
 
-  // ---- the channels, each alone ----
+  // ---- single channels ----
 
   wire [A-1:0] aw_beat = {awid, awaddr, awlen, awsize, awburst, awcache, awprot};
   wire [A-1:0] ar_beat = {arid, araddr, arlen, arsize, arburst, arcache, arprot};
-  wire [DATA_W-1:0] used;  // lanes without a strobe carry nothing
+  wire [DATA_W-1:0] used;  // lanes without a strobe are ignored
   genvar k;
   generate
     for (k = 0; k < DATA_W / 8; k = k + 1) begin : g_lane
@@ -71,9 +71,9 @@ module ik_rules_axi4 #(
       .clk(clk), .rst(rst), .valid(rvalid), .ready(rready), .payload({rid, rdata, rresp, rlast})
   );
 
-  // ---- bursts; what has an X is the channel's finding ----
+  // ---- bursts; the channel rules report X ----
 
-  reg on;  // there was a reset
+  reg on;  // a reset has occurred
   initial on = 1'b0;
   always @(posedge clk) if (rst === 1'b1) on <= 1'b1;
   wire off = !on || rst !== 1'b0;

@@ -1,4 +1,4 @@
-// All rules of a port of AXI4-Lite, either side.
+// All rules of an AXI4-Lite port, for both sides.
 // SPDX-License-Identifier: Apache-2.0
 `default_nettype none
 `include "ik_rules.vh"
@@ -48,19 +48,19 @@ module ik_rules_lite #(
   );
 
   reg [4:0] broken = 5'd0;
-  reg [7:0] addresses, words, reads;  // taken at edges before, and not answered
-  reg on;  // there was a reset
+  reg [7:0] addresses, words, reads;  // accepted at earlier edges and not yet answered
+  reg on;  // a reset has occurred
   initial on = 1'b0;
 
   always @(posedge clk) begin
     if (rst === 1'b1) on = 1'b1;
     if (rst !== 1'b0) {addresses, words, reads} = 0;
     else if (on) begin
-      // A3.3.1: an answer waits for all of what it answers, and comes once
+      // A3.3.1: a response follows everything it responds to, and comes once
       if (bvalid === 1'b1) begin
         `IK_RULE(0, addresses != 0, "B_AFTER_ADDRESS", "IHI 0022E A3.3.1")
         `IK_RULE(1, words != 0, "B_AFTER_DATA", "IHI 0022E A3.3.1")
-        // B1.1.1: no exclusive access
+        // B1.1.1: no exclusive accesses
         if ((^bresp) !== 1'bx) begin `IK_RULE(2, bresp != EXOKAY, "BRESP", "IHI 0022E B1.1.1") end
       end
       if (rvalid === 1'b1) begin

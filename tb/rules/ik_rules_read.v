@@ -1,7 +1,7 @@
-// The rules between AR and R of AXI4: beats for a burst that was asked for, as many as ARLEN says, the last marked.
+// Rules between AR and R of AXI4: data only for a requested burst, ARLEN + 1 beats, the last one marked.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bursts of one ID come in their order, those of others may come in between (A5.3). There is no ARLOCK, so nothing is exclusive.
+// Bursts of one ID stay in order; other IDs may interleave (A5.3). Without ARLOCK no access is exclusive.
 `default_nettype none
 `include "ik_rules.vh"
 
@@ -25,11 +25,11 @@ module ik_rules_read #(
   localparam [1:0] EXOKAY = 2'b01;
 
   reg [4:0] broken = 5'd0;
-  reg [7:0] lens[0:(256<<ID_W)-1];  // ID, number of the burst
+  reg [7:0] lens[0:(256<<ID_W)-1];  // index: ID, burst number
   reg [7:0] asked[0:(1<<ID_W)-1];
   reg [7:0] given[0:(1<<ID_W)-1];
-  reg [7:0] beat[0:(1<<ID_W)-1];  // how many of the oldest burst are gone
-  reg [7:0] open;  // bursts of all IDs
+  reg [7:0] beat[0:(1<<ID_W)-1];  // beats of the oldest burst already sent
+  reg [7:0] open;  // outstanding bursts of all IDs
   integer k;
 
   always @(posedge clk) begin
@@ -38,10 +38,10 @@ module ik_rules_read #(
       for (k = 0; k < (1 << ID_W); k = k + 1) {asked[k], given[k], beat[k]} = 0;
     end else begin
       if (rvalid === 1'b1) begin
-        // A3.3.1: R waits for the address, taken at an edge before
+        // A3.3.1: R follows an address accepted at an earlier edge
         `IK_RULE(0, open != 0, "R_AFTER_ADDRESS", "IHI 0022E A3.3.1")
         if (open != 0) begin `IK_RULE(1, asked[rid] != given[rid], "RID", "IHI 0022E A5.3.1") end
-        // A3.2.2: last with the last beat, A3.4.1: which is that of ARLEN; no burst ends before
+        // A3.2.2, A3.4.1: RLAST marks exactly the beat given by ARLEN; no burst ends early
         if (asked[rid] != given[rid]) begin
           `IK_RULE(2, rlast == (beat[rid] == lens[{rid, given[rid]}]), "RLAST", "IHI 0022E A3.2.2")
         end
@@ -59,7 +59,7 @@ module ik_rules_read #(
         asked[arid] = asked[arid] + 8'd1;
         open = open + 8'd1;
       end
-      // of this monitor: it counts modulo 256
+      // limit of this monitor, which counts modulo 256
       `IK_RULE(4, open < 8'd200, "MONITOR_ROOM", "200 bursts")
     end
   end

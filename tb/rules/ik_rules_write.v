@@ -1,7 +1,7 @@
-// The rules between AW, W and B of AXI4: bursts in order, a beat of data each that was announced, one answer each.
+// Rules between AW, W and B of AXI4: bursts in order, data beats as announced, one response per burst.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Data may come before their address (A3.3.1). There is no AWLOCK, so nothing is exclusive.
+// Data may precede the address (A3.3.1). Without AWLOCK no access is exclusive.
 `default_nettype none
 `include "ik_rules.vh"
 
@@ -35,19 +35,19 @@ module ik_rules_write #(
 
   reg [6:0] broken = 7'd0;
 
-  // A burst has a number, counted from the reset. `told`: offered on AW.
+  // Bursts are numbered from the reset. `told`: number of bursts offered on AW.
   reg [7:0] told, taken, ended, joined, answered;
-  reg seen;  // that which is offered has been counted
+  reg seen;  // the offered burst has been counted
   reg [ID_W-1:0] ids[0:255];
   reg [7:0] lens[0:255];
   reg [11:0] addrs[0:255];
   reg [2:0] sizes[0:255];
   reg [1:0] bursts[0:255];
-  reg [8:0] lengths[0:255];  // of data, in beats
-  reg [8:0] beat;  // how many of the burst on W are gone
-  reg [7:0] due[0:(1<<ID_W)-1];  // answers that may come
+  reg [8:0] lengths[0:255];  // data beats of a burst
+  reg [8:0] beat;  // beats of the current W burst already sent
+  reg [7:0] due[0:(1<<ID_W)-1];  // responses that may come
 
-  // lanes that a beat may use (A3.4.3, A9.3: those between its address and the next multiple of its size)
+  // lanes that a beat may use (A3.4.3, A9.3: from its address to the next multiple of its size)
   reg [11:0] at, base;
   reg [LANES-1:0] allowed;
   integer k;
@@ -57,7 +57,7 @@ module ik_rules_write #(
       {told, taken, ended, joined, answered, seen, beat} = 0;
       for (k = 0; k < (1 << ID_W); k = k + 1) due[k] = 8'd0;
     end else begin
-      // A3.3.1: B waits for the address and for the last data, both taken at an edge before; one for a burst (A3.4.4)
+      // A3.3.1: B follows the address and the last data beat, both accepted at earlier edges; one per burst (A3.4.4)
       if (bvalid === 1'b1) begin
         if (due[bid] == 0) begin
           `IK_RULE(0, ended != answered, "B_AFTER_LAST_DATA", "IHI 0022E A3.3.1")
@@ -80,7 +80,7 @@ module ik_rules_write #(
           addrs[told] = awaddr;
           sizes[told] = awsize;
           bursts[told] = awburst;
-          // data that came first
+          // data that preceded the address
           if (told == ended) begin `IK_RULE(4, beat <= {1'b0, awlen}, "WLAST", "IHI 0022E A3.4.1") end
           else if (told - joined < ended - joined) begin
             `IK_RULE(4, lengths[told] == {1'b0, awlen} + 9'd1, "WLAST", "IHI 0022E A3.4.1")
@@ -93,7 +93,7 @@ module ik_rules_write #(
 
       if (wvalid === 1'b1) begin
         if (told != ended && told - joined > ended - joined) begin
-          // A3.2.2: last with the last beat, A3.4.1: which is that of AWLEN; no burst ends before
+          // A3.2.2, A3.4.1: WLAST marks exactly the beat given by AWLEN; no burst ends early
           `IK_RULE(4, wlast == (beat == {1'b0, lens[ended]}), "WLAST", "IHI 0022E A3.2.2")
           base = addrs[ended] >> sizes[ended] << sizes[ended];
           at = (beat == 0 || bursts[ended] == FIXED) ? addrs[ended] : base + ({3'd0, beat} << sizes[ended]);
@@ -119,7 +119,7 @@ module ik_rules_write #(
         due[ids[joined]] = due[ids[joined]] + 8'd1;
         joined = joined + 8'd1;
       end
-      // of this monitor: it counts modulo 256
+      // limit of this monitor, which counts modulo 256
       `IK_RULE(6, told - answered < 8'd200 && ended - answered < 8'd200, "MONITOR_ROOM", "200 bursts")
     end
   end

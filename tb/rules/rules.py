@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cocotb side of ``test_rules.py``: traces into the monitors, and which rules they say are broken."""
+"""cocotb side of ``test_rules.py``: plays traces into the monitors and collects the rules they report as broken."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FOUR_STATE = cocotb.SIM_NAME.startswith("Icarus")
 
 
 class Port:
-    """One monitor."""
+    """One monitored port."""
 
     def __init__(self, top, name: str) -> None:
         self.shell = getattr(top, name)
@@ -35,7 +35,7 @@ class Port:
         Clock(self.shell.clk, 10, unit="ns").start(start_high=False)
 
     async def broken(self, trace: Trace) -> set[str]:
-        """The rules that a trace breaks."""
+        """Return the rules that a trace breaks."""
         for _, monitor, _ in self.monitors:
             monitor.broken.value = 0
         for clock in range(max(trace) + 1):
@@ -56,7 +56,7 @@ class Port:
 
 @cocotb.test()
 async def legal_traces(top):
-    """Break nothing."""
+    """Legal traces break no rule."""
     for name, base in BASES.items():
         port = Port(top, name)
         for over_it in LEGAL if name == "axi4" else [{}]:
@@ -66,7 +66,7 @@ async def legal_traces(top):
 
 @cocotb.test()
 async def each_rule(top):
-    """Is broken by its own traces, and nothing else is. There is a trace for each rule of each port."""
+    """Each trace breaks exactly its rules, and every rule of every port has a trace."""
     ports = {name: Port(top, name) for name in PARTS}
     unbroken = {(name, f"{prefix}{rule}") for name, port in ports.items() for prefix, _, rules in port.monitors
                 for rule in rules.values()}  # fmt: skip

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Monitors of the AXI rules: one trace a rule, one seeded bug a stream or AXI property, one fault a driver rule.
+"""Tests of the AXI monitors: a trace per rule, a seeded bug per stream or AXI property, a fault per driver rule.
 
-A bug in the RTL, or in its driver, fails a test of the benches with rule and port, or by the bench's own comparison.
+A bug in the RTL or in its driver must fail a bench, through the named rule and port or the bench's own comparison.
 """
 
 import logging
@@ -32,7 +32,7 @@ KIND = "m_axi_arprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000}"
 
 
 def ar(size: str = "SIZE", burst: str = "2'b01", cache: str = "4'b0011") -> tuple[str, str]:
-    """Return the constants of the read address channel, and the wrong ones."""
+    """Return the original constants of the read address channel, and the wrong ones."""
     return KIND, f"m_axi_arprot}} = {{1'b0, {size}, {burst}, {cache}, 3'b000}}"
 
 
@@ -58,7 +58,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("m_axi.ar_burst CACHE", JOBS, "one_record", AXI, *ar(cache="4'b0100")),
     ("m_axi.write WLAST", JOBS, "edges_of_bursts", WRITE, " || to_send == {{LOG2_PLACES{1'b0}}, 1'b1}", ""),
     ("m_axi.write WSTRB", JOBS, "one_record", AXI, "m_axi_awprot} = {1'b0, SIZE", "m_axi_awprot} = {1'b0, 3'd2"),
-    # properties of jobs, which the bench checks by itself
+    # properties of jobs, which the bench itself checks
     ("free_places", JOBS, "nobody_answers/shut=w", READ, " && free >= {{(P - N) {1'b0}}, size};", ";"),
     ("error_code", FAULTS, "error_on_read", READ, "error_decode <= m_axi_rresp[0]", "error_decode <= 1'b0"),
     ("error_stops_writes", FAULTS, "error_on_write", JOB, "aborted || write_error", "aborted"),
@@ -77,8 +77,8 @@ R, B = (
     "m_axi_rdata=0,m_axi_rid=0,m_axi_rresp=0,m_axi_rlast=0,m_axi_rvalid=1",
     "m_axi_bid=0,m_axi_bresp=0,m_axi_bvalid=1",
 )
-NOBODY = "s_axi_awready=1"  # has written yet
-FORCED = [  # port and rule, test, what the driver does wrong, when
+NOBODY = "s_axi_awready=1"  # nothing was written yet
+FORCED = [  # port and rule, test, wrong drive, start condition
     ("s_axis LOW_AFTER_RESET", "stream", "s_axis_tvalid=1", "rst=1"),
     ("s_axis VALID_STAYS", "stream", "s_axis_tvalid=0", "s_axis_tready=0"),
     ("s_axis PAYLOAD_STAYS", "stream", "s_axis_tuser=5", "s_axis_tready=0"),
@@ -97,7 +97,7 @@ QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS", "m_axi.write BID")
 
 
 def cases(rows):
-    """In the quick gate one a port and side."""
+    """Mark all cases slow except one per port and side."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     return [
         pytest.param(*row, id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
@@ -108,7 +108,7 @@ def cases(rows):
 
 @pytest.fixture
 def said(caplog):
-    """What a simulation prints."""
+    """Return a function that returns the text printed by the simulation."""
     logger = logging.getLogger("cocotb")
     logger.addHandler(caplog.handler)
     with caplog.at_level(logging.INFO, "cocotb"):
@@ -117,7 +117,7 @@ def said(caplog):
 
 
 def ends_with(finding: str, text: str) -> None:
-    """The first rule that a simulation says is broken, with its port and time."""
+    """Check that the first broken rule in the text is the expected one, with its port and a time."""
     port, rule = finding.split()
     found = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
     assert found, text[-3000:]
@@ -165,7 +165,7 @@ def test_a_wrong_driver_is_named(finding, test, forced, when, tmp_path, said):
 
 
 def test_rules_are_put_in_once(tmp_path):
-    """Into what they are for; a copy that is as it was is not written again."""
+    """Rules are added to the modules that have ports; an unchanged copy is not rewritten."""
     found = with_rules([ROOT / AXIS, ROOT / FIFO], tmp_path)
     assert found[:2] == [tmp_path / "ik_axis_rules.v", ROOT / FIFO] and found[2:] == sorted(RULES.glob("*.v"))
     before = found[0].stat().st_mtime_ns

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Traces of ports, a row a clock: legal ones, and for each rule of AXI one that breaks it and nothing else.
+"""Port traces, one row per clock: legal ones, and for each AXI rule one that breaks only this rule.
 
-A trace is what differs from an idle port, clock -> signal -> value; reset is in clocks 0 and 1. A trace that breaks a
-rule is a legal one with something else laid over it, and ends in the last clock of that.
+A trace lists differences from an idle port: clock -> signal -> value; reset is in clocks 0 and 1. A trace that breaks a
+rule overlays a legal one and ends in the last clock of the overlay.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ READY = {"awready": 1, "wready": 1, "bready": 1, "arready": 1, "rready": 1}
 
 
 def over(*traces: Trace) -> Trace:
-    """One laid over the other."""
+    """Overlay traces; later ones take precedence."""
     clocks = sorted(set().union(*traces))
     return {clock: {k: v for trace in traces for k, v in trace.get(clock, {}).items()} for clock in clocks}
 
 
-WRITES = {  # of ID 0, each channel stalled once; of ID 1, the data before the address
+WRITES = {  # ID 0, each channel stalled once; ID 1, data before the address
     4: AW, 5: {**AW, **W, "awready": 1}, 6: {**W, "wready": 1}, 7: {**LAST, "wready": 1},
     8: {"bvalid": 1}, 9: {"bvalid": 1, "bready": 1},
     10: {**W, "wready": 1}, 11: {**LAST, "wready": 1}, 12: {**AW, "awid": 1, "awready": 1},
     14: {"bvalid": 1, "bid": 1, "bresp": 2, "bready": 1},
 }  # fmt: skip
-READS = {  # the burst of ID 1 between address and data of that of ID 0
+READS = {  # the burst of ID 1 lies between address and data of the burst of ID 0
     4: AR, 5: {**AR, "arready": 1}, 6: {**AR, "arid": 1, "arlen": 0, "arready": 1},
     8: {"rvalid": 1, "rid": 1, "rlast": 1, "rready": 1},
     9: {"rvalid": 1}, 10: {"rvalid": 1, "rready": 1}, 11: {"rvalid": 1, "rlast": 1, "rready": 1},
@@ -64,12 +64,12 @@ LEGAL = [
     {8: {"rresp": 3, "bresp": 3}, 9: {"bresp": 3}},
     {12: {"bready": 1, "rready": 1, "wready": 1}},
 ]
-"""Laid over :data:`AXI4`."""
+"""Overlays of :data:`AXI4`."""
 
 
 @dataclass(frozen=True)
 class Break:
-    """``trace`` over the legal one of ``port`` breaks ``rules``, with ``known`` without an X."""
+    """Overlay ``trace`` on the legal trace of ``port`` that breaks ``rules``; ``known``: it contains no X."""
 
     port: str
     rules: set[str]
@@ -94,11 +94,11 @@ CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, 
     ("axi4", "r."): ("r", 9, {"rdata": 8, "rresp": 2, "rlast": 1, "rid": 1}),
 }  # fmt: skip
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
-"""What such a payload breaks as well when it changes: of what else it speaks. An AW offered is looked at once."""
+"""Burst rule that a change of this payload breaks as well. An offered AW is evaluated at once."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:
-    """Each rule of a channel, and of each part of its payload."""
+    """Return a break of each rule of a channel, for each part of its payload."""
     prefix, stall, payload = CHANNELS[port, name]
     valid, ready = f"{prefix}valid", f"{prefix}ready"
     found = [
@@ -115,7 +115,7 @@ def of_channel(port: str, name: str) -> list[Break]:
 
 
 def of_address(a: str) -> list[Break]:
-    """The rules of AW or AR."""
+    """Return breaks of the rules of AW or AR."""
     wrong = [
         ("BURST_TYPE", {"burst": 3}),
         ("BURST_SIZE", {"size": 4}),
@@ -138,24 +138,24 @@ BREAKS = [
     *of_address("aw"),
     *of_address("ar"),
     Break("axi4", {"write.B_AFTER_LAST_DATA"}, {6: B}),
-    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {7: B}),  # with the last beat
-    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {10: B}),  # a second answer
+    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {7: B}),  # together with the last beat
+    Break("axi4", {"write.B_AFTER_LAST_DATA"}, {10: B}),  # a second response
     Break("axi4", {"write.B_AFTER_ADDRESS"}, {12: {**B, "bid": 1}}),
     Break("axi4", {"write.BID"}, {14: {"bid": 0}}),
     Break("axi4", {"write.BRESP"}, {14: {"bresp": 1}}),
     Break("axi4", {"write.WLAST"}, {7: {"wlast": 0}}),
     Break("axi4", {"write.WLAST"}, {5: {"wlast": 1}}),
-    Break("axi4", {"write.WLAST"}, {12: {"awlen": 0}}),  # of data that are all there
+    Break("axi4", {"write.WLAST"}, {12: {"awlen": 0}}),  # all data already sent
     Break("axi4", {"write.WLAST"}, {12: {"awlen": 2}}),
-    Break("axi4", {"write.WLAST"}, {11: {**AW, "awlen": 0, "wvalid": 0}}),  # of some that are there
+    Break("axi4", {"write.WLAST"}, {11: {**AW, "awlen": 0, "wvalid": 0}}),  # some data already sent
     Break("axi4", {"write.WSTRB"}, {4: {"awaddr": 0x1004}, 5: {"awaddr": 0x1004}}),
     Break("axi4", {"write.WSTRB"}, {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x10}}),
     Break("axi4", {"write.WSTRB"},
           {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 15}, 6: {"wstrb": 15}, 7: {"wstrb": 15}}),
     Break("axi4", {"write.MONITOR_ROOM"}, {k: {"awvalid": 1, "awready": 1} for k in MANY}, base=False),
     Break("axi4", {"read.R_AFTER_ADDRESS"}, {4: R}),
-    Break("axi4", {"read.R_AFTER_ADDRESS"}, {5: R}),  # with the address
-    Break("axi4", {"read.R_AFTER_ADDRESS"}, {12: R}),  # a beat too many
+    Break("axi4", {"read.R_AFTER_ADDRESS"}, {5: R}),  # together with the address
+    Break("axi4", {"read.R_AFTER_ADDRESS"}, {12: R}),  # an extra beat
     Break("axi4", {"read.RID"}, {6: {**R, "rid": 1}}),
     Break("axi4", {"read.RLAST"}, {8: {"rlast": 0}}),
     Break("axi4", {"read.RLAST"}, {9: {"rlast": 1}}),
@@ -171,6 +171,6 @@ BREAKS = [
 
 
 def names(module: str) -> dict[int, str]:
-    """Number -> name of the rules in a module."""
+    """Return number -> name of the rules in a module."""
     text = (RULES / f"{module}.v").read_text(encoding="utf-8")
     return {int(k): name for k, name in re.findall(r'`IK_RULE\((\d), [^"]*"(\w+)", "', text)}

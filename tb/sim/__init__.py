@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All that starts a simulator: build, run, tool paths."""
+"""Simulator support: build, run, tool paths."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start compilers and simulators that end with the process that started them, together with their own children."""
+"""Subprocesses for compilers and simulators; they and their own children end with the process that started them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _prctl = ctypes.CDLL(None).prctl
 
 
 def end_with_parent() -> None:
-    """Let the kernel send SIGTERM to this process when the thread that started it ends, by SIGKILL for example."""
+    """Let the kernel send SIGTERM to this process when its parent thread ends, even by SIGKILL."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
@@ -44,12 +44,12 @@ def started(command: Sequence[str | Path], temporary: str | Path, **options) -> 
 
 
 def end_group(process: subprocess.Popen) -> None:
-    """End a process and its group: SIGTERM, and after :data:`GRACE` SIGKILL."""
+    """End a process and its group with SIGTERM, and with SIGKILL after :data:`GRACE`."""
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGTERM)
         limit = time.monotonic() + GRACE
         while time.monotonic() < limit:
-            process.poll()  # reaps it
+            process.poll()  # reap it
             os.killpg(process.pid, 0)  # raises ProcessLookupError once the group is empty
             time.sleep(0.01)
         os.killpg(process.pid, signal.SIGKILL)
@@ -57,7 +57,7 @@ def end_group(process: subprocess.Popen) -> None:
 
 
 def compiled(command: Sequence[str | Path]) -> subprocess.CompletedProcess:
-    """Run a compiler to its end."""
+    """Run a compiler to completion."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         with started(command, folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
             out, err = process.communicate()
@@ -65,7 +65,7 @@ def compiled(command: Sequence[str | Path]) -> subprocess.CompletedProcess:
 
 
 def full(*folders: Path) -> str:
-    """Return a line for the user that names the first of these folders on a full disk; empty if none is."""
+    """Return an error line naming the first of these folders on a full disk; empty if none is."""
     for folder in folders:
         if folder.exists() and shutil.disk_usage(folder).free < FULL:
             return f"no space left on the disk of '{folder}'"
@@ -74,7 +74,7 @@ def full(*folders: Path) -> str:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[Path]:
-    """Name the file in an OSError that is raised without a name."""
+    """Add the file name to an OSError that has none."""
     try:
         yield path
     except OSError as error:

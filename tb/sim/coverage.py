@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Coverage of the Verilog: what IK_COVERAGE, the name of a folder, adds to a simulation by Verilator.
+"""Verilog coverage from Verilator simulations; the environment variable IK_COVERAGE names the folder for the counts.
 
-Builds go to ``build/coverage`` then, and each simulation leaves a file of counts in the folder, with paths from the
-root of the checkout.  A copy of ``rtl/`` counts for those files that are as they are in the checkout, and not at all
-where somebody has put a bug in one.
+With it, builds go to ``build/coverage``, and each simulation writes a file of counts with paths relative to the
+checkout. In a copy of ``rtl/`` only unchanged files count; a copy with a seeded bug does not count at all.
 """
 
 from __future__ import annotations
@@ -23,15 +22,15 @@ from tb.sim.rules import END
 from tb.sim.sources import headers, sources
 
 FLAGS = ["--coverage-line", "--coverage-toggle", "--coverage-expr"]
-"""Not --coverage: with coverage of state machines, which it turns on too, Verilator 5.048 stops at ``v[1:0] == 0``."""
+"""Separate options: --coverage also enables FSM coverage, with which Verilator 5.048 stops at ``v[1:0] == 0``."""
 
 STAND_INS = {"ik_lean.v": ROOT / "tb" / "axi" / "ik_lean.v"}
-"""What a test may have in the place of a module."""
+"""Modules that a test may use instead of the original."""
 
 
 class Point(NamedTuple):
-    """A place of the RTL that a simulation goes through: ``kind`` is line, branch, expr or toggle; ``what`` tells
-    those of a line apart: a bit and its change, the values in an expression."""
+    """Coverage point of the RTL: ``kind`` is line, branch, expr or toggle; ``what`` distinguishes points of a line: a
+    bit and its transition, or the values in an expression."""
 
     file: str
     line: int
@@ -44,18 +43,18 @@ Counts = dict[Point, int]
 
 
 def folder() -> Path | None:
-    """Where counts go; None without coverage."""
+    """Return the folder for counts; None without coverage."""
     name = os.environ.get("IK_COVERAGE")
     return Path(name) if name else None
 
 
 def build(kind: str) -> Path:
-    """The folder of builds of a kind, sim or native."""
+    """Return the folder for builds of a kind, sim or native."""
     return ROOT / "build" / ("coverage" if folder() else "") / kind
 
 
 def counted(root: Path) -> set[str] | None:
-    """The files under ``root`` that are those of the checkout, by their paths from there; None of a copy with a bug."""
+    """Return the files under ``root`` that equal the checkout's, as relative paths; None for a copy with a bug."""
     same = set()
     for path in [*sources(root), *headers(root)]:
         name, text = str(path.relative_to(root)), path.read_bytes()
@@ -68,7 +67,7 @@ def counted(root: Path) -> set[str] | None:
 
 @contextmanager
 def counting(root: Path) -> Iterator[list[str]]:
-    """Around a simulation: its arguments that have it write counts; they are kept if nothing raises."""
+    """Yield the simulator arguments that write counts; keep the counts if nothing raises."""
     kept = folder()
     same = counted(root) if kept else None
     if same is None:
@@ -78,16 +77,16 @@ def counting(root: Path) -> Iterator[list[str]]:
     raw = kept / f"{uuid.uuid4().hex}.raw"
     try:
         yield [f"+verilator+coverage+file+{raw}"]
-        if raw.exists():  # of Verilator
+        if raw.exists():  # Verilator wrote counts
             write_atomically(raw.with_suffix(".txt"), written(totals(raw.read_text(), root, same)))
     finally:
         raw.unlink(missing_ok=True)
 
 
 def totals(text: str, root: Path, same: set[str]) -> Counts:
-    """Of Verilator's file: the counts of points in these files, over instances and their parameters.
+    """Sum the counts in Verilator's file over instances and parameters, for points in the files ``same``.
 
-    A copy with the rules of AXI at its end (tb/sim/rules.py) is the file that it is of, as far as that goes.
+    A copy with appended AXI rules (tb/sim/rules.py) counts as its original file, up to the original's end.
     """
     copies = {f"{Path(name).stem}_rules.v": name for name in same}
     last = {name: (ROOT / name).read_text().partition(END)[0].count("\n") + 1 for name in same}
@@ -97,18 +96,18 @@ def totals(text: str, root: Path, same: set[str]) -> Counts:
         name = copies.get(Path(fields["f"]).name) or os.path.relpath(fields["f"], root)
         if name in same and int(fields["l"]) <= last[name]:
             kind = fields["page"].split("/")[0].removeprefix("v_")
-            what = re.sub(r"\[\d+:\d+\]", "[..]", fields["o"])  # which bits a term is of goes with the parameters
+            what = re.sub(r"\[\d+:\d+\]", "[..]", fields["o"])  # the bit range of a term depends on parameters
             counts[Point(name, int(fields["l"]), int(fields["n"]), kind, what)] += int(count)
     return counts
 
 
 def written(counts: Counts) -> str:
-    """A line a point."""
+    """Format counts, one point per line."""
     return "".join("\t".join(map(str, (*point, count))) + "\n" for point, count in counts.items())
 
 
 def read(folder: Path) -> Counts:
-    """All counts of a folder together."""
+    """Sum all counts in a folder."""
     counts: Counts = Counter()
     for path in sorted(folder.glob("*.txt")):
         for line in path.read_text().splitlines():

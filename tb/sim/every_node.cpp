@@ -1,16 +1,16 @@
-// Targets through ik_axis without stalls, each named node compared in its own clock with the model's words.
+// Runs targets through ik_axis without stalls and compares each named node, in its own clock, with the model's words.
 // SPDX-License-Identifier: Apache-2.0
 //
 //     Vtop RESULTS < STREAM
 //
-// Built around the wrapper that every_node.py writes: `nodes` holds every node at a multiple of 32 bits. The stream is of
-// 64-bit words, lowest byte first: the word length, the number of nodes and for each its clock and width; then frames of
-// a count n and columns of n words each: six input words, six result words, flags, and the nodes, as many words as each
-// takes. A frame of 0 targets ends it. RESULTS gets for each frame seven columns: result words (unsigned) and flags.
+// Built around the wrapper from every_node.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
+// little-endian words: the word length, the number of nodes, and clock and width of each; then frames: a count n, followed
+// by columns of n words each: six input words, six result words, flags, and the nodes, with as many columns as each needs.
+// A frame of 0 targets ends the stream. RESULTS receives seven columns per frame: result words (unsigned) and flags.
 //
 // Prints "done TARGETS LATENCY CLOCKS BITS": clocks from first in to first out, from first in to last out, differing bits;
-// and for the first differences "differs NODE TARGET CLOCK RTL MODEL", words in hexadecimal. A broken stream is a line on
-// stderr and exit status 1, bad input is 2.
+// and for the first differences "differs NODE TARGET CLOCK RTL MODEL" with hexadecimal words. A broken stream prints a line
+// on stderr and exits with status 1; bad input exits with 2.
 #include <bit>
 #include <cstdint>
 #include <cstdio>
@@ -46,9 +46,9 @@ uint64_t read_word() {
 
 uint64_t ones(unsigned width) { return width >= 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1; }
 
-// 64 bits of a node's word, or what is left of them.
+// 64 bits of a node's word, or the remaining bits.
 struct Limb {
-  unsigned node, time, word;  // word: 32-bit word of the port
+  unsigned node, time, word;  // word: index of the port's 32-bit word
   bool wide;                  // more than 32 bits
   uint64_t mask;
   size_t column;
@@ -66,7 +66,7 @@ struct Frame {
   uint64_t at(size_t column, uint64_t row) const { return words[column * count + row]; }
 };
 
-// A target in flight; no frame: none was admitted.
+// A target in flight; without a frame, no target was admitted in this clock.
 struct Flying {
   Frame* frame = nullptr;
   uint64_t row = 0, clock = 0;
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
 #if VM_COVERAGE
   context.commandArgs(argc, argv);
 #endif
-  context.randReset(2);  // registers start at random, as they do in a chip
+  context.randReset(2);  // random initial registers, as in a chip
   context.randSeed(1);
   const auto owner = std::make_unique<Vtop>(&context);
   Vtop& top = *owner;
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
   top.rst = 0;
 
   std::deque<std::unique_ptr<Frame>> frames;
-  Frame* frame = nullptr;  // of the target that stands at the input
+  Frame* frame = nullptr;  // frame of the target at the input
   uint64_t row = 0, sent = 0, left = 0;
   bool more = true;
   auto next_frame = [&] {
@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
   std::deque<Flying> due;
   std::vector<Difference> differences;
   uint64_t bits = 0, first_in = 0, last_out = 0, latency = 0, quiet = 0;
-  uint64_t clock = 6;  // of the first target, as cocotb's bench counts them
+  uint64_t clock = 6;  // clock of the first target, numbered as in the cocotb bench
   for (unsigned after = 0; after < kAfterLast; ++clock) {
     top.in_valid = more;
     if (more) {
@@ -223,7 +223,7 @@ int main(int argc, char** argv) {
         frames.pop_front();
       }
     }
-    if (!more && due.empty()) ++after;  // nothing may come after the last
+    if (!more && due.empty()) ++after;  // no further result may follow
     if (quiet > kMostClocks) stop(1, "no result for " + std::to_string(kMostClocks) + " clocks");
 
     if (here.frame && ++row == frame->count) next_frame();

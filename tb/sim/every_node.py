@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets through ``ik_axis`` without Python in the loop: every node of every target compared by ``every_node.cpp``.
+"""Native simulation of ``ik_axis`` without Python in the loop: ``every_node.cpp`` compares every node of every target.
 
-:func:`wrapper` writes the Verilog that brings all named nodes of a datapath to one port; :func:`compare` streams
-targets and the bit-true model's words through the program that Verilator makes of it.
+:func:`wrapper` generates Verilog that connects all named nodes of a datapath to one port; :func:`compare` streams
+targets and the bit-true model's words through the program that Verilator builds from it.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ HARNESS = ROOT / "tb" / "sim" / "every_node.cpp"
 TOP = "ik_every_node"
 
 FRAME = 5000
-"""Targets that the model computes at a time: its arrays fit the caches, and columns do not fall into the same lines."""
+"""Targets per model call: arrays fit the caches, and columns avoid cache-line conflicts."""
 
 
 def nodes_of(datapath: str, width: int) -> list[Node]:
-    """The named nodes of a datapath, in dataflow order."""
+    """Return the named nodes of a datapath, in dataflow order."""
     return list(fixed.run(np.zeros((1, len(FIELDS)), np.int64), width, datapath).bits.nodes.values())
 
 
 def wrapper(datapath: str, width: int, digit: int) -> str:
-    """Return a top around ``ik_axis``, below 16 bits around the datapath alone: fields in lanes of 32 bits, every node
-    at a multiple of 32 bits of one port."""
+    """Return a top around ``ik_axis``, or around the datapath alone below 16 bits: fields in 32-bit lanes, and every
+    node on one port, aligned to 32 bits."""
     path = CONFIGURATIONS[datapath]
     core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
     chosen = ", ".join(f".{key}({value})" for key, value in path.parameters.items())
@@ -64,7 +64,7 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
       .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(answer), .m_axis_tuser({{out_flags, out_tag}}), .m_axis_tvalid(out_valid), .m_axis_tready(1'b1)
   );"""
-    else:  # ik_axis is built for no shorter words than these
+    else:  # ik_axis does not support shorter words
         instance = f"""\
   ik_{path.rtl} #(
       .W({width}), .TAG_W(8)
@@ -95,7 +95,7 @@ endmodule
 
 
 def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None) -> Path:
-    """Build the program of a datapath if necessary; parameters as for :func:`tb.sim.simulate.simulate`.
+    """Build the program of a datapath if necessary; parameters as in :func:`tb.sim.simulate.simulate`.
 
     Raises :class:`SimulationError`.
     """
@@ -109,14 +109,14 @@ def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: 
 
 
 def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
-    """Targets (N, 6) and the model's answers to them, in pieces."""
+    """Yield targets (N, 6) and the model's answers in frames."""
     for start in range(0, len(words), FRAME):
         piece = words[start : start + FRAME]
         yield piece, fixed.run(piece, width, datapath)
 
 
 def columns(node: Node) -> Iterator[np.ndarray]:
-    """The 64-bit words of a node, the lowest first."""
+    """Yield the 64-bit words of a node, lowest first."""
     value = node.value
     for low in range(0, node.format.width, 64):
         limb = value >> low if low else value
@@ -133,10 +133,10 @@ def compare(
     progress: Callable[[int], None] | None = None,
     root: Path = ROOT,
 ) -> Run:
-    """Runs the targets of all frames one after the other, a target a clock.
+    """Run the targets of all frames in order, one per clock.
 
-    ``progress(done)`` is called after each frame.  Raises :class:`SimulationError` for lost or disordered results, a
-    changing latency, and a program that breaks off.  ``root`` is whose RTL the program is.
+    ``progress(done)`` is called after each frame. ``root`` is the RTL copy that the program was built from. Raises
+    :class:`SimulationError` for lost or reordered results, a changing latency, or a program that stops early.
     """
     nodes = nodes_of(datapath, width)
     header = [width, len(nodes), *(fact for node in nodes for fact in (node.time, node.format.width))]
@@ -162,7 +162,7 @@ def compare(
                         progress(sum(sizes))
                 process.stdin.write(bytes(8))
             except BrokenPipeError:
-                pass  # it says why on stderr
+                pass  # stderr has the reason
             out, err = process.communicate()
         finally:
             process.kill()
@@ -181,7 +181,7 @@ def run(
     progress: Callable[[int, int], None] | None = None,
     root: Path = ROOT,
 ) -> list[Run]:
-    """Runs each job after a reset of its own; ``progress(done, total)``.  Raises :class:`SimulationError`."""
+    """Run each job after its own reset; calls ``progress(done, total)``. Raises :class:`SimulationError`."""
     total, before, runs = sum(len(job.words) for job in jobs), 0, []
     for job in jobs:
         told = (lambda done, since=before: progress(since + done, total)) if progress else None
@@ -191,7 +191,7 @@ def run(
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int) -> Run:
-    """What the program said, and its results ``back``."""
+    """Parse the program's output and its results ``back``."""
     done, *differs = said.splitlines()
     targets, latency, clocks, bits = map(int, done.split()[1:])
     if targets != sum(sizes) or len(back) != (len(FIELDS) + 1) * targets:

@@ -1,4 +1,4 @@
-// Writes a VCD when the simulation is started with +waves=FILE: the core and its sections, not the insides of lines.
+// Writes a VCD of the core and its sections, without the insides of delay lines, if the simulation gets +waves=FILE.
 // SPDX-License-Identifier: Apache-2.0
 module ik_waves;
   reg [8*1024-1:0] file;

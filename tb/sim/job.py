@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulation is given and what it gives, however it is run."""
+"""Inputs and results of a simulation, independent of the simulator."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 
 class SimulationError(Exception):
-    """The simulation did not come to an end; the message is one or more lines for a person."""
+    """Simulation that did not complete; the message has one or more lines for the user."""
 
 
 @dataclass
 class Job:
-    """Targets to run one after the other: ``words`` (N, 6) signed input words."""
+    """Targets to run in order: ``words`` (N, 6) are signed input words."""
 
     name: str
     words: np.ndarray
@@ -22,11 +22,11 @@ class Job:
 
 @dataclass
 class Run:
-    """What the RTL made of a job.
+    """Results of the RTL for a job.
 
     ``results`` (N, 6) signed words and ``flags`` (N,) in input order; ``latency_cycles`` from first in to first out;
-    ``total_cycles`` from first in to last out, both included, None of hardware that is only seen through a link;
-    ``bit_mismatches`` over all named nodes, or those that are seen, and the first of them as text.
+    ``total_cycles`` from first in to last out, both included, None for hardware behind a link; ``bit_mismatches`` over
+    all visible named nodes, ``first_mismatch`` the first of them as text.
     """
 
     results: np.ndarray

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds a module with Verilator around a C++ file that drives it: runs over all inputs, without Python in the loop.
+"""Native builds: a module compiled by Verilator with a C++ driver, for exhaustive runs without Python in the loop.
 
-The C++ file includes ``Vtop.h``; everything of one build is in a folder of its own under ``build/native``.
+The C++ file includes ``Vtop.h``; each build has its own folder under ``build/native``.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ def build(
     define: str = "",
     wrapper: str = "",
 ) -> Path:
-    """The program of ``toplevel`` and ``harness``; ``root`` holds another copy of ``rtl/``, ``name`` tells it apart.
+    """Build ``toplevel`` with ``harness``; return the program. ``root`` is another copy of ``rtl/``, named by ``name``.
 
-    ``define`` is a macro for the harness, NAME=VALUE; ``wrapper`` is the Verilog of a toplevel that ``rtl/`` does not
-    hold.  Raises :class:`RuntimeError` with what the compilers say.
+    ``define`` is a macro for the harness, NAME=VALUE; ``wrapper`` is the Verilog of a toplevel outside ``rtl/``. Raises
+    :class:`RuntimeError` with the compilers' messages.
     """
     folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
     top = folder / f"{toplevel}.v"
@@ -40,7 +40,7 @@ def build(
         *(f"-G{key}={value}" for key, value in parameters.items()),
         *(f"-I{folder}" for folder in includes(root)),
         "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),
-        # The slow files hold what runs once.
+        # The slow files hold code that runs once.
         "-MAKEFLAGS", " ".join([*MAKE_ARGS, "OPT_FAST=-O2", "OPT_SLOW=-O0", f"-j{os.cpu_count()}"]),
         *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
     ]  # fmt: skip

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts the rules of AXI (tb/rules) on the ports of ``ik_axis`` and ``ik_axi``, whatever top they are in.
+"""Insertion of the AXI rules (tb/rules) into ``ik_axis`` and ``ik_axi``, under any top.
 
-Icarus 11 has no ``bind``: the text tb/rules/NAME.vh is put before the end of a copy of the module NAME.
+Icarus 11 has no ``bind``: tb/rules/NAME.vh is inserted before the end of a copy of module NAME.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ END = "\nendmodule\n"
 
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
-    """The Verilog files, and those of the rules; ``folder`` gets the copies. One that is as it was stays untouched."""
+    """Return the Verilog files, with copies in ``folder`` where rules apply (kept if unchanged), and the rule files."""
     return [_bound(path, folder) for path in files] + sorted(RULES.glob("*.v"))
 
 

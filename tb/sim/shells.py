@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A generated top with several modules of ``rtl/`` side by side: one start of the simulator serves all of them.
+"""Generated top with several modules of ``rtl/`` side by side, so that one simulator start serves all of them.
 
-Every module is in a shell that has registers in place of its inputs and wires in place of its outputs, of the same
-names: to a testbench the shell looks like the module.  Each has a clock of its own, so that only the one under test
-runs.
+Each module is in a shell that replaces its inputs with registers and its outputs with wires of the same names: a bench
+can use the shell like the module. Each shell has its own clock, so that only the module under test runs.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*
 
 
 def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path] = ()) -> str:
-    """The text of :data:`TOP`, with a shell for each instance: name -> (module, parameters); ``more`` are files of
-    modules beside those of ``rtl/``."""
+    """Return the text of :data:`TOP`, with a shell for each instance: name -> (module, parameters); ``more`` are module
+    files in addition to ``rtl/``."""
     files = {path.stem: path for path in [*sources(), *more]}
     modules = sorted({module for module, _ in instances.values()})
     shells = [_shell(files[module].read_text()) for module in modules]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs targets through the RTL in a simulator, as a library: what ``scripts/run.py`` and the tests call."""
+"""Library that runs targets through the RTL in a simulator, for ``scripts/run.py`` and the tests."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ def simulate(
 ) -> list[Run]:
     """Run all jobs in one simulation and compare every node with the bit-true model.
 
-    ``waves`` is a VCD file to write.  ``progress(done, total)`` is called about twice a second.  ``root`` and ``name``
-    choose another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`).  ``native``
-    runs without Python in the loop (:mod:`tb.sim.every_node`), with the same result; it needs Verilator, writes no
-    waves, and is the default from :data:`LONG` targets on.  Raises :class:`SimulationError`.
+    ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second. ``root`` and ``name``
+    select another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`). ``native``
+    runs without Python in the loop (:mod:`tb.sim.every_node`) with the same results; it needs Verilator, writes no
+    waves, and is the default from :data:`LONG` targets on. Raises :class:`SimulationError`.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath}: there is {', '.join(CONFIGURATIONS)}")
@@ -61,7 +61,7 @@ def simulate(
         command = [sys.executable, "-m", "tb.sim.simulate", *arguments]
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
             _wait(process, place / "progress", total, progress)
-        lacking = full(*([waves.parent] if waves else []))  # a simulator may cut a waveform short and not say so
+        lacking = full(*([waves.parent] if waves else []))  # a simulator may truncate a waveform silently
         if process.returncode or lacking or not (place / "results.npz").exists():
             lacking = lacking or full(place, ROOT / "build")
             raise SimulationError(lacking or reason(log.read_text(errors="replace"), simulator))
@@ -88,7 +88,7 @@ def _wait(process, file: Path, total: int, progress) -> None:
 
 
 def reason(log: str, simulator: str) -> str:
-    """The lines of a log that say what went wrong."""
+    """Return the log lines that explain a failure."""
     telling = [line for line in log.splitlines() if any(w in line for w in ("rror", "FAIL", "assert", "syntax"))]
     return "\n".join([f"the {simulator} simulation failed:", *(telling or log.splitlines())[-12:]])
 
@@ -96,7 +96,7 @@ def reason(log: str, simulator: str) -> str:
 def _child(
     simulator: str, datapath: str, width: str, folder: str, waves: str, root: str, name: str, cores: str
 ) -> None:
-    """In a process of its own: cocotb-test changes signal handlers and the logging of its process."""
+    """Entry point of a separate process, because cocotb-test changes signal handlers and logging."""
     from tb.sim.runner import simulate as run_cocotb
 
     place, w = Path(folder), int(width)

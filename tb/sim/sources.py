@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Verilog of the core, from the file lists ``rtl/ik_axis.f`` and ``rtl/ik_axi.f``, and digests of sources.
+"""File lists of the core's Verilog, ``rtl/ik_axis.f`` and ``rtl/ik_axi.f``, and digests of sources.
 
-A list is in the form that simulators take (``verilator -F``): a file a line, relative to the list's folder, or
-``+incdir+`` and a folder of headers.  None includes another: Icarus 11 cannot.  ``root`` is the checkout or a copy laid
-out alike, which holds ``rtl/``.
+The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
+``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read that. ``root`` is the checkout or a
+copy with the same layout that contains ``rtl/``.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from tb.sim.env import ROOT
 
 LIST = "rtl/ik_axis.f"
 MEMORY = "rtl/ik_axi.f"
-"""What the other list has around it."""
+"""List of the memory wrapper around the core."""
 INCLUDE = "+incdir+"
 
 
 def _entries(root: Path) -> tuple[list[Path], list[Path]]:
-    """Folders of headers and files, in the order of the lists; a copy may do without the second."""
+    """Return header folders and files, in list order; a copy may lack the second list."""
     folders, files = {}, []
     for path in [root / LIST, *(path for path in [root / MEMORY] if path.exists())]:
         for line in path.read_text(encoding="utf-8").splitlines():
@@ -37,23 +37,23 @@ def _entries(root: Path) -> tuple[list[Path], list[Path]]:
 
 
 def sources(root: Path = ROOT) -> list[Path]:
-    """The Verilog files, a module each."""
+    """Return the Verilog files, one module each."""
     return _entries(root)[1]
 
 
 def includes(root: Path = ROOT) -> list[Path]:
-    """The folders in which headers are looked for."""
+    """Return the header folders."""
     return _entries(root)[0]
 
 
 def headers(root: Path = ROOT) -> list[Path]:
-    """The files that others include."""
+    """Return the header files."""
     return [path for folder in includes(root) for path in sorted(folder.glob("*.vh"))]
 
 
 def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = ()) -> list[Path]:
-    """The files of module ``top`` and of all that it instantiates or includes, its own first; a file of ``instead`` is
-    taken in the place of the one of its name."""
+    """Return the files of module ``top`` and of everything it instantiates or includes, its own first; a file in
+    ``instead`` replaces the one of the same name."""
     known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
     wanted, found = [f"{top}.v"], {}
     while wanted:
@@ -68,7 +68,7 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = ()) -> list[P
 
 
 def header(text: str) -> str:
-    """A module without what is in it."""
+    """Return a module's header without its body."""
     return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
 
 
@@ -78,7 +78,7 @@ C_LIKE = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/|\s+', re.S)
 
 
 def _python(text: str) -> str:
-    """Python without comments, docstrings and empty lines: blanks at the start of a line count."""
+    """Strip comments, docstrings and empty lines from Python; indentation stays."""
     lines = text.splitlines(keepends=True)
     cut, statement = [], True
     tokens = list(tokenize.generate_tokens(io.StringIO(text).readline))
@@ -94,7 +94,7 @@ def _python(text: str) -> str:
 
 
 def code(path: Path) -> str:
-    """A source file without its comments and blanks, which cannot change what it does: Verilog, C++, Python or .sby."""
+    """Return a source file without comments and blanks, which do not affect behaviour: Verilog, C++, Python or .sby."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".sby":
         return re.sub(r"^(#.*)?\n", "", text, flags=re.M)
@@ -102,7 +102,7 @@ def code(path: Path) -> str:
 
 
 def digest(paths: Iterable[Path]) -> str:
-    """Of the names and the code of files, in any order: the start of a SHA-256."""
+    """Return the start of the SHA-256 of file names and code, independent of order."""
     whole = hashlib.sha256()
     for path in sorted(paths, key=lambda path: path.name):
         whole.update(f"{path.name}\0{code(path)}\0".encode())

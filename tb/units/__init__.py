@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Testbenches of the modules of rtl/lib, one pair a module."""
+"""Testbenches of the modules of rtl/lib, one test file per module or pair."""

@@ -1,13 +1,13 @@
-// Drives arguments through a divider, square root or reciprocal root, one a clock, and checks each answer.
+// Drives arguments through a divider, square root or reciprocal root, one per clock, and checks each result.
 // SPDX-License-Identifier: Apache-2.0
 //
 //     Vtop FIRST END BITS LAT NAME=VALUE ...
 //
 // Built with -DCORE=Div, Root or Rsqrt around ik_div, ik_root or ik_rsqrt, whose parameters are NAME=VALUE. BITS is the
-// width of all arguments together, LAT the clocks from argument to answer. Drives vectors FIRST to END - 1 of the 2^BITS
-// and prints the number of failures; a second line describes the first one. Exit status: 0 no failure, 1 failures, 2 usage.
+// total width of all arguments, LAT the latency in clocks. Drives vectors FIRST to END - 1 of the 2^BITS and prints the
+// number of failures; a second line describes the first one. Exit status: 0 no failure, 1 failures, 2 usage.
 //
-// The checks are integer inequalities from the definition in the module's first line; they share no code with the model.
+// Checks are integer inequalities from the definition in the module's first line; they share no code with the model.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +18,7 @@
 
 using Wide = __int128;
 
-// Parameters on the command line.
+// Parameters from the command line.
 struct Parameters {
   int count;
   char** words;
@@ -41,7 +41,7 @@ int64_t to_signed(uint64_t bits, int width) {
 
 std::string text(int64_t value) { return std::to_string(value); }
 
-// q = floor(n 2^SH / d), saturated; where d <= 0, saturated by the sign of n. The argument is {n, d}.
+// q = floor(n 2^SH / d), saturated; if d <= 0, saturated by the sign of n. The argument is {n, d}.
 struct Div {
   const int nw, dw, sh, qw;
 
@@ -79,7 +79,7 @@ struct Div {
   std::string words_of_answer(uint64_t a) const { return "q=" + text(to_signed(a, qw)) + " ovf=" + text(a >> qw); }
 };
 
-// q = floor(sqrt(n 2^SH)), saturated at 2^(QW-1) - 1; 0 where n < 0.
+// q = floor(sqrt(n 2^SH)), saturated at 2^(QW-1) - 1; 0 if n < 0.
 struct Root {
   const int nw, sh, qw;
 
@@ -144,7 +144,7 @@ int main(int argc, char** argv) {
   if (first >= end || bits < 1 || bits > 62 || latency < 1) return 2;
   const CORE core{Parameters{argc - 5, argv + 5}};
 
-  // Multiples of an odd number: each argument occurs once, and neighbours in the pipeline have little in common.
+  // Multiplication by an odd number is a permutation: each argument occurs once, and successive arguments differ widely.
   const auto argument = [bits](uint64_t number) { return number * 0x9e3779b97f4a7c15 & ones(bits); };
 
   VerilatedContext context;

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cocotb side of :func:`tb.units.unit.run_unit`: the tests of a bench, for every instance of the generated top.
+"""cocotb side of :func:`tb.units.unit.run_unit`: the tests of a bench, for every instance of the generated top.
 
-IK_BENCH is the file and the function of the bench, IK_SETS maps instances to their parameters.  A test gets its
-instance as ``dut``, and is named after it.  With IK_FLAT what looks inside of a module is left out.
+IK_BENCH names the file and function of the bench; IK_SETS maps instances to their parameters. A test gets its instance
+as ``dut`` and is named after it. IK_FLAT skips the tests that access module internals.
 """
 
 import importlib
@@ -13,7 +13,7 @@ import cocotb
 
 
 def _on(instance: str, test):
-    """The test with the instance in place of the top."""
+    """Return the test bound to an instance of the top."""
 
     async def narrowed(top):
         await test(dut=getattr(top, instance))

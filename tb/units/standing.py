@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A module of the folded core, which stands still where ``go`` is 0."""
+"""Checker for modules of the folded core, which hold their state while ``go`` is 0."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 Given = dict[str, int]
-"""Port -> word of a clock."""
+"""Port -> word in one clock."""
 
 
 @dataclass
 class Standing:
-    """``expected(taken, now)``: the outputs that are defined, from what was given in clocks with ``go``, the newest
-    last, and in this one; ``clocks``: of how many it needs to know."""
+    """Checker of a module. ``expected(taken, now)`` returns the defined outputs from the inputs of the clocks with
+    ``go``, newest last, and of the present clock; ``clocks`` is the number of past inputs it needs."""
 
     dut: object
     expected: Callable[[Sequence[Given], Given], Given]
@@ -25,7 +25,7 @@ class Standing:
     taken: list[Given] = field(default_factory=list)
 
     async def check(self, vectors: Iterable[Given]) -> None:
-        """One a clock, three in ten without ``go``: of those nothing may be taken."""
+        """Drive one vector per clock, three in ten without ``go``: these must not be taken."""
         dut = self.dut
         Clock(dut.clk, 10, unit="ns").start()
         for now in vectors:

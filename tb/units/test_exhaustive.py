@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every argument of dividers, square roots and reciprocal roots, in a native program that checks each answer.
+"""Every argument of dividers, square roots and reciprocal roots, checked by a native program.
 
-Short words; in `make release-check` words of 16 and 32 bits as well, 12 minutes on two cores.
+Tests use short words; `make release-check` adds words of 16 and 32 bits, which take 12 minutes on two CPU cores.
 """
 
 import os
@@ -19,11 +19,11 @@ from tb.sim.native import build
 pytestmark = [pytest.mark.slow, pytest.mark.cost(20)]
 
 PIECE = 1 << 23
-"""Vectors of one process, about a second."""
+"""Vectors per process, about one second."""
 
 
 class Case(NamedTuple):
-    """A module, its class in exhaustive.cpp, the width of all arguments together, and its latency in clocks."""
+    """A module: its class in exhaustive.cpp, total argument width, latency in clocks, and parameters."""
 
     harness: str
     bits: int
@@ -32,21 +32,21 @@ class Case(NamedTuple):
 
 
 def divider(width: int, shift: int, digit: int = 1, earlier: int = 0) -> Case:
-    """All pairs of signed words; with `earlier` clocks less than the datapath's, one row gives two bits."""
+    """All pairs of signed words; with `earlier` clocks less latency than the datapath's, one row produces two bits."""
     clocks = Latency(width)["div"] - earlier
     parameters = {"NW": width, "DW": width, "SH": shift, "QW": width, "LAT": clocks, "DIGIT": digit}
     return Case("Div", 2 * width, clocks, parameters)
 
 
 def root(bits: int, argument: int, shift: int, width: int, digit: int = 1, earlier: int = 0) -> Case:
-    """The arguments of `bits` bits, in words of `argument` bits with the sign."""
+    """All arguments of `bits` bits, in words of `argument` bits including the sign."""
     clocks = Latency(width)["root"] - earlier
     parameters = {"NW": argument, "SH": shift, "QW": width, "LAT": clocks, "DIGIT": digit}
     return Case("Root", bits, clocks, parameters)
 
 
 def reciprocal(frac: int) -> Case:
-    return Case("Rsqrt", frac + 3, 1 + rsqrt_clocks(frac), {"F": frac})  # one clock into the mantissa's register
+    return Case("Rsqrt", frac + 3, 1 + rsqrt_clocks(frac), {"F": frac})  # includes one clock for the mantissa register
 
 
 SHORT = {
@@ -61,7 +61,7 @@ SHORT = {
 LONG = {
     "div_16_0": divider(16, 0),
     "div_16_14": divider(16, 14),
-    "root_32": root(32, 33, 29, 32),  # not negative
+    "root_32": root(32, 33, 29, 32),  # arguments are not negative
     **{f"rsqrt_{frac}": reciprocal(frac) for frac in range(20, 25)},
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_delay`` and ``ik_ring``: every word comes out N clocks later, of ``ik_delay`` N = 0 included."""
+"""``ik_delay`` and ``ik_ring``: every word comes out N clocks later; for ``ik_delay`` also N = 0."""
 
 from tb.units.unit import Tests, checks, each, places, runs, sets_of, stops, unsigned
 
@@ -8,11 +8,11 @@ def bench(W: int, N: int) -> Tests:
     words = unsigned(W)
 
     def single_bits():
-        """Each bit alone: none is lost or swapped."""
+        """Each bit alone, to detect lost or swapped bits."""
         return [1 << k for k in range(W)]
 
     def each_place():
-        """A ring of so many places full of zeros, then of ones, then of zeros: all that a bit of it can do."""
+        """Fill every ring location with zeros, then ones, then zeros, to toggle every bit."""
         lap = 1 << max(N, 1).bit_length()
         return [word for word in (0, words[-1], 0) for _ in range(lap)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_div`` against fractions: the floor of the quotient, saturated; by the sign of n where d <= 0."""
+"""``ik_div`` against fractions: floor of the quotient, saturated; by the sign of n if d <= 0."""
 
 import math
 import random
@@ -34,7 +34,7 @@ def bench(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays
         "floor_of_minus_a_little": ((-1, D[-1]), ((-1 << SH) // D[-1], 0)),
         "one": ((1, 1), (1 << SH, 0)),
         "minus_one": ((-1, 1), (-1 << SH, 0)),
-        # with remainder 0, and with the least and the largest one
+        # remainder 0, smallest and largest remainder
         "multiple": ((5, 5), (1 << SH, 0)),
         "minus_a_multiple": ((-5, 5), (-1 << SH, 0)),
         "below_a_multiple": ((4, 5), ((4 << SH) // 5, 0)),
@@ -42,25 +42,25 @@ def bench(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays
         "above_a_multiple": ((6, 5), ((6 << SH) // 5, 0)),
         "above_minus_a_multiple": ((-4, 5), ((-4 << SH) // 5, 0)),
         "least_by_largest": ((N[0], D[-1]), ((N[0] << SH) // D[-1], 0)),
-        # q 2^-SH exactly and its neighbours, where d is a multiple of 2^SH: the ends of the range
+        # exact ends of the range and their neighbours, with d = 2^SH
         "largest_quotient": ((Q[-1], 1 << SH), (Q[-1], 0)),
         "just_too_large": ((Q[-1] + 1, 1 << SH), (Q[-1], 1)),
         "least_quotient": ((Q[0], 1 << SH), (Q[0], 0)),
         "just_too_small": ((Q[0] - 1, 1 << SH), (Q[0], 1)),
     }
-    # unless q holds any quotient
+    # only if some quotient does not fit q
     cases |= {"overflow": ((N[-1], 1), (Q[-1], 1))} if N[-1] << SH > Q[-1] else {}
     cases |= {"negative_overflow": ((N[0], 1), (Q[0], 1))} if N[0] << SH < Q[0] else {}
 
     def ends_of_the_range():
-        """Around the first dividend of a quotient: of both ends of the range, of what is beside them, of 0 and -1."""
+        """Dividends around the first one of a quotient, for both ends of the range, their neighbours, and -2 to 1."""
         wanted = [q + e for q in (Q[0], Q[-1]) for e in (-1, 0, 1)] + [-2, -1, 0, 1]
         divisors = [d for d in corners(D) if d > 0] + [random.randint(1, D[-1]) for _ in range(40)]
         first = [(math.ceil(Fraction(q * d, 1 << SH)), d) for d in divisors for q in wanted]
         return [(n + e, d) for n, d in first for e in (-1, 0, 1) if n + e in N]
 
     def quotients_that_fit():
-        """As the equations have them: |n / d| up to twice q's range, d of any magnitude; exact quotients and beside."""
+        """Quotients as in the equations: |n / d| up to twice q's range, any magnitude of d, exact or nearly so."""
         vectors = []
         while len(vectors) < 3000:
             d = random.randint(1, (1 << random.randint(1, DW - 1)) - 1)
@@ -71,7 +71,7 @@ def bench(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays
         return vectors
 
     def good_after_bad():
-        """Good quotients between divisors that are 0 or negative and quotients that overflow."""
+        """Valid quotients between zero or negative divisors and overflows."""
         bad = [(n, d) for n in (N[0], -1, 0, 1, N[-1]) for d in (0, -1, D[0])] + [(N[0], 1), (N[-1], 1)]
         good = [(n, d) for n, d in some(400, N, D) if reference(n, d)[1] == 0]
         return [v for g in good for v in (random.choice(bad), g)]
@@ -107,34 +107,34 @@ test_ik_div = runs(
     div(32 + GUARD, 32, 22, 32, Latency(32)["div"], DIGIT=1),
     more=[
         div(6, 5, 0, 5, 1),
-        div(4, 7, 1, 9, 0),  # the quotient is the widest
-        div(4, 8, 1, 5, 3),  # the divisor is
+        div(4, 7, 1, 9, 0),  # quotient wider than both operands
+        div(4, 8, 1, 5, 3),  # divisor wider than the other words
         *(div(6, 5, 2, 5, lat) for lat in (4, 6, 9)),
         div(32, 32, 30, 32, Latency(32)["div"]),  # c4 of (14)
         div(18 + GUARD, 18, 8, 18, Latency(18)["div"]),
         div(6, 5, 2, 5, 7, DD=3),
         div(6, 5, 2, 5, 6, DIGIT=1, DD=2),
-        # digit recurrence; natural is a latency of one clock a quotient bit, and magnitude and sign
-        div(6, 5, 2, 5, 5, DIGIT=1),  # two bits a stage, a register behind
+        # digit recurrence; the natural latency is one clock per quotient bit, plus magnitude and sign
+        div(6, 5, 2, 5, 5, DIGIT=1),  # two bits per stage, register after the stage
         div(6, 5, 2, 5, 6, DIGIT=1),  # natural
         div(6, 5, 2, 5, 9, DIGIT=1),
-        div(6, 5, 0, 5, 6, DIGIT=1),  # all bits of the dividend are stored
+        div(6, 5, 0, 5, 6, DIGIT=1),  # all dividend bits are stored
         div(6, 5, 0, 5, 4, DIGIT=1),
         div(4, 7, 1, 9, 6, DIGIT=1),  # fewer rows than quotient bits
         div(4, 7, 1, 9, 4, DIGIT=1),
         div(4, 8, 1, 5, 6, DIGIT=1),
-        div(6, 6, 5, 4, 5, DIGIT=1),  # no bit is
-        div(6, 6, 5, 4, 4, DIGIT=1),  # an odd number of rows, two bits a stage
+        div(6, 6, 5, 4, 5, DIGIT=1),  # no dividend bit is stored
+        div(6, 6, 5, 4, 4, DIGIT=1),  # odd number of rows, two bits per stage
         div(5, 5, 2, 4, 5, DIGIT=1),
         div(8, 2, 0, 3, 4, DIGIT=1),  # dividends far too large
         div(8, 3, 4, 4, 4, DIGIT=1),
         div(2, 8, 6, 8, 9, DIGIT=1),
         div(2, 2, 0, 2, 3, DIGIT=1),  # one row
         div(8, 4, 0, 12, 9, DIGIT=1),  # any quotient fits
-        div(2, 8, 3, 8, 4, DIGIT=1),  # all words are as wide as the quotient so far
-        # minutes of compilation under Verilator
+        div(2, 8, 3, 8, 4, DIGIT=1),  # all words are as wide as the partial quotient
+        # these take Verilator minutes to compile
         *(one for one in instances("div", 4, of_paper) if one["SH"] != 22 and simulator() == "icarus"),
-        div(32 + GUARD, 32, 22, 32, 18, DIGIT=1),  # two bits a stage
+        div(32 + GUARD, 32, 22, 32, 18, DIGIT=1),  # two bits per stage
         div(32, 32, 30, 32, 32, DIGIT=1),
         div(18, 18, 16, 18, 30, DIGIT=1),
     ],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_even`` against its definition: the most pairs of places by which a word can go left and still fits."""
+"""``ik_even`` against its definition: the largest even left shift with which a word still fits."""
 
 import random
 
@@ -23,12 +23,12 @@ def bench(VW: int, MW: int) -> Tests:
         return k, m
 
     def powers_of_two():
-        """Each power of two and its neighbours: every count."""
+        """Each power of two and its neighbours, for every count."""
         near = {(1 << n) + e for n in range(VW) for e in (-1, 0, 1)}
         return random.sample(sorted(near), len(near))
 
     def any_length():
-        """So that every shift is met with all its bits."""
+        """Words of random length, so that every shift sees all bits."""
         return [random.getrandbits(random.randint(1, VW)) for _ in range(3000)]
 
     quarter = 1 << MW - 2

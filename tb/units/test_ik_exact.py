@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_exact`` against Python's integers: exact products, or squares that do not look at the second operand."""
+"""``ik_exact`` against Python integers: exact products, or squares that ignore the second operand."""
 
 import itertools
 
@@ -9,13 +9,13 @@ from tb.units.unit import Tests, checks, corners, each, runs, sets_of, signed, s
 
 def bench(W: int, SQUARE: int) -> Tests:
     words = signed(W)
-    L = W // 2  # of the low half
+    L = W // 2  # width of the low half
     low, least, largest = 1 << L, words[0], words[-1]
 
     squares = {
         "zero": (0, 0),
         "one": (1, 1),
-        "minus_one": (-1, 1),  # every bit of the tiles' sum takes part, and leaves a carry
+        "minus_one": (-1, 1),  # every bit of the sum of tiles is involved, and a carry is left
         "low_half": (low - 1, (1 << 2 * L) - (2 << L) + 1),  # a low half has no sign
         "low_half_below_zero": (-low + 1, (1 << 2 * L) - (2 << L) + 1),
         "high_half": (low, 1 << 2 * L),
@@ -35,16 +35,16 @@ def bench(W: int, SQUARE: int) -> Tests:
         "high_by_low": ((-low, low - 1), low - (1 << 2 * L)),
         "low_by_high": ((low - 1, -low), low - (1 << 2 * L)),
     }
-    # what SQUARE must not look at: any other word
+    # with SQUARE the second operand is ignored: use another word
     squared = {f"{name}_squared": ((a, least + 5 if SQUARE else a), p) for name, (a, p) in squares.items()}
 
     def extreme_halves():
-        """Words of extreme halves, each with each: the extremes of the tiles."""
+        """All pairs of words with extreme halves, which give the extremes of the tiles."""
         halves = [high * low + rest for high in corners(signed(W - L)) for rest in corners(unsigned(L))]
         return itertools.product(halves, halves)
 
     def equal_or_opposite():
-        """Both operands the same word, or one the other's negative."""
+        """Two equal operands, or one the negative of the other."""
         drawn = [a for (a,) in some(500, words)]
         return [(a, a) for a in drawn] + [(a, -a) for a in drawn if -a in words]
 
@@ -58,7 +58,7 @@ def bench(W: int, SQUARE: int) -> Tests:
         extreme_halves,
         equal_or_opposite,
         latency=Latency(32)["square" if SQUARE else "product"],
-        latencies=[((0, 0) if SQUARE else (1, 2), other) for other in others],  # of either operand and either half
+        latencies=[((0, 0) if SQUARE else (1, 2), other) for other in others],  # either half of either operand
         corners=squared if SQUARE else squared | products,
         good=(low + 1, largest - 1),
     )
@@ -71,6 +71,6 @@ test_ik_exact = runs(
     exact(5, 0),
     exact(33, 0),
     exact(33, 1),
-    # the last: tiles of 18x18 bits
+    # W = 35 gives tiles of 18x18 bits
     more=[exact(5, 1), *(exact(w, square) for w in (6, 17, 19, 28, 35) for square in (0, 1))],
 )

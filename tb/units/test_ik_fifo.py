@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_fifo`` against a queue: order, loss, repetition, stalls, latency, throughput, reset at several fill levels."""
+"""``ik_fifo`` against a queue: order, loss, duplication, stalls, latency, throughput, reset at several fill levels."""
 
 import itertools
 import random
@@ -11,13 +11,13 @@ from cocotb.triggers import FallingEdge, RisingEdge
 
 from tb.units.unit import Tests, places, runs, sets_of
 
-LATENCY = 2  # clocks from a word's writing to its offer
+LATENCY = 2  # clocks from writing a word to offering it
 
 
 class Fifo:
-    """``ik_fifo``, a queue beside it, and the checks of every clock.
+    """Bench of ``ik_fifo`` with a reference queue and checks in every clock.
 
-    The writer goes to the limit: ``depth`` words in the memory and one in the output register.
+    The writer fills it completely: ``depth`` words in the memory and one in the output register.
     """
 
     def __init__(self, dut, width: int, depth: int) -> None:
@@ -32,12 +32,12 @@ class Fifo:
         return random.getrandbits(self.width)
 
     def has_room(self) -> bool:
-        """May a word be written in the next clock?  The first is then in the output register if it is offered."""
+        """Return True if a word may be written in the next clock; an offered word is then in the output register."""
         offered = bool(self.queue) and self.queue[0][1] + LATENCY <= self.clock + 1
         return len(self.queue) - offered < self.depth
 
     async def step(self, word: int | None = None, ready: bool = False, rst: bool = False) -> None:
-        """One clock: writes ``word`` unless it is None."""
+        """Run one clock, writing ``word`` unless it is None."""
         dut = self.dut
         assert word is None or rst or self.has_room(), "the testbench writes into a full FIFO"
         await RisingEdge(dut.clk)
@@ -48,7 +48,7 @@ class Fifo:
         await FallingEdge(dut.clk)
         self.clock += 1
         if rst:
-            # Acts at the next rising edge; what is offered in this clock is offered still.
+            # Reset acts at the next rising edge; the output of this clock is still valid.
             self.queue.clear()
             self.stalled = None
             return
@@ -74,7 +74,7 @@ class Fifo:
             await self.step(rst=True, **signals)
 
     async def drain(self) -> None:
-        """Reads all that is inside, and waits a little for what should not come."""
+        """Read all words, then check for a few clocks that none follows."""
         for _ in range(len(self.queue) + LATENCY):
             await self.step(ready=True)
         assert not self.queue, f"{len(self.queue)} words never came out"
@@ -83,7 +83,7 @@ class Fifo:
 
 
 def pattern(name: str, depth: int):
-    """Yes or no for each clock."""
+    """Yield an endless pattern of enables, one per clock."""
     while True:
         match name:
             case "always":
@@ -100,7 +100,7 @@ def pattern(name: str, depth: int):
 
 
 async def traffic(fifo, write, read):
-    """Every clock against the queue, with the writer stopped only by the capacity."""
+    """Compare with the queue in every clock; only the capacity stops the writer."""
     sent = []
     writes, reads = pattern(write, fifo.depth), pattern(read, fifo.depth)
     for may_write, ready, _ in zip(writes, reads, range(300 + 3 * fifo.depth), strict=False):
@@ -113,7 +113,7 @@ async def traffic(fifo, write, read):
 
 
 async def latency_and_throughput(fifo):
-    """The first word comes two clocks after it was written, then one each clock."""
+    """The first word leaves two clocks after it was written, then one word per clock."""
     await fifo.step()
     start = fifo.clock + 1
     for k in range(3 * fifo.depth):
@@ -124,7 +124,7 @@ async def latency_and_throughput(fifo):
 
 
 async def fill_to_the_brim_and_drain(fifo):
-    """As many words as go in while nobody reads, several times, from different places of the memory on."""
+    """Fill the FIFO completely without reading, several times, from different memory addresses."""
     for _ in range(3):
         while fifo.has_room():
             await fifo.step(fifo.word())
@@ -137,9 +137,9 @@ async def fill_to_the_brim_and_drain(fifo):
 
 
 async def reset_with_words_inside(fifo, fill, wait, writing):
-    """A reset of one clock, some clocks after the last word: no old word comes out, new ones do.
+    """A reset of one clock, some clocks after the last word: old words are dropped, new ones come out.
 
-    A word that is written during the reset is forgotten too.
+    A word written during the reset is dropped as well.
     """
     for _ in range({"empty": 0, "one": 1, "half": fifo.depth // 2, "full": fifo.depth}[fill]):
         await fifo.step(fifo.word())
@@ -158,7 +158,7 @@ async def reset_with_words_inside(fifo, fill, wait, writing):
 
 def bench(W: int, LOG2: int) -> Tests:
     tests = {"fill_to_the_brim_and_drain": fill_to_the_brim_and_drain}
-    if LOG2 >= 2:  # fewer places do not cover the latency
+    if LOG2 >= 2:  # a smaller depth does not cover the latency
         tests["latency_and_throughput"] = latency_and_throughput
     for write, read in itertools.product(["always", "single", "random", "bursts"], repeat=2):
         tests[f"traffic_{write}_{read}"] = partial(traffic, write=write, read=read)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_fold_memory`` against lists: 64 words that are written, the powers behind them, clocks in which it stands."""
+"""``ik_fold_memory`` against lists: 64 read/write words, the powers of two after them, and stalls."""
 
 import random
 
@@ -12,7 +12,7 @@ WRITTEN, POWERS = 64, 64
 
 
 class Memory:
-    """``ik_fold_memory``, its words beside it, and the check of what was read in the clock before."""
+    """Bench of ``ik_fold_memory`` with reference words and a check of the previous clock's reads."""
 
     def __init__(self, dut, d: int, ad: int, down: int, rw: int) -> None:
         self.dut, self.d, self.rw = dut, d, rw
@@ -22,7 +22,7 @@ class Memory:
         Clock(dut.clk, 10, unit="ns").start()
 
     async def step(self, a: int, b: int, r: int, write: int | None = None, word: int = 0, go: bool = True) -> None:
-        """One clock: reads three places, and writes one unless it is None."""
+        """Run one clock: read three addresses, and write one unless ``write`` is None."""
         dut = self.dut
         await RisingEdge(dut.clk)
         dut.go.value = int(go)
@@ -41,9 +41,9 @@ class Memory:
 
 
 async def words(memory: Memory) -> None:
-    """All places before and after each is written; then at random, with clocks in which nothing may change.
+    """Read all addresses before and after writing each; then random accesses with stalls, in which nothing may change.
 
-    No clock reads what it writes: that is not defined.
+    No clock reads the address it writes, because the result is undefined.
     """
     for _ in range(2):
         for at in range(WRITTEN + POWERS):

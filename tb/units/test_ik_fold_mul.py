@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_fold_mul`` against its definition: the exact product, or a sum of cut tiles; and it stands still."""
+"""``ik_fold_mul`` against its definition: the exact product, or a sum of truncated tiles; it holds while stalled."""
 
 import random
 
@@ -13,7 +13,7 @@ def signed(word: int, bits: int) -> int:
 
 
 def product(D: int, TILE: int, WORD: int, ROOT: int, SINE: int, a: int, b: int, cut: str) -> int:
-    """Of two words, as bits of 2 D; each of the tiles is cut by itself."""
+    """Return the product of two words as 2 D bits; each tile is truncated separately."""
     if cut in ("exact", "power"):
         return signed(a, D) * signed(b, D) % (1 << 2 * D)
     low = D - TILE
@@ -21,7 +21,7 @@ def product(D: int, TILE: int, WORD: int, ROOT: int, SINE: int, a: int, b: int, 
     a_high, b_high = signed(a >> low, TILE), signed(b >> low, TILE)
     last = {"plain": WORD - 2, "double": WORD - 3, "word": WORD, "root": 2 * low + ROOT, "sine": 2 * low + SINE}[cut]
     outer = a_high * b_high << 2 * low
-    if cut in ("plain", "double") and 2 * low > WORD - 3:  # what is kept of the product of the low parts
+    if cut in ("plain", "double") and 2 * low > WORD - 3:  # kept part of the product of the low halves
         outer += (a_low >> low - 2) * (b_low >> low - 2) << 2 * low - 4
     tiles = outer, a_high * b_low << low, a_low * b_high << low
     return sum(tile >> last << last for tile in tiles) % (1 << 2 * D)
@@ -33,7 +33,7 @@ def bench(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
         return {"p": product(D, TILE, WORD, ROOT, SINE, a, b, cut)}
 
     def word() -> int:
-        """Any, or one next to 0 or to either end."""
+        """Return a random word, or one close to 0 or to either end."""
         near = random.choice((0, 0, 1 << D - 1)) + random.choice((-2, -1, 0, 1, 2))
         return random.choice((random.getrandbits(D), random.getrandbits(D), near % (1 << D)))
 

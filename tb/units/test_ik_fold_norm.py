@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_fold_norm`` against its definition: the most pairs of places to the left, or as many as a count says; and it
-stands still."""
+"""``ik_fold_norm`` against its definition: the largest even left shift, or a given count; it holds while stalled."""
 
 import random
 
@@ -16,7 +15,7 @@ def bench(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
 
     def expected(taken: list[Given], now: Given) -> Given:
         t, kind = taken[-2]["t"], KINDS[taken[-2]["kind"]]
-        if kind == "count":  # a bit of it is taken with the shift by it
+        if kind == "count":  # each bit of the count is sampled with its shift stage
             n = taken[-2]["n"] & 0b100001 | taken[-1]["n"] & 0b011000 | now["n"] & 0b000110
             return {"word": (t << n & words) >> XW - D >> DROP << DROP}
         if kind == "inverse":
@@ -30,7 +29,7 @@ def bench(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
 
     def sums() -> Given:
-        """Of any length, and 0; of what is inverted the other bits."""
+        """Return a sum of random length, or 0; inverted for the kind that inverts."""
         kind = random.randrange(len(KINDS))
         t = random.getrandbits(random.randint(0, XW))
         t ^= words * (KINDS[kind] == "inverse" and random.random() < 0.9)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_half`` against fractions: (1 +- c) / 2, held in [0, 1]."""
+"""``ik_half`` against fractions: (1 +- c) / 2, clamped to [0, 1]."""
 
 from fractions import Fraction
 
@@ -9,7 +9,7 @@ from tb.units.unit import Tests, checks, each, runs, sets_of, signed, unsigned
 
 def bench(W: int, MINUS: int) -> Tests:
     words = signed(W)
-    one, top = 1 << W - 2, 1 << W - 1  # 1 as c and as q
+    one, top = 1 << W - 2, 1 << W - 1  # the value 1 as c and as q
     sign = -1 if MINUS else 1
 
     def reference(c):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_mul`` against APyTypes: exact product, rounded half up; with SQUARE that of a with itself, whatever b is."""
+"""``ik_mul`` against APyTypes: exact product, rounded half up; with SQUARE the square of a, whatever b is."""
 
 from model.dataflow.nodes import GUARD, Latency
 from tb.units.unit import Tests, checks, fixed_point, rounded, runs, sets_of, signed, some, stops
@@ -15,13 +15,13 @@ def bench(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) ->
         return (words,)
 
     def fits(a, b):
-        """The format of q must hold the rounded product: what the datapath's formats promise."""
+        """The format of q must hold the rounded product, as the datapath's formats guarantee."""
         return -(2 * Q[-1] + 2) << SH <= 2 * a * (a if SQUARE else b) < (2 * Q[-1] + 1) << SH
 
     def squares():
         return [(a, a) for (a,) in some(500, A) if a in B]
 
-    # product of the operands, in units of q's last place and fractions of it, and q: half a place goes up
+    # product in units of q's LSB and fractions of it, and q: half an LSB rounds up
     half = 1 << SH - 1 if SH else 0
     ties = {
         "zero": ((0, B[0]), 0),
@@ -60,10 +60,10 @@ test_ik_mul = runs(
         mul(5, 5, 0, 10),
         mul(7, 4, 2, 9),
         mul(4, 7, 1, 11),
-        mul(18, 18, 10, 18 + GUARD),  # the longest words of one tile
+        mul(18, 18, 10, 18 + GUARD),  # longest words of one tile
         mul(19, 18, 10, 19 + GUARD),
         mul(6, 33, 5, 34),
-        mul(35, 35, 30, 40),  # the longest words
+        mul(35, 35, 30, 40),  # longest words
         mul(32, 32, 30, 32),
         mul(5, 5, 3, 7, SQUARE=1),
         mul(33, 33, 0, 66, SQUARE=1),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_mul3`` against exact products of parts, cut off and rounded half up, and against its model."""
+"""``ik_mul3`` against exact partial products, truncated and rounded half up, and against its model."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0,
         return (sum(4 * tile // (1 << SH) for tile in tiles) + 2) // 4
 
     def low(q):
-        """What OW bits hold of it."""
+        """Return the low OW bits as a signed word."""
         return (q + Q[-1] + 1) % len(Q) + Q[0]
 
     def reference(a, b):
@@ -33,7 +33,7 @@ def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0,
     def extreme_high_parts():
         return [(a // a_low * a_low, b // b_low * b_low) for a, b in crossed(A, B)]
 
-    a_half, b_half = 1 << SH // 2, 1 << SH - 1 - SH // 2  # their product is half a place
+    a_half, b_half = 1 << SH // 2, 1 << SH - 1 - SH // 2  # their product is half an LSB
     cases = {
         "zero": (0, B[0]),
         "half_a_place": (a_half, b_half),
@@ -45,7 +45,7 @@ def bench(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0,
         "low_by_minus_high": (a_low // 2, -b_low),
         "high_by_high": (a_low, b_low),
         "high_by_minus_high": (a_low, -b_low),
-        "low_by_low": (a_low - 1, b_low - 1),  # left out, or guessed
+        "low_by_low": (a_low - 1, b_low - 1),  # omitted or estimated
         "minus_one_by_low": (-1, b_low - 1),  # the low part of -1 is all ones
         "minus_one_squared": (-1, -1),
     }
@@ -71,13 +71,13 @@ test_ik_mul3 = runs(
     sets(6, 6, 6, 8, TILE=4, SQUARE=1),
     more=[
         sets(33, 33, 31, 33, SQUARE=1),
-        sets(25, 25, 23, 25, TILE=25, SQUARE=1),  # a whole
+        sets(25, 25, 23, 25, TILE=25, SQUARE=1),  # a is not split
         sets(33, 33, 31, 35),
         sets(33, 35, 31, 35),
         sets(35, 35, 32, 35),
         sets(25, 25, 23, 25),
         sets(19, 23, 15, 23),
-        sets(6, 5, 4, 4, TILE=4),  # the low bits of the result
+        sets(6, 5, 4, 4, TILE=4),  # low bits of the result
         sets(4, 6, 3, 12, TILE=5),  # more bits than the result has
         sets(5, 6, 7, 4, TILE=4),  # one bit of each mixed tile
         sets(33, 33, 30, 33),
@@ -90,10 +90,10 @@ test_ik_mul3 = runs(
         sets(25, 25, 23, 25, TILE=25),  # two tiles
         sets(19, 25, 17, 25, TILE=25),
         sets(31, 31, 29, 31, TILE=25),
-        sets(4, 6, 4, 5, TILE=5),  # a whole
-        sets(6, 4, 4, 5, TILE=5),  # b whole
+        sets(4, 6, 4, 5, TILE=5),  # a is not split
+        sets(6, 4, 4, 5, TILE=5),  # b is not split
         sets(17, 17, 15, 17),  # one tile
-        sets(33, 31, 31, 31, TILE=16),  # the last bit of a is not looked at
+        sets(33, 31, 31, 31, TILE=16),  # the last bit of a is ignored
         sets(11, 10, 12, 10, TILE=4),
     ],
 )

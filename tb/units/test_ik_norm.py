@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_lzc`` and ``ik_norm`` against their definition: the most places by which all words can go left and still fit.
+"""``ik_lzc`` and ``ik_norm`` against their definition: the largest left shift with which all words still fit.
 
-``ik_norm`` gives the words there too, as large as they may be together; of zeros, one half.
+``ik_norm`` also returns the shifted words; all zeros give a first word of one half.
 """
 
 import random
@@ -25,7 +25,7 @@ def bench(W: int, N: int, norm: bool) -> Tests:
         return (pack([w << count for w in given], W), count) if norm else count
 
     def full_size(vectors, got):
-        """The result of ``ik_norm`` is what it is for: of full size, in the same direction."""
+        """Results of ``ik_norm`` must have full size and the same direction."""
         for (d,), (q, count) in zip(vectors, got, strict=True) if norm else ():
             given, became = unpack(d, W, N), unpack(q, W, N)
             assert 1 << W - 2 <= max(map(abs, became)) <= 1 << W - 1, f"{given} became {became}: not of full size"
@@ -35,18 +35,18 @@ def bench(W: int, N: int, norm: bool) -> Tests:
         return packed(crossed(*[words] * N))
 
     def powers_of_two():
-        """Each power of two, its neighbours and their negatives, in each word alone."""
+        """Each power of two, its neighbours and their negatives, in one word at a time."""
         near = sorted({s * (1 << k) + e for k in range(W) for s in (1, -1) for e in (-1, 0, 1)})
         return packed([0] * k + [v] for k in range(N) for v in near if v in words)
 
     def common_magnitude():
-        """Words of any common magnitude, so that every count is met."""
+        """Words of any common magnitude, so that every count occurs."""
         small = [signed(random.randint(1, W)) for _ in range(1500)]
         vectors = [[random.randrange(s.start, s.stop) for _ in range(N)] for s in small]
         return packed(vectors + some(500, *[words] * N))
 
     zeros = [0] * (N - 1)
-    cases = {  # words, count, words to the left by it
+    cases = {  # words, count, shifted words
         "zeros": ([0] * N, 0, [1 << W - 2] + zeros),
         "minus_ones": ([-1] * N, W - 1, [least] * N),
         "one": ([1] + zeros, W - 2, [1 << W - 2] + zeros),

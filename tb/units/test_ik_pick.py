@@ -11,7 +11,7 @@ def bench(W: int) -> Tests:
     def reference(a, b, use_b, minus):
         if not use_b:
             return a
-        # the least word has no opposite and stays
+        # the least word is its own negative
         return -b if minus and b != words[0] else b
 
     return checks(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_root`` against ``math.isqrt``, saturated; 0 and a flag where the argument is negative."""
+"""``ik_root`` against ``math.isqrt``, saturated; 0 and a flag for negative arguments."""
 
 import math
 import random
@@ -25,12 +25,12 @@ def bench(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
         "a_square": (square, (3 << (SH + 1) // 2, 0)),
         "below_a_square": (square - 1, (math.isqrt((square - 1) << SH), 0)),
     }
-    # The ends of the range, unless arguments lie further apart than the last two squares.
+    # Ends of the range, unless arguments are further apart than the last two squares.
     cases |= {"largest_root": (((1 << 2 * (QW - 1)) - 1) >> SH, (Q[-1], 0))} if SH < QW else {}
     cases |= {"just_too_large": ((1 << 2 * (QW - 1)) >> SH, (Q[-1], 0))} if SH <= 2 * (QW - 1) else {}
 
     def near_squares():
-        """The first argument whose root is r, and the one before it: where a floor goes wrong first."""
+        """The first argument with root r and the one before it, where a floor error shows first."""
         last = math.isqrt(N[-1] << SH)
         roots = [random.randint(0, last) for _ in range(500)]
         roots += [random.getrandbits(random.randint(1, max(QW - 2, 1))) for _ in range(500)]
@@ -38,7 +38,7 @@ def bench(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
         return [n + e for n in first for e in (0, -1) if n + e in N]
 
     def good_after_bad():
-        """Good roots between roots of negative numbers."""
+        """Valid roots between negative arguments."""
         good = [abs(n) if -n in N else 0 for (n,) in some(300, N)]
         return [n for g in good for n in (random.choice([-1, N[0], N[0] // 3]), g)]
 
@@ -72,26 +72,26 @@ test_ik_root = runs(
     more=[
         root(10, 2, 7, 1),
         root(10, 0, 6, 0),
-        root(10, 5, 5, 4),  # not all roots fit
-        root(33, 29, 32, Latency(32)["root"]),  # of a half angle, unsigned with W-1 fraction bits
+        root(10, 5, 5, 4),  # some roots do not fit
+        root(33, 29, 32, Latency(32)["root"]),  # half angle, unsigned with W-1 fraction bits
         root(18, 17, 18, Latency(18)["root"]),
-        # digit recurrence; natural is a latency of one clock a result bit, and the output
-        root(10, 5, 8, 6, DIGIT=1),  # two bits a stage, a register behind
+        # digit recurrence; the natural latency is one clock per result bit, plus the output
+        root(10, 5, 8, 6, DIGIT=1),  # two bits per stage, register after the stage
         root(10, 5, 8, 8, DIGIT=1),  # natural
         root(10, 5, 8, 11, DIGIT=1),
         root(10, 2, 7, 7, DIGIT=1),
         root(10, 2, 7, 4, DIGIT=1),
-        root(10, 0, 6, 6, DIGIT=1),  # all bits of the radicand are stored
+        root(10, 0, 6, 6, DIGIT=1),  # all radicand bits are stored
         root(10, 1, 6, 4, DIGIT=1),
         root(10, 3, 12, 7, DIGIT=1),  # fewer rows than result bits
-        root(10, 5, 5, 5, DIGIT=1),  # not all roots fit
+        root(10, 5, 5, 5, DIGIT=1),  # some roots do not fit
         root(10, 5, 5, 4, DIGIT=1),
-        root(10, 8, 4, 4, DIGIT=1),  # no bit is: all roots but that of 0 are too large
+        root(10, 8, 4, 4, DIGIT=1),  # no radicand bit is stored: every nonzero root is too large
         root(10, 0, 2, 2, DIGIT=1),  # one row
         root(2, 0, 2, 2, DIGIT=1),
         root(2, 1, 4, 3, DIGIT=1),
         *(one for one in instances("root", 3, of_paper) if one["SH"] != 29),
-        root(33, 29, 32, 17, DIGIT=1),  # two bits a stage
+        root(33, 29, 32, 17, DIGIT=1),  # two bits per stage
         root(32, 30, 32, 31, DIGIT=1),
         root(18, 17, 18, 30, DIGIT=1),
     ],

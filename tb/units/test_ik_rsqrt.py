@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_rsqrt`` against its model, bit by bit, and against the exact root in integers: faithful."""
+"""``ik_rsqrt`` against its model, bit by bit, and against the exact root in integers: faithful rounding."""
 
 import random
 
@@ -15,8 +15,8 @@ def bench(F: int, TILE: int = TILE) -> Tests:
     mantissas = words[one // 4 :]
 
     def reference(m, twice):
-        """The model's words; those of mantissas are less than a place from 2^(F-1) / sqrt(V), V from m to m + 1.
-        Doubled as far as the word goes."""
+        """Return the model's words. For mantissas they are within an LSB of 2^(F-1) / sqrt(V), V from m to m + 1,
+        doubled modulo the word length if ``twice``."""
         y = rsqrt(np.array(m), F, TILE).tolist()
         square = 100 << 2 * F + MW - 2
         off = round(10 * places(F, TILE))
@@ -26,7 +26,7 @@ def bench(F: int, TILE: int = TILE) -> Tests:
         return ([(root << double) % (2 << F) for root, double in zip(y, twice, strict=True)],)
 
     def segments():
-        """Both ends of many segments, their middles, where u changes its sign, and their neighbours; in any order."""
+        """Ends, middle, where u changes its sign, and neighbours of many segments, in random order."""
         segment = one >> 11
         places = (0, 1, segment // 4, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
         words = [start + place for start in range(0, one, 7 * segment) for place in places]
@@ -47,7 +47,7 @@ def bench(F: int, TILE: int = TILE) -> Tests:
         segments,
         random_mantissas,
         any_words,
-        latency=rsqrt_clocks(F, TILE),  # after the mantissa's register, where `twice` comes in
+        latency=rsqrt_clocks(F, TILE),  # counted after the mantissa register, where `twice` enters
         delays={"DM": 1},
         latencies=[((one // 4, 0), (one - 1, 0)), ((one // 2, 0), (0, 0)), ((one - 1, 0), (one - 1, 1))],
         corners={

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_shift``: times 2^count modulo 2^W, or the floor of a division by 2^count; counts beyond the word included."""
+"""``ik_shift``: times 2^count modulo 2^W, or floor of a division by 2^count; includes counts beyond the word."""
 
 from model.dataflow.nodes import Latency
 from tb.units.unit import Tests, checks, corners, each, runs, sets_of, signed, some, unsigned

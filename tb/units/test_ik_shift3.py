@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_shift3``: times 2^count, then the floor of a division by 2^DROP, of which the low bits; any count."""
+"""``ik_shift3``: the low bits of the floor of d 2^count / 2^DROP, for any count."""
 
 import random
 
@@ -9,10 +9,10 @@ from tb.units.unit import Tests, checks, corners, each, runs, sets_of, signed, s
 
 def bench(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
     words, counts, Q = signed(IW), unsigned(6), signed(OW)
-    top = DROP + OW  # the place above the result's
-    place = 1 << DROP  # the result's last
+    top = DROP + OW  # bit above the result's MSB
+    place = 1 << DROP  # the result's LSB
 
-    out = max(top - counts[-1], 0)  # the lowest bit that a count can bring above the result
+    out = max(top - counts[-1], 0)  # lowest bit that a count can shift above the result
     cases = {
         "zero": (0, 63, 0),
         "one_place": (place, 0, 1),
@@ -44,7 +44,7 @@ def bench(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for d in corners(words) for count in counts]
 
     def single_bits():
-        """At every count, bits that land at and next to either end of the result, and what is just below them."""
+        """Bits shifted to and next to either end of the result, and the words just below them, at every count."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in counts if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
@@ -53,7 +53,7 @@ def bench(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return some(1500, words, unsigned(5))
 
     def normalized_words():
-        """Short words at the count that brings their upper end to the result's, one less and one more."""
+        """Short words at the count that aligns their MSB with the result's, and at one less and one more."""
         short = [random.getrandbits(random.randint(1, IW - 1)) for _ in range(500)]
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), counts[-1])) for d, count in near]
@@ -67,7 +67,7 @@ def bench(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         short_counts,
         normalized_words,
         latency=Latency(32)["shift3"],
-        # of the word and of the count's three parts
+        # latencies of the word and of the count's three parts
         latencies=[((0, 0), (place, 0)), ((0, 1), (-1, 1)), *(((place, 0), (place, part)) for part in (16, 4, 1))],
         delays=delays,
         corners={name: ((d, count), q) for name, (d, count, q) in cases.items()},
@@ -79,7 +79,7 @@ shift3 = sets_of("IW DROP OW")
 
 
 def triangle(width: int) -> dict[str, int]:
-    """As ``ik_lean_triangle`` has it."""
+    """Return the parameters used in ``ik_lean_triangle``."""
     frac = inner_frac(width)
     return shift3(2 * width + 2, 2 * width + width % 2 - frac, frac + 2)
 
@@ -89,9 +89,9 @@ test_ik_shift3 = runs(
     bench,
     shift3(7, 3, 4),
     triangle(32),
-    triangle(17),  # one place longer than the word
+    triangle(17),  # one bit longer than the word
     more=[
-        shift3(7, 2, 3),  # bits of the word above the result
+        shift3(7, 2, 3),  # the word has bits above the result
         shift3(5, 3, 6),
         shift3(66, 20, 33),
         shift3(34, 24, 21),
@@ -102,5 +102,5 @@ test_ik_shift3 = runs(
 
 
 def test_triangle():
-    """The sets are the words that they are meant to be."""
+    """The parameter sets have the intended widths."""
     assert (triangle(32), triangle(18)) == (shift3(66, 31, 35), shift3(38, 13, 25))

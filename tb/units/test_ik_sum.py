@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_sum2`` and ``ik_sum3`` against APyTypes: exact sum, rounded half up, saturated where SAT is 1."""
+"""``ik_sum2`` and ``ik_sum3`` against APyTypes: exact sum, rounded half up, saturated if SAT is 1."""
 
 from model.dataflow.nodes import GUARD, Latency
 from tb.units.unit import BIT, Tests, checks, fixed_point, rounded, runs, sets_of, signed
@@ -15,26 +15,26 @@ def bench(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, S
         total = first[0] if operands == 2 else first[0] + first[1]
         return rounded(total - last if sub else total + last, OW)
 
-    # The first sum that overflows, the last that does not; half a place.
+    # First sum that overflows, lowest that does not; half an LSB.
     half = 1 << SH - 1 if SH else 0
     top, low = (Q[-1] << SH) + (half or 1), (Q[0] << SH) - half
 
     def fits(*vector):
-        """All vectors, or with SAT = 0 those whose sum is in q's range: what the datapath's formats promise."""
+        """Accept all vectors; with SAT = 0 only sums in q's range, as the datapath's formats guarantee."""
         *first, last = vector
         return SAT or low <= sum(first) + (-last if sub else last) < top
 
     def terms(total):
-        """Operands with this sum, the last one subtracted where the module does; other ones where there are none."""
+        """Return operands with this sum, the last negated if it is subtracted; out of range if there are none."""
         rest, chosen = total, []
         for k in range(operands - 1, -1, -1):
-            # as much as this operand may be, and no more than is needed
+            # as large as this operand may be, but not larger than needed
             chosen.append(min(max(rest // (k + 1), IN[0]), IN[-1]))
             rest -= chosen[-1]
         chosen[-1] = (chosen[-1] + rest) * (-1 if sub else 1)
         return tuple(chosen)
 
-    # sum before the rounding, q and ovf
+    # sum before rounding, q and ovf
     sums = {
         "zero": (0, 0, 0),
         "largest": (top - 1, Q[-1], 0),
@@ -55,14 +55,14 @@ def bench(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, S
     cases = {
         name: (terms(total), (q, ovf))
         for name, (total, q, ovf) in (sums | (ties if SH else {})).items()
-        # what these widths can have; where terms() has found none, an operand is no word of a port
+        # only cases possible with these widths; where terms() found none, an operand is no word of its port
         if ovf == (not low <= total < top) and ovf <= SAT
     }
 
     def single(value):
         return (value,) + (0,) * (operands - 1)
 
-    # q and ovf leave together; ovf can change only where q does not hold every sum.
+    # q and ovf leave together; ovf can change only if q does not hold every sum.
     overflows = "overflow" in cases
     latencies = [(single(0), single(min(IN[-1], Q[-1] << SH)))]
     return checks(
@@ -80,7 +80,7 @@ def bench(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, S
 
 
 def sets(last: str, *rows: tuple[int, ...], **others: int) -> list[dict[str, int]]:
-    """Parameter sets of IW, SH, OW and whether the last operand is subtracted."""
+    """Return parameter sets from rows of IW, SH, OW and whether the last operand is subtracted."""
     return [sets_of(f"IW SH OW SUB_{last}")(*row, **others) for row in rows]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_wide`` against Python's integers: a sum or difference modulo 2^W, whatever goes from one half to the other."""
+"""``ik_wide`` against Python integers: sum or difference modulo 2^W, with every carry between the halves."""
 
 import itertools
 
@@ -10,11 +10,11 @@ from tb.units.unit import Tests, checks, corners, each, runs, sets_of, signed, s
 def bench(W: int, SUB: int, **delays: int) -> Tests:
     words = signed(W)
     least, largest = words[0], words[-1]
-    H = W // 2  # of the lower half
+    H = W // 2  # width of the lower half
     half = 1 << H
 
     def wrapped(value):
-        """What W bits hold of it."""
+        """Wrap to a signed word of W bits."""
         return (value - least) % (1 << W) + least
 
     difference = {
@@ -52,12 +52,12 @@ def bench(W: int, SUB: int, **delays: int) -> Tests:
     }
 
     def extreme_halves():
-        """Words of extreme halves, each with each: all that can go over the middle."""
+        """All pairs of words with extreme halves, for every carry across the middle."""
         halves = [high * half + low for high in corners(signed(W - H)) for low in corners(unsigned(H))]
         return itertools.product(halves, halves)
 
     def small_results():
-        """Words that cancel, and words that cancel but for little: the sign that comparisons look at."""
+        """Words that cancel exactly or almost, for the sign that comparisons use."""
         near = [0, 1, -1, half - 1, half, half + 1, -half + 1, -half, -half - 1]
         drawn = [a for (a,) in some(200, words)]
         return [(a, wrapped((a if SUB else -a) + little)) for a in drawn for little in near]
@@ -70,9 +70,9 @@ def bench(W: int, SUB: int, **delays: int) -> Tests:
         small_results,
         latency=Latency(32)["wide"],
         latencies=[
-            # of either half of either operand
+            # either half of either operand
             *(((0, 0), other) for other in [(1, 0), (half, 0), (0, 1), (0, half)]),
-            # of what goes from the lower half to the upper
+            # carry or borrow from the lower half to the upper
             ((half - 1, 0), (half - 1, -1 if SUB else 1)),
             ((half, 0), (half, 1 if SUB else -1)),
         ],

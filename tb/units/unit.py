@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the unit testbenches of ``rtl/lib`` share.
+"""Framework for the unit testbenches of ``rtl/lib``.
 
-``tb/units/test_<module>.py`` has a bench, a function of the module's parameters that gives the cocotb tests of such an
-instance, and starts them on its parameter sets (:func:`runs`).  Most benches are one call of :func:`checks`.
-References are written without the RTL's or the model's arithmetic: Python integers and fractions, and APyTypes for
-rounding and saturation (:func:`rounded`).
+``tb/units/test_<module>.py`` has a bench, a function from the module's parameters to the cocotb tests of such an
+instance, and runs it on parameter sets (:func:`runs`). Most benches are one call of :func:`checks`. References avoid
+the arithmetic of RTL and model: they use Python integers and fractions, and APyTypes for rounding and saturation
+(:func:`rounded`).
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from tb.sim.every_node import nodes_of
 Vector = tuple[int, ...]
 Parameters = dict[str, int]
 Tests = dict[str, Callable[..., Awaitable[None]]]
-"""cocotb tests, functions of ``dut``, by name."""
+"""cocotb tests by name, functions of ``dut``."""
 
 SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
-"""Of every simulation that :func:`run_unit` starts, unless the environment says otherwise."""
+"""Seed of every simulation started by :func:`run_unit`; the environment overrides it."""
 
 EVERY = 1 << 16
-"""A module with no more input vectors than this gets all of them."""
+"""Largest number of input vectors that is tested exhaustively."""
 
 
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
@@ -44,8 +44,8 @@ EVERY = 1 << 16
 def simulation(
     module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, flat: bool = False
 ) -> dict:
-    """What :func:`tb.sim.runner.simulate` is told to run the tests of ``bench`` on an instance of ``module`` for each
-    of the parameter sets; all of them are in one top (tb/sim/shells.py).  ``flat``: nothing inside has a name."""
+    """Return the arguments of :func:`tb.sim.runner.simulate` for the tests of ``bench`` on an instance of ``module``
+    per parameter set, all in one top (tb/sim/shells.py). ``flat``: the netlist has no internal names."""
     from tb.sim.shells import TOP, top_of
 
     return {
@@ -65,9 +65,9 @@ def simulation(
 def run_unit(
     module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, sim: str | None = None
 ) -> Path:
-    """Runs :func:`simulation`.
+    """Run :func:`simulation`.
 
-    ``sim`` is icarus or verilator (default: ``SIM``).  Raises ``SystemExit`` when a test or the build fails; the log
+    ``sim`` is icarus or verilator (default: ``SIM``). Raises ``SystemExit`` when a test or the build fails; the log
     names the set.
     """
     from tb.sim.runner import simulate
@@ -76,7 +76,7 @@ def run_unit(
 
 
 def runs(module: str, bench: Callable[..., Tests], *few: Parameters, more: Sequence[Parameters] = ()) -> Callable:
-    """A test of ``bench`` on parameter sets of a module: a few in the quick gate, and more in ``make test-all``.
+    """Return a test of ``bench`` on a module: a few parameter sets in the quick gate, and more in ``make test-all``.
 
     Its attribute ``simulations`` is the module and :func:`simulation` of each group, for tb/mutation.
     """
@@ -94,7 +94,7 @@ def runs(module: str, bench: Callable[..., Tests], *few: Parameters, more: Seque
 
 
 def stops(module: str, *sets: Parameters, says: str) -> Callable:
-    """A test that each of these parameter sets stops the build, with a message that names what is wrong."""
+    """Return a test that each parameter set stops the build with a message that contains ``says``."""
 
     @pytest.mark.parametrize("parameters", sets, ids=title)
     def test(parameters, caplog):
@@ -106,19 +106,19 @@ def stops(module: str, *sets: Parameters, says: str) -> Callable:
 
 
 def title(parameters: Parameters) -> str:
-    """A parameter set as a name, in Verilog and of tests."""
+    """Return a parameter set's name, valid in Verilog and as a test ID."""
     return "_".join(f"{k}{v}" for k, v in parameters.items()).replace("-", "m")
 
 
 def sets_of(names: str) -> Callable[..., Parameters]:
-    """A function that makes a parameter set of these parameters' values, and of others by name."""
+    """Return a function from the values of these parameters, and others by name, to a parameter set."""
     return lambda *values, **others: dict(zip(names.split(), values, strict=True)) | others
 
 
 def instances(op: str, count: int, of: Callable[..., Parameters]) -> list[Parameters]:
-    """The parameter sets, ``count`` a width, that the paper datapath of 32 and 18 bits has of an operator, each once.
+    """Return the distinct parameter sets of an operator in the paper datapath of 32 and 18 bits, ``count`` per width.
 
-    ``of`` makes one of the width and the formats of operands and result.
+    ``of`` makes one from the width and the formats of operands and result.
     """
     found = []
     for width in (32, 18):
@@ -133,25 +133,25 @@ def instances(op: str, count: int, of: Callable[..., Parameters]) -> list[Parame
 
 
 def inside(test: Callable[..., Awaitable[None]]) -> Callable[..., Awaitable[None]]:
-    """Marks a test that looks for what a module consists of."""
+    """Mark a test that accesses module internals."""
     test.inside = True
     return test
 
 
 def places(memory: str, count: int, width: int) -> Callable[..., Awaitable[None]]:
-    """A test that a memory has so many places of so many bits: with one more it may not fit the blocks of a chip."""
+    """Return a test of a memory's size: one more location or bit may not fit the block RAMs of a chip."""
 
     @inside
     async def counted(dut) -> None:
-        if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator shows no memories
-            found = getattr(dut.u, memory)  # behind the shell of tb/sim/shells.py
+        if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator does not expose memories
+            found = getattr(dut.u, memory)  # inside the shell of tb/sim/shells.py
             assert (len(found), len(found[0])) == (count, width), f"{len(found)} places of {len(found[0])} bits"
 
     return counted
 
 
 def built(block: str, there: bool) -> Callable[..., Awaitable[None]]:
-    """A test that a generate block is in the module, or is not: where two make the same words, and differ in size."""
+    """Return a test for the presence of a generate block whose variants compute the same words but differ in size."""
 
     @inside
     async def found(dut) -> None:
@@ -174,19 +174,19 @@ def checks(
     fits: Callable[..., bool] = lambda *vector: True,
     also: Callable[[list[Vector], list[Vector]], None] = lambda vectors, got: None,
 ) -> Tests:
-    """The tests of a module without handshake.
+    """Return the tests of a module without handshake.
 
-    ``inputs`` and ``outputs`` are ports with their words; ``expected``, ``latency`` and ``delays`` are those of
-    :class:`Unit`.  A vector of one word may be written as the word.
+    ``inputs`` and ``outputs`` map ports to their words; ``expected``, ``latency`` and ``delays`` are as in
+    :class:`Unit`. A vector of one word may be written as the word.
 
-    - *latency*: measured between the two vectors of each of ``latencies``, for all outputs but ``still`` ones.
-    - *corner_<name>*: each of ``corners``, vector and outputs, between ``good`` vectors; left out where these words
-      are too short for it.
-    - *extremes*: least and largest words, 0 and their neighbours, each with each.
-    - *every_vector* where there are at most :data:`EVERY`, else *random_vectors*.
-    - each of ``streams``, by its name: the vectors that it gives, one a clock.
+    - *latency*: measured between the two vectors of each of ``latencies``, for all outputs except ``still``.
+    - *corner_<name>*: each of ``corners``, vector and outputs, between ``good`` vectors; omitted if a word does not fit
+      its port.
+    - *extremes*: all combinations of the corners of each operand.
+    - *every_vector* if there are at most :data:`EVERY`, otherwise *random_vectors*.
+    - each of ``streams``, by its name: its vectors, one per clock.
 
-    Of streams, vectors that do not satisfy ``fits`` are left out, and ``also`` checks vectors and outputs once more.
+    Stream vectors that do not satisfy ``fits`` are skipped; ``also`` is an additional check of vectors and outputs.
     """
     words = inputs.values()
 
@@ -236,15 +236,15 @@ def _all_in(values: Vector, words: Iterable[range]) -> bool:
 
 
 class Unit:
-    """A module without handshake: a vector goes in at every clock, its outputs come ``latency`` clocks later.
+    """Bench of a module without handshake: takes a vector in every clock, with outputs ``latency`` clocks later.
 
-    ``inputs`` and ``outputs`` are ports with the words that they hold.  ``expected`` maps the words of each input, one
-    sequence a port, to those of each output.  Inputs change after the rising edge, outputs are read at the falling
-    edge, when both have settled in both simulators; outputs are compared as bits, so that an X is a difference.  One in
-    a test: it owns the clock.
+    ``inputs`` and ``outputs`` map ports to their words. ``expected`` maps the words of each input, one sequence per
+    port, to those on each output. Inputs change after the rising edge; outputs are sampled at the falling edge, when
+    both have settled in both simulators, and compared as bits, so that X is a difference. The bench owns the clock: one
+    per test.
 
-    A delay DA is that of port ``a``, and so on: the port then gets its word of a vector so many clocks before ports
-    without delay get theirs, and ``latency`` counts from these.
+    A delay DA belongs to port ``a``, and so on: this port gets its word of a vector DA clocks before the ports without
+    delay, from which ``latency`` counts.
     """
 
     SHOWN = 4  # differences in a message
@@ -256,19 +256,19 @@ class Unit:
         self.inputs, self.outputs, self.expected = inputs, outputs, expected
         self.handles = {name: getattr(dut, name) for name in (*inputs, *outputs)}
         for name, words in (inputs | outputs).items():
-            bits = {len(self.handles[name]), len(getattr(dut.u, name))}  # of the shell, and of the port itself
+            bits = {len(self.handles[name]), len(getattr(dut.u, name))}  # shell and module port
             assert bits == {size(words).bit_length() - 1}, f"{name} has {bits} bits"
         clocks = [delays.get(f"D{name[0].upper()}", 0) for name in inputs]
         self.late = [max(clocks) - delay for delay in clocks]  # clocks from a vector's first word to each input's
         self.latency = latency + max(clocks)
-        self.last: Vector | None = None  # what was driven before
+        self.last: Vector | None = None  # last driven vector
         self.clock = 0
         Clock(dut.clk, 10, unit="ns").start()
 
-    # ---- what tests do -----------------------------------------------------------------------------------------------
+    # ---- checks ------------------------------------------------------------------------------------------------------
 
     async def check(self, vectors: list[Vector]) -> list[Vector]:
-        """One vector a clock, without gaps; every output must be the expected one.  Returns what came out."""
+        """Drive one vector per clock without gaps, compare every output, and return the outputs."""
         assert vectors, "no vectors to check"
         first = self.clock + 1
         got = (await self._drive(vectors, self.latency))[self.latency :]
@@ -289,14 +289,14 @@ class Unit:
         return [tuple(map(_value, self.outputs.values(), row)) for row in got]
 
     async def check_corner(self, vector: Vector, outputs: Vector, good: Vector) -> None:
-        """``vector`` gives ``outputs``; ``good`` vectors right before and right after it give what they should."""
+        """Check that ``vector`` gives ``outputs`` and that ``good`` vectors right before and after it are correct."""
         assert self._wanted([vector]) == [_bits(self.outputs, outputs)], f"the reference of {vector} is not {outputs}"
         await self.check([good, vector, good, vector, vector, good, good])
 
     async def check_latency(self, quiet: Vector, other: Vector) -> set[str]:
-        """Measures the clocks from a single ``other`` among ``quiet`` vectors to each output; it must be the latency.
+        """Measure the clocks from one ``other`` among ``quiet`` vectors to each output and compare with the latency.
 
-        Outputs that are the same for both must not change.  Returns the others, of which there must be one.
+        Outputs equal for both vectors must not change. Return the changing ones, of which there must be at least one.
         """
         a, b = self._wanted([quiet, other])
         assert a != b, f"{quiet} and {other} do not tell latencies apart"
@@ -311,10 +311,10 @@ class Unit:
             )
         return {name for name, was, becomes in zip(self.outputs, a, b, strict=True) if was != becomes}
 
-    # ---- inside ------------------------------------------------------------------------------------------------------
+    # ---- internals ---------------------------------------------------------------------------------------------------
 
     async def _drive(self, vectors: Sequence[Vector], wait: int) -> list[list[str]]:
-        """Drives the vectors and holds the last for ``wait`` more clocks; the outputs of each clock as bits."""
+        """Drive the vectors, hold the last for ``wait`` more clocks, and return each clock's outputs as bits."""
         rising, falling = RisingEdge(self.dut.clk), FallingEdge(self.dut.clk)
         inputs = [(self.handles[name], size(words) - 1) for name, words in self.inputs.items()]
         outputs = [self.handles[name] for name in self.outputs]
@@ -332,14 +332,14 @@ class Unit:
         return seen
 
     def _wanted(self, vectors: Sequence[Vector]) -> list[list[str]]:
-        """The expected outputs of vectors as bits."""
+        """Return the expected outputs of vectors as bits."""
         rows = [_bits(self.outputs, row) for row in zip(*self.expected(*zip(*vectors, strict=True)), strict=True)]
         assert len(rows) == len(vectors), f"{len(rows)} expectations for {len(vectors)} vectors"
         return rows
 
 
 def _bits(ports: dict[str, range], values: Iterable[int]) -> list[str]:
-    """Values of ports as bits."""
+    """Return values of ports as bits."""
     bits = []
     for (name, words), value in zip(ports.items(), map(int, values), strict=True):
         width = size(words).bit_length() - 1
@@ -354,7 +354,7 @@ def _value(words: range, bits: str) -> int:
 
 
 def _show(ports: dict[str, range], row: Sequence[str]) -> str:
-    """Ports with their values, decimal and hexadecimal; bits where they are not known."""
+    """Format ports with decimal and hexadecimal values; as bits if unknown."""
     return " ".join(
         f"{name}={_value(words, bits)} (0x{int(bits, 2):x})" if set(bits) <= {"0", "1"} else f"{name}={bits}"
         for (name, words), bits in zip(ports.items(), row, strict=True)
@@ -365,12 +365,12 @@ def _show(ports: dict[str, range], row: Sequence[str]) -> str:
 
 
 def signed(width: int) -> range:
-    """All signed words."""
+    """Return all signed words."""
     return range(-(1 << width - 1), 1 << width - 1)
 
 
 def unsigned(width: int) -> range:
-    """All unsigned words."""
+    """Return all unsigned words."""
     return range(1 << width)
 
 
@@ -378,12 +378,12 @@ BIT = range(2)
 
 
 def size(words: range) -> int:
-    """How many words these are: ``len`` knows no number of more than 63 bits."""
+    """Return the number of words; ``len`` fails above 63 bits."""
     return words.stop - words.start
 
 
 def corners(words: range) -> list[int]:
-    """Both ends, the middle, three quarters and their neighbours."""
+    """Return both ends, the middle, three quarters, and neighbours."""
     low, high = words[0], words[-1]
     mid = (low + high + 1) // 2
     near = {low, low + 1, mid - 1, mid, mid + 1, (mid + high + 1) // 2, high - 1, high}
@@ -391,12 +391,12 @@ def corners(words: range) -> list[int]:
 
 
 def crossed(*words: range) -> list[Vector]:
-    """The corners of all operands, each with each."""
+    """Return all combinations of the operands' corners."""
     return list(itertools.product(*map(corners, words)))
 
 
 def some(count: int, *words: range) -> list[Vector]:
-    """Random vectors; a third of the operands uniform, a third of random magnitude, the rest at or next to a corner."""
+    """Return random vectors: a third of the words uniform, a third of random magnitude, the rest close to a corner."""
     return [tuple(_one(w) for w in words) for _ in range(count)]
 
 
@@ -413,12 +413,12 @@ def _one(words: range) -> int:
 
 
 def pack(words: Sequence[int], width: int) -> int:
-    """Words side by side, the first in the low bits."""
+    """Concatenate words, the first in the low bits."""
     return sum((w % (1 << width)) << k * width for k, w in enumerate(words))
 
 
 def unpack(bits: int, width: int, count: int) -> list[int]:
-    """The signed words that :func:`pack` put side by side."""
+    """Split the bits from :func:`pack` into signed words."""
     words = [(bits >> k * width) % (1 << width) for k in range(count)]
     return [w - (1 << width) if w >> width - 1 else w for w in words]
 
@@ -427,18 +427,18 @@ def unpack(bits: int, width: int, count: int) -> list[int]:
 
 
 def each(function: Callable[..., Vector | int]) -> Callable[..., Iterator[Sequence[int]]]:
-    """A reference for the words of one vector as a reference for many."""
+    """Turn a reference for one vector into a reference for many."""
     return lambda *columns: zip(*map(_row, map(function, *columns)), strict=True)
 
 
 def fixed_point(values: Sequence[int], width: int, frac: int = 0) -> APyFixedArray:
-    """Words of ``width`` bits, ``frac`` of them behind the point, as an APyTypes array."""
+    """Return words of ``width`` bits, ``frac`` of them fraction bits, as an APyTypes array."""
     return APyFixedArray([v & ((1 << width) - 1) for v in values], int_bits=width - frac, frac_bits=frac)
 
 
 def rounded(values: APyFixedArray, width: int) -> tuple[list[int], list[int]]:
-    """APyTypes' round half up to integers of ``width`` bits, saturated; and 1 where that saturated."""
-    # A bit more than the value's own for the rounding, and no less than asked for.
+    """Round half up to saturated integers of ``width`` bits with APyTypes; also return 1 where a value saturated."""
+    # One bit more than the value's own for rounding, and at least ``width``.
     room = max(values.int_bits + 1, width)
     exact = _words(values.cast(int_bits=room, frac_bits=0, quantization=QuantizationMode.RND))
     words = _words(

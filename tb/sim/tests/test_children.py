@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compilers and simulators that are ended leave no process and no file. Signals: scripts/tests/test_signals.py."""
+"""Stopped compilers and simulators leave no process and no file. scripts/tests/test_signals.py covers signals."""
 
 import signal
 import subprocess
@@ -21,7 +21,7 @@ child.wait()
 
 
 def alive(pid: int) -> bool:
-    """Is the process running? A zombie is not."""
+    """Return True if the process is running; a zombie is not."""
     stat = Path(f"/proc/{pid}/stat")
     return stat.exists() and stat.read_text().rsplit(")", 1)[1].split()[0] != "Z"
 

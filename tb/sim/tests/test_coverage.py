@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What counts as covered, and what is kept of it."""
+"""Tests of coverage counting."""
 
 from pathlib import Path
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The environment of simulators and compilers."""
+"""Tests of the environment for simulators and compilers."""
 
 import shutil
 
@@ -10,7 +10,7 @@ from tb.sim.env import ROOT, environment, simulator, verilator_root
 
 @pytest.fixture
 def program(tmp_path):
-    """Makes a shell script of that name."""
+    """Return a function that writes a shell script of a given name."""
 
     def make(name, text):
         path = tmp_path / name

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The native harness gives what cocotb gives, to the byte, and a broken core is found and told in the same words."""
+"""The native harness gives the same results and messages as cocotb, also for a broken core."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def test_the_wrapper_has_every_node_once(datapath, width):
 
 
 def test_columns_hold_every_bit():
-    """Also of words of more than 64 bits."""
+    """Columns include the high bits of words longer than 64 bits."""
     for node in fixed.run(mixed(300, 32, seed=1), 32, "lean").bits.nodes.values():
         limbs = [column.astype(np.uint64) for column in every_node.columns(node)]
         words = sum(limb.astype(object) << 64 * k for k, limb in enumerate(limbs))
@@ -51,7 +51,7 @@ if simulator() == "verilator":
         return every_node.program("lean", WIDTH)
 
     def spoiled(words, change):
-        """The model's frames with one of them changed."""
+        """Return the model's frames with the first one changed."""
         frames = list(every_node.answered(words, WIDTH, "lean"))
         change(frames[0][1])
         return frames
@@ -59,7 +59,7 @@ if simulator() == "verilator":
     LATENCY = fixed.latency("lean", QUICK)
 
     def broken(folder, bug, ways=(False, True)):
-        """What both ways say of a copy of the RTL with a bug in it."""
+        """Run a copy of the RTL with a bug in cocotb and natively."""
         jobs = [Job("some", np.random.default_rng(4).integers(-4, 4, (200, 6)))]
         core = {"simulator": "verilator", "datapath": "lean", "width": QUICK, "name": f"native-{bug.what}"}
         core["root"] = copy_rtl(folder, bug)
@@ -107,7 +107,7 @@ if simulator() == "verilator":
     @pytest.mark.sim
     @pytest.mark.slow
     def test_results_and_flags_at_the_port_count(program):
-        """The FIFO, say, has them wrong."""
+        """Wrong results or flags after right nodes, for example from the FIFO, are reported."""
 
         def result(answer):
             answer.results[3, 5] ^= 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The choice between behavioural cores and cores of rows, from make's command line to the RTL's parameter."""
+"""Selection of behavioural or digit-recurrence dividers and roots, from make's command line to the RTL parameter."""
 
 import os
 import re
@@ -15,7 +15,7 @@ from tb.sim.rules import RULES
 
 
 def make(*words, **env):
-    """What `make -n` says."""
+    """Run `make -n` and return the finished process."""
     clean = {name: value for name, value in environment().items() if name not in ("SIM", "CORES", "IK_CORES")}
     return subprocess.run(
         ["make", "-n", *words], cwd=ROOT, env={**clean, **env}, capture_output=True, text=True, check=False
@@ -43,7 +43,7 @@ def test_unknown_cores_are_one_line_and_status_2(name):
 
 
 def test_make_keeps_it_from_what_it_starts(tmp_path):
-    """Tests that start make themselves see none of it."""
+    """Tests that start make do not inherit the variable."""
     (tmp_path / "Makefile").write_text(
         "TAKES_show := CORES\n" + (ROOT / "Makefile").read_text() + "\nshow:\n\t@env\n"
     )
@@ -68,7 +68,7 @@ def modules():
 
 
 def test_every_module_above_a_core_has_the_parameter():
-    """And passes it on: nothing between ik_axis and the cores keeps a constant."""
+    """DIGIT reaches every divider and root: no module between ik_axis and these sets a constant."""
     texts = modules()
     have = {name for name, text in texts.items() if re.search(r"parameter integer DIGIT\b", text)}
     assert {"ik_axis", "ik_paper", "ik_div", "ik_root"} < have
@@ -79,7 +79,7 @@ def test_every_module_above_a_core_has_the_parameter():
 
 
 def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
-    """Only where a test does not set it itself; behavioural cores keep the RTL's default and the folder's name."""
+    """DIGIT is added only if the test does not set it; behavioural keeps the RTL default and the folder's name."""
     given = []
     monkeypatch.setattr(runner, "run", lambda **options: given.append(options["parameters"]) or os.devnull)
 
@@ -99,7 +99,7 @@ def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
 
 
 def test_handlers_of_signals_come_back(monkeypatch):
-    """cocotb-test puts its own there and leaves them, which would make Ctrl-C an AssertionError in all that follows."""
+    """Signal handlers are restored: cocotb-test's own would turn a later Ctrl-C into an AssertionError."""
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(runner, "run", lambda **_: signal.signal(signal.SIGINT, lambda *_: None) and os.devnull)
     runner.simulate("ik_guard", "tb.none", sim="icarus")
@@ -107,7 +107,7 @@ def test_handlers_of_signals_come_back(monkeypatch):
 
 
 def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
-    """The simulators' runner looks at the ages of sources only."""
+    """The simulators' runner checks the ages of sources only, so headers must force a build."""
     monkeypatch.setattr(runner, "BUILD", tmp_path)
     forced = []
     monkeypatch.setattr(runner, "run", lambda **options: forced.append(options.get("force_compile")) or "")
@@ -121,4 +121,4 @@ def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
     for age in (1, -1):
         os.utime(built, (newest + age, newest + age))
         runner.simulate("ik_trig", "none", sim="icarus")
-    assert forced == [False, False, True, True]  # each is compiled, then run
+    assert forced == [False, False, True, True]  # each call compiles, then runs

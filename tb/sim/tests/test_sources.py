@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one file list, and the digest of code that comments and blanks do not change."""
+"""Tests of the file lists, and of the digest, which ignores comments and blanks."""
 
 import re
 import shutil
