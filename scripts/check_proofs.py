@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make check-proofs: list the proofs and measurements on the pages that are not of the present code.
+"""make check-proofs: list the proofs and measurements on the pages that do not match the present code.
 
     python -m scripts.check_proofs [--strict]
 
-A page carries digests of the code that it describes, without comments and blanks. A stale page is a warning (exit
-status 0), with --strict, as for a release, a failure (1).
+A page carries digests of the code it describes, without comments and blanks. A stale page is a warning (exit status 0),
+or a failure (1) with --strict, as for a release.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scripts.fpga import measure
 
 @dataclass(frozen=True)
 class Page:
-    """A page, the command that writes it, the digests that it carries and those of the present code."""
+    """A page, the command that writes it, and digests: on the page and of the present code."""
 
     path: Path
     command: str
@@ -29,7 +29,7 @@ class Page:
     present: Callable[[], dict[str, str]]
 
     def stale(self) -> list[str]:
-        """Return what has changed since the page was written."""
+        """Return the names of digests that have changed since the page was written."""
         recorded, present = self.recorded(), self.present()
         return sorted(name for name in {*recorded, *present} if recorded.get(name) != present.get(name))
 

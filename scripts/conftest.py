@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of commands share."""
+"""Fixtures for tests of commands."""
 
 from pathlib import Path
 
@@ -10,9 +10,9 @@ from scripts import console
 
 @pytest.fixture
 def command(tmp_path, monkeypatch, capsys):
-    """Calls a main() in an empty folder: (exit status, stdout lines, stderr lines)."""
+    """Call a main() in an empty folder; return exit status, stdout lines and stderr lines."""
     monkeypatch.chdir(tmp_path)
-    # what a busy machine takes seconds for says so, which is no matter of these tests
+    # Suppress timed progress lines, which a slow computer would add to stderr.
     monkeypatch.setattr(console.Meter, "beat", lambda meter: None)
 
     def command(main, *arguments):
@@ -25,5 +25,5 @@ def command(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture
 def files():
-    """The files below the working folder, sorted."""
+    """Return a function that lists the files below the working folder, sorted."""
     return lambda: sorted(str(path) for path in Path().rglob("*") if path.is_file())

@@ -198,8 +198,8 @@ SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SI
 
 @contextlib.contextmanager
 def stoppable() -> Iterator[None]:
-    """Raise :class:`Stopped` at the first of SIGNALS, except those that are ignored, as SIGHUP under nohup; later ones
-    do not disturb the clean-up. If make has started the command and is killed, the command gets SIGTERM.
+    """Raise :class:`Stopped` at the first of SIGNALS, except ignored ones, such as SIGHUP under nohup; later ones
+    do not interrupt the clean-up. If make has started the command and is killed, the command gets SIGTERM.
 
     Outside the main thread this has no effect.
     """
@@ -230,7 +230,7 @@ def stoppable() -> Iterator[None]:
 def exit_status(name: str, work: Callable[[], int]) -> int:
     """Return the status of `work`; after an error print one line, `name` first, and return 1, 2 or 128 + signal.
 
-    Without a terminal a line every few seconds reports the time so far, unless an inner meter reports more.
+    Without a terminal, a line every few seconds reports the elapsed time, unless an inner meter reports more.
     """
     try:
         with stoppable(), contextlib.nullcontext() if Console(stderr=True).is_terminal else progress(name, 0):
@@ -248,7 +248,7 @@ def exit_status(name: str, work: Callable[[], int]) -> int:
 
 
 def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
-    """Decorate a function of the words of a command line: it becomes a `main` that returns an `exit_status`."""
+    """Decorate a function of command-line words to become a `main` that returns an `exit_status`."""
 
     def main_of(work: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
         @functools.wraps(work)
@@ -262,7 +262,7 @@ def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Call
 
 @contextlib.contextmanager
 def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
-    """Make the folders of `paths` and check that they are writable; on exit remove those that are new and empty.
+    """Make the folders of `paths` and check that they are writable; on exit remove new folders that are empty.
 
     Raises InputError.
     """
@@ -347,7 +347,7 @@ def pace(rate: float) -> str:
 class Meter:
     """Progress on stderr: a bar on a terminal, otherwise a line every `every` seconds that begins with `name`.
 
-    total, first: number of items, and of those done by an earlier run.
+    total, first: number of items, and of items done by an earlier run.
     """
 
     def __init__(self, name: str, total: int, first: int = 0, every: float = EVERY, bar: Progress | None = None):

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make coverage: what the tests go through in the Verilog, all machines and parameters together.
+"""make coverage: Verilog coverage of the tests, over all datapaths and parameters.
 
     python -m scripts.coverage [--only PATTERN] [--again] [--keep]
 
-Runs tests that compare what the RTL gives (SUITE) on Verilator builds with coverage of lines, branches, expressions and
-toggles, adds the counts of a point over instances, parameters and simulations, and writes the annotated source. A point
-that is not reached and that tb/coverage/waivers.json does not excuse is a finding, and so is a waiver that excuses
-nothing.
+Runs tests that compare the RTL with a reference (SUITE) on Verilator builds with line, branch, expression and toggle
+coverage, adds each point's counts over instances, parameters and simulations, and writes the annotated source. An
+unreached point without a waiver in tb/coverage/waivers.json is a finding, and so is a waiver that excuses nothing.
 """
 
 from __future__ import annotations
@@ -44,23 +43,23 @@ SUITE = [
 ]  # fmt: skip
 """Tests that compare every output, or every node, with a reference."""
 LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not ring)"
-"""RTL with bugs, which counts nothing, and what takes Verilator minutes and reaches no point more."""
+"""Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""
 
 KINDS = ("line", "branch", "expr", "toggle")
 MACHINES = {"lean": "rtl/lean/", "paper": "rtl/paper/", "fold": "rtl/fold/", "ik_axi": "rtl/(axi/|ik_axi.v)", "all": ""}
-"""Machine -> how its files begin; the first that fits."""
+"""Datapath or ik_axi -> pattern of its file names; the first match applies."""
 
 SHOWN = 100
 """Findings in the terminal; the page has all."""
 
 
 def machine(file: str) -> str:
-    """The machine that a file of rtl/ belongs to; `all` for what they share."""
+    """Return the key of MACHINES for a file of rtl/; `all` for shared files."""
     return next(name for name, of in MACHINES.items() if re.match(of, file))
 
 
 def run(only: str | None) -> int:
-    """The tests, with fresh counts; pytest's status."""
+    """Run the tests with fresh counts; return pytest's status."""
     shutil.rmtree(COUNTS, ignore_errors=True)
     chosen = f"({only}) and not ({LEFT_OUT})" if only else f"not ({LEFT_OUT})"
     words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", sys.executable, "-m", "pytest", "-n", "auto"]
@@ -70,7 +69,7 @@ def run(only: str | None) -> int:
 
 
 class Verdict:
-    """Counts with what is said of those that are 0."""
+    """Counts, and the waivers or findings for zero counts."""
 
     def __init__(self, counts: Counts, given: Sequence[Waiver], crosses: dict[tuple[str, ...], int]) -> None:
         self.counts, self.crosses = counts, crosses
@@ -80,7 +79,7 @@ class Verdict:
         self.unseen = sorted({str(p.relative_to(ROOT)) for p in sources()} - {point.file for point in counts})
 
     def rows(self) -> list[list]:
-        """Machine, then points, reached and waived ones of each kind."""
+        """Return a row for each key of MACHINES: points, reached and waived of each kind."""
         tally: Counter = Counter()
         for point, count in self.counts.items():
             at = machine(point.file), point.kind
@@ -93,7 +92,7 @@ class Verdict:
         ]
 
     def findings(self) -> list[str]:
-        """A line each; toggles of a signal together."""
+        """Return a line for each finding; toggles of a signal share one."""
         lines = [f"{file}: no simulation has it" for file in self.unseen]
         lines += [f"{WAIVERS.name}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
         lines += [f"cross not hit: {' x '.join(bin)}" for bin, hits in self.crosses.items() if not hits]
@@ -104,7 +103,7 @@ class Verdict:
 
 
 def grouped(points: Iterable[Point]) -> list[tuple[tuple[str, int, str], str]]:
-    """Points by file, line and kind, and what tells them apart; bits of a signal together."""
+    """Group points by file, line and kind; return each group with its points named, bits of a signal together."""
     places: dict[tuple[str, int, str], list[str]] = defaultdict(list)
     for point in points:
         places[point.file, point.line, point.kind].append(point.what)
@@ -112,7 +111,7 @@ def grouped(points: Iterable[Point]) -> list[tuple[tuple[str, int, str], str]]:
 
 
 def bits(what: Iterable[str]) -> list[str]:
-    """Toggles of signals as a waiver names them: `a[7:5,0]; b`, with ` 0->1` where the other way is reached."""
+    """Return toggles as waivers name them: `a[7:5,0]; b`, with ` 0->1` if only the other edge is reached."""
     ways: dict[tuple[str, int], set[str]] = defaultdict(set)
     others = []
     for text in what:
@@ -127,7 +126,7 @@ def bits(what: Iterable[str]) -> list[str]:
 
 
 def ranges(numbers: Iterable[int]) -> str:
-    """3, 2, 1, 7 as 7,3:1."""
+    """Format numbers as ranges: 3, 2, 1, 7 as 7,3:1."""
     runs: list[list[int]] = []
     for number in sorted(set(numbers), reverse=True):
         if runs and runs[-1][-1] == number + 1:
@@ -138,7 +137,7 @@ def ranges(numbers: Iterable[int]) -> str:
 
 
 def crosses(verdict: Verdict) -> list[list]:
-    """Datapath and region; least hits of a bin for each flag."""
+    """Return a row for each datapath and region: the least hits of a bin for each flag."""
     table: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
     for (flag, path, region, _), hits in verdict.crosses.items():
         table[path, region][flag].append(hits)
@@ -149,7 +148,7 @@ HEAD = ["machine", *(f"{kind} {what}" for kind in KINDS for what in ("points", "
 
 
 def html(verdict: Verdict) -> str:
-    """The annotated source."""
+    """Return the annotated source."""
     by_line: dict[tuple[str, int], list[Point]] = defaultdict(list)
     for point in sorted(verdict.counts):
         by_line[point.file, point.line].append(point)
@@ -216,7 +215,7 @@ def main(arguments: Sequence[str] | None) -> int:
 
 
 def page(verdict: Verdict) -> str:
-    """docs/generated/coverage.md."""
+    """Return docs/generated/coverage.md."""
     reasons = Counter((machine(point.file), reason) for point, reason in verdict.reasons.items())
     return render(
         "coverage", today=date.today().isoformat(), verilator=version("verilator"), suite=SUITE, head=HEAD,

@@ -75,7 +75,7 @@ def _operand(node: Node, of: Node) -> str:
 
 
 def made_of(node: Node) -> str:
-    """Return operation, operands and, where the dataflow has it, the expression of a node."""
+    """Return operation, operands and, if the dataflow has one, the expression of a node."""
     operands = ", ".join(_operand(each, node) for each in node.operands)
     exact = f": {node.facts.exact}" if node.facts.exact else ""
     return f"{node.op} {operands}{exact}" if operands else node.op

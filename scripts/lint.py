@@ -23,7 +23,7 @@ from tb.sim.sources import includes, sources
 PARAMETER_SETS = {"W": (32, 18)}
 # engines of memory: narrow and wide buses, addresses and bursts
 BUSES = [{"ADDR_W": a, "DATA_W": d, "LOG2_BURST": b} for a, d, b in ((32, 64, 3), (64, 32, 5), (12, 128, 1))]
-# module -> its own sets, where those above are illegal or insufficient
+# module -> its own sets, if the sets above are illegal or insufficient
 MODULE_SETS = {
     "ik_axi": [
         {"W": 32},

@@ -3,10 +3,10 @@
 
     python -m scripts.parallel --farm tcp://SCHEDULER:8786 [--jobs N]
 
-makes this machine a worker of that scheduler (`make farm-worker`). Work consists of functions of this tree with their
-arguments; a worker refuses it if its sources differ from the client's. Work that a dead worker had begun is repeated.
+makes this machine a worker of the scheduler (`make farm-worker`). Work consists of functions of this tree with their
+arguments; a worker refuses it if its sources differ from the client's. Work begun by a worker that died is repeated.
 
-Exit status: that of the Dask worker, 2 bad input (one line on stderr).
+Exit status: the Dask worker's, or 2 for bad input (one line on stderr).
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ def _farm(farm: str) -> Iterator[Callable]:
         try:
             yield functools.partial(_each, client, farm)
         finally:
-            client.close(timeout=1)  # cancels what is left
+            client.close(timeout=1)  # cancels outstanding work
 
 
 def _each(client, farm: str, work: Callable, items: Iterable) -> Iterator:

@@ -34,8 +34,8 @@ NUMBER_BITS = 32
 
 @dataclass(frozen=True)
 class Recording:
-    """One trajectory in a VCD. words: bits of each node by clock, from clock 1; admitted: clock of each target;
-    first: falling edge of clock 1, in units of `timescale`, as is `period`."""
+    """One trajectory in a VCD. words: bits of each node by clock, from clock 1; admitted: admission clock of each
+    target; first: falling edge of clock 1; first and period are in units of `timescale`."""
 
     words: dict[str, list[str]]
     admitted: list[int]
@@ -112,12 +112,12 @@ def _bits(value: int | str, width: int) -> str:
 
 
 def model_bits(node: Node, target: int) -> str:
-    """The bits that the model has for a target, from a node of its answer to all targets."""
+    """Return the model's bits for a target; `node` holds its words for all targets."""
     return format(int(node.value[target]) & ((1 << node.format.width) - 1), f"0{node.format.width}b")
 
 
 def differences(recording: Recording, nodes: Sequence[Node]) -> Iterator[Difference]:
-    """Where RTL and model differ: target by target, each in dataflow order."""
+    """Yield the differences between RTL and model, target by target, each in dataflow order."""
     for target, clock in enumerate(recording.admitted):
         for node in nodes:
             rtl, model = recording.word(node, target), model_bits(node, target)
@@ -129,15 +129,16 @@ def differences(recording: Recording, nodes: Sequence[Node]) -> Iterator[Differe
 
 
 def column(recording: Recording, nodes: Sequence[Node], target: int) -> int:
-    """The clock in which the aligned VCD shows a target: that of its last node."""
+    """Return the clock in which the aligned VCD shows a target: the clock of its last node."""
     return recording.admitted[target] + max(node.time for node in nodes)
 
 
 def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Sequence[Node], wrong: set[int]) -> None:
-    """Writes a VCD with every node delayed to the clock of the last one: what stands in one clock is of one target.
+    """Write a VCD with every node delayed to the clock of the last one, so that all words of a clock belong to one
+    target.
 
-    Names, scopes and times are those of the VCD of the run. A clock without a target is X. wrong: targets of which
-    a node differs.
+    Names, scopes and times match the VCD of the run. A clock without a target is X. wrong: targets with a node that
+    differs.
     """
     with open(path, "w", encoding="ascii", newline="\n") as stream:
         writer = VCDWriter(stream, timescale=recording.timescale, date="", version="", comment=f"{TOP}, aligned")
@@ -173,7 +174,7 @@ def _blank(writer: VCDWriter, now: int, lines) -> None:
 def write_waves(
     vcd: Path, recording: Recording, found: Sequence[Difference], datapath: str, width: int, nodes: Sequence[Node]
 ) -> None:
-    """Write the aligned VCD next to the ordinary one, and save files of both that mark the first difference."""
+    """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)
     first = found[0] if found else None
     with writing():

@@ -43,7 +43,7 @@ def written(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared]) ->
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
-    """Return the distances of the elbows from those of the clip, relative to the reach, (N,)."""
+    """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
     elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
     ours = np.ldexp(result.each.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach

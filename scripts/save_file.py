@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A GTKWave save file for a VCD of ``ik_axis``: signals in groups, fixed-point words shown as real numbers.
 
-The groups are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`).  A node's label carries
-the equation it belongs to and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after it was admitted.
+The groups are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`). A node's label carries
+its equation and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after its admission.
 
-GTKWave shows a fixed-point word through its "fixed point shift", right for words of more than 31 fraction bits since
-3.3.107.  It cannot show a decimal word of more than 64 bits: of those the first 64 bits are shown.
+GTKWave shows a fixed-point word through its "fixed point shift", correct for words of more than 31 fraction bits since
+3.3.107. It cannot show a decimal word of more than 64 bits; only the first 64 bits of longer words are shown.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ class _Save:
         return self.names[path]
 
     def open(self, comment: str, mark: Mark | None) -> None:
-        """Write the settings of the window and the place where it opens."""
+        """Write the window's settings and its initial position."""
         self.writer.comment(comment)
         if mark:
             self.writer.comment(f"first difference: {mark.message}")
@@ -140,7 +140,7 @@ class _Save:
         self.writer.zoom_markers(zoom=-15.0, marker=mark.time if mark else -1)
 
     def sections(self, datapath: str, nodes: Mapping[str, Node], mark: Mark | None) -> None:
-        """Write a closed group for each section; that of the marked node, in red, is open."""
+        """Write a closed group for each section; the group of the marked node, in red, is open."""
         for section, what in CONFIGURATIONS[datapath].sections.items():
             closed = not mark or nodes[mark.node].section != section
             with self.writer.group(f"{section}: {what}", closed=closed):

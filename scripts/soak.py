@@ -10,7 +10,7 @@ all 12^6 targets of twelve special words on each input. --against c also compare
 hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/hardest.csv and docs/generated/soak.md.
 
 The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
-datapath beyond its tolerance, and writes the targets to OUT/failing.csv. The paper's datapath has no tolerance near its
+datapath beyond its tolerance, and writes those targets to OUT/failing.csv. The paper datapath has no tolerance near its
 singular poses; the excess over `model.bounds.predict` is reported.
 
 --worst searches the bit-true model of the lean datapath for the largest hand errors: each round changes the worst
@@ -351,7 +351,7 @@ def _soak(arguments: argparse.Namespace) -> int:
         lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
         earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
         if arguments.keep:
-            recorded()  # an unusable file is an error before the run, not hours later
+            recorded()  # fail on an unusable file before the run, not hours later
         if arguments.against:
             _compiled()
         core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)

@@ -32,7 +32,7 @@ from tb.sim.simulate import SimulationError
 JOBS = 1000
 INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
 PIECE = 100
-"""Jobs of a piece, those with pauses on one channel included."""
+"""Jobs of a piece, including jobs with pauses on one channel."""
 
 ECHO_PLACE = ROOT / "build" / "soak-memory"
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make run` prints of its scores: the figures of a trajectory, what was asked, and whether it was reached; and
-what `make soak` prints of all targets and of the hardest."""
+"""Tables of `make run`, with the figures of each trajectory, their limits and the verdict, and of `make soak`."""
 
 from __future__ import annotations
 
@@ -41,12 +40,12 @@ def _verdict(result: Score) -> str:
 
 
 def outcome(result: Score) -> str:
-    """Whether it passes, and why."""
+    """Return the verdict and its reason."""
     return f"{_verdict(result)}{escape(result.outcome[4:])}"
 
 
 def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
-    """The figures of one trajectory: a name, the measured value and, where there are any, what is asked and predicted.
+    """Return the figures of one trajectory: name, measured value and, if any, limit and prediction.
 
     flags (N,): the core's flag bits.
     """
@@ -88,7 +87,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
 
 
 def table_of_one(result: Score, flags: np.ndarray) -> Table:
-    """The figures of one trajectory, a line each, beside what is asked and predicted."""
+    """Return the table of one trajectory: a line for each figure, with limit and prediction."""
     table = Table(
         title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
         f"{result.width} bits, {result.simulator}",
@@ -106,7 +105,7 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
 
 
 def _summary(scores: Sequence[Score]) -> str:
-    """How many pass, and of how many the accuracy was judged at all."""
+    """Return the number of trajectories that pass, and how many of them have no accuracy limit."""
     passed = [result for result in scores if result.passed]
     unasked = sum(result.hand_error_bar is None and result.clamped_error_bar is None for result in passed)
     said = f"{len(passed)} of {len(scores)} pass"
@@ -114,7 +113,7 @@ def _summary(scores: Sequence[Score]) -> str:
 
 
 def table_of_many(scores: Sequence[Score]) -> Table:
-    """One line a trajectory, narrow enough for a terminal of 80 columns."""
+    """Return a table with one line for each trajectory, within 80 columns."""
     first = scores[0]
     latency = "" if first.latency_cycles is None else f", latency {first.latency_cycles} clocks"
     table = Table(
@@ -140,8 +139,8 @@ def table_of_many(scores: Sequence[Score]) -> Table:
 
 
 def verdict(name: str, scores: Sequence[Score]) -> int:
-    """Say on stderr, for the command `name`, what fails, and of which datapath if there are several; the exit status 0
-    or 1."""
+    """Report failures of the command `name` on stderr, with the datapath if there are several; return the exit status,
+    0 or 1."""
     several = len({result.datapath for result in scores}) > 1
     for result in scores:
         of = f", {result.datapath} datapath" if several else ""
@@ -151,7 +150,7 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
 
 
 def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
-    """The figures of all targets; only those that pass are counted, so no bit differs."""
+    """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
     table = Table(title=f"soak: {what}", box=box.SIMPLE_HEAD, title_justify="left")
@@ -179,7 +178,7 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
 
 
 def table_of_hardest(found: Found) -> Table:
-    """The hardest targets: first by hand error beside its tolerance, then by norm error."""
+    """Return the hardest targets: first by hand error relative to its tolerance, then by norm error."""
     table = Table(title="the hardest targets", box=box.SIMPLE_HEAD, title_justify="left", padding=(0, 1, 0, 0))
     for heading in ("target", "hand", "/ tol.", "norm", *FIELDS):
         table.add_column(heading, justify="right")

@@ -51,8 +51,8 @@ def parser_of(
     """Return the parser of a command that runs trajectories.
 
     out: default of --out; written: files there, for its help; passes, fails: as for `Parser`; datapath: the default,
-    None if it depends on the trajectory (`datapaths`); most: number of names that --datapath takes; core: has the
-    command options of the core?
+    None if it depends on the trajectory (`datapaths`); most: number of names that --datapath takes; core: True if the
+    command has the core's options.
     """
     parser = Parser(command, description, passes=passes, fails=fails)
     about = (

@@ -4,11 +4,11 @@
     python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold] [--width BITS] [--page]
         [--farm tcp://HOST:PORT]
 
-Synthesizes with Yosys for the paper's own family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on
-an ECP5-85k with nextpnr; the folded machine on the smallest chips.  Every run is kept in build/fpga under a hash of its
-sources, options and tools: a repeated command is quick, an interrupted one resumes.  With --farm what does not wait for
-other runs is done by Dask workers at once (scripts/parallel.py).  The figures go to fpga.json, from which the
-page fpga.md is made; --page only makes the page.
+Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
+ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Every run is cached in build/fpga under a hash of
+its sources, options and tools: a repeated command is quick, an interrupted one resumes. With --farm, Dask workers
+execute independent runs in parallel (scripts/parallel.py). The figures go to fpga.json, the source of the page
+fpga.md; --page only renders the page.
 """
 
 from __future__ import annotations
@@ -50,34 +50,34 @@ from tb.sim.sources import closure, digest
 PAGE = GENERATED / "fpga.md"
 
 WIDTHS = {"lean": (18, 24, 32), "lean25": (18,), "paper": (32,)}
-"""What is measured unless others are asked for."""
+"""Default word lengths of each datapath."""
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 ONLY_COUNTED = {"lean25": ("xc7", "xcup")}
-"""Not placed, and synthesized for these families: what is asked is what the shorter words win, and the larger tiles."""
+"""Synthesized for these families but not placed: only the gain of shorter words and larger tiles is measured."""
 FULL = 0.97
-"""Part of the device up to which a design is placed whole."""
+"""Largest utilization of the device at which a design is placed whole."""
 SEEDS = range(1, 5)
-"""Of placements, tried until the aim is reached."""
+"""Placement seeds, tried until the aim is reached."""
 
 
 ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
-"""In the place of the datapath, where only what is around it is measured."""
+"""Replacement for the datapath when only its surroundings are measured."""
 
 
 def rtl_digest(datapath: str) -> str:
-    """Of the code of a datapath; of `memory`, all of ``ik_axi``; of `fold`, of ``ik_axis``."""
+    """Return the digest of a datapath's code; for `memory`, of ``ik_axi``; for `fold`, of ``ik_axis``."""
     return digest(closure(TOPS.get(datapath) or WHOLE_TOPS[datapath]))
 
 
 def recorded() -> dict[str, str]:
-    """Design, as in lean-32: the digest of the code that the checked-in figures are of."""
+    """Return design, such as lean-32 -> digest of the code behind the checked-in figures."""
     data = json.loads(FIGURES.read_text())
     designs = data["designs"] | {part: data[part] for part in WHOLE_TOPS if part in data}
     return {f"RTL of {name}": design["rtl"] for name, design in designs.items()}
 
 
 def present() -> dict[str, str]:
-    """The same of the present code."""
+    """Return design -> digest of the present code."""
     return {name: rtl_digest(name.split()[-1].split("-")[0]) for name in recorded()}
 
 
@@ -86,22 +86,22 @@ def synthesis(datapath: str, width: int, family: str, kind: str = "synth") -> Ru
 
 
 def placement(datapath: str, width: int, module: str) -> Run:
-    """Of a module of the datapath, or of its top, with those parameters that it has; from the first seed."""
+    """Return the placement, with the first seed, of a module or the top of the datapath with its parameters."""
     text = content(closure(module)[0]).decode()
     values = {k: v for k, v in {"W": width, **PARAMETERS[datapath]}.items() if re.search(rf"\b{k}\s*=", text)}
     return Run("place", "ecp5", module, values)
 
 
 def fits(cells: dict) -> bool:
-    """Whether the device holds a synthesized design, by its ECP5 counts."""
+    """Return whether a synthesized design fits the device, by its ECP5 counts."""
     used = {"MULT18X18D": "multipliers", "TRELLIS_COMB": "LUT", "TRELLIS_FF": "FF", "DP16KD": "RAM"}
     return all(cells[kind] <= FULL * HOLDS[bel] for bel, kind in used.items())
 
 
 class Figures:
-    """docs/generated/fpga.json: every run with its figures, and what else the page says of a design.
+    """docs/generated/fpga.json: every run with its figures, and the page's other data on a design.
 
-    ``tried`` is written by hand: [what, where, before, after] of each change of the RTL, whether kept or not.
+    ``tried`` is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
     """
 
     def __init__(self, path: Path = FIGURES):
@@ -119,7 +119,7 @@ class Figures:
         self.data["commands"] = commands()
         for part in ("tools", "commands", "designs", "runs"):
             self.data[part] = dict(sorted(self.data[part].items()))
-        # a line a run: a diff shows which ones are new
+        # one line per run, so that a diff shows the new ones
         lines = [f' "{k}": {json.dumps(self.data[k])},' for k in ("tools", "commands", *WHOLE_TOPS) if k in self.data]
         tried = ",\n".join(f"  {json.dumps(row)}" for row in self.data.get("tried", []))
         lines += [' "tried": [', *([tried] if tried else []), " ],"]
@@ -132,7 +132,7 @@ class Figures:
 
 
 def commands() -> dict[str, str]:
-    """Family or tool -> what it was told, without the names of files."""
+    """Return family or tool -> its command, without file names."""
     out = {}
     for family in dict.fromkeys((*FAMILIES, *(family for family, _, _ in FOLD))):
         lines = Run("synth", family, "ik_lean", {}).script().splitlines()
@@ -143,7 +143,7 @@ def commands() -> dict[str, str]:
 
 
 def commit() -> str:
-    """Of the checkout, with a + where the RTL has been changed since."""
+    """Return the commit of the checkout, with a + if the RTL has been changed since."""
     def git(*words):
         return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
 
@@ -151,22 +151,22 @@ def commit() -> str:
 
 
 def describe(datapath: str, width: int) -> dict:
-    """Clocks and accuracy from the bit-true model, on 4000 random targets."""
+    """Return latency and largest hand error of the bit-true model on 4000 random targets."""
     errors = Errors.of(region("anywhere", 4000, width, 1), width, datapath)
     return {"latency": latency(datapath, width), "hand": float(f"{errors.hand.max():.2g}")}
 
 
 def code(datapath: str) -> dict:
-    """What was measured."""
+    """Return digest and commit of the measured code."""
     return {"rtl": rtl_digest(datapath), "commit": commit()}
 
 
 Job = tuple[Run, float | None]
-"""A run; or one that is placed from seed after seed until it reaches so many MHz."""
+"""A run, and None or the MHz at which to stop trying seeds."""
 
 
 def attempts(job: Job) -> dict[Run, dict | None]:
-    """The figures of its runs; none of what was not done in time."""
+    """Return the figures of the job's runs, None for a run that timed out."""
     found = {}
     for run in seeds(job):
         try:
@@ -189,8 +189,8 @@ def reached(figures: dict | None, job: Job) -> bool:
 
 
 class Measurement:
-    """Runs whose figures are written after each; ``left_out``: what was not done in time, a line each.  ``each``: the
-    `map` of a farm, if there is one."""
+    """Runs whose figures are written after each. ``left_out``: a line for each run that timed out; ``each``: the `map`
+    of a farm, if any."""
 
     def __init__(self, figures: Figures, each: Callable | None = None):
         self.figures, self.each = figures, each
@@ -198,7 +198,7 @@ class Measurement:
         self.known: list[tuple[Job, dict[Run, dict | None]]] = []
 
     def ahead(self, jobs: Iterable[Job]) -> None:
-        """What a farm can do at once of what is asked for next."""
+        """Execute the coming jobs on the farm in parallel, if there is one."""
         if not self.each:
             return
         jobs = [job for job in jobs if not self._kept(job)]
@@ -228,7 +228,7 @@ class Measurement:
         return done
 
     def placement(self, first: Run, aim: float) -> bool:
-        """The quickest of the seeds that are tried until the aim is reached, with the clocks of all of them."""
+        """Record the fastest of the seeds tried until the aim is reached, with all their clocks; return success."""
         tried = [{**done, "seed": run.seed} for run, done in self._attempts((first, aim)).items() if done]
         if tried:
             best = max(tried, key=lambda done: done["mhz"])
@@ -247,7 +247,7 @@ def syntheses(datapath: str, width: int) -> Iterator[Run]:
 
 
 def measure(on: Measurement, datapaths: Sequence[str], widths: Sequence[int]) -> None:
-    """All runs of datapaths and widths."""
+    """Execute all runs of datapaths and widths."""
     figures = on.figures
     chosen = [(d, w) for d in datapaths for w in sorted(widths or WIDTHS[d])]
     on.ahead((run, None) for design in chosen for run in syntheses(*design))
@@ -271,7 +271,7 @@ def measure(on: Measurement, datapaths: Sequence[str], widths: Sequence[int]) ->
 
 
 def measure_memory(on: Measurement) -> None:
-    """All runs of ``ik_axi``, around an echo and with the lean datapath."""
+    """Execute all runs of ``ik_axi``, with an echo and with the lean datapath."""
     on.figures.data["memory"] = code("memory")
     runs = [
         [Run("synth", family, WHOLE_TOPS["memory"], {"W": width}, instead=ECHO if echo else ()) for family in FAMILIES]
@@ -287,7 +287,7 @@ def measure_memory(on: Measurement) -> None:
 
 
 def measure_fold(on: Measurement, widths: Sequence[int]) -> None:
-    """All runs of the folded machine, whole."""
+    """Execute all runs of the fold datapath, placed whole."""
     figures = on.figures
     designs = {f"{datapath}-{width}": describe(datapath, width) for _, datapath, width in FOLD}
     figures.data["fold"] = {**code("fold"), "designs": designs}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Registers into multipliers and memories of ECP5, between Yosys and nextpnr."""
+"""Register packing into ECP5 multipliers and memories, between Yosys and nextpnr."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import re
 from collections import Counter
 
 PACKER = "3"
-"""Changes when the function below does."""
+"""Version of the function below."""
 
 
 def pack_registers(module: dict) -> dict:
-    """Move registers into MULT18X18D and DP16KD, as Lattice's own tools do and Yosys does not (module of write_json).
+    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json).
 
-    The output register of a multiplier or of a port of a memory, where all that it goes to is plain flip-flops of one
-    clock.  The input registers of a multiplier, where A and B both come from plain flip-flops of that clock or are
-    constant; a flip-flop that others read, too, stays for them, and one behind a memory, whose outputs are late, stays
-    near to it.  Returns how many got which, and how many flip-flops are gone.
+    Output register of a multiplier or memory port: used if all its readers are plain flip-flops of one clock.
+    Input registers of a multiplier: used if A and B both come from plain flip-flops of that clock or are constant. A
+    flip-flop with other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns
+    the number of registers of each kind and of removed flip-flops.
     """
     cells = module["cells"]
     memories = [cell["connections"] for cell in cells.values() if cell["type"] == "DP16KD"]
@@ -51,7 +51,7 @@ def pack_registers(module: dict) -> dict:
         return nets.get("DI", nets.get("M", ["0"]))[0]
 
     def registers(nets, ports):
-        """Port -> flip-flops that it goes to; nothing unless they are all there is behind these ports, of one clock."""
+        """Return port -> flip-flops behind it; empty if the ports have other readers or more than one clock."""
         behind = {port: readers.get(nets.get(port, ["x"])[0], []) for port in ports}
         flat = [r for readers_of in behind.values() for r in readers_of]
         if not all(simple and port == "DI" for _, port, _, simple in flat) or len({clock(r[0]) for r in flat}) != 1:
@@ -59,7 +59,7 @@ def pack_registers(module: dict) -> dict:
         return {port: [r[0] for r in readers_of] for port, readers_of in behind.items() if readers_of}
 
     def take_over(nets, behind):
-        """Ports take over the nets of the flip-flops behind them; several flip-flops of one bit are one."""
+        """Connect ports to the nets of the flip-flops behind them; merge several flip-flops of one bit."""
         for port, flops in behind.items():
             first, *others = [cells[f]["connections"]["Q"][0] for f in flops]
             nets[port] = [first]
@@ -108,7 +108,7 @@ def pack_registers(module: dict) -> dict:
             take_over(nets, outputs)
             cell["parameters"][f"REGMODE_{side}"] = "OUTREG"
             counts["memory"] += 1
-    # flip-flops that nobody reads any more, and what only they have read
+    # remove flip-flops without readers, and then their sources that have become unread
     todo = [f for f in set(source.values())]
     while todo:
         name = todo.pop()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page of fpga.json: table 5 of the paper again, critical paths, where the logic goes."""
+"""The page made from fpga.json: our table 5, critical paths, breakdown of the logic."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DEVICE = "ECP5-85k, speed grade 8"
 
 TOPS = {"lean": "ik_lean", "lean25": "ik_lean", "paper": "ik_paper"}
 PARAMETERS = {"lean": {}, "lean25": {"TILE": 25}, "paper": {"DIGIT": 1}}
-"""What a datapath is built with beside its width: the paper's with the dividers and roots that are logic."""
+"""Parameters of each datapath besides its width; paper with the dividers and roots built from logic."""
 
 SECTIONS = {
     "lean": ("ik_lean_guard", "ik_lean_direction", "ik_lean_triangle", "ik_lean_turn"),
@@ -23,16 +23,16 @@ SECTIONS = {
 }
 
 WHOLE_TOPS = {"memory": "ik_axi", "fold": "ik_axis"}
-"""What is measured with its streams or its memory port around it, and has a table of its own."""
+"""Tops with streams or memory ports, which have tables of their own."""
 
 FOLD = (
     ("up5k", "fold16", 18), ("up5k", "fold16", 24), ("ecp5-12k", "fold", 24), ("ecp5-12k", "fold", 32),
     ("xc7", "fold", 24), ("xc7", "fold", 32), ("gowin", "fold", 24), ("gowin", "fold", 32),
 )  # fmt: skip
-"""Chip, configuration and word length of the folded machine."""
+"""Chip, configuration and word length of the fold datapath."""
 
 FOLD_MHZ = {"up5k": 33, "ecp5-12k": 100}
-"""What a placement aims at."""
+"""Placement aim (MHz) of each chip."""
 
 CHIPS = {
     "up5k": ("iCE40 UP5K", "logic cells"), "ecp5-12k": ("ECP5-12k, speed grade 6", "LUT4"), "xc7": ("xc7", "LUT6"),
@@ -40,10 +40,10 @@ CHIPS = {
 }  # fmt: skip
 
 MEMORY = ((32, True), (18, False), (32, False))
-"""Word length, and whether an echo stands in the place of the lean datapath."""
+"""Word length, and whether an echo replaces the lean datapath."""
 
 AIM_MHZ = {"lean": 200, "paper": 150}
-"""A placement starts from a seed, and clocks differ by a tenth: the next seed is tried until this is reached."""
+"""Placement aim: clocks vary by a tenth between seeds, so seeds are tried until this is reached."""
 
 BROKEN_DOWN = (32, 18)
 """Widths whose logic is counted module by module."""
@@ -60,9 +60,9 @@ PAPER_TABLE = {
 
 
 def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> list[tuple[str, dict]]:
-    """(module, figures) of those of the modules that were placed alone, or of the top, placed whole."""
+    """Return (module, figures) of each of the modules that was placed alone, or of the top, placed whole."""
     found: list[tuple[str, dict]] = []
-    if datapath not in SECTIONS:  # is only counted
+    if datapath not in SECTIONS:  # only counted
         return found
     for module in modules:
         starts = f"{module.removeprefix('ik_')}-W{width}-"
@@ -72,13 +72,13 @@ def place_runs(data: dict, datapath: str, width: int, modules: tuple[str, ...]) 
 
 
 def slowest(data: dict, datapath: str, width: int, modules: tuple[str, ...]) -> float | None:
-    """MHz, if all of the modules were placed."""
+    """Return the lowest clock (MHz), None unless all modules were placed."""
     found = place_runs(data, datapath, width, modules)
     return min(run["mhz"] for _, run in found) if found and len(found) == len(modules) else None
 
 
 def clock(data: dict, datapath: str, width: int) -> float | None:
-    """MHz of a datapath: placed whole where the device holds it, otherwise of its slowest module."""
+    """Return the clock (MHz) of a datapath: placed whole if it fits the device, otherwise of its slowest module."""
     whole = slowest(data, datapath, width, (TOPS[datapath],))
     return whole or slowest(data, datapath, width, SECTIONS.get(datapath, ()))
 
@@ -89,7 +89,7 @@ def synthesized(data: dict, datapath: str, width: int, family: str, kind: str = 
 
 
 def comparison(data: dict) -> str:
-    """The table beside the paper's."""
+    """Return the table with the paper's figures next to ours."""
     columns = [(d, w) for d in ("paper", "lean", "lean25") for w in range(32, 15, -1) if f"{d}-{w}" in data["designs"]]
     rows = {}
 
@@ -133,12 +133,12 @@ def comparison(data: dict) -> str:
 
 
 def memory_clock(data: dict) -> float | None:
-    """MHz of ``ik_axi`` around an echo, as far as it has been placed."""
+    """Return the clock (MHz) of ``ik_axi`` with an echo, None if it was not placed."""
     return data["runs"].get("axi-W32-echo-ecp5-place", {}).get("mhz")
 
 
 def memory(data: dict) -> str:
-    """The table of ``ik_axi``; empty where nothing was measured."""
+    """Return the table of ``ik_axi``, empty if nothing was measured."""
     rows = []
     for width, echo in MEMORY:
         name = "-".join(["axi", f"W{width}", *(["echo"] if echo else [])])
@@ -159,19 +159,19 @@ def memory(data: dict) -> str:
 
 
 def fold_values(datapath: str, width: int) -> dict[str, int]:
-    """Parameters of ``ik_axis``."""
+    """Return the parameters of ``ik_axis``."""
     chosen = CONFIGURATIONS[datapath].parameters
     return {"W": width, "DATAPATH": chosen["DATAPATH"], "TILE": chosen["TILE"]}
 
 
 def fold_runs(data: dict, family: str, datapath: str, width: int) -> tuple[dict | None, dict | None]:
-    """The figures of the folded machine on a chip: synthesized, and placed; None for what was not measured."""
+    """Return the fold datapath's figures on a chip, synthesized and placed; None where not measured."""
     name = "-".join(["axis", *(f"{k}{v}" for k, v in fold_values(datapath, width).items()), family])
     return data["runs"].get(name), data["runs"].get(f"{name}-place")
 
 
 def folded(data: dict) -> str:
-    """The table of the folded machine; empty where nothing was measured."""
+    """Return the table of the fold datapath, empty if nothing was measured."""
     rows = []
     for family, datapath, width in FOLD:
         run, placed = fold_runs(data, family, datapath, width)
@@ -193,7 +193,7 @@ def folded(data: dict) -> str:
 
 
 def breakdown(data: dict, datapath: str, width: int) -> dict | None:
-    """Where the logic of a datapath is: tables by section and by module; None where it was not counted."""
+    """Return tables of a datapath's logic by section and by module, None if it was not counted."""
     tree = synthesized(data, datapath, width, "xc2vp", "tree")
     if not tree:
         return None
@@ -215,7 +215,7 @@ def breakdown(data: dict, datapath: str, width: int) -> dict | None:
 
 
 def critical(data: dict) -> str:
-    """The slowest path of each placement."""
+    """Return the table of each placement's slowest path."""
     rows = []
     for design in data["designs"]:
         datapath, width = design.split("-")
@@ -231,7 +231,7 @@ def critical(data: dict) -> str:
 
 
 def page(data: dict) -> str:
-    """fpga.md."""
+    """Return fpga.md."""
     dates = sorted(run["date"] for run in data["runs"].values())
     measured = sorted({(k.split("-")[0], d["commit"], d["rtl"]) for k, d in data["designs"].items()})
     parts = [breakdown(data, datapath, width) for width in BROKEN_DOWN for datapath in ("lean", "paper")]

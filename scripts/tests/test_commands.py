@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All commands: bad input gives one line and status 2, help names the options, make passes on what was given."""
+"""Tests of all commands: bad input gives one line and status 2, help lists the options, make passes variables on."""
 
 import os
 import re
@@ -84,7 +84,7 @@ BAD_INPUT = [
 
 @pytest.fixture
 def inputs():
-    """Files and folders that BAD_INPUT names; a call drops root's rights, which ignore permissions."""
+    """Files and folders named in BAD_INPUT; calls drop root's rights, which override permissions."""
     for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
         Path(folder).mkdir(parents=True)
     for folder in (".", "o"):
@@ -146,7 +146,7 @@ def test_the_exit_status_of_the_process():
 
 
 def dry_run(*words, cwd=ROOT):
-    """make -n without SIM of this environment."""
+    """Run make -n without SIM in the environment."""
     env = {name: value for name, value in environment().items() if name != "SIM"}
     return subprocess.run(["make", "-n", *words], cwd=cwd, env=env, capture_output=True, text=True, check=False)
 
@@ -194,7 +194,7 @@ def test_make_refuses_bad_variables(words, message):
 
 
 def test_make_replaces_the_shell_by_the_command():
-    """Otherwise a SIGTERM to make ends the shell only, and command and simulator continue."""
+    """A shell in between would be ended by SIGTERM to make, while command and simulator continue."""
     text = (ROOT / "Makefile").read_text()
     last = re.findall(r"^\t@.*\$\(VENV\) .*\n(?!\t)", text, re.MULTILINE)
     assert last and all("exec $(VENV) " in line for line in last)

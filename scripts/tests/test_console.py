@@ -77,14 +77,14 @@ def test_new_empty_folders_are_removed(tmp_path):
 
 @pytest.fixture
 def clock(monkeypatch):
-    """Time in seconds, set by the test."""
+    """Clock in seconds, set by the test."""
     now = [100.0]
     monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
     return now
 
 
 def test_lines_of_progress_without_a_terminal(clock, capsys):
-    """The inner of two meters reports; its rate is that of the last minutes, without an earlier run's work."""
+    """The inner of two meters reports; its rate covers the last minutes and excludes an earlier run's work."""
     with progress("some", 0, every=30) as outer:
         clock[0] += 20
         with progress("inner", 5000, first=1000, every=30) as inner:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make coverage: what is a finding, of counts that are made up."""
+"""Tests of the findings of make coverage on synthetic counts."""
 
 import json
 
@@ -20,7 +20,7 @@ WHY = {"file": "rtl/*/ik_fifo.v", "text": "m_valid<=!empty;", "kind": "line|togg
 
 @pytest.fixture
 def judged(tmp_path, monkeypatch, command):
-    """Judges counts: a point in every file, and some of a line of the FIFO; waivers; hits of a cross."""
+    """Return a function that judges counts: a point in every file, points of one FIFO line, waivers, cross hits."""
     monkeypatch.setattr(coverage, "COUNTS", tmp_path / "counts")
     monkeypatch.setattr(coverage, "HTML", tmp_path / "index.html")
     monkeypatch.setattr(coverage, "PAGE", tmp_path / "coverage.md")

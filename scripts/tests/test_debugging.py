@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Follow docs/debugging.md word for word in a copy of the checkout and compare the printed lines."""
+"""Tests that follow docs/debugging.md word for word in a copy of the checkout and compare the printed lines."""
 
 import json
 import os
@@ -18,7 +18,7 @@ COMMAND = re.compile(r"(sed|make|gtkwave|\.venv/bin/python) ")
 
 
 def blocks(text):
-    """The indented blocks of a page: (is it of commands?, its lines)."""
+    """Yield the indented blocks of a page: (whether it holds commands, its lines)."""
     found = re.findall(r"(?:^    .*\n)(?:^(?:    .*)?\n)*", text, re.MULTILINE)
     for block in found:
         lines = [line.removeprefix("    ") for line in block.rstrip().splitlines()]
@@ -26,7 +26,7 @@ def blocks(text):
 
 
 def missing(lines, said):
-    """The first of the lines that is not in what was said; each run of lines between `...` is there in one piece."""
+    """Return the first line missing from the output `said`; lines between `...` must be contiguous, in order."""
     begin = 0
     for piece in "\n".join(lines).split("\n...\n"):
         wanted = piece.splitlines()
@@ -39,7 +39,7 @@ def missing(lines, said):
 
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
-    """A copy of what git knows here, with the same Python; set-up takes a .venv that is no link."""
+    """A copy of the tracked and unignored files with the same Python; set-up requires a .venv that is no link."""
     copy = tmp_path_factory.mktemp("checkout")
     listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
     names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
@@ -54,7 +54,7 @@ def checkout(tmp_path_factory):
             (venv / entry.name).symlink_to(entry)
     made = json.loads((ROOT / ".venv" / stamp).read_text(encoding="utf-8"))
     (venv / stamp).write_text(json.dumps(made | {"venv": str(venv)}), encoding="utf-8")
-    # A window cannot be opened here: in place of gtkwave, something that wants both its files.
+    # No window can be opened here: replace gtkwave with a script that requires its files.
     tools = copy / "build" / "tools"
     tools.mkdir(parents=True)
     (tools / "gtkwave").write_text('#!/bin/sh\nset -e\nfor file; do test -s "$file"; done\necho shows "$@"\n')
@@ -64,7 +64,7 @@ def checkout(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def said(checkout):
-    """The page followed: for each block of commands, its commands, what they print, and what the page says of it."""
+    """Run the page; return each block of commands with its result and the output shown on the page."""
     drop = {"SIM", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST_ADDOPTS", "PYTEST_CURRENT_TEST", "IK_CORES"}
     env = {name: value for name, value in os.environ.items() if name not in drop and "XDIST" not in name}
     env["PATH"] = f"{checkout / 'build' / 'tools'}{os.pathsep}{env['PATH']}"
@@ -74,7 +74,7 @@ def said(checkout):
             steps[-1][2].append(lines)
             continue
         script = "\n".join(lines)
-        # bash, as most readers have it, takes test_sections[lean-32] for a pattern that matches no file
+        # bash, the shell of most readers, reads test_sections[lean-32] as a pattern that matches no file
         done = subprocess.run(
             ["bash", "-c", script], cwd=checkout, env=env, text=True, check=False,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -85,7 +85,7 @@ def said(checkout):
 
 @pytest.mark.cost(40)
 def test_what_the_page_says_is_printed_is_printed(said):
-    """All commands run, those that simulate find the bug, and every line stands in what they print."""
+    """All commands run, simulations find the bug, and every line on the page is printed."""
     assert [step[0].split()[0] for step in said] == [
         "sed", "make", "gtkwave", "gtkwave", ".venv/bin/python", ".venv/bin/python",
     ]  # fmt: skip
@@ -95,14 +95,14 @@ def test_what_the_page_says_is_printed_is_printed(said):
         assert bool(done.returncode) == finds, f"{script}\n{done.stdout}"
         assert "cga-ik: " not in done.stdout, "set-up found something to do"
         lines = [line.rstrip() for line in done.stdout.splitlines()]
-        if "pytest" in script:  # each behind a logger's columns
+        if "pytest" in script:  # each line has a logger's prefix
             lines = [re.sub(r"^INFO +cocotb:\S+ +", "", line) for line in lines]
         for expected in shown:
             assert missing(expected, lines) is None, f"{script}\n{missing(expected, lines)}\n{done.stdout}"
 
 
 def test_the_marker_stands_where_the_page_says(said, checkout):
-    """Both save files mark the node and the time that the page names, and the labels in it are theirs."""
+    """Both save files mark the node and time named on the page and have its labels."""
     text = PAGE.read_text(encoding="utf-8")
     for name, says in (
         ("aligned", r"column of the first target that differs, at (\d+) ns"),
@@ -117,7 +117,7 @@ def test_the_marker_stands_where_the_page_says(said, checkout):
 
 
 def test_a_line_that_is_not_printed_is_missing():
-    """The comparison itself: pieces stand in one piece and in order."""
+    """Test `missing` itself: pieces must be contiguous and in order."""
     said = ["a", "b", "c", "d"]
     assert missing(["a", "b", "...", "d"], said) is None
     assert missing(["a", "c"], said) == "a"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make follow` prints every node of a target, names the wrong one, and its aligned VCD shows a target in a clock."""
+"""Tests of `make follow`: it prints every node of a target and names the wrong one; its VCD aligns nodes by target."""
 
 import re
 from pathlib import Path
@@ -22,7 +22,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
 FIRST, GAP = 6, 3
-"""Clock in which the simulator below admits target 0, and idle clocks between targets 1 and 2."""
+"""Clock in which the simulator below admits target 0; idle clocks between targets 1 and 2."""
 
 TOP = ("ik_axis",)
 WIDTH = 18
@@ -149,12 +149,12 @@ def label(lines):
     return next(re.search(r"{(.*?)}", line)[1] for line in lines if line[0] in "+#")
 
 
-# -- the command, the model in place of the simulator ----------------------------------------------
+# -- the command, with the model as simulator ------------------------------------------------------
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
 def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
-    """In dataflow order: clock, equation, both words, both values, operands. Nothing is written."""
+    """Lines are in dataflow order: clock, equation, both words, both values, operands. No file is written."""
     Simulator(monkeypatch)
     status, out, err = command(follow.main, "--target", "42", "--datapath", datapath)
     nodes = nodes_of(reach(), datapath)
@@ -177,7 +177,7 @@ def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
 
 
 def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
-    """The first in dataflow order, with its operands; for another target a line names the target that differs."""
+    """The first difference in dataflow order is shown with its operands; for another target one line names it."""
     Simulator(monkeypatch, wrong=[("qs_w", 3), ("w_1", 3), ("wi_c", 3)])
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
@@ -198,7 +198,7 @@ def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
 
 
 def test_aligned_vcd(command, monkeypatch):
-    """A column for each target, X between them; the first difference is marked."""
+    """Each target has a column, with X between them; the first difference is marked."""
     wrong = [("w_1", 3), ("u_x", 5)]
     Simulator(monkeypatch, wrong)
     status, out, _ = command(follow.main, "--target", "3", "--waves", "--out", "o")
@@ -217,7 +217,7 @@ def test_aligned_vcd(command, monkeypatch):
 
 
 def test_x_is_a_difference(tmp_path, command, monkeypatch):
-    """A VCD leaves out leading digits."""
+    """Leading digits are omitted in a VCD, so a short X value must be extended."""
     words = np.stack([reach()[0]] * 3)
     nodes = nodes_of(words)
     Simulator(monkeypatch)
@@ -288,7 +288,7 @@ if simulator() == "verilator":
     @pytest.mark.sim
     @pytest.mark.cost(20)
     def test_both_simulators_give_the_same(command):
-        """Listing, aligned VCD and save files are equal to the byte."""
+        """Listing, aligned VCD and save files are byte-identical."""
         options = "--target", "42", "--waves", "--width", str(WIDTH)
         outs = []
         for sim in SIMULATORS:

@@ -17,7 +17,7 @@ from tb.sim.env import ROOT
 
 @pytest.fixture
 def proofs(tmp_path, monkeypatch):
-    """Two proofs, `good` and `bad`, in a folder of their own; the number of runs of each."""
+    """Two proofs, `good` and `bad`, in their own folder; return the number of runs of each."""
     runs = {"good": 0, "bad": 0}
 
     def task(name, failed):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The host script of examples/icebreaker: through the simulated board it writes what `make run` writes; beside a board
-that does not behave it says so."""
+"""Tests of the host script of examples/icebreaker: with the simulated board it writes the files of `make run`; faults
+of the board are reported."""
 
 import binascii
 import json
@@ -29,7 +29,7 @@ HOST = [sys.executable, "-m", "examples.icebreaker.host", "PORT"]
 
 
 def csv(place, targets):
-    """A CSV with the first targets of an example."""
+    """Write a CSV with the first targets of an example."""
     lines = (ROOT / "examples" / "reach.csv").read_text().splitlines()
     (place / "few.csv").write_text("\n".join(lines[: targets + 1]) + "\n")
     return str(place / "few.csv")
@@ -40,7 +40,7 @@ def csv(place, targets):
     ("targets", "lost", "again"),
     [
         pytest.param(20, [[], []], 0, marks=pytest.mark.cost(10)),
-        # a byte of a target in the midst and of the last one; of an answer likewise
+        # a byte of a middle and of the last target; likewise of an answer
         pytest.param(
             100, [[22 * 5 + 3, 22 * 99 + 21], [0, 23 * 50 + 22]], 4, marks=[pytest.mark.slow, pytest.mark.cost(40)]
         ),
@@ -67,8 +67,8 @@ def test_the_same_results_as_in_simulation(tmp_path, command, targets, lost, aga
 
 
 class Board(threading.Thread):
-    """Answers by the model at the other end of a pseudo-terminal; `spoil(n, answer)` makes of the n-th answer what is
-    sent in its place."""
+    """Model of the board at the other end of a pseudo-terminal; `spoil(n, answer)` returns the bytes to send as the
+    n-th answer."""
 
     def __init__(self, spoil=lambda n, answer: answer):
         super().__init__(daemon=True)
@@ -101,7 +101,7 @@ def words_in(some):
 
 
 def answered(tag, flags, results):
-    """The bytes of an answer: a frame of its own start, with the flags behind the tag."""
+    """Return the bytes of an answer: a frame with its own start byte and the flags behind the tag."""
     payload = bytes([tag, flags]) + b"".join(int(word).to_bytes(3, "little", signed=True) for word in results)
     return ANSWER + payload + binascii.crc_hqx(payload, 0xFFFF).to_bytes(2, "big")
 
@@ -145,7 +145,7 @@ def test_an_answer_that_is_lost(command, few, lost):
 
 
 def test_a_late_answer_is_no_other_target(command, few):
-    """The answers to what was sent first come when it has been sent again."""
+    """Answers to the first transmission arrive after the retransmission."""
     held = []
 
     def spoil(n, answer):
@@ -229,7 +229,7 @@ def test_mistakes(command, few, files, arguments, says):
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signals(tmp_path, few, interruptible, number, status):
-    """Results of before stay whole."""
+    """Earlier results remain intact."""
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "results.csv").write_text("before")
     board = Board(lambda n, answer: b"")

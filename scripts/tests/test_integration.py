@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/integration.md, followed word for word; the FuseSoC core has the files of rtl/ik_axis.f and rtl/ik_axi.f."""
+"""Tests that follow docs/integration.md word for word; the FuseSoC core lists the files of rtl/ik_axis.f and
+rtl/ik_axi.f."""
 
 import ctypes
 import re
@@ -20,7 +21,7 @@ BLOCKS = re.findall(r"(?:^    \S.*\n)+", PAGE, re.MULTILINE)
 COMMANDS = [line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags)", line)]
 (PRINTED,) = ([line.strip() for line in block.splitlines()] for block in BLOCKS if "Qs = " in block)
 SLOW = "verilator ", "yosys ", "fusesoc --cores-root . run --target=sim_verilator"
-"""They compile or read the whole core."""
+"""Commands that compile or read the whole core."""
 
 
 def asked(tool):
@@ -33,7 +34,7 @@ def asked(tool):
 
 @pytest.fixture
 def do(tmp_path):
-    """Runs commands of the page, and says what they print."""
+    """Return a function that runs commands of the page and returns their output."""
     for name in ("rtl", "examples"):
         shutil.copytree(ROOT / name, tmp_path / name)
     shutil.copy(ROOT / "cga_ik.core", tmp_path)
@@ -87,7 +88,7 @@ def test_vhdl(do, command):
 
 
 def test_from_c(tmp_path):
-    """The example and the driver, as strictly as the driver alone; together they lack nothing."""
+    """Example and driver compile as strictly as the driver alone and link without undefined symbols."""
     needs("cc")
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
     library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Findings of scripts/lint.py on small modules and files."""
+"""Tests of the findings of scripts/lint.py on small modules and files."""
 
 import pytest
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The mutation campaign resumes, lists survivors and rejects invalid options."""
+"""Tests of the mutation campaign: it resumes, lists survivors and rejects invalid options."""
 
 from pathlib import Path
 

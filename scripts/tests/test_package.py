@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`pip install .`: the model as the package cga_ik, and the examples of the documentation run with it."""
+"""Tests of `pip install .`: it installs the model as the package cga_ik, which runs the documentation's examples."""
 
 import os
 import re
@@ -13,7 +13,7 @@ from tb.sim.env import ROOT
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """A folder with cga_ik in it, made without the network."""
+    """A folder with cga_ik installed, without network access."""
     folder = tmp_path_factory.mktemp("installed")
     options = ["--no-build-isolation", "--no-deps", "--quiet", "--target", folder]
     subprocess.run([sys.executable, "-m", "pip", "install", *options, ROOT], check=True)
@@ -21,7 +21,7 @@ def installed(tmp_path_factory):
 
 
 def python(installed, code):
-    """What code prints that sees the package and not the checkout."""
+    """Run code with the package but without the checkout; return its output."""
     environment = os.environ | {"PYTHONPATH": str(installed), "PYTHONSAFEPATH": "1"}
     command = [sys.executable, "-W", "error", "-c", code]
     ran = subprocess.run(command, cwd=installed, env=environment, capture_output=True, text=True)
@@ -37,7 +37,7 @@ def test_examples(installed, page):
 
 
 def test_what_is_installed(installed):
-    """The model and nothing else; its core needs numpy and mpmath only."""
+    """Only the model is installed; its core needs numpy and mpmath only."""
     assert sorted(path.name for path in installed.iterdir() if "dist-info" not in path.name) == ["cga_ik"]
     assert not [path for path in installed.rglob("*") if path.name == "tests"]
     assert (installed / "cga_ik" / "py.typed").exists(), "or no type checker looks at its annotations"

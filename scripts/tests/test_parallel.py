@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ordered map: over processes, and over a farm of real processes on loopback whose workers die."""
+"""Tests of the ordered map: over processes, and over a farm of real processes on loopback whose workers die."""
 
 import contextlib
 import functools
@@ -23,7 +23,7 @@ farm_test = pytest.mark.skipif(importlib.util.find_spec("distributed") is None, 
 
 
 def noted(folder, seconds, number):
-    """Note the number at the begin, and again at the end."""
+    """Record the number at the start and again at the end."""
     with open(Path(folder) / "begun", "a") as notes:
         print(number, file=notes)
     time.sleep(seconds)

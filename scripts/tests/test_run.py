@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make run` with the double-precision model in place of the simulator: files, tables, failures, signals."""
+"""Tests of `make run` with the double-precision model as simulator: files, tables, failures, signals."""
 
 import csv
 import json
@@ -110,7 +110,7 @@ def test_list(cli, simulator):
 
 
 def test_columns_axis_and_length_unit_of_a_file(cli):
-    """Results stand in the file's frame and unit, with the file's other columns."""
+    """Results are in the file's frame and unit, with the file's other columns."""
     text = "\ufefft;X;y;Z;d2;note\r\n0,5;0,3;0,1;0,2;0,4;first\r\n\r\n1,0;0,3;0,1;-0,2;0,4;\r\n"
     Path("t.CSV").write_text(text, encoding="utf-8", newline="")
     assert cli("--trajectory", "t.CSV", "--axis=0.3,1,0", "--phi=-1e-1", "--d1", "0.5", "--d2", "9")[::2] == (0, [])
@@ -200,7 +200,7 @@ def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files, 
 
 
 def test_an_ignored_signal_stays_ignored(cli, simulator):
-    """nohup sets SIGHUP to be ignored."""
+    """Under nohup, SIGHUP is ignored."""
     simulator.spoil = lambda runs: signal.raise_signal(signal.SIGHUP)
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Signals to `make`: the command and its simulator end within seconds and leave no temporary files."""
+"""Tests of signals to `make`: command and simulator end within seconds and leave no temporary files."""
 
 import os
 import signal
@@ -44,11 +44,11 @@ def start(tmp_path, *env_options):
     [*((number, os.killpg) for number in MESSAGES), (signal.SIGTERM, os.kill), (signal.SIGKILL, os.kill)],
 )
 def test_a_signal_ends_command_and_simulator(tmp_path, number, to):
-    """To the process group, as a terminal sends it, or to make alone, which hands on SIGTERM."""
+    """The signal goes to the process group, as from a terminal, or to make alone, which forwards SIGTERM."""
     make, pids = start(tmp_path)
     assert len(pids) == 2 and all(map(alive, pids))
     to(make.pid, number)
-    err = make.communicate(timeout=60)[1]  # waits for the command as well, which has the same stderr
+    err = make.communicate(timeout=60)[1]  # also waits for the command, which shares stderr
     assert make.returncode == -number and f"some: {MESSAGES.get(number, 'terminated')}\n" in err
     limit = time.monotonic() + 10
     while any(map(alive, pids)) and time.monotonic() < limit:

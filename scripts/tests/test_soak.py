@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The soak: what it counts, when it stops, where it resumes, what it keeps.
+"""Tests of the soak: its counts, stops, resumption and kept files.
 
-The simulator is replaced by the bit-true model, so that these tests take no build.
+The bit-true model replaces the simulator, so no build is needed.
 """
 
 import signal
@@ -27,7 +27,7 @@ MISMATCH = (
 
 
 class FakeCore:
-    """Stands in for the simulation: the bit-true model, whose run `spoil` may change; `calls` records words."""
+    """The bit-true model as simulation; `spoil` may change its run, `calls` records its words."""
 
     def __init__(self):
         self.calls = []
@@ -47,7 +47,7 @@ class FakeCore:
 
 @pytest.fixture
 def simulator(monkeypatch, tmp_path):
-    """The fake in the place of the simulation, chunks of 400, a regression list of its own."""
+    """Install the fake simulation, chunks of 400 targets and a private regression list."""
     fake = FakeCore()
     monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
     monkeypatch.setattr(every_node, "program", lambda datapath, width: None)
@@ -61,7 +61,7 @@ def simulator(monkeypatch, tmp_path):
 
 @pytest.fixture
 def spoiled_model(monkeypatch):
-    """Makes model and RTL, which agree, wrong alike: change(answer, words, width)."""
+    """Return a function that makes model and RTL wrong alike: change(answer, words, width)."""
     right = fixed.run
 
     def spoil(change):
@@ -94,7 +94,7 @@ def test_fewer_targets_are_the_first_of_more(cli, simulator):
 
 
 def test_special_words(cli, simulator):
-    """All targets of them, from any chunk on; no number and no seed with it."""
+    """--special runs all its targets, from any chunk on; it excludes a number of targets and a seed."""
     last = stimuli.SPECIAL // 400
     status, out, err = cli("--special", "--from", str(last), "--width", "18")
     (call,) = simulator.calls
@@ -122,7 +122,7 @@ def test_the_hardest_targets_are_written(cli, simulator, files):
 
 
 def test_from_a_chunk(cli, simulator):
-    """The same targets under the same numbers as in one run."""
+    """Targets and their numbers are the same as in one run."""
     cli("--targets", "1200")
     whole = simulator.calls[:]
     status, out, _ = cli("--targets", "700", "--from", "1", "--out", "later")
@@ -136,7 +136,7 @@ def test_from_a_chunk(cli, simulator):
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_ends_it_and_it_says_how_far_it_came(cli, simulator, number, status, files):
-    """As from a terminal, also where a shell has SIGINT ignored; handlers are what they were."""
+    """Signals also work where the shell ignores SIGINT; handlers are restored."""
 
     def spoil(runs):
         if len(simulator.calls) == 3:
@@ -168,7 +168,7 @@ def test_hardest_targets_of_other_kinds_are_kept_apart(cli, files):
 
 
 def fails(cli, simulator, spoil, *arguments, chunk=2):
-    """A run whose chunk `chunk` is spoiled: its messages, and the rows of failing.csv; nothing of the chunk counts."""
+    """Run with chunk `chunk` spoiled; return messages and the rows of failing.csv. The run must stop at the chunk."""
     simulator.spoil = lambda runs: spoil(runs[0]) if len(simulator.calls) == chunk else None
     status, out, err = cli("--targets", "1200", *arguments)
     messages = [line for line in err if "/s, " not in line]
@@ -178,7 +178,7 @@ def fails(cli, simulator, spoil, *arguments, chunk=2):
 
 
 def test_a_node_that_differs(cli, simulator):
-    """The scoreboard has seen it, though results are right."""
+    """The scoreboard reports a difference although the results are correct."""
 
     def spoil(run):
         run.bit_mismatches, run.first_mismatch = 2, MISMATCH
@@ -196,7 +196,7 @@ def test_a_node_that_differs(cli, simulator):
 
 
 def test_a_result_that_differs_though_nobody_said_so(cli, simulator):
-    """A scoreboard that compares nothing would go unseen without it."""
+    """Results are compared again, to detect a scoreboard that compares nothing."""
 
     def spoil(run):
         run.results[[5, 9], 0] ^= 1
@@ -209,7 +209,7 @@ def test_a_result_that_differs_though_nobody_said_so(cli, simulator):
 
 
 def test_a_wrong_flag(cli, spoiled_model):
-    """Also where the model has it wrong too."""
+    """A flag that is wrong in RTL and model alike is found."""
 
     def change(answer, words, width):
         answer.flags[3] ^= 4
@@ -220,7 +220,7 @@ def test_a_wrong_flag(cli, spoiled_model):
 
 
 def turn(answer, rows, angle):
-    """Turn the shoulder of targets about the x axis, keeping its length."""
+    """Rotate the shoulder quaternion of targets about the x axis."""
     qs = answer.results[rows, :4].astype(float)
     w, i, j, k = qs.T
     c, s = np.cos(angle / 2), np.sin(angle / 2)
@@ -230,7 +230,7 @@ def turn(answer, rows, angle):
 
 @pytest.mark.parametrize(("width", "angle"), [(32, 1e-6), (18, 1e-2), (20, 1e-2)])
 def test_a_hand_that_is_too_far_off(cli, spoiled_model, width, angle):
-    """Model and RTL agree: the error itself is judged."""
+    """The hand error itself is judged, although model and RTL agree."""
 
     def change(answer, words, width):
         turn(answer, np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)[:3], angle)
@@ -254,7 +254,7 @@ def test_the_paper_is_held_to_no_tolerance_and_its_excess_is_said(cli, simulator
 
 
 def test_quaternions_that_are_not_of_unit_length(cli, spoiled_model):
-    """Qe, whose length a clamped target's hand would not show."""
+    """The norm of Qe is checked, which the hand of a clamped target does not reveal."""
 
     def change(answer, words, width):
         clamped = np.flatnonzero(expected_flags(words, width) & UNREACHABLE)
@@ -349,7 +349,7 @@ def test_keep(cli, simulator):
 
 
 def test_keep_writes_a_row_of_what_was_found(cli, simulator):
-    """Of each datapath, word length and kind of targets the last one, with as many flags as exact integers give."""
+    """The last run of each datapath, word length and kind of targets is kept; flag counts match exact integers."""
     assert cli("--targets", "800", "--width", "18", "--keep")[0] == 0
     assert cli("--targets", "400", "--width", "24", "--keep")[0] == 0
     assert cli("--targets", "400", "--width", "18", "--seed", "2", "--keep")[0] == 0

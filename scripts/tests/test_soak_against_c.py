@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bit-true model, and wrong results, compared with the C in long double."""
+"""Tests of the comparison with the C in long double, for the bit-true model and for wrong results."""
 
 import shutil
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
 
 class Model:
-    """The bit-true model in place of the core, plus `over`."""
+    """The bit-true model as core, plus `over`."""
 
     datapath = "lean"
 
@@ -32,7 +32,7 @@ class Model:
 
 @pytest.mark.parametrize("width", [16, 18, 24, 32])
 def test_the_model_agrees(width):
-    """The difference is little more than half an LSB; the parts of a set of targets add up."""
+    """The difference is little more than half an LSB; counts of parts of a set of targets add up."""
     words = chunk(0, width, 3)[:4000]
     parts = [judge(Model(width), part, range(2000), soak.opinions) for part in np.split(words, 2)]
     found = parts[0][0] + parts[1][0]
@@ -61,7 +61,7 @@ def test_a_missing_answer_is_a_failure():
 
 
 def test_unequal_arms_are_not_compared_with_the_papers_equations():
-    """A soak found a difference at a forearm of 1 LSB, far from every singular pose."""
+    """Regression: a soak found a difference at a forearm of 1 LSB, far from every singular pose."""
     unequal = 1209551299, 91371512, 458362240, -1772665960, 1296710854, 1
     words = np.array([unequal, (5 << 24, 0, 0, 0, 1 << 26, 1 << 25)])
     lean, paper = soak.opinions(words, 32)

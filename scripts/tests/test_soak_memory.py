@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Counts, the stop at a failure and the replay of a piece, without a simulator."""
+"""Tests of soak_memory without a simulator: counts, the stop at a failure, the replay of a piece."""
 
 from pathlib import Path
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every built-in trajectory through the RTL by the command line, as a user runs it: all pass, node for node."""
+"""Tests that run every built-in trajectory through the RTL from the command line: all pass, node for node."""
 
 import json
 
@@ -17,12 +17,12 @@ from tb.sim.env import cores, simulator
 pytestmark = [pytest.mark.sim, pytest.mark.cost(120)]
 
 AIM = 1e-6
-"""What regular trajectories are to reach; their bar is wider."""
+"""Largest permitted hand error of regular trajectories; their tolerance is wider."""
 
 
 @pytest.fixture(scope="module")
 def outcomes(tmp_path_factory):
-    """Datapath -> (folder, scores) of all trajectories."""
+    """Return datapath -> (folder, scores) of all trajectories."""
     found = {}
     for datapath in DATAPATHS:
         out = tmp_path_factory.mktemp(datapath)
@@ -65,7 +65,7 @@ def test_the_lean_datapath_is_held_to_its_own_bar(outcomes):
 
 
 def test_the_lean_datapath_is_better_in_every_figure(outcomes):
-    """What makes it the default."""
+    """These figures justify lean as the default."""
     (_, lean), (_, paper) = outcomes["lean"], outcomes["paper"]
     for name, score in lean.items():
         for figure in ("latency_cycles", "total_cycles", "hand_error_max", "angle_error_max", "elbow_point_error_max"):
@@ -88,7 +88,7 @@ def test_latency_and_rate(outcome):
 
 def test_the_page_of_scores_is_up_to_date(outcomes):
     page = pages.scores_page({name: list(scores.values()) for name, (_, scores) in outcomes.items()})
-    heading = "## By region"  # another processor's sines may round figures there the other way
+    heading = "## By region"  # sines of another processor may round the figures there differently
     (old, old_regions), (new, new_regions) = (text.split(heading) for text in (pages.SCORES.read_text(), page))
     assert old == new and differing(old_regions, new_regions) == [], "run `make docs`"
 
@@ -107,7 +107,7 @@ if simulator() == "verilator":
 
     @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
     def test_the_native_harness_writes_the_same_files(datapath, outcomes, tmp_path, monkeypatch):
-        """As a long file gets it."""
+        """The native harness runs long files."""
         monkeypatch.setattr(simulate, "LONG", 0)
         out, _ = outcomes[datapath]
         arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(tmp_path), "--sim", "verilator"]

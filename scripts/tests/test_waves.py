@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""VCD of the core: every node at its clock; save file: only signals of the VCD; scripts/waves.py."""
+"""Tests of the core's VCD (every node at its clock), save files (only signals of the VCD) and scripts/waves.py."""
 
 import pytest
 from vcd.gtkw import GTKWFlag
@@ -80,7 +80,7 @@ def test_vcd_holds_every_node_at_its_clock(vcd, words):
 
 
 def test_vcd_is_small(vcd):
-    """Sections and streams are recorded, the insides of delay lines and operators are not."""
+    """Sections and streams are recorded; internals of delay lines and operators are not."""
     assert vcd.stat().st_size < MOST_BYTES
     assert not {"line", "mem"} & {path[-1] for path in signals(vcd)}
 
@@ -94,7 +94,7 @@ def test_save_file_names_signals_of_the_vcd(vcd, save_file):
 
 
 def test_save_file_shows_each_word_in_its_format(vcd, save_file):
-    """Flags and fixed-point shift: a word, a product before its rounding, an unsigned word, one of over 64 bits."""
+    """Check flags and fixed-point shift of a word, an unrounded product, an unsigned word and one over 64 bits."""
     signed, unsigned = GTKWFlag.signed | GTKWFlag.fpdecshift, GTKWFlag.dec | GTKWFlag.fpdecshift
     for name, flags, frac in (
         ("elbow.p_e_x", signed, 30),

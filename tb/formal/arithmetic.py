@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proofs by z3 about numbers: named questions, and one with a seeded bug that must have a counterexample.
 
-The assumptions of a question are checked as well: whether they can be met.
+Each question's assumptions are checked to be satisfiable.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tb.formal.unrolled import Answer
 
 @dataclass(frozen=True)
 class Question:
-    """A question: ``ask`` decides whether the claim holds, ``meet`` whether its assumptions can be met."""
+    """A question: ``ask`` decides whether the claim holds, ``meet`` whether its assumptions are satisfiable."""
 
     name: str
     says: str
@@ -26,7 +26,7 @@ class Question:
 
 
 def answer(question: Question) -> tuple[float, str]:
-    """Ask a question; return the seconds, and the problem if it is not proved."""
+    """Decide a question; return the seconds, and the problem if it is not proved."""
     found = question.ask()
     problem = "" if found.said == "unsat" else {"sat": "counterexample"}.get(found.said, found.said)
     if not problem and question.meet and (met := question.meet().said) != "sat":
@@ -35,7 +35,7 @@ def answer(question: Question) -> tuple[float, str]:
 
 
 def run(questions: Iterable[Question], wrong: Iterable[Question], pool: Executor, say: Say) -> Outcome:
-    """Ask all questions of a proof; of ``wrong``, those with a seeded bug, one must have a counterexample."""
+    """Decide all questions of a proof; one of ``wrong``, which have a seeded bug, must have a counterexample."""
     start, asked = time.monotonic(), list(questions)
     outcome = Outcome(f"{len(asked)} questions", table=[["question", "meaning", "seconds"]])
     for question, (seconds, problem) in zip(asked, pool.map(answer, asked), strict=True):

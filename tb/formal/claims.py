@@ -96,7 +96,7 @@ def floor_of(quotient: str, dividend: str, shift: int) -> str:
 
 
 def corners(a: Range, b: Range, square: bool) -> tuple[int, int]:
-    """Return the least and largest product; of a number with itself where `square`."""
+    """Return the least and largest product; with `square`, of a number with itself."""
     ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
     if square:
         return (0 if a.low <= 0 <= a.high else min(ends[0], ends[3])), max(ends[0], ends[3])
@@ -117,7 +117,7 @@ class Question:
     cases: tuple[str, ...] = ()  # conditions that split the question
 
     def ask(self, assumed: list[str], claims: list[str]) -> Answer:
-        """Return z3's answer, "unsat" if it is so in every case."""
+        """Return z3's answer: "unsat" only if every case is."""
         seconds = 0.0
         for values in product((True, False), repeat=len(self.cases)):
             case = [c if value else f"(not {c})" for c, value in zip(self.cases, values, strict=True)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean datapath as Yosys elaborates it: operator, parameters, operands and ranges of each node, and formulas."""
+"""The lean datapath elaborated by Yosys: operator, parameters, operands and ranges of each node, and formulas."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class Elaborated:
     # ---- ranges ------------------------------------------------------------------------------------------------------
 
     def _tighten(self) -> None:
-        """Set lower bounds to 0 where a sign bit is wired to 0 or the operands are not negative.
+        """Set lower bounds to 0 if a sign bit is wired to 0 or the operands are not negative.
 
         The table's error bounds reach below 0 there. A tightened range is proved with the rest.
         """
@@ -193,7 +193,7 @@ class Elaborated:
         return found
 
     def written(self, operand: Operand) -> str:
-        """Return an operand as the table shows it."""
+        """Format an operand for the table."""
         if not operand.node:
             return "constant"
         return f"{operand.node} 2^{operand.shift}" if operand.shift else operand.node

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Exact values of the lean nodes that a section computes without an operator module.
 
-The expression is stated at the node in the dataflow. :mod:`tb.formal.overflow` evaluates it in a word so long that
-nothing is lost, and proves that the node holds all of it. Every word of an expression is signed, unsigned nodes as
+The expression is stated at the node in the dataflow. :mod:`tb.formal.overflow` evaluates it in a word long enough to be
+exact, and proves that the node holds the whole value. Every word of an expression is signed, unsigned nodes as
 ``$signed({1'b0, ...})``, so that Verilog extends signs. Nodes of one bit cannot overflow and are left out.
 """
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From rows to the floor, by z3 over the integers: consequences of ik_div_digit.vh and ik_root_digit.vh.
+"""Proof over the integers, by z3, that divider and root return the floor: consequences of ik_div_digit.vh and
+ik_root_digit.vh.
 
 Bit vectors prove a linear ghost of every row: P + R equals the operand's bits so far, modulo the word length, without a
 product. The integers add the products: P = Q d, S = Q^2, and after the last row Q is the floor. The equations of a row
@@ -192,7 +193,7 @@ def _root(text: str) -> Iterator[Question]:
 
 
 def floors(bug: Bug | None = None) -> Iterator[Question]:
-    """Yield all questions, of the files as they are or with a bug in one."""
+    """Yield all questions, for the files unchanged or with a bug in one."""
     for file, questions in ((DIV, _divider), (ROOT_DIGIT, _root)):
         text = (ROOT / file).read_text()
         yield from questions(bug.seeded(text) if bug and bug.file == file else text)

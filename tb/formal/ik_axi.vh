@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi: what its engines assume of each other holds, so that what is proved of each is true of all of them together;
-// and that a job ends when the memory answers.
+// Appended to ik_axi: the engines' assumptions about each other hold, so their separate proofs apply to the whole; and
+// a job ends if the memory responds.
 //
-// Assumed of the memory: data come only when they were asked for (f_data of ik_axi_read.vh), an answer comes only to a burst that
-// has been taken with all its data (f_answered). f_length is none: it gives the open length of the job in ik_axi_write.vh its value.
+// Assumed of the memory: data come only if requested (f_data of ik_axi_read.vh), a response only for a burst accepted
+// with all its data (f_answered). f_length restricts nothing: it binds the free job length of ik_axi_write.vh.
 // The other assumptions of the engines are assertions here (axi_whole.sby).
-// Signals f_* without a driver are those of engines; axi_whole.sby connects them.
+// Signals f_* without a driver belong to engines; axi_whole.sby connects them.
 
 wire f_on, f_read_on, f_write_on;
 wire [2:0] f_state;
@@ -21,7 +21,7 @@ localparam [2:0] F_ENDS = 3'd1, F_DECIDE = 3'd3, F_RUN = 3'd4, F_FINISH = 3'd5;
 localparam [2:0] F_LAST = 256 / DATA_W - 1;
 wire f_running = f_state == F_RUN;
 
-// ---- ghost: bursts on W as the bus sees them, up to the beat ----
+// ---- ghost: bursts on W as seen on the bus, by beat ----
 
 wire f_gone = m_axi_wvalid && m_axi_wready;
 wire [7:0] f_open;
@@ -30,7 +30,7 @@ ik_bursts #(.N(LOG2_BURST + 1), .S(8), .WHOLE(1 << LOG2_BURST)) f_bus (
     .clk(clk), .clear(rst || go), .push(f_tell), .size(f_size), .pop(f_gone && f_beat == F_LAST), .drop(1'b0),
     .n(f_open), .oldest(f_oldest), .newest(f_newest), .sum(), .middle()
 );
-wire f_owes_answer = f_waits - m_axi_awvalid > f_open;  // a burst that has been taken with all its data
+wire f_owes_answer = f_waits - m_axi_awvalid > f_open;  // a burst accepted with all its data
 always @* begin
   f_answered : assume (!m_axi_bvalid || f_owes_answer);
   f_length : assume (f_next == job_count);
@@ -40,7 +40,7 @@ end
 
 wire f_event = f_ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid || target_valid || f_tell ||
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
-// the memory's turn, or that of ik_axis
+// the memory or ik_axis has to act
 wire f_owed = m_axi_arvalid || f_due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer || (f_inside != 0 && !result_valid);
 reg [1:0] f_still;  // clocks of a job in which neither side has to act
 always @(posedge clk) begin
@@ -90,7 +90,7 @@ always @* if (f_on) begin
   still_told : assert (!f_running || f_still == 0 || f_w_sized || f_event || f_owed || stop || !(f_whole || (f_ended && f_ready != 0)));
 end
 
-// ---- cover: a job of one record, written into the registers and answered by a memory that never waits ----
+// ---- cover: a job of one record, started through the registers, with a memory that never waits ----
 
 `ifdef IK_COVER
 reg [5:0] f_clock = 6'd0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_job: a job begins only in areas that are apart, aligned and inside the address space, ends when the engines
-// are idle, and says how it ended once. No assumption.
+// Appended to ik_axi_job: a job starts only if its areas are disjoint, aligned and inside the address space, ends when
+// the engines are idle, and reports its outcome once. No assumptions.
 
 reg f_on = 1'b0;  // there was a reset
 reg f_reset;
@@ -30,7 +30,7 @@ wire [65:0] f_source_end = {2'b00, f_source} + f_size;
 wire [65:0] f_destination_end = {2'b00, f_destination} + f_size;
 wire [65:0] f_limit = 66'd1 << ADDR_W;
 wire f_apart = f_source_end <= f_destination || f_destination_end <= f_source;
-wire f_low = f_source < f_limit && f_destination < f_limit;  // with their first byte
+wire f_low = f_source < f_limit && f_destination < f_limit;  // first bytes are inside
 
 always @* if (f_on) begin
   areas_apart : assert (!go || f_apart);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_read: what it asks for is inside the source, within 4 KiB, no more than was promised, and stands until
-// it is taken, whatever the memory does with times and answers.
+// Appended to ik_axi_read: requests are inside the source, within 4 KiB and within the limit of bursts, and are stable
+// until accepted, for any timing and responses of the memory.
 //
-// Assumed of inputs: a job starts when nothing is under way and `stop` is high, in an area that does not end beyond the address space (f_go,
-// f_area: ik_axi_job); a place comes back only for a record that was handed on (f_leave); data come only when they were asked
-// for (f_data: AXI4).
+// Assumed of inputs: a job starts when nothing is under way and `stop` is high, in an area inside the address space
+// (f_go, f_area: ik_axi_job); a place is returned only for a record that was passed on (f_leave); data come only if
+// requested (f_data: AXI4).
 
 localparam integer R = ADDR_W - 5;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};
@@ -20,8 +20,8 @@ end
 
 reg [R-1:0] f_base;
 reg [31:0] f_count;
-reg [P-1:0] f_core;  // handed on, and their results have not left
-reg [7:0] f_taken;   // beats of bursts that the memory has taken: it may send them
+reg [P-1:0] f_core;  // passed on, results not yet left
+reg [7:0] f_taken;   // beats of bursts accepted by the memory, which it may send
 wire [N-1:0] f_size = {1'b0, m_axi_arlen} / BEATS + 1'b1;
 wire [7:0] f_open;
 wire [N-1:0] f_oldest;
@@ -39,9 +39,9 @@ always @(posedge clk) begin
   f_core <= (rst || go) ? {P{1'b0}} : f_core + got - leave;
 end
 
-// records that may come: all but those of a burst that is still offered
+// records that may come: all except the records of a burst still offered
 wire [7:0] f_due = f_sum - (m_axi_arvalid ? {{(8 - N) {1'b0}}, f_newest} : 8'd0);
-wire [P:0] f_inside = {1'b0, f_core} + due;  // asked for, and their results have not left
+wire [P:0] f_inside = {1'b0, f_core} + due;  // requested, results not yet left
 
 always @* if (f_on) begin
   f_go : assume (!go || (stop && !m_axi_arvalid && f_open == 0));
@@ -54,8 +54,8 @@ end
 
 reg f_stall;
 reg [ADDR_W+7:0] f_held;
-reg f_may;            // in the clock before, a burst might be asked for
-reg [1:0] f_waited;   // clocks with nothing under way and all to be had
+reg f_may;            // in the previous clock, a burst could be requested
+reg [1:0] f_waited;   // clocks with nothing under way and records left to request
 always @(posedge clk) begin
   f_stall <= m_axi_arvalid && !m_axi_arready && !rst;
   f_held <= {m_axi_araddr, m_axi_arlen};
@@ -83,7 +83,7 @@ end
 
 // ---- helping invariants, asserted as well ----
 
-wire [R-1:0] f_done = f_count[R-1:0] - left[R-1:0];  // asked for
+wire [R-1:0] f_done = f_count[R-1:0] - left[R-1:0];  // requested
 wire [N-1:0] f_low = {1'b0, next[LOG2_BURST-1:0]};
 wire [LOG2_BURST-1:0] f_next_due = coming + due[LOG2_BURST-1:0];
 always @* if (f_on) begin

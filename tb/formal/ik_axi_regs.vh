@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_regs: an answer for each access and none without one, which stands until it is taken; parameters change by
-// a write alone; what has been told is in IRQ_STATUS until it is erased. No assumption.
+// Appended to ik_axi_regs: each access gets one response, stable until accepted, and no other responses occur; only
+// writes change parameters; reported events stay in IRQ_STATUS until cleared. No assumptions.
 
 reg f_on = 1'b0;  // there was a reset
 reg f_reset;
@@ -9,9 +9,9 @@ always @(posedge clk) begin
   f_reset <= rst;
 end
 
-// ---- ghost: accesses that wait for an answer ----
+// ---- ghost: accesses that wait for a response ----
 
-reg [1:0] f_addresses, f_words, f_reads;  // taken, their answer has not been
+reg [1:0] f_addresses, f_words, f_reads;  // accepted, response not yet accepted
 wire f_answered = s_axi_bvalid && s_axi_bready;
 always @(posedge clk) begin
   f_addresses <= rst ? 2'd0 : f_addresses + (s_axi_awvalid && s_axi_awready) - f_answered;

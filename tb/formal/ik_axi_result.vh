@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_result: beats stand until they are taken, and those of a record are its words, in their order, once each.
-// No assumption.
+// Appended to ik_axi_result: beats are stable until accepted, and the beats of a record are its words, in order, once
+// each. No assumptions.
 
 reg f_on = 1'b0;  // there was a reset
 reg f_reset;
@@ -13,7 +13,7 @@ end
 
 reg [255:0] f_record;
 reg f_ends;
-reg [2:0] f_gone;  // beats
+reg [2:0] f_gone;  // beats sent
 wire f_take = result_valid && result_ready;
 always @(posedge clk) begin
   if (f_take) begin

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_write: what it announces is inside the destination, within 4 KiB, has been read, is no more than was
-// promised, and stands until it is taken; W ends where a burst ends; an answer is counted for the burst it belongs to.
+// Appended to ik_axi_write: announced bursts are inside the destination, within 4 KiB and within the limit of bursts,
+// their targets have been read, and they are stable until accepted; W ends with each burst; a response counts for its
+// burst.
 //
-// Assumed of inputs: a job starts when nothing is under way, in an area that does not end beyond the address space (f_go,
-// f_area: ik_axi_job); no more targets are read than the job has, and none behind the last (f_got_some, f_ended: ik_axi_read); a record
-// leaves only when it may (f_leave: ik_axi_result); an answer belongs to a burst whose records are gone (f_answer: AXI4).
+// Assumed of inputs: a job starts when nothing is under way, in an area inside the address space (f_go, f_area:
+// ik_axi_job); no more targets are read than the job has, and none after the last (f_got_some, f_ended: ik_axi_read); a
+// record leaves only if allowed (f_leave: ik_axi_result); a response belongs to a burst whose records have left
+// (f_answer: AXI4).
 
 localparam integer R = ADDR_W - 5;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};
@@ -16,14 +18,14 @@ always @(posedge clk) begin
   f_reset <= rst;
 end
 
-// ---- ghost: the job, the bursts on W and those that wait for an answer ----
+// ---- ghost: the job, the bursts on W and the bursts that wait for a response ----
 
 reg [R-1:0] f_base;
 reg [31:0] f_count;
 reg [31:0] f_got;   // records read
-reg [31:0] f_told;  // and announced
-reg [31:0] f_ok;    // answered OKAY, up to the first that was not
-reg f_bad;          // there was an answer with an error
+reg [31:0] f_told;  // records announced
+reg [31:0] f_ok;    // records with response OKAY, up to the first error
+reg f_bad;          // there was an error response
 reg f_was_ended;
 wire [N-1:0] f_size = {1'b0, m_axi_awlen} / BEATS + 1'b1;
 wire [7:0] f_open, f_sum, f_waits, f_waiting;
@@ -62,8 +64,8 @@ end
 
 reg f_stall;
 reg [ADDR_W+7:0] f_held;
-reg f_may;           // in the clock before, a burst might be announced
-reg [1:0] f_waited;  // clocks in which a burst might be announced and was not
+reg f_may;           // in the previous clock, a burst could be announced
+reg [1:0] f_waited;  // clocks in which a burst could be announced but was not
 always @(posedge clk) begin
   f_stall <= m_axi_awvalid && !m_axi_awready && !rst;
   f_held <= {m_axi_awaddr, m_axi_awlen};

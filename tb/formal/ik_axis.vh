@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axis, with the real FIFO and the abstract pipeline of ik_core.v: the results leave in the order of the
-// targets, each once, whatever sender, receiver and reset do. No assumption at all: every input is free in every clock,
-// and so is the state before the first reset.
+// Appended to ik_axis, with the real FIFO and the abstract pipeline of ik_core.v: results leave in the order of the
+// targets, each once, for any sender, receiver and reset. No assumptions: every input is free in every clock, and so is
+// the state before the first reset.
 //
 // Counts are modulo 2 PLACES: A targets admitted, D results that left the pipeline, L results that left ik_axis.
 
@@ -10,7 +10,7 @@ localparam integer K = LOG2 + 1;
 localparam [K-1:0] T_K = T;
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
 
-// signals of the instances, joined by their names when the hierarchy is flattened
+// signals of the instances, connected by name when the hierarchy is flattened
 `ifdef IK_IS_LEAN
 (* hierconn *) wire [T-1:0] \g_lean.u_core.valid ;
 (* hierconn *) wire [T-1:0] \g_lean.u_core.mark ;
@@ -46,13 +46,13 @@ wire [LOG2:0] f_wr_ptr = \u_fifo.wr_ptr ;
 wire [LOG2:0] f_rd_ptr = \u_fifo.rd_ptr ;
 
 reg f_on = 1'b0;  // there was a reset
-reg f_reset;      // in the clock before
+reg f_reset;      // in the previous clock
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
 end
 
-// ---- ghost: counts, of what happens at the ports ----
+// ---- ghost: counts at the ports ----
 
 wire f_admit = s_axis_tvalid && s_axis_tready;
 wire f_leave = m_axis_tvalid && m_axis_tready;
@@ -67,12 +67,12 @@ always @(posedge clk) begin
   f_L <= rst ? {K{1'b0}} : f_L + {{LOG2{1'b0}}, f_leave};
 end
 
-// ---- ghost: one target, any one, is followed ----
+// ---- ghost: one arbitrary target, followed ----
 
 reg f_done;            // its result has left
-reg [K-1:0] f_ahead;   // results that have to leave before
+reg [K-1:0] f_ahead;   // results that must leave before its own
 reg [K-1:0] f_index;   // its number
-reg [TAG_W-1:0] f_tag; // as it was at the input
+reg [TAG_W-1:0] f_tag; // its tag at the input
 wire f_due = f_taken && !f_done && (f_ahead == 0);
 always @(posedge clk) begin
   if (rst) f_done <= 1'b0;
@@ -90,9 +90,9 @@ wire [6*W+8+TAG_W-1:0] f_expected = {f_result[6*W+7:6*W], f_tag, f_result[6*W-1:
 
 // ---- ghost: clocks waited, as a thermometer ----
 
-reg [T:0] f_quiet;   // bit i: for i+1 clocks something was inside and nothing offered
-reg [T+1:0] f_shut;  // bit i: for i+1 clocks the receiver was ready and no target could have entered
-reg f_never_stalled;  // the receiver took what it was offered, since the reset
+reg [T:0] f_quiet;   // bit i: for i+1 clocks a target was inside and no result offered
+reg [T+1:0] f_shut;  // bit i: for i+1 clocks the receiver was ready and no target could enter
+reg f_never_stalled;  // since the reset, the receiver has accepted every offer at once
 always @(posedge clk) begin
   f_quiet <= (rst || m_axis_tvalid || f_total == 0) ? {(T + 1) {1'b0}} : {f_quiet[T-1:0], 1'b1};
   f_shut <= (rst || s_axis_tready || !m_axis_tready) ? {(T + 2) {1'b0}} : {f_shut[T:0], 1'b1};
@@ -101,7 +101,7 @@ end
 
 // ---- properties ----
 
-// inside: in the pipeline, as its rows hold them (rows_counts, last_row), in the FIFO's memory by its own pointers, offered
+// inside: in the pipeline, by its rows (rows_counts, last_row), in the FIFO's memory, by its pointers, and offered
 wire [K-1:0] f_flight = f_A - f_D;
 wire [K-1:0] f_in_mem = f_wr_ptr - f_rd_ptr;
 wire [K+1:0] f_inside = {2'b00, f_flight} + {2'b00, f_in_mem} + {{(K + 1) {1'b0}}, m_axis_tvalid};
@@ -121,14 +121,14 @@ always @* if (f_on) begin
   within_places : assert (f_inside <= {2'b00, PLACES});
   place_for_every_write : assert (!core_valid || f_D - f_L < PLACES);  // f_contract of ik_fifo.vh
   ready_when_places : assert (s_axis_tready == (!rst && f_total < PLACES));
-  offered_in_time : assert (!f_quiet[T] || m_axis_tvalid);               // whatever the receiver does
-  ready_in_time : assert (!f_shut[T+1] || s_axis_tready || rst);         // whatever the sender does
+  offered_in_time : assert (!f_quiet[T] || m_axis_tvalid);               // for any receiver
+  ready_in_time : assert (!f_shut[T+1] || s_axis_tready || rst);         // for any sender
   full_rate : assert (!f_never_stalled || rst || s_axis_tready);
 end
 
 // ---- helping invariants, asserted as well ----
 
-// f_count[i]: targets admitted up to the one in stage i, itself included. Row by row the pipeline's bits are differences.
+// f_count[i]: targets admitted up to the one in stage i, inclusive. The pipeline's valid bits are differences of rows.
 reg [K*T-1:0] f_count;
 always @(posedge clk) begin
   if (rst) f_count <= {(K * T) {1'b0}};
@@ -142,9 +142,9 @@ wire [T-1:0] f_marked_below;  // a stage below i holds the mark
 wire [T-1:0] f_later;         // stage i or a later one holds a target
 wire [T-1:0] f_row_quiet;
 wire [T-1:0] f_row_below;
-wire [T-1:0] f_row_above;     // in stages above i there are at most T-1-i
-wire [T-1:0] f_row_above_if;  // true of row i if true of row i+1
-wire [T-1:0] f_row_waiting;   // the mark's target has no more than T-1 others before it
+wire [T-1:0] f_row_above;     // stages above i hold at most T-1-i targets
+wire [T-1:0] f_row_above_if;  // f_row_above of row i+1 implies f_row_above of row i
+wire [T-1:0] f_row_waiting;   // the marked target has at most T-1 others before it
 wire [T-1:0] f_below;         // a stage below i holds a target
 wire f_in_fifo = (f_D != f_L);
 genvar gi;
@@ -179,7 +179,7 @@ generate
   end
 endgenerate
 
-// The rows in slices: a slice is a small problem however long the pipeline is.
+// Rows are checked in slices: a slice is a small problem at any pipeline length.
 localparam integer SLICE = 16;
 generate
   for (gi = 0; gi < T; gi = gi + SLICE) begin : g_slice
@@ -241,7 +241,7 @@ always @* if (f_on && !rst) begin
 end
 
 `ifdef IK_COVER
-// One way through, so that the search has nothing to choose: the receiver waits until no place is left, then takes all.
+// A single path, so that the search has no choices: the receiver waits until no place is left, then takes all.
 reg f_go = 1'b0;
 always @(posedge clk) f_go <= f_on && (f_go || f_total == PLACES);
 always @* begin

@@ -1,13 +1,13 @@
-// Ghost of a queue of bursts on one channel: how many are open, and the records of the oldest and of the newest.
+// Ghost of a queue of bursts on one channel: the number of open bursts, and the records of the oldest and the newest.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exact as long as `middle` holds: a burst with others before and behind it is whole. `pop` takes a record of the oldest,
-// `drop` all that is left of it.
+// Exact as long as `middle` holds: a burst with others before and behind it is whole. `pop` removes a record of the
+// oldest burst, `drop` the rest of it.
 `default_nettype none
 
 module ik_bursts #(
-    parameter integer N     = 4,   // width of the records of a burst
-    parameter integer S     = 8,   // width of the records of all, and of their number
+    parameter integer N     = 4,   // width of the number of records of a burst
+    parameter integer S     = 8,   // width of the total number of records, and of the number of bursts
     parameter [N-1:0] WHOLE = 8
 ) (
     input  wire         clk,

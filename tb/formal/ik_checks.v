@@ -1,4 +1,4 @@
-// The assertions of one row of a divider or root, so that each has a name of its own.
+// Assertions of one row of a divider or root, in a module so that each has its own name.
 // SPDX-License-Identifier: Apache-2.0
 module ik_checks (
     input wire on,

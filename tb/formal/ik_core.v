@@ -1,17 +1,17 @@
 // Abstract pipeline that replaces `IK_CORE (ik_lean or ik_paper): any function of a target, with the real latency.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ik_axis does not depend on results, so they are arbitrary, except for one arbitrary target that is followed: its
-// result is the arbitrary constant f_result, with the target's tag. valid.sby proves the latency of valid and tag in
-// the real modules.
+// ik_axis does not depend on results, so they are arbitrary, except for one arbitrary followed target: its result is
+// the arbitrary constant f_result, with the target's tag. valid.sby proves the latency of valid and tag in the real
+// modules.
 // Latency: datapath_latency clocks.
 `default_nettype none
 
 module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
-    parameter integer DIGIT = 0,  // of ik_paper alone
-    parameter integer TILE  = 18  // of ik_lean alone
+    parameter integer DIGIT = 0,  // of ik_paper only
+    parameter integer TILE  = 18  // of ik_lean only
 ) (
     input  wire             clk,
     input  wire             rst,
@@ -32,7 +32,7 @@ module `IK_CORE #(
   (* anyseq *) wire f_pick;
 
   reg [T-1:0] valid;  // newest in bit 0
-  reg [T-1:0] mark;   // the target that is followed
+  reg [T-1:0] mark;   // the followed target
   reg taken;          // picked since the reset
   reg [TAG_W-1:0] tag;
   wire take = in_valid && f_pick && !taken;
@@ -54,13 +54,13 @@ module `IK_CORE #(
       mark[T-1] ? {f_result[6*W+7:6*W], tag, f_result[6*W-1:0]} : f_any;
 
 `ifdef IK_COVER
-  // the way through of ik_axis.vh: the first target is the one that is followed
+  // the path of ik_axis.vh: the first target is followed
   always @* assume (f_pick && f_any == 0 && f_result == 0);
 `endif
 
 endmodule
 
-// The assertions of one slice of the pipeline's rows, see ik_axis.vh.
+// Assertions of one slice of the pipeline's rows, see ik_axis.vh.
 module ik_rows (
     input wire on,
     input wire counts,

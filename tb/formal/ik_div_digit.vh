@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_div_digit: the quotient of every row, at full width, with a linear ghost in the place of the product.
-// No assumption: every operand in every clock, any state before.
+// Appended to ik_div_digit: the quotient of every row, at full width, with a linear ghost instead of the product.
+// No assumptions: any operand in every clock, from any state.
 //
-// With the operands travel, as ghosts: the magnitude M, the divisor d, P and Q. A row makes P <= 2 P + q d and
-// Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/generated/proofs.md). After n rows:
-// P + R == M >> (ROWS - n), 0 <= R < d, where R is r, or r + d where r is negative, -d <= r < d, and the word holds M's
-// bits to come and Q.
+// Ghosts travel with the operands: the magnitude M, the divisor d, P and Q. A row computes P <= 2 P + q d and
+// Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/generated/proofs.md). After n
+// rows: P + R == M >> (ROWS - n), 0 <= R < d, where R is r, or r + d if r is negative, -d <= r < d, and the word holds
+// M's remaining bits and Q.
 
-reg [LAT-1:0] f_valid = {LAT{1'b0}};  // stages whose operands came in after the first clock
+reg [LAT-1:0] f_valid = {LAT{1'b0}};  // stages whose operands entered after the first clock
 always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
 
 reg f_sign_1;
-reg [DW-1:0] f_d_1;  // as it came, with its sign
+reg [DW-1:0] f_d_1;  // input with its sign
 reg [XW-1:0] f_M_1;
 wire signed [XW-1:0] f_n = n;
 wire signed [XW-1:0] f_N = f_n <<< SH;
@@ -20,7 +20,7 @@ always @(posedge clk) begin
   f_d_1 <= d;
   f_M_1 <= n[NW-1] ? (-1 - f_N) : f_N;
 end
-// M < d 2^ROWS, and d > 0: then the quotient fits in ROWS bits
+// The quotient fits in ROWS bits if d > 0 and M < d 2^ROWS.
 wire [XW+DW-1:0] f_d_wide = f_d_1;
 wire [XW+DW-1:0] f_M_wide = f_M_1;
 wire f_over_1 = f_d_1[DW-1] || (f_M_wide >= (f_d_wide << ROWS));
@@ -73,7 +73,7 @@ generate
     wire [NEXT-1:0] word = g_row[k].word_q;
     wire [NEXT-1:0] word_of_Q = Q_q;
     wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (ROWS - STORED)) << (k + 1)) : 0;
-    // The sign of r is bit 0 of the word, inverted. Where it is set, R is r - 2^(DW-1) + d, and r >= -d if that carries.
+    // The sign of r is bit 0 of the word, inverted. If it is set, R is r - 2^(DW-1) + d, and r >= -d if that carries.
     wire ge = word[0];
     wire [DW-1:0] r_plus = {1'b0, g_row[k].r_q} + {1'b0, ge ? {(DW - 1) {1'b0}} : g_row[k].divisor_q};
     wire [DW-2:0] R = r_plus[DW-2:0];
@@ -94,9 +94,9 @@ wire f_sign_rows = g_slice[ROWS-1].sign_q;
 wire [QW-1:0] f_Q_rows = g_slice[ROWS-1].Q_q;
 wire [QW-1:0] f_largest = {1'b0, {(QW - 1) {1'b1}}};
 wire [QW-1:0] f_magnitude = f_over_rows ? f_largest : f_Q_rows;
-localparam integer BEHIND = LAT - 1 - STAGES;  // registers there, two or more
+localparam integer BEHIND = LAT - 1 - STAGES;  // registers behind the rows, at least two
 (* hierconn *) wire [(QW+1)*BEHIND-1:0] \u_out.genblk1.genblk1.g_line.line ;
-reg [(QW+1)*BEHIND-1:0] f_out;  // as they are
+reg [(QW+1)*BEHIND-1:0] f_out;  // expected content of these registers
 always @(posedge clk)
   f_out <= {f_out[(QW+1)*(BEHIND-1)-1:0], f_over_rows, f_sign_rows ? ~f_magnitude : f_magnitude};
 wire [BEHIND-1:0] f_row_out;
@@ -122,7 +122,7 @@ always @* if (f_valid[LAT-1]) begin
 end
 
 `ifdef IK_COVER
-// One way through, so that the search has nothing to choose: these operands, one after the other.
+// A single path, so that the search has no choices: these operands, one after the other.
 reg [1:0] f_clock = 2'd0;
 always @(posedge clk) f_clock <= f_clock + 1'b1;
 wire [NW-1:0] f_n_is = f_clock[0] ? -12345 : 12345;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_fifo: what leaves is what was written, in that order, whatever receiver and reset do.
+// Appended to ik_fifo: words leave as written, in order, for any receiver and reset.
 //
-// One assumption, on an input: who writes has reserved a place (f_contract). ik_axis keeps it, see ik_axis.vh. It is about
-// words written and taken, as they are counted at the ports; within_places is about what the registers hold.
-// Nothing is assumed of a register: the state before the first reset is arbitrary, and a reset may come at any time.
+// One assumption, on an input: the writer has reserved a place (f_contract). ik_axis satisfies it, see ik_axis.vh.
+// f_contract concerns words counted at the ports; within_places concerns words in the registers.
+// No register is constrained: the state before the first reset is arbitrary, and a reset may occur at any time.
 
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
 
 reg f_on = 1'b0;  // there was a reset
-reg f_reset;      // in the clock before
+reg f_reset;      // in the previous clock
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
@@ -27,12 +27,12 @@ end
 
 always @* f_contract : assume (!f_on || !wr_en || f_inside < PLACES);
 
-// ---- ghost: one word, any one, is followed from its writing to its departure ----
+// ---- ghost: one arbitrary word, followed from its writing to its departure ----
 
 (* anyseq *) wire f_pick;
 reg f_taken;           // picked
-reg f_done;            // and departed
-reg [LOG2:0] f_ahead;  // words that have to leave before it
+reg f_done;            // departed
+reg [LOG2:0] f_ahead;  // words that must leave before it
 reg [LOG2:0] f_index;  // its number
 reg [W-1:0] f_data;
 wire f_take = wr_en && f_pick && !f_taken;
@@ -60,9 +60,9 @@ end
 wire [LOG2:0] f_in_mem = wr_ptr - rd_ptr;
 wire [LOG2+1:0] f_held_words = {1'b0, f_in_mem} + {{(LOG2 + 1) {1'b0}}, m_valid};  // in memory and output register
 
-reg f_stall;  // valid and not taken in the clock before
+reg f_stall;  // valid and not taken in the previous clock
 reg [W-1:0] f_held;
-reg f_waited;  // in the clock before: a word inside, none offered
+reg f_waited;  // in the previous clock, a word was inside and none offered
 always @(posedge clk) begin
   f_stall  <= m_valid && !m_ready && !rst;
   f_held   <= m_data;
@@ -87,7 +87,7 @@ wire f_is_out = m_valid && (f_index + 1'b1 == rd_ptr);
 assign f_addr = f_index[LOG2-1:0];
 
 always @* if (f_on) begin
-  counted : assert (f_inside <= PLACES);  // f_contract alone says so
+  counted : assert (f_inside <= PLACES);  // from f_contract alone
   count_written : assert (wr_ptr == f_written);
   count_left : assert (rd_ptr - {{LOG2{1'b0}}, m_valid} == f_left);
   memory_fits : assert (f_in_mem <= PLACES);
@@ -117,7 +117,7 @@ always @* if (f_on && !rst) begin
 end
 
 `ifdef IK_COVER
-// One way through, so that the search has nothing to choose: full, emptied, filled again.
+// A single path, so that the search has no choices: full, emptied, filled again.
 reg f_go = 1'b0;
 always @(posedge clk) f_go <= f_on && (f_go || f_inside == PLACES);
 always @* begin

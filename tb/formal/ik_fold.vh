@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_fold, whose multiplier, memory, sum, counts and flags are left out: streams and sequencer, with the real
-// program. A word may be anything; that the program computes the dataflow is shown by its checker.
+// Appended to ik_fold, whose multiplier, memory, sum, counts and flags are left out: streams and sequencer, with the
+// real program. Words are arbitrary; the program's checker shows that it computes the dataflow.
 //
-// One assumption, the stream's own rule: who has offered a target goes on until it is taken (f_sender). The state before
-// the first reset is arbitrary, and a reset may come at any time.
+// One assumption, the stream's rule: the sender offers a target until it is taken (f_sender). The state before the
+// first reset is arbitrary, and a reset may occur at any time.
 
 reg f_on = 1'b0;  // there was a reset
-reg f_reset;      // in the clock before
+reg f_reset;      // in the previous clock
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
@@ -18,7 +18,7 @@ reg f_waits;  // a target was offered and not taken
 always @(posedge clk) f_waits <= s_axis_tvalid && !s_axis_tready && !rst;
 always @* f_sender : assume (!f_on || !f_waits || s_axis_tvalid);
 
-// ---- what the program says: where it takes a target, may stop, begins an answer and has given it ----
+// ---- from the program: clocks that take a target, may stop, begin an answer and complete it ----
 
 wire [PERIOD-1:0] f_takes, f_holds, f_begins, f_ends;
 wire [7*PERIOD-1:0] f_take_at, f_end_at;  // sums of the clocks so far
@@ -54,12 +54,12 @@ always @(posedge clk) begin
   f_accepted <= !rst && (f_accepted || f_admit) && !(go && last);
 end
 
-// ---- ghost: one target, any one, is followed ----
+// ---- ghost: one arbitrary target, followed ----
 
 (* anyseq *) wire f_pick;
 localparam [1:0] OUT = 2'd0, LAP = 2'd1, NEXT = 2'd2, OFFERED = 2'd3;
 reg f_taken;      // picked since the reset
-reg [1:0] f_at;   // where it is: in its own lap, in the next one, offered
+reg [1:0] f_at;   // its position: in its own lap, in the next one, offered
 reg [1:0] f_ahead;  // answers that leave before its own
 reg [TAG_W-1:0] f_tag;
 wire f_take = f_admit && f_pick && !f_taken;
@@ -79,7 +79,7 @@ end
 // ---- ghost: the words of the answer, each written once ----
 
 reg [5:0] f_words;     // written
-reg [6*W-1:0] f_data;  // what was written
+reg [6*W-1:0] f_data;  // their values
 wire [5:0] f_word = (go && giving && f_result != RESULT_NONE) ? 6'd1 << (f_result - RESULT_QS_W) : 6'd0;
 always @(posedge clk) f_words <= rst ? 6'd0 : ((go && f_first_result && giving) ? 6'd0 : f_words) | f_word;
 wire [5:0] f_kept;
@@ -95,7 +95,7 @@ endgenerate
 reg [7:0] f_quiet;  // a target was inside and no answer offered
 reg [7:0] f_shut;   // a target was offered and not taken, and the receiver was ready
 reg [7:0] f_since;  // since the last target was taken
-reg f_steady;       // since then the next one is offered and the receiver ready
+reg f_steady;       // since then, the next one has been offered and the receiver ready
 always @(posedge clk) begin
   f_quiet <= (rst || m_axis_tvalid || f_total == 0) ? 8'd0 : f_quiet + 8'd1;
   f_shut <= (rst || !s_axis_tvalid || s_axis_tready || !m_axis_tready) ? 8'd0 : f_shut + 8'd1;
@@ -128,9 +128,9 @@ always @* if (f_on) begin
   full_rate : assert (!f_steady || f_since < PERIOD || (f_since == PERIOD && s_axis_tready));
 end
 
-// ---- helping invariants, asserted as well: of a program whose answers come in the next lap ----
+// ---- helping invariants, asserted as well, for a program that answers in the next lap ----
 
-wire [6:0] f_broken_at = f_end_clock + 7'd2;  // last clock of a lap that is broken off after an answer
+wire [6:0] f_broken_at = f_end_clock + 7'd2;  // last clock of a lap that ends early after an answer
 wire f_broken = (clock == f_broken_at && read == 0) || (read == f_broken_at && fetched == 0);
 wire f_early = current && clock <= f_take_clock && !f_accepted;
 
@@ -180,7 +180,7 @@ always @* if (f_on && !rst) begin
 end
 
 `ifdef IK_COVER
-// One way through, so that the search has nothing to choose: two targets; the receiver waits until the machine has stopped.
+// A single path, so that the search has no choices: two targets; the receiver waits until the datapath has stopped.
 reg f_go = 1'b0;
 always @(posedge clk) f_go <= f_on && (f_go || !go);
 always @* begin

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_root_digit: the root of every row, at full width, with a linear ghost in the place of the square.
-// No assumption: every operand in every clock, any state before.
+// Appended to ik_root_digit: the root of every row, at full width, with a linear ghost instead of the square.
+// No assumptions: any operand in every clock, from any state.
 //
-// With the operand travel, as ghosts: the radicand M (its 2 ROWS low bits), S and Q. A row makes S <= 4 S + q (4 Q + 1)
-// and Q <= 2 Q + q from S = Q = 0, so S = Q^2, without a multiplier in the formula (docs/generated/proofs.md). After n rows:
-// S + R == M >> 2 (ROWS - n), 0 <= R <= 2 Q, where R is r, or r + 2 Q + 1 where r is negative, and the word holds M's
-// bits to come and Q.
+// Ghosts travel with the operand: the radicand M (its 2 ROWS low bits), S and Q. A row computes S <= 4 S + q (4 Q + 1)
+// and Q <= 2 Q + q from S = Q = 0, so S = Q^2, without a multiplier in the formula (docs/generated/proofs.md). After n
+// rows: S + R == M >> 2 (ROWS - n), 0 <= R <= 2 Q, where R is r, or r + 2 Q + 1 if r is negative, and the word holds
+// M's remaining bits and Q.
 
-reg [LAT-1:0] f_valid = {LAT{1'b0}};  // bit i: the registers of stage i hold what came in after the first clock
+reg [LAT-1:0] f_valid = {LAT{1'b0}};  // bit i: the operand in stage i entered after the first clock
 always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
 
 localparam integer MW = 2 * ROWS;
@@ -52,8 +52,8 @@ generate
     wire [NEXT-1:0] word = g_row[k].word_q;
     wire [NEXT-1:0] word_of_Q = Q_q;
     wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (2 * (ROWS - PAIRS))) << (k + 1)) : 0;
-    // The sign of r is bit 0 of the word, inverted. Where it is set, R is r - 2^(k+2) + 2 Q + 1, which is not negative if
-    // that carries.
+    // The sign of r is bit 0 of the word, inverted. If it is set, R is r - 2^(k+2) + 2 Q + 1, not negative if that
+    // carries.
     wire ge = word[0];
     wire [MW:0] Q_twice = {Q_q, 1'b0};
     wire [k+2:0] r_plus = {1'b0, g_row[k].r_q} + {1'b0, ge ? {(k + 2) {1'b0}} : (Q_twice[k+1:0] | 1'b1)};
@@ -73,7 +73,7 @@ wire signed [XW-1:0] f_N = f_n <<< SH;
 wire f_minus = g_slice[ROWS-1].minus_q;
 wire [QW-1:0] f_largest = {1'b0, {(QW - 1) {1'b1}}};
 wire [QW-1:0] f_Q_rows = g_slice[ROWS-1].Q_q;
-reg [QW:0] f_out;  // as the one register behind the rows
+reg [QW:0] f_out;  // expected content of the register behind the rows
 always @(posedge clk) f_out <= {f_minus, f_minus ? {QW{1'b0}} : g_slice[ROWS-1].over_q ? f_largest : f_Q_rows};
 always @* begin
   one_behind : assert (LAT == STAGES + 1);
@@ -89,7 +89,7 @@ always @* if (f_valid[STAGES]) begin
 end
 
 `ifdef IK_COVER
-// One way through, so that the search has nothing to choose: these radicands, one after the other.
+// A single path, so that the search has no choices: these radicands, one after the other.
 reg f_clock = 1'b0;
 always @(posedge clk) f_clock <= !f_clock;
 wire [NW-1:0] f_n_is = f_clock ? -12345 : 12345;

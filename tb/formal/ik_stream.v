@@ -1,8 +1,9 @@
-// Abstract stream core in the place of ik_axis: counts what is inside, answers when it likes; results are left open.
+// Abstract core that replaces ik_axis: counts targets inside, answers at any time; results are arbitrary.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What axis.sby proves of ik_axis, and no more: as many places, ready exactly while one is free, nothing offered while nothing
-// is inside, an offer stands until it is taken. That an offer comes at the latest T+1 clocks after the target is used on paper.
+// Has exactly the properties of ik_axis that axis.sby proves: the same number of places, ready while one is free, no
+// offer while empty, an offer is stable until taken. The written argument also uses the bound of T+1 clocks from
+// target to offer.
 // Latency: any.
 `default_nettype none
 
@@ -41,7 +42,7 @@ module ik_axis #(
   end
 
 `ifdef IK_COVER
-  // the way through of ik_axi.vh
+  // the path of ik_axi.vh
   always @* assume (f_offer && f_any == 0);
 `endif
 

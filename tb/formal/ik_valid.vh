@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_lean or ik_paper, whose other instances are left out: valid and tag take datapath_latency clocks, as
-// the abstract pipeline of ik_core.v says. No assumption.
+// in the abstract pipeline of ik_core.v. No assumptions.
 
 `include "ik_latency.vh"
 localparam integer T = datapath_latency(`IK_LEAN, W, 18);

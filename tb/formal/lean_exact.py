@@ -2,9 +2,9 @@
 """The lean dataflow in exact arithmetic, as formulas over the reals: equations and range claims.
 
 :class:`Exact` runs the dataflow itself; a node becomes a real number with the equation of its operation, a count e the
-number 2^e, so that a shift is a product. Decisions are taken on rounded words: where a decision depends on signs and
+number 2^e, so that a shift is a product. Decisions are taken on rounded words: if a decision depends on signs and
 masks only, its truth table becomes a formula over the sign of each word, which is free unless the word is exact; any
-other decision is free. A proof therefore holds whichever way rounding decides.
+other decision is free. A proof therefore holds for any outcome of rounding.
 
 Rounding errors are in :mod:`tb.formal.lean_rounded`.
 """
@@ -95,7 +95,7 @@ class Exact(Domain):
     def __init__(self, width: int) -> None:
         super().__init__(width)
         self.equations: dict[str, list[str]] = {}
-        self.signs: dict[str, str] = {}  # word -> whether it is negative, where a decision asked for it
+        self.signs: dict[str, str] = {}  # word -> whether it is negative, if a decision depends on it
         self.ranges = LeanRanges(width).nodes
         self._is("ulp", f"(= ulp {number(self.word(1).ulp)})")
         inputs = self.inputs(lambda name, fmt: None)
@@ -145,14 +145,14 @@ class Exact(Domain):
         return [name for name, node in self.nodes.items() if isinstance(node.facts.within, Within)]
 
     def _sign(self, node: Node) -> str:
-        """Return whether a node's word is negative; for an input or an exact node, its own sign."""
+        """Return the sign of a node's word as a formula; an input or an exact node has the sign of its value."""
         if node.op == "input" or node.section == "guard":
             return f"(< {node.name} 0.0)"
         self.signs[node.name] = f"neg_{node.name}"
         return f"neg_{node.name}"
 
     def _decision(self, operands: tuple[Node, ...], decide: Callable) -> str:
-        """Return a formula that is true exactly where ``decide`` is; empty if it depends on more than signs."""
+        """Return a formula equivalent to ``decide``; empty if it depends on more than signs."""
 
         def words(node: Node) -> list[tuple[str, tuple[int, ...]]]:
             if node.format.width == 1:
@@ -248,7 +248,7 @@ class Exact(Domain):
         )
 
     def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format):
-        """Define sine and cosine of half an angle of up to half a turn either way."""
+        """Define sine and cosine of half an angle of at most half a turn in either direction."""
         sine, cosine = names
         for name in names:
             self._is(name, f"(= 1.0 (+ (* {sine} {sine}) (* {cosine} {cosine})))", f"(<= 0.0 {cosine})")

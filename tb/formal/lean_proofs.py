@@ -27,7 +27,7 @@ def _question(asked: Rules | Rounded, name: str) -> Question:
 
 
 def questions(kind: type[Rules] | type[Rounded], widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
-    """Yield each question; one that is the same at several widths once."""
+    """Yield each question; one that recurs at several widths only once."""
     known: set[str] = set()
     for width in sorted(widths, reverse=True):
         asked = kind(width)

@@ -27,8 +27,8 @@ class Rounded:
         return [name for name in self.exact.claimed if nodes[name].format.frac and self.exact.ranges[name].value.error]
 
     def rounding(self, node: Node) -> tuple[float, float]:
-        """Return the rounding error in ulps; for an operation that drops bits up to one ulp either way, as a
-        difference reverses the sign of an operand's rounding."""
+        """Return the bounds of the rounding error in ulps: one ulp in either direction for an operation that drops
+        bits, as a difference reverses the sign of an operand's rounding."""
         return JAM if node.error == FLOOR and node.op == "choose" else node.error
 
     def _near(self, node: Node) -> list[str]:
@@ -48,7 +48,7 @@ class Rounded:
         words = {n.name: f"{n.name}_w" for n in fractions}
         lowest, highest = (number(e * node.format.ulp) for e in self.rounding(node))
         if node.op in ("even", "trig") or (node.op == "rsqrt" and fractions[0].op == "even"):
-            # a mantissa cut off is part of the root's error
+            # truncating a mantissa is part of the root's error
             return [*facts, f"(<= {lowest} (- {name}_w {name}) {highest})"]
         words[name] = f"{name}_f"
         facts += [
@@ -58,14 +58,14 @@ class Rounded:
         top = number(node.format.high * node.format.ulp)
         held = f"(ite (< {top} {name}_f) {top} {name}_f)" if isinstance(node.facts.limited, Limited) else f"{name}_f"
         facts.append(f"(<= {lowest} (- {name}_w {held}) {highest})")
-        if "low" in {n.name for n in node.operands}:  # the one decision that is not of signs
+        if "low" in {n.name for n in node.operands}:  # the only decision that does not depend on signs alone
             facts.append("(= low (< length_sq_w 0.25))")
         if name == "inv_q":
             facts += self._facts("m_q")
         return facts
 
     def claim(self, name: str) -> str:
-        """Return the error claim; where a decision on words limits a range, the word's range as well."""
+        """Return the error claim, and the word's range if a decision on words limits it."""
         value = self.exact.ranges[name].value
         claim = between(-value.error, f"(- {name}_w {name})", value.error)
         if name == "m_q":

@@ -40,7 +40,7 @@ GEOMETRY: dict[str, tuple[str, list[str]]] = {
     # lemma -> (formula, facts used)
     "reach": ("(not clamp)", []),  # by assumption: clamped targets are left out
     "e_far of d1": (
-        # d1 and 1/e_far, where it is a place or more, are of whole places: 1/e_far is not between d1 and the next
+        # d1, and 1/e_far if at least one ulp, are whole ulps: 1/e_far is not between d1 and the next word
         "(or (< 1.0 (* ulp e_far)) (<= 1.0 (* e_far d1)) (<= (* e_far (+ d1 ulp)) 1.0))",
         [],
     ),
@@ -132,7 +132,7 @@ GEOMETRY: dict[str, tuple[str, list[str]]] = {
         "(=> (= a_far 0.0) (<= 1.0 (* 4.0 n_ab n_ab m_1 m_1 m_s)))",
         ["n_ab in lengths", "A + B", "=m_far", "=m_near", "=e_near", "=a_far", "=d_sum_sq", "=d_sum", "=ulp", *LENGTHS],
     ),
-    "not nearer than folded": (  # A = 4 d1 d2; |d1 - d2| is a place, or two and more
+    "not nearer than folded": (  # A = 4 d1 d2; |d1 - d2| is one ulp, or at least two
         "(=> (= b_near 0.0) (<= (* ulp ulp) (* e_far e_far d1 d1 s)))",
         ["A + B", "=m_far", "=e_far", "=b_near", "=d_dif_sq", "=d_dif", "s > 0", "#d_dif", "e_far of d1",
         "=ulp", *LENGTHS],
@@ -260,7 +260,7 @@ class Rules:
             raise RuntimeError(f"claims depend on each other: {circle}")
 
     def names(self) -> list[str]:
-        """Return the lemmas, and the nodes with a range in exact arithmetic."""
+        """Return the names of the lemmas and of the nodes with a range in exact arithmetic."""
         return [*self.lemmas, *(name for name in self.exact.claimed if name not in BY_WORDS)]
 
     def uses(self, name: str) -> list[str]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A datapath as Yosys elaborates it: the operator that drives each node, and the nodes that are its operands.
+"""A datapath elaborated by Yosys: the operator that drives each node, and the nodes that are its operands.
 
 Wires are followed bit by bit through delays, ports, concatenations and shifts by a constant, and into an operator up to
 the delay of its operand. The result describes the elaborated design, parameters included.
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 DELAYS = ("ik_delay", "ik_ring")
-"""Modules whose q is their d of N clocks ago."""
+"""Modules whose q is d delayed by N clocks."""
 
 OWN = ("ik_pick",)
 """Modules whose instances count as the section's own logic."""
@@ -34,7 +34,7 @@ class Bit:
 
     kind: str  # "constant", "node", "cell", "local", "outside"
     name: str = ""  # of the node, of the cell's path, of the port
-    index: int = 0  # the constant's value, the node's bit, the bit of the cell's output
+    index: int = 0  # the constant's value, the bit of the node or of the cell's output
     port: str = ""
     clocks: int = 0  # of the delays on the way
 
@@ -117,7 +117,7 @@ class Netlist:
 
     @cached_property
     def _drivers(self) -> dict[str, dict[int, tuple[str, str, int]]]:
-        """Path -> bit -> cell, output port and index."""
+        """Return path -> bit -> cell, output port and index."""
         found = {}
         for path, module in self.paths.items():
             mine = found[path] = {}
@@ -129,7 +129,7 @@ class Netlist:
 
     @cached_property
     def _inputs(self) -> dict[str, dict[int, tuple[str, int]]]:
-        """Path -> bit -> input port and index."""
+        """Return path -> bit -> input port and index."""
         return {
             path: {
                 bit: (port, i)
@@ -141,7 +141,7 @@ class Netlist:
         }
 
     def _operator(self, cell: dict) -> bool:
-        """Return whether a cell is an operator, not part of the logic around it."""
+        """Return whether a cell is an operator, not section logic."""
         return cell["type"] in self.modules and self.source_name(cell["type"]) not in OWN
 
     def _is_output(self, cell: dict, port: str) -> bool:
@@ -219,7 +219,7 @@ class Netlist:
         bits = set(self.modules[module]["ports"][port]["bits"])
         cells = self.modules[module]["cells"].values()
         readers = [cell for cell in cells if any(bits & set(wire) for wire in cell["connections"].values())]
-        # a delay of some of the bits is part of the operation
+        # a delay of only some bits is part of the operation
         delays = [c for c in readers if self.source_name(c["type"]) in DELAYS and set(c["connections"]["d"]) == bits]
         if delays and len(readers) > 1:
             raise NetlistError(f"{self.source_name(module)}: {port} is used both delayed and undelayed")

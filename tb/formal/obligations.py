@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proofs that each lean node's guard bits equal its sign, from the ranges of its operands.
 
-Operator, parameters and operands of a node are those of the elaborated RTL (:mod:`tb.formal.netlist`), ranges those of
+Operator, parameters and operands of a node come from the elaborated RTL (:mod:`tb.formal.netlist`), ranges from
 :mod:`model.bounds.lean_ranges`. Two engines:
 
 * bit vectors: the RTL module with properties of tb/formal/ranges appended, unrolled from any state over the clocks that
@@ -94,7 +94,7 @@ class Design(Elaborated):
         return found
 
     def _settle(self, row: Row, own: Range, question: Question) -> None:
-        """Try operands' ranges for fit and range, then for the fit only, then with the node's rule."""
+        """Prove fit and range from the operands' ranges; failing that, only the fit; then use the node's rule."""
         row.engine, row.depth = question.engine, question.depth
         tries = [(False, True), (False, False)] + ([(True, True)] if own.rule else [])
         for ruled, ranged in tries:
@@ -221,7 +221,7 @@ class Design(Elaborated):
         return [formula.between(signal, clock, r.low, r.high, True) for clock in range(depth + 1)]
 
     def _not_negative(self, formula: Unrolled, signal: str, name: str, depth: int) -> list[str]:
-        """Return the claim, where the table's range was tightened, that the node is not negative."""
+        """Return the claim that the node is not negative, if the table's range was tightened."""
         tightened = self.ranges[name] != self.table[name]
         most = self.nodes[name].format.high
         return [formula.between(signal, depth, 0, most, self.nodes[name].format.signed)] if tightened else []
@@ -312,7 +312,7 @@ class Design(Elaborated):
         question = Question("bit vectors", depth, text, facts, ruled, goal, in_range, cases)
         self._settle(row, own, question)
         if not row.problem and row.fits == own.rule:
-            # with a wrong expression, the rule could leave only values for which it happens to hold
+            # with a wrong expression, the rule could exclude the values for which the claim fails
             last, width = exact_values.last(driver.section, name), node.format.width
             low = f"(= ((_ extract {width - 1} 0) {formula.at(last, depth)}) {formula.at(name, depth)})"
             row.seconds += (answer := question.ask(facts, [low])).seconds
@@ -341,7 +341,7 @@ class Design(Elaborated):
                     if self.unrolled[self.netlist.kind(path), ()].widths.get(signal) == len(what["bits"]):
                         found.append((signal, r, operand.signed))
             except (NetlistError, ObligationError):
-                continue  # not a word of a node: any value
+                continue  # not a node's word: any value
         return found
 
     # ---- all of them -------------------------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""No node of the lean datapath overflows, proved on the elaborated RTL at one word length.
+"""Proof on the elaborated RTL, at one word length, that no node of the lean datapath overflows.
 
 Each operator's guard bits equal its sign for operands in the ranges of the word-length table
 (:mod:`tb.formal.obligations`), and the proof of one node fails on a seeded bug.
@@ -33,7 +33,7 @@ def digest(width: int) -> str:
 
 
 def survives(width: int, pool: Executor) -> str:
-    """Seed the bug; return why the node's proof does not fail on it, or an empty text if it does."""
+    """Seed the bug; return the reason if the node's proof does not fail, else an empty text."""
     bug = BUGS["ranges"]
     row = Design(width, BUILD / f"lean{width}_bug", bug).run([SEEDED], pool, lambda problem: None)[0]
     return "" if bug.fails in row.problem else f"survives: {SEEDED}: {row.problem or 'is still proved'}"
@@ -53,7 +53,7 @@ HEAD = "node equation format range module parameters operands fits-by in-range-b
 
 
 def run(width: int, pool: Executor, say: Say, names: list[str] | None = None) -> Outcome:
-    """Prove all nodes, or those of ``names``, and that the seeded bug is found."""
+    """Prove all nodes, or the nodes ``names``, and that the seeded bug is found."""
     start = shown = time.monotonic()
     done, outcome = 0, Outcome()
 

@@ -25,9 +25,9 @@ HANDSHAKE_SAYS = {
 class Proof:
     """A task of a .sby file of this folder, `of` and `variant`.
 
-    says: property -> meaning; the module's other assertions are helping invariants. uses: property -> those it
-    needs in the clock before, if not all. after: property -> those it follows from in the same clock. Both are for the
-    proofs that :mod:`tb.formal.steps` runs.
+    says: property -> meaning; the module's other assertions are helping invariants. uses: property -> properties it
+    needs in the previous clock, if not all. after: property -> properties it follows from in the same clock. Both apply
+    to proofs run by :mod:`tb.formal.steps`.
     """
 
     of: str
@@ -53,7 +53,7 @@ class Proof:
         return re.sub(r"^#.*\n", "", (FORMAL / f"{self.of}.sby").read_text(), flags=re.M)
 
     def has(self, task: str) -> bool:
-        """Whether the file has a task prove, cover or formula for this variant."""
+        """Return whether the file has a task prove, cover or formula for this variant."""
         return re.search(rf"^{task}_{self.variant}\b", self.config, re.M) is not None
 
     @property

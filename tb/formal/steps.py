@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Induction with one question a property: does it hold in the next clock if the others hold in this one?
+"""Induction with one question per property: it holds in the next clock if all properties hold in this one.
 
 Used for proofs that SymbiYosys does not finish in one question, and for seeded bugs, where a given property must fail.
 """

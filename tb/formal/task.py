@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A row of docs/generated/proofs.md: one proof, how to run it, and the digest of what it proves."""
+"""A row of docs/generated/proofs.md: one proof, its runner, and the digest of the proved code."""
 
 from __future__ import annotations
 

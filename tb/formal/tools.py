@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs of a proof, from the environment that `make formal` sets up; an interrupt ends them all."""
+"""Programs used by proofs, from the environment that `make formal` sets up; an interrupt ends them all."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A Yosys formula (`write_smt2`) unrolled over several clocks, with a constant for each signal in each clock.
 
-With constants in place of functions of a state, z3 recognizes equal expressions without reasoning about multiplication.
+With constants instead of functions of a state, z3 recognizes equal expressions without reasoning about multiplication.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Answer:
 
 @lru_cache(maxsize=4096)
 def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
-    """Ask z3 about a formula without its final command; equal questions are asked once."""
+    """Send a formula without its final command to z3; answers are cached."""
     start = time.monotonic()
     status, said = running.call(["z3", "-in", f"-T:{limit}"], f"{text}\n{check}\n")
     said = said.strip()

@@ -88,7 +88,7 @@ class Jobs:
 
 
 def simulated(place: Path, given: dict, seconds: float) -> str:
-    """Run cocotb tests on the Verilog in `place` in a process of their own; return the first fault."""
+    """Run cocotb tests on the Verilog in `place` in a separate process; return the first fault."""
     status, output = finished([sys.executable, "-m", "tb.mutation.benches", place, json.dumps(given)], place, seconds)
     if status is None:
         return TIMEOUT
@@ -123,7 +123,7 @@ def emptied(place: Path) -> Path:
 
 @functools.cache
 def unit_benches() -> dict[str, partial]:
-    """Module of rtl/ -> the simulation of its bench in tb/units."""
+    """Return module of rtl/ -> the simulation of its bench in tb/units."""
     found = {}
     for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
         for value in vars(importlib.import_module(f"tb.units.{file.stem}")).values():
@@ -150,7 +150,7 @@ def unit_fault(mutant: Mutant, place: Path) -> str:
         right, changed = (_unit(mutant, command, name, parameters, emptied(place)) for command in ("", mutant.command))
     except YosysError:
         return ""
-    if simulated(right, given, SECONDS):  # the bench is not for these parameters
+    if simulated(right, given, SECONDS):  # the bench does not support these parameters
         return ""
     return simulated(changed, given, TIMES * SECONDS)
 

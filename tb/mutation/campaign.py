@@ -35,7 +35,7 @@ class Design:
     benches: tuple[Nodes | Jobs, ...]
 
     def has(self, only: str) -> bool:
-        """Return whether a file of the design has `only` in its name."""
+        """Return whether the name of a file of the design contains `only`."""
         files = set(closure(self.top))
         if self.top == "ik_axi":
             files -= set(closure("ik_axis"))
@@ -91,7 +91,7 @@ class Result:
 
     @property
     def column(self) -> str:
-        """Column of the table: the kind of bench, or the verdict."""
+        """Return the column of the table: the kind of bench, or the verdict."""
         return self.by.split()[0] if self.verdict == KILLED else self.verdict
 
 
@@ -111,7 +111,7 @@ def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
 
 
 def judge(job: tuple[int, int, int]) -> Result:
-    """Judge a mutant, given by design, seed and number: run the benches, and prove what the first does not kill."""
+    """Judge a mutant, given by design, seed and number: run benches and equivalence proofs, the cheapest first."""
     design, seed, number = job
     first, *more = DESIGNS[design].benches
     origin = netlist(design, seed)
@@ -149,7 +149,7 @@ def recorded(path: Path) -> dict[str, Result]:
 
 
 def append(path: Path, result: Result) -> None:
-    """Append a line in one write, so that a signal leaves no part of it."""
+    """Append a line in one write, so that a signal leaves no partial line."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
     try:

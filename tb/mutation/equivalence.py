@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Equivalence of a module with and without a mutant, by Yosys' equiv commands.
 
-Wires of one name are compared bit by bit. Bits that differ are removed from the comparison until the rest is proved; a
-port must not be removed. Where a module is not equivalent, the modules around it may be. The proofs are of two-valued
-logic: they hold for a chip, and ignore X.
+Wires of the same name are compared bit by bit. Bits that differ are removed from the comparison until the rest is
+proved; a port must not be removed. If a module is not equivalent, the modules around it may be. The proofs use
+two-valued logic: they hold for a chip and ignore X.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tb.mutation.yosys import SECONDS, YosysError, relative, yosys
 CLOCKS = {"clk", "CLK", "WR_CLK"}
 """Ports that the equiv commands ignore: mutants there are not proved."""
 ROUNDS = 12
-"""Attempts to prove a module, each without the bits that the one before has left open."""
+"""Attempts to prove a module, each without the bits left open by the previous one."""
 UNPROVEN = re.compile(r"Unproven \$equiv \S+: \\(\S+)_gold ")
 PORT = re.compile(r"^ *wire .*\b(?:input|output) \d+ .*\\(\S+)$", re.M)
 
@@ -45,7 +45,7 @@ def proof(mutant: Mutant, place: Path, climb: bool = True) -> str:
 
 
 def equivalent(mutant: Mutant, module: str, place: Path, deep: bool) -> bool:
-    """Prove a module equal with and without the mutant; `deep`: flattened, else inner modules are cut out."""
+    """Prove a module equal with and without the mutant; `deep`: flattened, otherwise inner modules are cut out."""
     place.mkdir(parents=True, exist_ok=True)
     right, changed, removed, status = (place / name for name in ("right.il", "changed.il", "removed", "status"))
     removed.write_text("")

@@ -54,7 +54,7 @@ class Mutant:
         return hashlib.sha256(f"{self.netlist.key} {self.command}".encode()).hexdigest()[:16]
 
     def describe(self) -> str:
-        """Return the change in one line, and where it is."""
+        """Describe the change and its location in one line."""
         options = self.options
         by = f" by bit {options['ctrlbit']}" if "ctrlbit" in options else ""
         cell = options["cell"].split("$")[1] if options["cell"].startswith("$") else options["cell"]
@@ -78,13 +78,13 @@ class Netlist:
 
     @functools.cached_property
     def key(self) -> str:
-        """Digest of what the netlist is made from."""
+        """Digest of the sources of the netlist."""
         own = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version(YOSYS)]
         return hashlib.sha256(json.dumps([*own, digest([*sources(), *headers()])]).encode()).hexdigest()[:16]
 
     @functools.cached_property
     def folder(self) -> Path:
-        """Folder with design.il, netlist.v, modules.json and mutants.json; made on the first access."""
+        """Folder with design.il, netlist.v, modules.json and mutants.json; created on first access."""
         folder = BUILD / "netlists" / f"{self.name.replace(' ', '-')}-{self.key}"
         with alone(folder.parent):
             if not (folder / "mutants.json").exists():
@@ -95,7 +95,7 @@ class Netlist:
 
     @property
     def design(self) -> str:
-        """Yosys' command to read the netlist without mutants."""
+        """Return Yosys' command to read the netlist without mutants."""
         return f"read_rtlil {relative(self.folder)}/design.il"
 
     @functools.cached_property
@@ -109,7 +109,7 @@ class Netlist:
         return [Mutant(self, *row) for row in json.loads((self.folder / "mutants.json").read_text())]
 
     def divided(self) -> tuple[str, str]:
-        """Return the Verilog of the top and that of the other modules."""
+        """Return the Verilog of the top and of the other modules."""
         text = (self.folder / "netlist.v").read_text()
         begin = text.index(f"module {self.top}(")
         end = text.index("endmodule\n", begin) + len("endmodule\n")
@@ -150,7 +150,7 @@ class Netlist:
         (folder / "mutants.json").write_text(json.dumps(rows))
 
     def _files(self, modules: dict) -> dict[str, list[str]]:
-        """Return the modules of each file that is mutated here; of `ik_axi` those outside `ik_axis`."""
+        """Return the modules of each file that is mutated here; for `ik_axi`, only those outside `ik_axis`."""
         left_out = set(closure("ik_axis")) if self.top == "ik_axi" else set()
         files = {path.stem: relative(path) for path in sources() if path not in left_out}
         found: dict[str, list[str]] = {}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Verilog bench of ``ik_axis`` that compares every node of a netlist, under stalls, with a full FIFO, after a reset.
+"""Verilog bench of ``ik_axis`` that compares every node of a netlist: under stalls, with a full FIFO, after a reset.
 
 Icarus runs it in the seconds that cocotb takes to start. It stops at the first difference.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs with a time limit, and scripts of Yosys."""
+"""Runners for programs with a time limit and for Yosys scripts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def finished(command: Sequence[str | Path], place: Path, seconds: float) -> tupl
 
 
 def relative(path: Path) -> str:
-    """Return a path as Yosys sees it: the WebAssembly build reads files below the checkout only."""
+    """Return a path for Yosys, whose WebAssembly build reads only files below the checkout."""
     return path.relative_to(ROOT).as_posix()
 
 

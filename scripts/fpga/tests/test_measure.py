@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/fpga without its tools: what it makes of their reports, of the RTL and of its own figures."""
+"""Tests of scripts/fpga without its tools: reports, wrapper, register packing, figures and page."""
 
 import json
 import pickle
@@ -83,7 +83,7 @@ REPORT = {
         },
     ],
 }  # fmt: skip
-"""As nextpnr wrote it for the lean datapath at 18 bits, shortened."""
+"""nextpnr's report for the lean datapath at 18 bits, shortened."""
 
 
 def test_clock_and_critical_path_of_a_report():
@@ -144,7 +144,7 @@ def test_a_register_that_others_read_stays():
 
 
 def test_what_is_no_plain_register_stays():
-    """A reset, another clock, or a product that logic reads at once."""
+    """A reset to 1, another clock, or a product that logic reads directly prevents packing."""
     set_flop = flop(11, 21, REGSET="SET")
     design = netlist(a=flop(10, 20), b=set_flop, m=product(20, 21, 30), p=flop(30, 31))
     counts = pack.pack_registers(design)
@@ -157,7 +157,7 @@ def test_what_is_no_plain_register_stays():
 
 
 def test_two_multipliers_in_a_row_share_no_register():
-    """The register between them goes into one of them, once."""
+    """The register between them is packed into one of them only."""
     design = netlist(
         a=flop(10, 20), b=flop(11, 21), m=product(20, 21, 30), p=flop(30, 22), n=product(22, 22, 40), q=flop(40, 31)
     )
@@ -216,7 +216,7 @@ def memory(do, **ports):
 
 
 def test_registers_behind_a_memory_go_into_it():
-    """Port by port: logic reads one of port B at once, which leaves all of that port as they are."""
+    """Packing is port by port: logic reads one output of port B directly, so port B keeps its registers outside."""
     lut = {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [53]}}
     rom = memory({"A0": 50, "A1": 51, "B0": 52, "B1": 53})
     design = netlist(rom=rom, a0=flop(50, 40), a1=flop(51, 41), b0=flop(52, 42), b1=flop(53, 43), lut=lut)
@@ -240,7 +240,7 @@ def test_a_memory_keeps_a_register_of_another_clock_or_start_outside():
 
 @pytest.fixture(params=["here", "farm"])
 def begun(request, monkeypatch, tmp_path):
-    """A measurement, here or by a farm that leaves nothing to do here."""
+    """Return a measurement, local or on a farm that leaves no local work."""
     monkeypatch.setattr(fpga, "version", lambda *_: "1")  # the tools are not needed
     if request.param == "here":
         return fpga.Measurement(fpga.Figures(tmp_path / "fpga.json"))
@@ -254,7 +254,7 @@ def begun(request, monkeypatch, tmp_path):
 
 
 def measured(monkeypatch, begun, clocks):
-    """What fpga.json has of placing the lean datapath at 18 bits, if each seed gives that clock or none in time."""
+    """Return fpga.json after placing the lean datapath at 18 bits, with a clock or a time-out for each seed."""
 
     def done(run):
         if run.kind != "place":
@@ -312,7 +312,7 @@ def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, begu
 
 
 def test_a_run_goes_to_another_checkout(monkeypatch, tmp_path):
-    """Its sources are those there."""
+    """A pickled run uses the sources of the checkout in which it is loaded."""
     sent = pickle.dumps(runs.Run("synth", "ecp5", "ik_axi", {"W": 18}, instead=fpga.ECHO))
     monkeypatch.setattr(runs, "ROOT", tmp_path)
     run = pickle.loads(sent)
@@ -346,7 +346,7 @@ def test_folded_machine_is_measured_on_every_chip(monkeypatch, begun, tmp_path):
     rows = [row.split(" | ") for row in page.folded(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]]
     assert [row[0] for row in rows] == [f"| {page.CHIPS[chip][0]}, W = {width}" for chip, _, width in page.FOLD]
     assert [row[5].split()[0] for row in rows] == [str(width) for _, _, width in page.FOLD]
-    assert [row[9] for row in rows] == ["33.0"] * 2 + ["100.0"] * 2 + ["-"] * 4  # of the second seed
+    assert [row[9] for row in rows] == ["33.0"] * 2 + ["100.0"] * 2 + ["-"] * 4  # clock of the second seed
 
 
 def test_cells_of_small_chips_are_counted():

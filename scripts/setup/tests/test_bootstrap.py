@@ -36,7 +36,7 @@ def checkout(tmp_path, monkeypatch):
     setup = bootstrap.Setup(str(root))
     for lock in (setup.lock_file, setup.extra_lock("fpga"), setup.extra_lock("table6")):
         Path(lock).write_text("numpy==1.0\n")
-    setup.write_stamp(sys.executable, ["icarus"])  # in place of libpython any file will do
+    setup.write_stamp(sys.executable, ["icarus"])  # any file can replace libpython
     setup.installed, setup.pip_result = [], (0, "")
 
     def pip(lock_file):
@@ -103,7 +103,7 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(checkout):
     for lock in ("z3-solver==1.0\n", "z3-solver==1.1\n"):
         Path(checkout.extra_lock("fpga")).write_text(lock)
         assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"])
-        checkout.set_up(["verilator"])  # must not declare tools of another lock ready
+        checkout.set_up(["verilator"])  # must not mark tools of another lock file ready
         assert not checkout.is_ready(["fpga"])
         for _ in range(2):
             checkout.set_up(["fpga"])
@@ -112,7 +112,7 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(checkout):
 
 
 def test_an_extra_that_does_not_install(checkout, capsys):
-    """An error for fpga, a line for table6, whose users do without; the rest stays ready."""
+    """A failed install is an error for fpga and one line for table6, which is optional; the rest stays ready."""
     checkout.pip_result = (1, "ERROR: no such hash\n")
     assert "ERROR: no such hash (more in build/setup.log)" in refused(capsys, checkout.set_up, ["fpga"])
     checkout.set_up(["table6"])
@@ -152,7 +152,7 @@ def test_a_linked_environment_is_left_alone(checkout, tmp_path, capsys):
 
 @pytest.mark.parametrize(("user", "fails"), [("root", 0), ("sudo", 1), ("root", 9), ("nobody", 0)])
 def test_apt_get(checkout, tmp_path, monkeypatch, capsys, user, fails):
-    """apt-get runs without questions where it may, once more after an update; otherwise a line names its command."""
+    """apt-get runs without prompts where allowed, again after an update; otherwise one line names its command."""
     path, log = Path(os.environ["PATH"]), tmp_path / "log"
     log.touch()
     count = f'case "$*" in *install*) [ $(grep -c " install " "{log}") -gt {fails} ] || exit 100;; esac\n'

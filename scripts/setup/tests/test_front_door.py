@@ -46,7 +46,7 @@ def stand_in(tmp_path):
 
 
 def test_only_values_on_the_command_line_are_passed(stand_in, tmp_path):
-    """Variables of the environment, also those of another Python, have no effect."""
+    """Environment variables have no effect, Python's included."""
     (tmp_path / "json.py").write_text("raise SystemExit('a wrong json')")
     env = {"OUT": "x", "WIDTH": "3", "PYTHONPATH": str(tmp_path), "PYTHONHOME": "/nowhere", "PYTHONSAFEPATH": "1"}
     assert stand_in("DATAPATH=", "WAVES=0", "SIM=verilator", **env) == ["--sim", "verilator"]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_even: v, three clocks ago, shifted in more bits than it can need. No assumption on v.
+// Appended to ik_even: v of three clocks ago, shifted with ample width. No assumption on v.
 
 localparam integer GW = VW + 128;
 reg [VW-1:0] ghost_1;

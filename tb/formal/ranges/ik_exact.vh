@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_exact: its registers hold the products of half words, and the result is their sum, any values that
-// they may have. That the sum is a * b and fits is left to the integers.
+// Appended to ik_exact: its registers hold the products of half words, and the result is their sum, for any values. The
+// integer questions prove that the sum is a * b and fits.
 
 reg signed [W-1:0] ghost_a_1;
 reg signed [W-1:0] ghost_b_1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_mul3: its registers hold the products of parts, and the result is their rounded sum, any values that
-// they may have. That the sum fits is left to the integers.
+// Appended to ik_mul3: its registers hold the products of parts, and the result is their rounded sum, for any values.
+// The integer questions prove that the sum fits.
 
 reg signed [AW-1:0] ghost_a;  // a clock ago
 reg signed [BW-1:0] ghost_b;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_shift: the shifted word in more bits than it can need, two clocks ago.
+// Appended to ik_shift: the shifted word of two clocks ago, with ample width.
 
 localparam integer GW = W + 64;
 wire signed [GW-1:0] ghost_d = d;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_shift3: the shifted word in more bits than it can need, three clocks ago.
+// Appended to ik_shift3: the shifted word of three clocks ago, with ample width.
 
 localparam integer GW = IW + DROP + OW + 64;
 wire signed [GW-1:0] ghost_d = d;

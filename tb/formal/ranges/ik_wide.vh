@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_wide: the sum in more bits than it can need, a clock ago.
+// Appended to ik_wide: the sum of one clock ago, with ample width.
 
 localparam integer GW = W + 4;
 wire signed [GW-1:0] ghost_value = (SUB != 0) ? (a - b) : (a + b);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the proofs about numbers: every range of the lean datapath is asked for, and a wrong claim fails."""
+"""Tests of the proofs about numbers: every range of the lean datapath has a question, and a wrong claim fails."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -38,7 +38,7 @@ def test_every_range_is_asked_for(width):
 
 
 def test_questions_rest_on_what_is_asked():
-    """Every name is a node, a lemma or a sum of squares, no lemma has a node's name."""
+    """Every name is a node, a lemma or a sum of squares; no lemma shares a node's name."""
     asked = Rules(FULL)
     nodes = asked.exact.nodes
     assert not set(GEOMETRY) & set(asked.exact.claimed) and not set(SQUARES) & set(nodes) and set(USES) <= set(nodes)
@@ -58,7 +58,7 @@ def test_circle_is_named(monkeypatch):
 
 
 def test_power_of_two_and_word():
-    """The one lemma about integers: 1/e_far, where it is a place or more, is not between d1 and the next word."""
+    """The only lemma about integers: 1/e_far, if at least one ulp, is not between d1 and the next word."""
     claim, ulp = GEOMETRY["e_far of d1"][0], 2.0**-6
     assert claim == "(or (< 1.0 (* ulp e_far)) (<= 1.0 (* e_far d1)) (<= (* e_far (+ d1 ulp)) 1.0))"
     for e_far in (2.0**k for k in range(8)):
@@ -117,14 +117,14 @@ def test_floors_fail_on_a_bug():
 @tools
 @pytest.mark.slow
 def test_reciprocal_root_of_short_words():
-    """The form with one tile."""
+    """Check the form with one tile."""
     for question in Stages(22).questions():
         assert arithmetic.answer(question)[1] == "", question.name
 
 
 @pytest.mark.parametrize(("frac", "tile"), forms())
 def test_terms_are_those_of_the_model(frac, tile):
-    """The function that the questions run on terms is the model's root."""
+    """The function used on terms equals the model's root."""
     form, random = cores.form_of(frac, tile), np.random.default_rng(1)
     rows, added = cores.rsqrt_rows(form), cores.rounding(form, frac)
     whole = Form(**{**form.__dict__, "c_frac": (form.sum_frac, *form.c_frac[1:])})
@@ -136,7 +136,7 @@ def test_terms_are_those_of_the_model(frac, tile):
 
 
 def test_problems_are_reported():
-    """A counterexample, no answer, assumptions that cannot be met, a bug without a counterexample."""
+    """Reports: a counterexample, no answer, unsatisfiable assumptions, a bug without a counterexample."""
 
     def problem(answer, met="sat"):
         return arithmetic.answer(Question("q", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1)))[1]
@@ -150,7 +150,7 @@ def test_problems_are_reported():
 
 
 def test_expressions_are_read():
-    """Operator precedence, shifts by a number or a name, a choice, a constant of zeros, an appended bit."""
+    """Cases: precedence, shifts by a number or a name, a conditional, a constant of zeros, an appended bit."""
     names = {"a": "a", "b": "b", "N": "B", "c": "(= c 1)", "x": "x", "q": "q"}
     for text, term in (
         ("a + (b << 2)", "(+ a (* b 4))"), ("a + b << N", "(* (+ a b) B)"),

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every bit of data, flags and tag leaves a pipeline in the same clock as its valid bit.
+"""Tests that every bit of data, flags and tag leaves a pipeline in the same clock as its valid bit.
 
-Followed in the elaborated netlist (tb/formal/netlist.py) from the outputs to the nodes; the latency of valid is proved
-(valid.sby).
+Bits are traced in the elaborated netlist (tb/formal/netlist.py) from outputs to nodes; valid.sby proves the latency of
+valid.
 """
 
 import shutil
@@ -26,7 +26,7 @@ TAG_W = 5
 
 
 def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
-    """Return a line for each bit that does not leave with its valid bit, or is not the expected one."""
+    """Return a line for each bit that is wrong or does not leave with its valid bit."""
     path = CONFIGURATIONS[name]
     top = f"ik_{path.rtl}"
     folder = f"{name}{width}-{bug.what}" if bug else f"{name}{width}"

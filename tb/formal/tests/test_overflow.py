@@ -78,7 +78,7 @@ def test_operand_is_found_behind_delay_shift_and_extension(module):
 
 @pytest.mark.parametrize(("module", "outside"), [*((m, False) for m in netlist.OWN), ("ik_mul", True)])
 def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
-    """Its results must not be assumed to be in range, as they are to be proved."""
+    """Results of section logic must not be assumed in range, because they are to be proved."""
     ports = {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [3]}}
     inner = {"attributes": {"hdlname": module}, "cells": {}, "netnames": {}, "ports": ports}
     cell = {"type": "inner", "connections": {"d": [2], "q": [3]}}
@@ -91,7 +91,7 @@ def test_own_logic_of_a_section_does_not_come_from_outside(module, outside):
 
 
 def operand_of_an_operator(beside, delayed=(2, 3)):
-    """Return a netlist in which node a is delayed by 3 clocks outside and 2 inside the operator of which it is b."""
+    """Return a netlist in which node a, operand b of an operator, is delayed by 3 clocks outside and 2 inside."""
     ports = {"b": {"direction": "input", "bits": [2, 3]}, "q": {"direction": "output", "bits": [9]}}
     inside = {
         "u_b": {"type": "delay2", "connections": {"d": list(delayed), "q": [4, 5]}},
@@ -132,7 +132,7 @@ def test_an_operand_used_beside_its_delay_is_refused():
 
 @pytest.mark.parametrize("delayed", [(3, 7), (3,), (2, 3, 7)])
 def test_internal_delay_of_an_operator_is_not_a_delay_of_the_operand(delayed):
-    """Example: the sign of a root, delayed with it."""
+    """Example: the sign of a root is delayed with the root."""
     assert operand_of_an_operator(beside=True, delayed=delayed).operand("u_s.u_q", "b").clocks == 3
 
 
@@ -202,7 +202,7 @@ def test_integers_bound_a_rounded_product(bits, said):
 @needs_tools
 @pytest.mark.parametrize(("claim", "said"), [("(or c (= n 1))", "sat"), ("(=> c (= n 1))", "unsat")])
 def test_every_case_is_asked(claim, said):
-    """The first claim holds where c does, the second in both cases."""
+    """The first claim holds only if c does, the second in both cases."""
 
     def text(facts, claims):
         facts = "".join(f"(assert {fact})" for fact in facts)
@@ -215,7 +215,7 @@ def test_every_case_is_asked(claim, said):
 @needs_tools
 @pytest.mark.slow
 def test_one_node_and_the_bug():
-    """One sum, and the seeded bug in a product, in seconds."""
+    """Prove one sum and find the seeded bug in a product, in seconds."""
     with ThreadPoolExecutor(2) as pool:
         outcome = overflow.run(16, pool, print, ["s"])
     assert outcome.failed == [] and [row[0] for row in outcome.table[1:2]] == ["s"]

@@ -60,7 +60,7 @@ def test_properties_do_not_change_the_rtl():
 
 
 def test_assumptions_are_on_inputs():
-    """The assumptions of proofs (not of covers) are these, all on inputs of ik_fifo, ik_fold and ik_axi's engines."""
+    """Proofs (not covers) have only these assumptions, all on inputs of ik_fifo, ik_fold and ik_axi's engines."""
     found = []
     for path in sorted((ROOT / "tb" / "formal").glob("*.v*")):
         proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
@@ -77,7 +77,7 @@ def test_assumptions_are_on_inputs():
     for proof in PROOFS:
         lines = [line for line in proof.config.splitlines() if "IK_COVER" in line]
         assert all(line.startswith("cover: ") for line in lines)
-        fewer = r"^formula: (chformal -assume2assert|select -assert-count \d+) .*"  # than the files have
+        fewer = r"^formula: (chformal -assume2assert|select -assert-count \d+) .*"  # fewer assumptions
         assert "assume" not in re.sub(fewer, "", proof.config, flags=re.M)
 
 
@@ -158,7 +158,7 @@ def by_name(name):
 
 @tools
 def test_smallest_proof_and_its_bug():
-    """One proof of a few seconds, by SymbiYosys."""
+    """Run one proof of a few seconds with SymbiYosys."""
     with ThreadPoolExecutor(2) as pool:
         outcome = prove.run(by_name("root_row_15"), pool, print)
     assert outcome.failed == [] and outcome.result == "4 assertions, 4 covers"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mutant of a netlist is killed where it is selected, and only equivalent mutants are proved."""
+"""Tests that a selected mutant of a netlist is killed, and that only equivalent mutants are proved."""
 
 import dataclasses
 
