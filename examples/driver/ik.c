@@ -1,4 +1,4 @@
-// Words of lengths Q2.30, half to even, saturated; of phi one turn = 2^32, half to even, wrapped. Results exact.
+// Lengths: Q2.30, rounded half to even, saturated. phi: one turn = 2^32, rounded half to even, wrapped. Results: exact.
 // SPDX-License-Identifier: Apache-2.0
 #include "ik.h"
 
@@ -10,7 +10,7 @@
 #endif
 typedef char ik_needs_double_of_64_bits[DBL_MANT_DIG == 53 && sizeof(double) == 8 ? 1 : -1];
 
-enum { WORDS = 8, FRACTION = 30, HEADROOM = 4 }; // of a record; of a length; low bits that scaling may give up
+enum { WORDS = 8, FRACTION = 30, HEADROOM = 4 }; // words per record, fraction bits, low bits that scaling may drop
 
 static const double TURN = 6.283185307179586;
 
@@ -49,7 +49,7 @@ static bool finite(double value) {
     return parts_of(value).exponent < 0x7ff - 1075;
 }
 
-// The greatest e with value * 2^e in [-2, 2).
+// Returns the greatest e with value * 2^e in [-2, 2).
 static int fits(double value) {
     const parts is = parts_of(value);
     if (is.digits == 0) return INT_MAX;
@@ -59,7 +59,7 @@ static int fits(double value) {
     return (is.negative && power ? 2 : 1) - top;
 }
 
-// value * 2^e, half to even, modulo 2^64.
+// Returns value * 2^e, rounded half to even, modulo 2^64.
 static uint64_t rounded(double value, int e) {
     const parts is = parts_of(value);
     const int up = is.exponent + e;
@@ -67,7 +67,7 @@ static uint64_t rounded(double value, int e) {
     if (up >= 0) {
         word = up < 64 ? is.digits << up : 0;
     } else if (up > -64) {
-        const uint64_t rest = is.digits << (64 + up); // its binary point is at the left
+        const uint64_t rest = is.digits << (64 + up); // binary point left of the MSB
         const uint64_t half = UINT64_C(1) << 63;
         word = is.digits >> -up;
         word += rest > half || (rest == half && (word & 1));
@@ -86,8 +86,8 @@ static ik_real value_of(uint32_t word) {
 
 // ---- targets and results in memory ----
 
-// The exponent of the scaling, the greatest at which every reach is in [0, 2) and, if that costs at most HEADROOM bits,
-// every coordinate in [-2, 2).
+// Computes the scaling exponent: the greatest that puts every reach into [0, 2) and every coordinate into [-2, 2).
+// Fails if the coordinates cost more than HEADROOM bits.
 static ik_code scale(ik_core *core, const ik_target *targets, size_t n, int *exponent) {
     int longest = INT_MAX, furthest = INT_MAX;
     size_t far = 0, shortest = 0;
@@ -141,7 +141,7 @@ static void take_result(ik_result *r, const uint32_t *record) {
 
 // ---- a job ----
 
-// A soft reset, and the time that the bus needs to complete what was begun.
+// Soft reset; waits until the bus has completed pending transfers.
 static ik_code give_up(ik_core *core, ik_code code) {
     set(core, IK_CONTROL, IK_CONTROL_SOFT_RESET);
     for (uint32_t left = core->bus.polls; get(core, IK_STATUS) & IK_STATUS_BUSY;)
@@ -172,7 +172,7 @@ static ik_code run(ik_core *core, const ik_target *targets, ik_result *results, 
     if (get(core, IK_STATUS) & IK_STATUS_BUSY) return IK_BUSY;
     for (uint32_t k = 0; k < n; k++) {
         put_target(from->at + (size_t)k * WORDS, targets + k, exponent);
-        to->at[(size_t)k * WORDS + 7] = ~k; // where the core writes k
+        to->at[(size_t)k * WORDS + 7] = ~k; // word in which the core writes k
     }
     if (bus->flush) {
         bus->flush(bus->user, from->at, (size_t)n * WORDS * 4);

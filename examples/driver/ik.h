@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Driver of ik_axi, the core from memory to memory. C99; no allocation, no libm, of libc the freestanding headers.
-// Two files, ik.h and ik.c, beside the generated ik_regs.h. docs/integration.md has an example.
+// Driver of ik_axi, the memory-to-memory core. C99; no allocation, no libm, only freestanding headers.
+// Files: ik.h, ik.c and the generated ik_regs.h. See docs/integration.md for an example.
 #ifndef IK_H
 #define IK_H
 
@@ -10,99 +10,99 @@
 
 #include "ik_regs.h"
 
-// A double holds every bit of a word; a float, with -DIK_REAL=float, is what animation has. Words are made by shifting
-// the bits of a double; arithmetic in double is a division, a sum and a few comparisons for a target, a division and a
-// sum for each value of a result.
+// A double holds every bit of a word; -DIK_REAL=float selects float, common in animation. Words are built by shifting
+// the bits of a double. Double arithmetic: a division, a sum and a few comparisons per target, a division and a sum per
+// value of a result.
 #ifndef IK_REAL
 #define IK_REAL double
 #endif
 typedef IK_REAL ik_real;
 
-// Lengths in any unit, one for all targets of a call. phi in radians, of any size.
+// Lengths in any unit, the same for all targets of a call. phi in radians, any magnitude.
 typedef struct {
     ik_real x, y, z, phi, d1, d2;
-    uint32_t tag; // its low 24 bits come back
+    uint32_t tag; // the low 24 bits are returned
 } ik_target;
 
 typedef struct {
     ik_real qs[4]; // shoulder: w, i, j, k
     ik_real qe[2]; // elbow: w, i; its j and k are 0
     uint32_t tag;
-    uint8_t flags; // as docs/core.md says
+    uint8_t flags; // see docs/core.md
 } ik_result;
 
-// 0, what the hardware says, IK_CODE_* of ik_regs.h, or what the driver says.
+// 0, a hardware code IK_CODE_* of ik_regs.h, or a driver code.
 typedef int ik_code;
 enum {
     IK_OK = IK_CODE_NONE,
-    // wrong calls; nothing was started
+    // invalid calls; no job was started
     IK_NULL = 16,   // a null pointer, or buffers of 0 records
-    IK_NO_CORE,     // ID is not that of a core, or ik_init has not succeeded
+    IK_NO_CORE,     // ID does not match, or ik_init has not succeeded
     IK_VERSION,     // another major version
     IK_NO_TARGETS,  // n is 0
-    IK_NOT_FINITE,  // this and the next three: ik_core.bad is the target
+    IK_NOT_FINITE,  // here and in the next three, ik_core.bad is the target
     IK_NOT_AN_ARM,  // d1 or d2 is not positive
-    IK_TOO_FAR_OUT, // beside the longest arm; or the arm is beyond double
-    IK_TOO_SHORT,   // beside the longest arm a word of d1 or d2 is 0
-    // ends of a job
-    IK_BUSY,    // another job runs
-    IK_TIMEOUT, // bus.wait gave up or bus.polls are used up; the job was aborted
+    IK_TOO_FAR_OUT, // for the longest arm, or the reach overflows a double
+    IK_TOO_SHORT,   // at the longest arm's scaling, the word of d1 or d2 is 0
+    // job results
+    IK_BUSY,    // another job is running
+    IK_TIMEOUT, // bus.wait returned false or bus.polls ran out; the job was aborted
     IK_ABORTED, // by ik_abort
-    IK_LOST,    // a result is not where the CPU looks
+    IK_LOST,    // a result is missing from the destination buffer
     IK_CODES
 };
 
-// Memory that both sides see, 32 bytes a record. The core asks for an address that is a multiple of 32; with a cache,
-// at and size are multiples of its lines.
+// Memory shared by CPU and core, 32 bytes per record. The address must be a multiple of 32; with a cache, `at` and the
+// size must be multiples of its line size.
 typedef struct {
-    uint32_t *at;     // for the CPU
-    uint64_t address; // for the core
+    uint32_t *at;     // CPU pointer
+    uint64_t address; // bus address
 } ik_area;
 
-// What the platform provides.
+// Platform interface.
 typedef struct {
-    void *user; // handed to all of these
+    void *user; // passed to all callbacks
 
-    // Registers. Either is a memory barrier, for compiler and CPU.
+    // Register access. Each call is a memory barrier for compiler and CPU.
     uint32_t (*read)(void *user, uint32_t offset);
     void (*write)(void *user, uint32_t offset, uint32_t value);
 
     ik_area source, destination;
-    uint32_t records; // in each area; more targets become several jobs
+    uint32_t records; // capacity of each area; more targets are split into several jobs
 
-    // May be null, where memory is coherent: write the cache back; forget what is in it.
+    // Write back and invalidate the cache; null if memory is coherent.
     void (*flush)(void *user, const void *at, size_t bytes);
     void (*invalidate)(void *user, void *at, size_t bytes);
 
-    // Null: polling. Else: sleeps until ik_irq has run since its last return, and may return earlier; false: gives up.
+    // Null: polling. Otherwise sleeps until ik_irq has run since its last return; may return early. False: timeout.
     bool (*wait)(void *user);
-    uint32_t polls; // most reads in a row of a register that the driver waits for; 0: any number
+    uint32_t polls; // maximum consecutive reads of a polled register; 0: unlimited
 } ik_bus;
 
 typedef struct {
     ik_bus bus;
-    uint32_t width, data_width, addr_width, latency; // of this instance: W, DATA_W, ADDR_W, clocks
+    uint32_t width, data_width, addr_width, latency; // of this instance: W, DATA_W, ADDR_W, latency in clocks
     bool lean;                                       // datapath: lean, or the paper's
 
     // of the last ik_solve
-    size_t written;         // so many results, from the first on, are good, whatever the code
-    size_t bad;             // target that was not accepted
-    uint64_t error_address; // for an error of the hardware; what it is of: ERROR in docs/generated/registers.md
+    size_t written;         // number of valid results, from the first, whatever the code
+    size_t bad;             // index of the rejected target
+    uint64_t error_address; // of a hardware error; see ERROR in docs/generated/registers.md
 
-    volatile uint32_t events; // bits of IRQ_STATUS that ik_irq has seen
+    volatile uint32_t events; // IRQ_STATUS bits collected by ik_irq
     volatile bool aborted;
 } ik_core;
 
-// Checks that a core of this version answers, ends whatever it does and reads its parameters. bus is copied.
+// Checks the core's ID and version, aborts any running job and reads the parameters. bus is copied.
 ik_code ik_init(ik_core *core, const ik_bus *bus);
 
-// Solves n targets. All lengths are scaled by one power of two, as make run does.
+// Solves n targets. All lengths are scaled by a common power of two, as in make run.
 ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n);
 
-// For the interrupt's handler, which then wakes bus.wait. False: the interrupt was another's.
+// Called by the interrupt handler, which then wakes bus.wait. False: the interrupt has another source.
 bool ik_irq(ik_core *core);
 
-// Ends an ik_solve from elsewhere; with bus.wait, wake it afterwards.
+// Aborts a running ik_solve from another context; with bus.wait, wake it afterwards.
 void ik_abort(ik_core *core);
 
 const char *ik_error_text(ik_code code);

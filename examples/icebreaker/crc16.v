@@ -1,8 +1,8 @@
-// The check of a frame; no rounding.
+// CRC-16 of a frame; no rounding.
 // SPDX-License-Identifier: Apache-2.0
 //
-// CRC-16 of x^16 + x^12 + x^5 + 1 after one more byte, highest bit first, from all ones on: Python's binascii.crc_hqx.
-// Latency: none.
+// Updates the CRC by one byte, MSB first. Polynomial x^16 + x^12 + x^5 + 1, initial value all ones; Python's
+// binascii.crc_hqx. Latency: none (combinational).
 `default_nettype none
 
 module crc16 (

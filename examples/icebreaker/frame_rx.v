@@ -1,10 +1,10 @@
-// Bytes to a target; words as they come.
+// Bytes to a target frame; words unchanged, no rounding.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A frame is START, BYTES of payload, their CRC-16, high byte first.  A target is offered when its frame was right, and
-// then stays until it is taken; bytes that come before that are lost.  Between frames all bytes but START are passed over.
-// A byte without stop bit, a wrong check, a frame for which there is no room or one that pauses for 2^LOG2_QUIET clocks
-// is dropped, and said by `dropped`; the sender asks again.
+// A frame is START, BYTES of payload and their CRC-16, high byte first.  A valid frame is offered until taken; a frame
+// that begins earlier is lost.  Between frames all bytes except START are ignored.
+// A frame is dropped, with a pulse on `dropped`, on a missing stop bit, a wrong CRC, a pause of 2^LOG2_QUIET clocks, or
+// while the previous frame is still offered; the host sends it again.
 // Latency: 1 clock from the last byte.
 `default_nettype none
 
@@ -34,7 +34,7 @@ module frame_rx #(
   wire begun = left != 0;
   wire first = valid && !begun && data == START;
   wire ends = valid && left == 1;
-  wire right = crc_next == 16'd0;  // of payload and check
+  wire right = crc_next == 16'd0;  // over payload and CRC
   wire late = begun && (&quiet);
   always @(posedge clk) begin
     quiet <= (valid || !begun) ? {LOG2_QUIET{1'b0}} : quiet + 1'b1;

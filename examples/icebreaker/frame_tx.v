@@ -1,8 +1,8 @@
-// An answer to bytes; words as they are.
+// Answer frame to bytes; words unchanged, no rounding.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A frame as of frame_rx: START, BYTES of payload, their CRC-16, high byte first.
-// Latency: START goes to the line in the clock after the answer is taken.
+// Frame as in frame_rx: START, BYTES of payload and their CRC-16, high byte first.
+// Latency: START is output in the clock after the answer is taken.
 `default_nettype none
 
 module frame_tx #(
@@ -20,7 +20,7 @@ module frame_tx #(
 );
 
   localparam [31:0] ALL = BYTES + 3;
-  reg [4:0] left;  // bytes to be sent
+  reg [4:0] left;  // bytes left to send
   reg [15:0] crc;
   reg [8*BYTES+7:0] shift;
   wire [15:0] crc_next;
@@ -37,7 +37,7 @@ module frame_tx #(
       shift <= {8'd0, shift[8*BYTES+7:8]};
       left  <= left - 5'd1;
     end
-    if (left == 0 || (valid && ready && left == ALL[4:0])) crc <= 16'hFFFF;  // START is not in it
+    if (left == 0 || (valid && ready && left == ALL[4:0])) crc <= 16'hFFFF;  // excludes START
     else if (valid && ready && left > 2) crc <= crc_next;
     if (rst) left <= 5'd0;
   end

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets through a board with examples/icebreaker, over its serial port: what `make -C examples/icebreaker send` does.
+"""Send targets to a board running examples/icebreaker over its serial port (`make -C examples/icebreaker send`).
 
     python -m examples.icebreaker.host PORT [--trajectory NAME|all|FILE.csv|clip.bvh] [--out DIR] ...
 
-Writes what `make run DATAPATH=fold16 WIDTH=24` writes, in the same bytes; only score.json has no clocks, which are not
-seen from here. Every answer is compared with the bit-true model.
+Writes the same bytes as `make run DATAPATH=fold16 WIDTH=24`, except that score.json has no clock counts, which the
+host cannot observe. Every answer is compared with the bit-true model.
 
-The board drops a frame (frames.py) whose check is wrong; what is not answered is sent again.
+The board drops frames (frames.py) with a wrong CRC; unanswered targets are sent again.
 
-Exit status: 0 if every trajectory passes, 1 if one fails or the board does not answer, 2 for input that cannot be used
-(one line on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+Exit status: 0 if every trajectory passes, 1 if one fails or the board does not answer, 2 for unusable input (one line
+on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -35,21 +35,21 @@ from scripts.trajectory import Prepared, parser_of, prepare
 from tb.sim.simulate import LONG, Run, SimulationError
 
 WINDOW = 64
-"""Targets under way. At two stop bits a target takes longer than its answer, so that any number may be; tags tell
-them apart as long as it is far below 256."""
+"""Targets in flight. With two stop bits a target takes longer than its answer, so the board imposes no limit; 8-bit
+tags stay unique far below 256."""
 TRIES = 4
-"""How often a target is sent before the board counts as silent."""
+"""Transmissions of a target before the board counts as silent."""
 
 
 class Board:
-    """A board behind a serial port. Raises InputError if the port cannot be used."""
+    """Board on a serial port. Raises InputError if the port cannot be opened."""
 
     def __init__(self, port: str, baud: int, timeout: float):
         self.name, self.timeout, self.again = port, timeout, 0
         try:
             stop = serial.STOPBITS_TWO
             self.port = serial.Serial(port, baud, stopbits=stop, timeout=min(0.02, timeout / 4), exclusive=True)
-        except (OSError, ValueError) as exc:  # pyserial's own is an OSError
+        except (OSError, ValueError) as exc:  # pyserial's exception is an OSError
             raise InputError(f"cannot open the serial port {port!r}: {_why(exc)}") from None
 
     def __enter__(self) -> Board:
@@ -59,15 +59,15 @@ class Board:
         self.port.close()
 
     def quiet(self) -> None:
-        """Wait until nothing comes any more: answers to somebody who has gone."""
+        """Discard input until the line is quiet: answers to an earlier host."""
         end = time.monotonic() + self.timeout
         while self.port.read(4096):
             if time.monotonic() > end:
                 raise SimulationError(f"{self.name} sends without being asked: is the right board there?")
 
     def solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
-        """The results (N, 6) and flags (N,) of targets (N, 6); ``done(n)`` is called with how many are answered.
-        Raises SimulationError when the board is silent."""
+        """Return the results (N, 6) and flags (N,) of targets (N, 6); report the number answered by ``done(n)``.
+        Raises SimulationError if the board is silent."""
         try:
             return self._solve(words, done)
         except OSError as exc:
@@ -95,8 +95,8 @@ class Board:
             for tag, flag, result in answers(self.port.read(max(1, self.port.in_waiting))):
                 place = next((k for k, target in enumerate(sent) if target % 256 == tag), None)
                 if place is None:
-                    continue  # an answer that was given up, and came late
-                lost += [sent.popleft() for _ in range(place)]  # answers come in order
+                    continue  # late answer to a target already given up
+                lost += [sent.popleft() for _ in range(place)]  # answers are in order: earlier targets are lost
                 target = sent.popleft()
                 results[target], flags[target] = result, flag
                 answered += 1
@@ -109,13 +109,13 @@ class Board:
 
 
 def _why(error: BaseException) -> str:
-    """The system's reason if there is one: pyserial's words are for programmers."""
+    """Return the system's error text if available; pyserial's messages are for programmers."""
     numbers = [one.args[0] for one in (error, error.__context__) if one and one.args and isinstance(one.args[0], int)]
     return os.strerror(numbers[0]) if numbers else str(error)
 
 
 def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
-    """What the board answered, beside the bit-true model."""
+    """Compare the board's answers with the bit-true model."""
     model = fixed.run(words, WIDTH, FOLD16.name)
     mask = np.int64((1 << WIDTH) - 1)
     wrong = np.column_stack(((results ^ model.results) & mask, flags ^ model.flags))
@@ -159,7 +159,7 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
 
 @command("icebreaker")
 def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; the exit status."""
+    """Run the command line and return the exit status."""
     parsed = _parser().parse_args(arguments)
     prepared = prepare(parsed)
     out = parsed.out

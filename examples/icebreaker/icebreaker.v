@@ -1,17 +1,17 @@
-// Inputs Q2.22 and a binary angle, results Q2.22, as bytes of a serial line; no rounding of its own.
+// Inputs Q2.22 and a binary angle, results Q2.22, as bytes of a serial line; no rounding outside the core.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The folded core on an iCEBreaker (iCE40 UP5K): a target comes as a frame, its answer goes back as one.
-//   target: A5, tag, x, y, z, phi, d1, d2 as 3 bytes each, lowest first, CRC-16    22 bytes
-//   answer: 5A, tag, flags, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i likewise, CRC-16     23 bytes
-// The button resets.  Green: out of reset; red: the last frame was dropped.
-// Two targets may be under way without waiting for an answer: one answer is sent while the next one is computed.
+// Core with the fold datapath on an iCEBreaker (iCE40 UP5K); targets and answers are serial frames:
+//   target: A5, tag, x, y, z, phi, d1, d2 (3 bytes each, little endian), CRC-16    22 bytes
+//   answer: 5A, tag, flags, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i likewise, CRC-16    23 bytes
+// The button resets.  Green LED: out of reset; red LED: the last frame was dropped.
+// Two targets may be in flight: one answer is sent while the next is computed.
 `default_nettype none
 
 module icebreaker #(
-    parameter integer CLOCK      = 24000000,  // Hz, of the PLL
+    parameter integer CLOCK      = 24000000,  // PLL output, Hz
     parameter integer BAUD       = 1000000,
-    parameter integer LOG2_QUIET = 16         // clocks of a pause that ends a frame
+    parameter integer LOG2_QUIET = 16         // log2 of the pause that drops a frame, clocks
 ) (
     input  wire CLK,     // 12 MHz
     input  wire BTN_N,
@@ -34,8 +34,8 @@ module icebreaker #(
       .PACKAGEPIN(CLK), .PLLOUTGLOBAL(clk), .LOCK(locked), .RESETB(1'b1), .BYPASS(1'b0)
   );
 
-  reg [1:0] button;  // the pin is of no clock
-  reg [3:0] up;      // clocks since the reset's reason is gone
+  reg [1:0] button;  // synchronizer: the pin is asynchronous
+  reg [3:0] up;      // clocks since the reset cause ended
   initial begin
     button = 2'b00;
     up = 4'd0;
@@ -74,7 +74,7 @@ module icebreaker #(
       .data(tx_data), .valid(tx_valid), .ready(tx_ready)
   );
 
-  // ---- LEDs, lit when low ----
+  // ---- LEDs, active low ----
 
   reg red;
   always @(posedge clk) red <= !rst && (dropped || (red && !offered));

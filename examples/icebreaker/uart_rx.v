@@ -1,12 +1,12 @@
-// A byte of a serial line; no rounding.
+// Serial line to bytes; no rounding.
 // SPDX-License-Identifier: Apache-2.0
 //
-// UART receiver, 8N1: looks at the middle of every bit.  A low level that is gone by the middle of a start bit is noise.
-// Latency: a byte is there in the middle of its stop bit, and 2 clocks.
+// UART receiver, 8N1, samples each bit in its middle.  A start bit that is high in its middle is ignored as noise.
+// Latency: 2 clocks from the middle of the stop bit.
 `default_nettype none
 
 module uart_rx #(
-    parameter integer BIT = 24  // clocks of a bit, 4 to 256
+    parameter integer BIT = 24  // clocks per bit, 4 to 256
 ) (
     input  wire       clk,
     input  wire       rst,
@@ -16,14 +16,14 @@ module uart_rx #(
     output reg        bad     // for one clock: no stop bit
 );
 
-  reg [1:0] line;  // the pin is of another clock
+  reg [1:0] line;  // synchronizer: the pin is asynchronous
   always @(posedge clk) line <= {line[0], rx};
   wire level = line[1];
 
   localparam [31:0] LAST = BIT - 1;
   localparam [31:0] HALF = BIT - BIT / 2;
   reg [7:0] count;
-  reg [3:0] bits;  // to come, start bit included; 0: none
+  reg [3:0] bits;  // bits to come, start bit included; 0: idle
   wire middle = count == LAST[7:0];
   always @(posedge clk) begin
     valid <= 1'b0;

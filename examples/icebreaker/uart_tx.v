@@ -1,12 +1,12 @@
-// A byte to a serial line; no rounding.
+// Bytes to a serial line; no rounding.
 // SPDX-License-Identifier: Apache-2.0
 //
-// UART transmitter, 8N1.  `ready` in the last clock of a stop bit, so that bytes follow each other without a gap.
-// Latency: the start bit begins with the next clock.
+// UART transmitter, 8N1.  `ready` is high in the last clock of a stop bit, so that bytes follow without a gap.
+// Latency: the start bit begins in the next clock.
 `default_nettype none
 
 module uart_tx #(
-    parameter integer BIT = 24  // clocks of a bit, 2 to 256
+    parameter integer BIT = 24  // clocks per bit, 2 to 256
 ) (
     input  wire       clk,
     input  wire       rst,
@@ -18,8 +18,8 @@ module uart_tx #(
 
   localparam [31:0] LAST = BIT - 1;
   reg [7:0] count;
-  reg [9:0] shift;  // the pin's level and what follows, ones behind it: the line rests high
-  reg [3:0] bits;   // to be sent, the present one included
+  reg [9:0] shift;  // current level and following bits, filled with ones: the line idles high
+  reg [3:0] bits;   // bits left to send, including the current one
   wire ended = count == LAST[7:0];
   assign ready = !rst && (bits == 4'd0 || (bits == 4'd1 && ended));
   assign tx = shift[0];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sends one target through arm_top and prints the answer: a testbench in plain Verilog.
+// Bench in plain Verilog: sends one target through arm_top and prints the result.
 `default_nettype none
 
 module arm_tb;
 
   localparam real ONE = 1073741824.0;  // 2^30
-  localparam real TURN = 4294967296.0 / 6.283185307179586;  // words of a radian
+  localparam real TURN = 4294967296.0 / 6.283185307179586;  // LSBs per radian
 
   reg clk = 1'b0;
   always #5 clk = !clk;
@@ -27,7 +27,7 @@ module arm_tb;
       .done(done), .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k), .qe_w(qe_w), .qe_i(qe_i), .flags(flags)
   );
 
-  // Everything is driven at the falling edge, far from the edge that the core samples at.
+  // Inputs change at the falling edge, away from the core's sampling edge.
   integer clocks;
   initial begin
     repeat (4) @(negedge clk);

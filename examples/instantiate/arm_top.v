@@ -1,12 +1,12 @@
 // Inputs Q2.30 and a binary angle; results Q2.30.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A small design around ik_axis: one arm of fixed lengths. `go` for a clock sends a target, `done` for a clock comes with
-// its answer. Targets may follow each other in every clock, and answers then do, too.
+// Small design around ik_axis: one arm of fixed lengths. `go` high for one clock sends a target; `done` is high for one
+// clock with its result. Throughput: one target per clock.
 `default_nettype none
 
 module arm_top #(
-    parameter [31:0] D1 = 32'd354334802,  // upper arm: 0.33, of a unit that is 2^30
+    parameter [31:0] D1 = 32'd354334802,  // upper arm: 0.33 (1.0 = 2^30)
     parameter [31:0] D2 = 32'd289910292   // forearm: 0.27
 ) (
     input  wire               clk,
@@ -26,7 +26,7 @@ module arm_top #(
     output wire        [ 7:0] flags
 );
 
-  // Nobody stalls, so a target is always accepted: tready is 1 from the first clock after reset, tags are not needed.
+  // The receiver never stalls, so s_axis_tready is 1 from the first clock after reset. Tags are not needed.
   wire ready_unused;
   wire tag_unused;
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy of the datapaths by region of the workspace: hand and joint angles of the bit-true model."""
+"""Accuracy of the datapaths by workspace region: hand and joint angle errors of the bit-true model."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ TARGETS, SEED, WIDTH = 4000, 1, 32
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of targets (N,): hand / reach against the target, joint angles (rad) against double precision, and
-    abs(norm^2 - 1), the larger of both quaternions."""
+    """Errors of targets (N,): hand / reach relative to the target, joint angles (rad) relative to double precision,
+    and the larger abs(norm^2 - 1) of the two quaternions."""
 
     hand: np.ndarray
     shoulder: np.ndarray
@@ -48,12 +48,12 @@ class Errors:
 
     @property
     def angle(self) -> float:
-        """The largest error of a joint angle."""
+        """Largest joint angle error (rad)."""
         return max(self.shoulder.max(), self.elbow.max())
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
-    """Return rows: region, then for each datapath the median and largest hand error and the largest angle error."""
+    """Yield rows: region, then for each datapath the median and largest hand error and the largest angle error."""
     for name in REGIONS:
         words = region(name, TARGETS, WIDTH, SEED)
         found = [Errors.of(words, WIDTH, path) for path in DATAPATHS]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Count the operations of a dataflow: nodes by the unit that computes them, sums by their + and -."""
+"""Operation counts of a dataflow: nodes by computing unit, sums by their + and -."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ VECTORS = ("norm", "sincos", "trig")
 
 
 class _Counted(np.ndarray):
-    """Words that count the + and - applied to them."""
+    """Array of words that counts the + and - applied to it."""
 
     done: Counter = Counter()
 
@@ -52,8 +52,8 @@ def counted_run(flow: Callable, width: int = WIDTH) -> tuple[fixed.Bits, Counter
 def operations(flow: Callable) -> dict[str, Counter]:
     """Return for each section the number of each unit, a kind of `Latency.TABLE`, and of ``additions``.
 
-    A + or - is an addition where a sum is rounded or exact, not inside of another unit, such as the rounding of a
-    product or a shift's count.  ``exact`` are products of the flags, which are also counted as what they are.
+    Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
+    or a shift count, are not.  ``exact`` counts products of the flags, which also count under their own unit.
     """
     run, written = counted_run(flow)
     counts: dict[str, Counter] = {}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A dataflow as a graph: its nodes after a run, the cone of a node, the longest path, balancing delays.
+"""Dataflow graph after a run: nodes, the cone of a node, the longest path, balancing delays.
 
-Pages and pictures are drawn from it. Formats and clocks do not depend on the target of the run.
+Pages and pictures are drawn from it. Formats and clocks do not depend on the target.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FLAGS = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length")
 
 
 def design(datapath: str, width: int = WIDTH) -> dict[str, Node]:
-    """Return the nodes of a datapath; a choice that adds words counts as a sum."""
+    """Return the nodes of a datapath; a selection that adds words counts as a sum."""
     bits, additions = counted_run(DATAPATHS[datapath].flow, width)
     exact = {n for n, v in bits.nodes.items() if v.latency == "mux" and additions[n]}
     return {n: replace(v, op="sum") if n in exact else v for n, v in bits.nodes.items()}
@@ -44,7 +44,7 @@ def kind(node: Node) -> str:
 
 
 def start(node: Node, width: int = WIDTH) -> int:
-    """Return the clock in which the node's operands are taken."""
+    """Return the clock in which the node's operands are sampled."""
     return node.time - (Latency(width)[node.latency] if node.latency else 0)
 
 
@@ -55,7 +55,7 @@ def operands(node: Node, nodes: Mapping[str, Node]) -> list[str]:
 
 @dataclass(frozen=True)
 class Delay:
-    """A word that waits, ``bits`` wide, from ``begin`` to ``end``."""
+    """Delay of a word of ``bits`` bits from clock ``begin`` to clock ``end``."""
 
     begin: int
     end: int
@@ -63,7 +63,7 @@ class Delay:
 
     @property
     def clocks(self) -> int:
-        """Clocks that the word waits."""
+        """Length of the delay in clocks."""
         return self.end - self.begin
 
     @property
@@ -90,7 +90,7 @@ def check(nodes: Mapping[str, Node], width: int = WIDTH) -> None:
 
 
 def delays(nodes: Mapping[str, Node], width: int = WIDTH, out: int | None = None) -> dict[str, Delay]:
-    """Return the balancing delay after every node that has one; results wait for clock ``out``, in which all leave."""
+    """Return the balancing delay of every node that has one; all results leave in clock ``out``."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for o in node.operands:
@@ -103,7 +103,7 @@ def delays(nodes: Mapping[str, Node], width: int = WIDTH, out: int | None = None
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return the nodes that lead to node ``name``. KeyError for an unknown name."""
+    """Return node ``name`` and all nodes it depends on. KeyError for an unknown name."""
     if name not in nodes:
         raise KeyError(f"no node {name}; results are {', '.join(RESULT_FIELDS)}")
     wanted, todo = set(), [name]
@@ -116,7 +116,7 @@ def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
 
 
 def part(nodes: Mapping[str, Node], *, section: str | None = None, equation: str | None = None) -> dict[str, Node]:
-    """Return the nodes of a section or equation and their operands, which keep no operands of their own."""
+    """Return the nodes of a section or equation with their operands; outside operands become inputs."""
     inside = {n for n, v in nodes.items() if section in (None, v.section) and equation in (None, v.equation)}
     around = {o.name for n in inside for o in nodes[n].operands if o.name} - inside
     return {
@@ -127,7 +127,7 @@ def part(nodes: Mapping[str, Node], *, section: str | None = None, equation: str
 
 
 def longest_path(nodes: Mapping[str, Node]) -> list[Node]:
-    """Return the nodes from an input to the last result, each the latest operand of the next."""
+    """Return the critical path, from an input to the last result."""
     path = [max(nodes.values(), key=lambda n: n.time)]
     while before := [o for o in (*path[-1].operands, path[-1].after) if o and o.name in nodes]:
         path.append(nodes[max(before, key=lambda n: n.time).name])
@@ -156,7 +156,7 @@ def _power(i: int) -> str:
 
 
 def tip(node: Node, width: int = WIDTH) -> str:
-    """Describe a node in a line: operation, operands, format, clocks."""
+    """Describe a node in one line: operation, operands, format, clocks."""
     names = ", ".join(o.name or "constant" for o in node.operands)
     what = f"{node.name} {node.equation}".strip() + f": {KINDS[kind(node)]}" + (f" of {names}" if names else "")
     clocks = f"clocks {start(node, width)} to {node.time}" if node.latency else f"clock {node.time}"

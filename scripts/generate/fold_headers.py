@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Headers of the folded machine: its program, the codes and places of a step's fields, its table, its nodes."""
+"""Headers of the fold datapath: program, codes and bit positions of a step's fields, table, nodes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STEP_BITS = sum(FIELDS.values())
 
 
 def _name(code: str) -> str:
-    """A code as part of an identifier."""
+    """Convert a code to part of an identifier."""
     text = code or "none"
     for old, new in (("<0", ""), ("<bits", "_bits"), ("=", "_"), (" ^ ", "_xor_"), ("~", "not_"), ("-", "minus_")):
         text = text.replace(old, new)
@@ -29,7 +29,7 @@ def _name(code: str) -> str:
 
 
 def codes() -> str:
-    """``ik_fold_codes.vh``."""
+    """Return ``ik_fold_codes.vh``."""
     lines = [
         "// For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.",
         "",
@@ -43,7 +43,7 @@ def codes() -> str:
 
 
 def fields() -> str:
-    """``ik_fold_fields.vh``."""
+    """Return ``ik_fold_fields.vh``."""
     lines, at = ["// For the body of ik_fold: the fields of the step.", ""], 0
     for name, bits in FIELDS.items():
         where = f"{at + bits - 1}:{at}" if bits > 1 else f"{at}"
@@ -59,7 +59,7 @@ def _operand(of: Operand | None) -> str:
 
 
 def steps() -> str:
-    """``ik_fold_program.vh``."""
+    """Return ``ik_fold_program.vh``."""
     _, made = program(WIDTH)
     period = made.period
     says: list[list[str]] = [[] for _ in range(period)]
@@ -97,7 +97,7 @@ def steps() -> str:
 
 
 def formats() -> str:
-    """``ik_fold_formats.vh``."""
+    """Return ``ik_fold_formats.vh``."""
     numbers = [_numbers(*forms) for forms in FORMS]
     values = [f"localparam integer {k} = SMALL ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0]]
     return f"""\
@@ -115,11 +115,11 @@ localparam [0:0] SMALL = TILE < 18;
 
 
 FORMS = (cores.LONG, trig.LONG), (cores.SMALL, trig.SMALL)
-"""Of the root and of the sine, for tiles of 18 bits, and for less."""
+"""Forms (root, sine): for 18-bit tiles, for smaller tiles."""
 
 
 def _numbers(root: Form, sine: Form) -> dict[str, int]:
-    """Return the numbers of two forms that share one table. The sine's c0 counts half: its window is double."""
+    """Return the parameters of two forms that share a table; the sine's c0 counts half, as its window is double."""
     frac = sine.c_frac[0] + 1
     assert root.c_frac[1:] == sine.c_frac[1:] and root.slope_frac == sine.slope_frac and root.c_frac[0] < frac
     drop = {
@@ -150,7 +150,7 @@ def _rows(root: Form, sine: Form) -> Iterator[str]:
 
 
 def table() -> str:
-    """``ik_fold_table.vh``."""
+    """Return ``ik_fold_table.vh``."""
     long, small = (_rows(*forms) for forms in FORMS)
     return "\n".join([
         "// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned",
@@ -179,7 +179,7 @@ def table() -> str:
 
 
 def _range(node: Node) -> str:
-    """Return the sign extension of a node's word; empty for a bit."""
+    """Return the Verilog range of a node's word; empty for a bit."""
     name, sign, number = re.fullmatch(r"(.*?)(?: ([+-]) (\d+))?", node.format.frac_expr).groups()
     more = int(f"{sign or '+'}{number or 0}") + node.format.width - node.format.frac - 1
     if name == "0":
@@ -188,7 +188,7 @@ def _range(node: Node) -> str:
 
 
 def nodes() -> str:
-    """``ik_fold_nodes.vh``."""
+    """Return ``ik_fold_nodes.vh``."""
     lowering, made = program(WIDTH)
     blocks: dict[str, list[Shown]] = {}
     for of in shown(lowering, made).values():
@@ -216,4 +216,4 @@ HEADERS = {
     "program": (steps, "model/dataflow/fold/schedule.json and model/dataflow/lean.py"),
     "table": (table, "model/dataflow/cores.py and model/dataflow/trig.py"),
 }
-"""Name -> the function that gives its text, and what it is made from."""
+"""Header name -> function that returns its text, and the source it is generated from."""

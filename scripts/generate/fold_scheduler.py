@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Schedule the folded machine: the clock of every step of the lean dataflow, by constraint programming.
+"""Schedule the fold datapath: assign a clock to every step of the lean dataflow by constraint programming.
 
     make schedule [PERIOD=CLOCKS] [SECONDS=N]
 
-Writes model/dataflow/fold/schedule.json, from which the program is made (`python -m scripts.generate.headers`), with
-the least latency found in the time.  A change of the dataflow that adds, drops or renames a step needs it.
+Writes the schedule of least latency found in the time limit to model/dataflow/fold/schedule.json, the source of the
+program (`python -m scripts.generate.headers`).  Rerun after adding, dropping or renaming a step of the dataflow.
 
-Exit status: 0 a schedule was found, 1 there is none, or none was found in the time, 2 bad input.
+Exit status: 0 a schedule was found, 1 none exists or none was found in time, 2 bad input.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ except ImportError:
     cp_model = None
 
 WIDTH = 24
-"""Word length of the steps; they are the same at every width."""
+"""Word length used; the steps are the same at every word length."""
 
 LATENCY = 140
 """Largest latency of a target, in clocks."""
@@ -41,7 +41,7 @@ class NoScheduleError(Exception):
 
 
 class _Problem:
-    """The schedule as variables and constraints: ``model`` and the start of each group."""
+    """Schedule as variables and constraints: ``model`` and the start of each group."""
 
     def __init__(self, groups: list[Group], period: int) -> None:
         self.model, self.period = cp_model.CpModel(), period
@@ -57,7 +57,7 @@ class _Problem:
         return [start + clock for start, placed in self.placed for clock in of(placed)]
 
     def _in_lap(self, clocks: list, what: str) -> list:
-        """The place of each clock in the lap."""
+        """Return each clock modulo the lap length."""
         places = []
         for number, clock in enumerate(clocks):
             lap = self.model.new_int_var(-1, LATENCY // self.period + 1, f"{what} {number}, lap")
@@ -66,7 +66,7 @@ class _Problem:
         return places
 
     def _resources(self) -> None:
-        """One step is issued in a clock of the lap, one row read, one word written; the count serves one step."""
+        """Allow one step issue, one row read and one word write per clock of the lap, and one user of the counter."""
         writes = self._clocks(lambda placed: [use.at for use in timing.word_writes(placed)])
         for what, clocks in (
             ("issue", self._clocks(lambda placed: [placed.at])),
@@ -79,12 +79,12 @@ class _Problem:
         intervals = []
         for begin, (_, placed) in zip(begins, counting, strict=True):
             clocks = timing.last_count(placed) - timing.first_count(placed) + 1
-            for lap in (0, self.period):  # once more: it may run over the end of the lap
+            for lap in (0, self.period):  # twice: an interval may wrap around the end of the lap
                 intervals.append(self.model.new_fixed_size_interval_var(begin + lap, clocks, "count"))
         self.model.add_no_overlap(intervals)
 
     def _words(self) -> None:
-        """Words are read after they are written and before the next target writes them."""
+        """Constrain reads of a word to lie between its write and the next target's write."""
         written = {name: [clock] for name, clock in self.loads.items()}
         for start, placed in self.placed:
             for use in timing.word_writes(placed):
@@ -96,7 +96,7 @@ class _Problem:
                     self.model.add(start + use.at < write + self.period)
 
     def _flags(self) -> None:
-        """Constrain flags and counts, which are registers, likewise."""
+        """Constrain flags and counts, which are registers, in the same way."""
         self.set_at: dict[str, list] = {"phi<0": [self.loads["phi"]]}
         for start, placed in self.placed:
             for use in timing.flag_sets(placed):
@@ -115,8 +115,8 @@ class _Problem:
                 self.model.add(clock <= at + self.period)
 
     def _results(self) -> None:
-        """Flags and tag leave with the first result; the last one comes before the first one of the next target, and
-        not in the last clocks of a lap, where the machine would begin another one."""
+        """Flags and tag leave with the first result. The last result precedes the next target's first one and stays
+        clear of the last clocks of a lap, in which the core would begin another lap."""
         results = [start + placed.at + timing.WRITE for start, placed in self.placed if placed.step.result]
         first, last, taken = (self.model.new_int_var(0, 2 * LATENCY, name) for name in ("first", "last", "taken"))
         self.model.add_min_equality(first, results)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the Verilog headers that Python generates: node formats and clocks, tables, the folded core's program.
+"""Write the generated Verilog headers: node formats and clocks, tables, the program of the fold datapath.
 
     python -m scripts.generate.headers      writes the headers that are out of date
 """
@@ -35,7 +35,7 @@ def traced(datapath: str) -> dict[int, Bits]:
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
-    """Return the T_ of the operand that is ready last; if that depends on the width, the larger of two."""
+    """Return the T_ of the last ready operand, or the maximum of two if it depends on the width."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
@@ -50,7 +50,7 @@ def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
 
 
 def nodes_header(datapath: str) -> str:
-    """``rtl/<datapath>/ik_<datapath>_nodes.vh``."""
+    """Return the text of ``ik_<datapath>_nodes.vh``."""
     runs = traced(datapath)
     nodes = runs[WIDTHS[-1]].nodes
     used = {node.latency for node in nodes.values()}
@@ -97,7 +97,7 @@ def nodes_header(datapath: str) -> str:
 
 
 def latency_header() -> str:
-    """``rtl/include/ik_latency.vh``."""
+    """Return ``rtl/include/ik_latency.vh``."""
     cases = []
     for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items():
         for width, bits in traced(name).items():
@@ -119,7 +119,7 @@ endfunction
 
 
 def sincos_header() -> str:
-    """``rtl/include/ik_sincos_table.vh``."""
+    """Return ``rtl/include/ik_sincos_table.vh``."""
     entries = "\n".join(f"      {i:2d}: atan_turn = {TABLE_BITS}'d{a};" for i, a in enumerate(atan_table()))
     return f"""{NOTE.format(source="model/dataflow/fixed.py")}
 // For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
@@ -143,9 +143,9 @@ def table_header(
     module: str, source: str, most: int, forms: Sequence[Form], tables: Sequence[Sequence[tuple]], rounding: str,
     besides: Sequence[str],
 ) -> str:
-    """The table of a module around ``ik_quadratic``: with up to ``most`` fraction bits F of the result the first form
-    and table, beyond the second, with tiles of less than 18 bits the third; ``rounding`` is what is added to c0,
-    ``besides`` numbers that this module needs."""
+    """Return the table header of a module around ``ik_quadratic``. The first form and table serve results of up to
+    ``most`` fraction bits F, the second longer results, the third tiles below 18 bits. ``rounding`` is added to c0;
+    ``besides`` names further parameters of the module."""
     numbers = [numbers_of(form, besides) for form in forms]
     values = "\n".join(
         f"localparam integer {k} = SMALL ? {numbers[2][k]} : LONG ? {numbers[1][k]} : {numbers[0][k]};"
@@ -202,7 +202,7 @@ def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
 
 
 def rom(form: Form, table: Sequence[tuple]) -> str:
-    """Return the rows of the ROM, without the bits of c0 above its word."""
+    """Return the rows of the ROM; c0 is truncated to its word."""
     bits = sum(form.c_bits)
     lines = []
     for i, row in enumerate(table):
@@ -214,7 +214,7 @@ def rom(form: Form, table: Sequence[tuple]) -> str:
 
 
 def rsqrt_header() -> str:
-    """``rtl/include/ik_rsqrt_table.vh``."""
+    """Return ``rtl/include/ik_rsqrt_table.vh``."""
     forms = lean_cores.SHORT, lean_cores.LONG, lean_cores.SMALL
     return table_header(
         "ik_rsqrt", "model/dataflow/cores.py", lean_cores.SHORT_FRAC, forms, [*map(lean_cores.rsqrt_rows, forms)],
@@ -223,7 +223,7 @@ def rsqrt_header() -> str:
 
 
 def trig_header() -> str:
-    """``rtl/include/ik_trig_table.vh``."""
+    """Return ``rtl/include/ik_trig_table.vh``."""
     forms = lean_trig.SHORT, lean_trig.LONG, lean_trig.SMALL
     return table_header(
         "ik_trig", "model/dataflow/trig.py", lean_trig.SHORT_FRAC, forms, [*map(lean_trig.sine_rows, forms)],
@@ -232,7 +232,7 @@ def trig_header() -> str:
 
 
 def fold_header(name: str) -> str:
-    """``rtl/fold/ik_fold_<name>.vh``."""
+    """Return the text of ``ik_fold_<name>.vh``."""
     text, source = fold_headers.HEADERS[name]
     return f"{NOTE.format(source=source)}\n{text()}\n"
 
@@ -246,7 +246,7 @@ HEADERS = {
     ROOT / "rtl" / "include" / "ik_trig_table.vh": trig_header,
     **{ROOT / "rtl" / "include" / f"ik_fold_{name}.vh": partial(fold_header, name) for name in fold_headers.HEADERS},
 }
-"""File -> the function that gives its text."""
+"""File -> function that returns its text."""
 
 
 def stale() -> list[Path]:

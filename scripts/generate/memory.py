@@ -23,7 +23,7 @@ BUSES = (32, 64, 128)
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Return a row for each latency, or for one, as tb/axi/rates.py writes it. Raises SimulationError."""
+    """Return the rows that tb/axi/rates.py writes for one or all latencies. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read generated pages back, to check that they are current."""
+"""Comparison of generated pages with fresh ones."""
 
 import re
 
 
 def table(text, heading):
-    """Return the rows of the table whose first column is `heading`."""
+    """Return the rows of the table whose first column is headed `heading`."""
     lines = text.splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
     rows = []
@@ -18,11 +18,11 @@ def table(text, heading):
 
 NUMBER = re.compile(r"-?\b\d+\.?\d*(?:e[-+]?\d+)?\b")
 SAME_FIGURE = 0.06
-"""Tolerance: a processor's sines may differ in the last place and round a two-digit figure the other way."""
+"""Tolerance: sines of another processor may differ in the last place and change the rounding of a two-digit figure."""
 
 
 def differing(text: str, fresh: str) -> list[str]:
-    """Return the lines of a page that differ from fresh ones, comparing figures to two digits."""
+    """Return the lines of a page that differ from a fresh page; figures are compared to two digits."""
     old, new = text.splitlines(), fresh.splitlines()
     wrong = [] if len(old) == len(new) else [f"the page has {len(old)} lines, just made {len(new)}"]
     for a, b in zip(old, new, strict=False):

@@ -30,7 +30,7 @@ SCORES = GENERATED / "scores.md"
 
 
 def scores_page(scores: dict[str, list[dict]]) -> str:
-    """Return scores.md from datapath -> the objects of its score.json."""
+    """Return scores.md. scores: datapath -> objects of its score.json."""
     return render(
         "scores",
         scores=scores,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One target in the pipeline as SVG: the operations of each section at their clocks, coloured by kind."""
+"""SVG of one target in the pipeline: operations by section and clock, coloured by kind."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from scripts.generate.flow import KINDS, WIDTH, design, kind, start
 from scripts.generate.render import render
 
 LEFT, DRAWN, RIGHT = 230, 1000, 20
-"""Pixels: titles of the sections, all clocks, the rest."""
+"""Widths in pixels: section titles, all clocks, right margin."""
 
 TOP, LANE, GAP = 62, 11, 8
-"""Pixels: above the first section, a lane of operations, between sections."""
+"""Heights in pixels: above the first section, a lane of operations, between sections."""
 
 COLOURS = {
     "root": "#c2410c", "div": "#1d4ed8", "sincos": "#15803d", "mul": "#60a5fa", "add": "#34d399", "scale": "#a78bfa",
     "choose": "#9ca3af", "fifo": "#475569",
 }  # fmt: skip
-"""Kind of operation -> its bars."""
+"""Kind of operation -> colour of its bars."""
 
 NAMES = KINDS | {"fifo": "output FIFO"}
 
@@ -31,7 +31,7 @@ Bar = tuple[str, int, int, list[str]]
 
 
 def bars(nodes: Iterable[Node], width: int = WIDTH) -> list[Bar]:
-    """Group operations by kind and clocks; a choice that takes no clock is wiring and is left out."""
+    """Group operations by kind and clocks; a selection without a clock is wiring and is omitted."""
 
     def key(node: Node) -> tuple[str, int, int]:
         return kind(node), start(node, width), node.time
@@ -54,7 +54,7 @@ def lanes(of: Iterable[Bar]) -> list[list[Bar]]:
 
 
 def pipeline_svg(datapath: str, width: int = WIDTH) -> str:
-    """Return pipeline-<datapath>.svg: every clock from admission of a target to its result at `ik_axis`."""
+    """Return pipeline-<datapath>.svg: every clock from a target's admission to its result at `ik_axis`."""
     nodes = design(datapath, width).values()
     ready = max(node.time for node in nodes)
     total = ready + FIFO_CLOCKS

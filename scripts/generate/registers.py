@@ -3,7 +3,7 @@
 
     python -m scripts.generate.registers      writes the files that are out of date
 
-The templates are our own: PeakRDL's C names a register by a hash if several share a type.
+The project has its own templates: PeakRDL's C header names registers that share a type by a hash.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SOURCE = ROOT / "rtl" / "axi" / "ik_axi.rdl"
 
 @dataclass(frozen=True)
 class Field:
-    """Some bits of a register. access: r, rw, w1c (writing 1 erases) or w1 (a pulse, reads as 0)."""
+    """Bit field of a register. access: r, rw, w1c (write 1 to clear) or w1 (a pulse, reads as 0)."""
 
     name: str
     high: int
@@ -43,7 +43,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Register:
-    """A register at an offset in bytes."""
+    """Register at a byte offset."""
 
     name: str
     offset: int
@@ -95,7 +95,7 @@ FILES = {
 
 
 def texts(source: Path = SOURCE) -> dict[Path, str]:
-    """File -> what it has to say."""
+    """Return file -> its text."""
     TEMPLATES.filters["wrap"] = lambda text, width: textwrap.fill(text, width)
     found = description(source)
     return {path: TEMPLATES.get_template(name).render(found) for path, name in FILES.items()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Templates and tables of the generated pages."""
+"""Templates and table formatting for the generated pages."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
 
 
 def error(value: float | None) -> str:
-    """Format an error for a table; None means not measured."""
+    """Format an error; None means not measured."""
     return "-" if value is None else f"{value:.1e}"
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that answers the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 (make paper).
+"""Reproduce the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 (make paper).
 
     python -m scripts.paper [--only derivation|operations|wordlengths|figures|table6]
 
-Each part writes its page in docs/generated and stops the command if one of its checks fails. Table 5 is `make fpga`.
+Each part writes its page in docs/generated; a failed check stops the command. Table 5 is `make fpga`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ PARTS = {
     "figures": figures.write,
     "table6": lambda: measure.main([]),
 }
-"""Part -> the function that writes its page and returns 0, or 1 if a check fails."""
+"""Part -> function that writes its page and returns 0, or 1 if a check fails."""
 
 
 @command("paper")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures 6 and 7 of the paper: dataflow graphs and pipeline schedules of both datapaths, as SVG.
 
-docs/generated/figures holds equation (13), as in the paper; graphs and schedules of whole datapaths and of their
-sections go to build/paper/figures. A balancing delay lasts from the clock in which a node is ready to the last clock in
-which a consumer starts.
+docs/generated/figures holds equation (13), as in the paper; graphs and schedules of whole datapaths and their sections
+go to build/paper/figures. A balancing delay lasts from the clock in which a node is ready to the last clock in which a
+consumer starts.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def designs() -> Designs:
 
 
 def _tooltips(datapath: str) -> dict[str, str]:
-    """Return the proved range of each node, for the paper's datapath."""
+    """Return the proved range of each node of the paper's datapath; empty for other datapaths."""
     if datapath != "paper":
         return {}
 
@@ -45,12 +45,12 @@ def _tooltips(datapath: str) -> dict[str, str]:
 
 
 def graph(nodes: Mapping[str, Node], datapath: str, title: str) -> str:
-    """Return the dataflow graph of some nodes in graphviz' language."""
+    """Return the dataflow graph of some nodes in the DOT language."""
     return graphs.dot(nodes, f"{title}, W = {WIDTH}", DATAPATHS[datapath].sections, _tooltips(datapath))
 
 
 def schedule(nodes: Mapping[str, Node], datapath: str, title: str, out: int | None = None) -> str:
-    """Return the pipeline schedule of some nodes as SVG, with all wires if there are few nodes."""
+    """Return the pipeline schedule of some nodes as SVG; wires are drawn for fewer than 40 nodes."""
     title = f"Pipeline schedule of {title}, W = {WIDTH}"
     return schedule_svg(nodes, title, DATAPATHS[datapath].sections, wires=len(nodes) < 40, out_clock=out)
 
@@ -66,7 +66,7 @@ def shown(nodes: Designs) -> dict[str, str]:
 
 
 def whole(nodes: Designs) -> dict[str, str]:
-    """Return the figures of each datapath and section: file name -> graph or SVG. ValueError names a wrong node."""
+    """Return the figures of each datapath and section: file name -> graph or SVG. ValueError for an invalid node."""
     found = {}
     for path, own in nodes.items():
         check(own)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dataflow graphs, figure 6 of the paper, drawn by graphviz.
 
-A picture carries the digest of its graph, so that a test checks without `dot` that it is up to date.
+Each picture carries the digest of its graph, so a test can check without `dot` that it is current.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from scripts.generate.flow import check, kind, longest_path, operands, q, tip
 
 SIGNS = {"input": "", "mul": "×", "add": "+", "div": "÷", "root": "√", "sincos": "sin cos", "scale": "shift",
          "choose": "?"}  # fmt: skip
-"""Symbol of each kind of operation in a box."""
+"""Symbol drawn for each kind of operation."""
 
 COLOURS = ("#dbeafe", "#dcfce7", "#fde2c8", "#ede4fd", "#fbd5e5", "#fef3c7", "#e2e8f0")
-"""Colours of the sections, in their order."""
+"""Colours of the sections, in order."""
 
 CRITICAL = "#dc2626"
 
@@ -36,7 +36,7 @@ HEAD = """digraph {{
 
 
 def dot(nodes: Mapping[str, Node], title: str, sections: Mapping[str, str], tips: Mapping[str, str]) -> str:
-    """Return the graph of ``nodes`` in graphviz' language, coloured by section, the longest path in red.
+    """Return the graph of ``nodes`` in the DOT language, coloured by section, with the longest path in red.
 
     sections: name -> title. tips: node -> text added to its tooltip. A node without operands that is not an input
     belongs to another section and is dashed.
@@ -66,7 +66,7 @@ def dot(nodes: Mapping[str, Node], title: str, sections: Mapping[str, str], tips
 
 
 def digest(graph: str) -> str:
-    """Return the digest of a graph that its picture carries."""
+    """Return the graph digest that is embedded in the picture."""
     return hashlib.sha256(graph.encode()).hexdigest()[:16]
 
 

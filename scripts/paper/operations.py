@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 of the paper: operations of equations (10)-(19) and of the elaborated RTL; operations.md.
+"""Table 4 of the paper: operation counts of equations (10)-(19) and of the elaborated RTL; operations.md.
 
-Expressions come from model/reference/printed.py. Verilator elaborates the RTL (``--json-only``); instances and written
+Expressions come from model/reference/printed.py. Verilator elaborates the RTL (``--json-only``); instances and inline
 + and - in its tree are counted. Nothing is simulated or compiled.
 """
 
@@ -34,7 +34,7 @@ PAGE = GENERATED / "operations.md"
 
 @dataclass(frozen=True)
 class Ops:
-    """Numbers of operations; ``scale`` are multiplications by a constant, ``trig`` sines and cosines."""
+    """Operation counts; ``scale`` counts multiplications by a constant, ``trig`` sines and cosines."""
 
     add: int = 0
     mul: int = 0
@@ -55,7 +55,7 @@ UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
 
 
 def count(expression: sympy.Expr) -> Ops:
-    """Count the operations of an expression tree, nothing shared."""
+    """Count the operations of an expression tree, without sharing."""
     if expression.is_Symbol or expression.is_Number:
         return Ops()
     inside = sum((count(a) for a in expression.args), Ops()) if not expression.is_Mul else Ops()
@@ -108,7 +108,7 @@ def _power(base: sympy.Expr, exponent: sympy.Expr) -> Ops:
 
 
 def total(expressions: Iterable[sympy.Expr]) -> Ops:
-    """Count the operations of several expressions, nothing shared between them."""
+    """Count the operations of several expressions, without sharing."""
     return sum((count(e) for e in expressions), Ops())
 
 
@@ -121,12 +121,12 @@ def shared(lines: dict[str, sympy.Expr]) -> Ops:
 
 
 def printed_lines(*numbers: str) -> dict[str, sympy.Expr]:
-    """The lines of the given equations, in order; of all of (10)-(18) if none is given."""
+    """Return the lines of the given equations in order, by default (10)-(18)."""
     return {n: e for k in numbers or [k for k in PRINTED if k != "(19)"] for n, e in PRINTED[k].items()}
 
 
 def lines_with_19() -> dict[str, sympy.Expr]:
-    """(10)-(18) with (19) in place of the last six lines of (12): (13) follows by substitution."""
+    """Return (10)-(18) with (19) replacing the last six lines of (12); (13) follows by substitution."""
     lines = printed_lines()
     to_19 = {}
     for m in "123":
@@ -145,7 +145,7 @@ def lines_with_19() -> dict[str, sympy.Expr]:
 
 
 def savings() -> dict[str, tuple[Ops, Ops, str]]:
-    """Return the parts of (12) and (13) that (19) changes: operations before and after, claim of section 4.2."""
+    """Return, for each part of (12) and (13) changed by (19): operations before and after, claim of section 4.2."""
     before, after, lines = printed_lines("(12)", "(13)"), printed_lines("(19)"), lines_with_19()
     six = {n: e for n, e in before.items() if n[-1] in "45"}
     elbow = [n for n in before if n.startswith("p_e_")]
@@ -166,9 +166,9 @@ def savings() -> dict[str, tuple[Ops, Ops, str]]:
 
 
 def elaborate(root: Path = ROOT, top: str = "ik_paper", **parameters: int) -> list[dict]:
-    """The modules of a datapath as Verilator has elaborated them, the top first.
+    """Return the modules of a datapath as elaborated by Verilator, top first.
 
-    RuntimeError with Verilator's own message when the sources do not elaborate.
+    Raises RuntimeError with Verilator's message if elaboration fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
@@ -198,18 +198,18 @@ def _parameter(module: dict, name: str) -> int:
 
 
 LIBRARY = ("ik_mul", "ik_sum2", "ik_sum3", "ik_half", "ik_div", "ik_root", "ik_sincos", "ik_norm", "ik_lzc", "ik_shift")
-"""Modules of which sections consist. Inside them only the delays of operands are counted."""
+"""Modules that sections consist of. Only their operand delays are counted inside them."""
 
 
 def _operand_bits(operator: dict, by_address: dict[str, dict]) -> int:
-    """Bits of the delays of an operator's operands: of operand a in instance u_a, and so on."""
+    """Return the bits of an operator's operand delays (instance u_a for operand a, and so on)."""
     ports = [f"u_{n['name']}" for n in operator["stmtsp"] if n["type"] == "VAR" and n.get("direction") == "INPUT"]
     cells = [n for n in _walk(operator["stmtsp"]) if n.get("type") == "CELL" and n["name"] in ports]
     return sum(_parameter(by_address[c["modp"]], "W") * _parameter(by_address[c["modp"]], "N") for c in cells)
 
 
 def rtl_counts(root: Path = ROOT) -> dict[str, Counter]:
-    """Section -> how many of each library module, of written ``+`` and ``-``, and bits that wait."""
+    """Return for each section the counts of library modules, inline ``+`` and ``-``, and delay bits."""
     modules = elaborate(root)
     by_address = {m["addr"]: m for m in modules}
     tops = [m for m in modules if m["origName"] == "ik_paper"]
@@ -227,7 +227,7 @@ def rtl_counts(root: Path = ROOT) -> dict[str, Counter]:
                 mine[kind] += 1
                 mine["delay_bits"] += _operand_bits(inner, by_address)
             elif kind == "ik_pick":
-                continue  # a choice and a sign change, which neither table 4 nor the dataflow counts
+                continue  # selection and sign change: counted neither by table 4 nor by the dataflow
             elif kind in ("ik_delay", "ik_ring"):
                 mine["delay_bits"] += _parameter(inner, "W") * _parameter(inner, "N")
             elif kind.removeprefix("ik_") in SECTIONS:
@@ -241,8 +241,8 @@ def rtl_counts(root: Path = ROOT) -> dict[str, Counter]:
 
 def operators(modules: list[dict]) -> Counter:
     """Count the ``add`` and ``mul`` of all instances below the top, except in constants, functions and initial blocks,
-    which are tables. Verilator copies the right side of an assignment to a concatenation for
-    each of its parts: what stands in one place of one generate block is one operator."""
+    which are tables. Verilator copies the right side of an assignment to a concatenation once per part, so
+    operators with the same source location and generate block count once."""
     by_address = {m["addr"]: m for m in modules}
     kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
 
@@ -261,7 +261,7 @@ def operators(modules: list[dict]) -> Counter:
         if kind in kinds and any(side["type"] != "CONST" for side in tree["lhsp"] + tree["rhsp"]):
             found[(*block, tree["loc"])] = kinds[kind]
         for name, child in tree.items():
-            if isinstance(child, list) and name not in ("lsbp", "bitp"):  # which are indices
+            if isinstance(child, list) and name not in ("lsbp", "bitp"):  # indices
                 inside(child, block, found, cells)
 
     def of(module: dict) -> Counter:
@@ -274,7 +274,7 @@ def operators(modules: list[dict]) -> Counter:
 
 
 def rtl_ops(c: Counter) -> Ops:
-    """Convert a section's instances to operations."""
+    """Convert a section's instance counts to operations."""
     return Ops(
         add=c["ik_sum2"] + 2 * c["ik_sum3"] + c["ik_half"] + c["operator"],
         mul=c["ik_mul"],
@@ -285,7 +285,7 @@ def rtl_ops(c: Counter) -> Ops:
 
 
 def differences(rtl: dict[str, Counter], flow: dict[str, Counter]) -> list[str]:
-    """Return a line for each difference between the operations of the elaborated RTL and of the dataflow."""
+    """Return a line for each operation count in which the elaborated RTL and the dataflow differ."""
     found = []
     for section in SECTIONS:
         a, b = Counter(rtl[section]), flow.get(section, Counter())
@@ -306,7 +306,7 @@ def _bullet(text: str) -> str:
 
 
 def operators_at_once() -> dict[str, dict[str, int]]:
-    """Return operators and clocks of each datapath, with dividers and roots built from rows."""
+    """Return operators and clocks of the paper and lean datapaths, with dividers and roots built from rows."""
     found = {}
     for datapath, top in (("paper", "ik_paper"), ("lean", "ik_lean")):
         digit = {"DIGIT": 1} if datapath == "paper" else {}

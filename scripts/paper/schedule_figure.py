@@ -28,7 +28,7 @@ LABEL = 200
 def schedule_svg(
     nodes: Mapping[str, Node], title: str, sections: Mapping[str, str], *, wires: bool, out_clock: int | None = None
 ) -> str:
-    """Draw every node's stage, the delay after it and the critical path; with ``wires`` also a line to each operand."""
+    """Draw each node's stage, its delay and the critical path; with ``wires`` also a line to each operand."""
     check(nodes)
     waits = delays(nodes, out=out_clock)
     path = [node.name for node in longest_path(nodes)]

@@ -38,7 +38,7 @@ SOURCES = (
 
 
 def _said(targets: int) -> dict[str, str]:
-    """Return tables 5 and 6 of the paper, with times for a number of targets."""
+    """Return the figures of tables 5 and 6 of the paper, with times for a number of targets."""
     total = tables.FIRST_US + targets / tables.MHZ
     return SAID | {FIRST: f"{tables.FIRST_US:g}", ALL: f"{total:g}", TIMES: _times(targets, total)}
 
@@ -48,12 +48,12 @@ def _times(targets: int, us: float) -> str:
 
 
 def _small_chip(datapath: str) -> str:
-    """Return the chip that a folded datapath is placed on."""
+    """Return the chip on which a folded datapath is placed; empty for others."""
     return next((chip for chip, name, _ in FOLD if name == datapath), "")
 
 
 def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
-    """Return the same rows for a run. data: the figures of `make fpga`."""
+    """Return the same rows for a run of the core. data: the figures of `make fpga`."""
     datapath, width = result.datapath, result.width
     mhz = synthesis = None
     if datapath in TOPS:

@@ -4,7 +4,7 @@
 LUTS = 30_000
 MHZ = 100
 LATENCY = 550
-"""Clocks."""
+"""Latency of the paper's pipeline (clocks)."""
 
 TARGETS = 100
 FIRST_US = 5.0
@@ -19,5 +19,5 @@ CHIP_MULTIPLIERS = 328
 
 
 def of_chip(luts: int) -> str:
-    """Return LUTs as a percentage of the chip's."""
+    """Format LUTs as a percentage of the chip's LUTs."""
     return f"{luts / CHIP_LUTS:.0%}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word lengths, section 4.3 of the paper: ranges proved and observed, and the hand error at each word length."""
+"""Word lengths (section 4.3 of the paper): proved and observed ranges, hand error at each word length."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ PAGE = GENERATED / "wordlengths.md"
 WIDTH, SEED = 32, 1
 TARGETS, REGULAR_POSES, SENSITIVITY_POSES = 1_000_000, 20_000, 1000
 DOMINATING = 12
-"""Rows of the table of the nodes that cost the hand most."""
+"""Rows of the table of nodes that contribute most to the hand error."""
 
 
 def sensitivities(width: int, seed: int, count: int) -> dict[str, np.ndarray]:
-    """Return how far one ulp of each rounded node moves the hand, relative to the reach, at regular poses (count,)."""
+    """Return the hand displacement per ulp of each rounded node, relative to the reach, at regular poses (count,)."""
     words = words_of(regular_poses(count, seed), width)
     bits = fixed.run(words, width).bits
     length = 2.0 ** (2 - width)
@@ -60,8 +60,8 @@ def shares(moved: dict[str, np.ndarray], nodes: dict[str, Node]) -> dict[str, fl
 
 
 def hand_error_by_width() -> dict[int, tuple[float, ...]]:
-    """Return for each word length the hand error at regular poses: median, 99 %, largest; the proved bounds: median,
-    largest; and for the default arm median, 99 %, largest."""
+    """Return for each word length, at regular poses: hand error (median, 99 %, largest), proved bound (median,
+    largest), and hand error of the default arm (median, 99 %, largest)."""
     poses, own = regular_poses(REGULAR_POSES, SEED), regular_poses(REGULAR_POSES, SEED, default_arm())
     result = {}
     for width in WIDTHS:
@@ -139,7 +139,7 @@ def problems(observed: Observed) -> list[str]:
 
 
 def write() -> int:
-    """Prove the ranges at every word length, observe them, and write the page; return 1 if a node does not fit."""
+    """Prove the ranges at every word length, observe them in the model, write the page; return 1 if a node fails."""
     try:
         for width in WIDTHS:
             ranges.check(width)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The playground: a page in which the Verilog runs."""
+"""The playground: an HTML page that runs the Verilog."""

@@ -1,8 +1,8 @@
-// The core for a page: what CXXRTL made of ik_axis, behind a few functions that a page can call.
+// WebAssembly interface to the CXXRTL model of ik_axis: functions called by the page.
 // SPDX-License-Identifier: Apache-2.0
 //
-// CORE is the C++ of the design. Signals are known by number: name, width, and the place of their words of 32 bits, the
-// lowest first. The page writes the inputs where they are, settles the clock, looks, and gives the edge.
+// CORE is the C++ of the design. Signals are numbered; each has a name, a width and an address of 32-bit words, lowest
+// first. In each clock the page writes the inputs in place and calls settle, show and edge.
 #include CORE
 
 #include <cstring>
@@ -26,7 +26,7 @@ std::vector<uint32_t> shown;
 
 #define EXPORT(name) extern "C" __attribute__((export_name(#name)))
 
-// Finds the signals that the Verilog names, ports and nodes among them, and returns how many there are.
+// Finds the signals named in the Verilog, including ports and nodes, and returns their number.
 EXPORT(begin) int begin() {
   core.debug_info(&items, nullptr, "");
   size_t words = 0;
@@ -46,7 +46,7 @@ EXPORT(name) const char *name(int k) { return signals[k].name.c_str(); }
 EXPORT(width) int width(int k) { return static_cast<int>(signals[k].width); }
 EXPORT(data) uint32_t *data(int k) { return signals[k].data; }
 
-// The words of all signals, one after the other, as they stand in this clock.
+// Returns the words of all signals in this clock, concatenated.
 EXPORT(show) uint32_t *show() {
   size_t at = 0;
   for (const Signal &signal : signals) {
@@ -56,7 +56,7 @@ EXPORT(show) uint32_t *show() {
   return shown.data();
 }
 
-// The clock is low and all that depends on the inputs follows.
+// Sets the clock low and updates all combinational logic.
 EXPORT(settle) void settle() {
   core.p_clk.set<bool>(false);
   core.step();

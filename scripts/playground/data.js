@@ -3,5 +3,5 @@
 
 const DATA = JSON.parse(element("data").textContent);
 
-// runs: of each machine its answers as the scene draws them; at: the last of them; parts: where the picture of each run is.
+// runs: results of each core, as drawn in the scene; at: index of the last result; parts: place of each run's picture.
 const state = { runs: [], at: -1, view: { ...VIEW }, bounds: null, colours: {}, parts: [] };

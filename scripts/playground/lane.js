@@ -8,7 +8,7 @@ const LANE = { left: 84, right: 178, top: 22 };
 const lane = element("lane");
 const colourOf = (target) => `hsl(${(target.number * 47) % 360} 75% 50%)`;
 
-// Where each node of a machine is drawn: sections below each other, clocks to the right, nodes of a clock stacked.
+// Layout of a core's nodes: one row per section, clocks to the right, nodes of a clock stacked.
 function layLane(machine) {
   const { table, nodes } = machine;
   const rows = new Map();
@@ -77,7 +77,7 @@ function drawLane() {
   drawWaiting(g, w, machine, laid);
 }
 
-// What stands behind the datapath: results that wait for the receiver, and the credits that are left.
+// Draws the output FIFO: results waiting for the receiver, and the remaining credits.
 function drawWaiting(g, w, machine, laid) {
   const { colours: c } = state;
   const left = w - LANE.right + 18;
@@ -96,7 +96,7 @@ function drawWaiting(g, w, machine, laid) {
   });
 }
 
-// The node at a place of the lane: that which is nearest, if it is near.
+// Returns the node nearest to a point of the lane, if it is close enough.
 function nodeAt(px, py) {
   const x = laneX(ui.laid, lane.clientWidth);
   const wide = Math.max(2, x(1) - x(0) - 1);

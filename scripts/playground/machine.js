@@ -12,8 +12,8 @@ function even(v) { // round half to even
   return v - floor === 0.5 ? floor + (floor % 2 ? 1 : 0) : Math.round(v);
 }
 
-// The words of a target {x, y, z, phi, d1, d2}, lengths in one unit and z along the axis, and the exponent of the scaling:
-// the longest arm that has its reach in [1, 2), as model.io.words does it. `fits`: whether the format holds them.
+// Returns the words of a target {x, y, z, phi, d1, d2} (one length unit, z along the axis) and the exponent that scales
+// the reach to [1, 2), or lower if the position needs it, as in model.io.words. `fits`: true if the format holds them.
 function toWords(target, width) {
   let e = 1 - exponentOf(target.d1 + target.d2);
   const lowest = e - HEADROOM_BITS;
@@ -31,7 +31,7 @@ function toWords(target, width) {
   return { words, exponent: e, fits: inside() && words[4] !== 0 && words[5] !== 0 };
 }
 
-// Of a number above 0: v = m 2^e with m in [1/2, 1).
+// Returns e of a positive number v = m 2^e with m in [1/2, 1).
 function exponentOf(v) {
   let e = Math.floor(Math.log2(v)) + 1;
   while (v >= 2 ** e) e += 1;
@@ -49,10 +49,10 @@ async function inflate(id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// A machine in its clock: `tick` is one of them. Targets in flight carry what the core made of them so far.
+// Clocked simulation of a core; `tick` runs one clock. Targets in flight carry the node words computed so far.
 class Machine {
   static async load(table) {
-    const nothing = new Proxy({}, { get: () => () => 0 }); // of files, which it has none
+    const nothing = new Proxy({}, { get: () => () => 0 }); // stubs of the WASI imports: the core uses no files
     const { instance } = await WebAssembly.instantiate(await inflate(`wasm-${table.name}`), { wasi_snapshot_preview1: nothing });
     return new Machine(table, instance.exports);
   }
@@ -103,7 +103,7 @@ class Machine {
     }
   }
 
-  // The bits of a signal in a frame of the waveform: the last one, or one of those before.
+  // Returns the bits of a signal in a frame of the waveform, by default the last one.
   bits(signal, frame = this.frames.at(-1)) {
     let bits = 0n;
     for (let k = signal.words - 1; k >= 0; k--) {
@@ -117,8 +117,8 @@ class Machine {
     return new Uint32Array(this.core.memory.buffer, data, words).reduceRight((bits, word) => (bits << 32n) | BigInt(word), 0n);
   }
 
-  // One clock: `target` stands at the input if there is one, {words, ...}; the receiver takes a result if it is ready.
-  // Returns { admitted, result }: whether the target came in, and the target whose result left.
+  // Runs one clock. `target` {words, ...}, if any, is driven at the input; a result leaves if the receiver is ready.
+  // Returns { admitted, result }: true if the target was accepted, and the target whose result left.
   tick(target, ready = true) {
     const { table: { width } } = this;
     this.put("s_axis_tvalid", target ? 1n : 0n);
@@ -170,7 +170,7 @@ class Machine {
     target.result = FIELDS.map((_, k) => Number(signedWord(data >> BigInt(k * width), width)));
   }
 
-  // Where a target was in the clock that has just been, in clocks of the datapath, and whether its result waits.
+  // ageOf: datapath clocks since a target's admission, at the last clock. waits: true if its result is in the FIFO.
   ageOf(target) {
     return this.age - target.since - 1;
   }

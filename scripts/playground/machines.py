@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The machines of the playground: ``ik_axis`` as WebAssembly by Yosys' CXXRTL and zig's C++ compiler, and its nodes."""
+"""Cores of the playground: ``ik_axis`` as WebAssembly (Yosys' CXXRTL, zig's C++ compiler) and its node tables."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ ZIG = "ziglang"
 
 
 class BuildError(RuntimeError):
-    """A tool that did not do what it should; the text is for the user."""
+    """Failure of a build tool; the text is for the user."""
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A configuration of ``ik_axis`` at a word length."""
+    """Datapath and word length of an ``ik_axis``."""
 
     datapath: str
     width: int
@@ -53,7 +53,7 @@ class Machine:
 
     @property
     def parameters(self) -> dict[str, int]:
-        """Of ``ik_axis``: the paper's dividers and roots are those that are logic."""
+        """Parameters of ``ik_axis``; the paper datapath uses the dividers and roots built from logic."""
         path = CONFIGURATIONS[self.datapath]
         digit = CORES.index("digit") if path.rtl == "paper" else 0
         return {"W": self.width, "TAG_W": TAG_W, **path.parameters, "DIGIT": digit}
@@ -63,11 +63,11 @@ MACHINES = [
     *(Machine("lean", width) for width in (32, 24, 18)), *(Machine("fold", width) for width in (32, 24)),
     Machine("fold16", 18), *(Machine("paper", width) for width in (32, 24, 18)),
 ]  # fmt: skip
-"""All that the page can have."""
+"""All cores available to the page."""
 
 
 def chosen(datapaths: list[str] | None, widths: list[int] | None) -> list[Machine]:
-    """Those of the datapaths and word lengths that are asked for, all without.  Raises InputError if none is left."""
+    """Return the cores with these datapaths and word lengths; None selects all.  Raises InputError if none matches."""
     found = [
         machine for machine in MACHINES
         if machine.datapath in (datapaths or [machine.datapath]) and machine.width in (widths or [machine.width])
@@ -78,7 +78,7 @@ def chosen(datapaths: list[str] | None, widths: list[int] | None) -> list[Machin
 
 
 def tools() -> dict[str, str]:
-    """What makes the machines, and which version of it.  Raises InputError where something is not installed."""
+    """Return the versions of the build tools.  Raises InputError if one is not installed."""
     try:
         return {"Yosys": cxxrtl.version(), "zig": metadata.version(ZIG)}
     except metadata.PackageNotFoundError as error:
@@ -86,7 +86,7 @@ def tools() -> dict[str, str]:
 
 
 def wasm(machine: Machine) -> bytes:
-    """The machine as WebAssembly, compressed by gzip, from build/playground if it is there.  Raises BuildError."""
+    """Return the core as gzipped WebAssembly, cached in build/playground.  Raises BuildError."""
     source = BUILD / machine.name / "core.cc"
     steps = cxxrtl.script("ik_axis", machine.parameters, source)
     parts = [digest([*closure("ik_axis"), SHIM]), steps, *COMPILER, *tools().values()]
@@ -112,7 +112,7 @@ def _compiled(machine: Machine, source: Path) -> bytes:
             raise BuildError(str(error)) from None
         command = [sys.executable, "-m", ZIG, "c++", *COMPILER, f'-DCORE="{source}"', f"-I{cxxrtl.runtime()}"]
         since = time.monotonic()
-        # What it says goes to a file: a pipe that nobody empties would stop it.
+        # Output goes to a file: the compiler would block on a full pipe.
         with tempfile.TemporaryFile("w+", prefix="ik_") as log, tempfile.TemporaryDirectory(prefix="ik_") as temporary:
             with started([*command, SHIM, "-o", result], temporary, stdout=log, stderr=subprocess.STDOUT) as process:
                 while process.poll() is None:
@@ -130,7 +130,7 @@ def _format(of: Format) -> str:
 
 
 def table(machine: Machine) -> dict[str, Any]:
-    """What the page knows of a machine: its nodes in dataflow order, with the path of their signals, and its clocks."""
+    """Return the page's data of a core: nodes in dataflow order with their signal paths, and clocks."""
     path = CONFIGURATIONS[machine.datapath]
     sections = {"inputs": "words of the target"} | path.sections
     nodes = [

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write one page in which the Verilog runs: what `make playground` does.
+"""Write an HTML page that runs the Verilog (`make playground`).
 
     python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
 
-Compiles the machines to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
-kept in build/playground, and writes OUT/index.html: a page that needs nothing beside it and opens from disk without
-network. The 3D view, texts and colours are those of the report.
+Compiles the cores to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
+cached in build/playground, and writes OUT/index.html: a self-contained page that opens from disk without network. The
+3D view, texts and colours are shared with the report.
 
 Exit status: 0 the page is written, 1 a tool failed, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
@@ -41,11 +41,11 @@ PLAIN = {
     "bad_length": "An arm length is not positive.",
     "saturated": "Reserved, always 0.",
 }
-"""What the page says of a flag."""
+"""Flag -> its explanation in the page."""
 
 
 def data(machines: Sequence[Machine]) -> dict[str, Any]:
-    """All that the page knows beside the machines themselves."""
+    """Return the page's data, except the WebAssembly of the cores."""
     made = {name: trajectories.make(name) for name in trajectories.TRAJECTORIES}
     return {
         "machines": [table(machine) for machine in machines],
@@ -68,7 +68,7 @@ def _joined(paths: Sequence[Path]) -> str:
 
 
 def page(machines: Sequence[Machine]) -> str:
-    """The whole page.  Raises BuildError."""
+    """Return the whole page.  Raises BuildError."""
     code = [REPORT / "canvas.js", HERE / "data.js", REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS[1:])]
     embedded = [
         f'<script type="application/octet-stream" id="wasm-{machine.name}">'
@@ -98,7 +98,7 @@ def _parser() -> Parser:
 
 @command("playground")
 def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; the exit status."""
+    """Run the command line and return the exit status."""
     parsed = _parser().parse_args(arguments)
     machines = chosen(parsed.datapath, parsed.width and [parsed.width])
     tools()

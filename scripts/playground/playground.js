@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Part of the page of scripts/playground/page.py, which puts its scripts into one function.
 
-// -- what is shown -----------------------------------------------------------------------------
+// -- state -------------------------------------------------------------------------------------
 
-const TRAIL = 120; // answers whose way is drawn
-const RATE = 20; // targets of a trajectory a second
+const TRAIL = 120; // results in the drawn trail
+const RATE = 20; // targets of a trajectory per second
 
-// target: in the user's frame; flow: run, slow or step; ready: whether the receiver takes results; dense: a target a clock.
+// target: in the user's frame; flow: run, slow or step; ready: m_axis_tready; dense: one target per clock.
 const ui = {
   target: { x: 0.35, y: 0.1, z: -0.15, phi: 2.6, d1: 0.33, d2: 0.27 }, axis: "z", trajectory: "", at: 0, flow: "run", speed: 8, owed: 0,
   ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null,
@@ -16,14 +16,14 @@ const axis = () => DATA.axes[ui.axis];
 const toCore = (p) => axis().matrix.map((row) => dot(row, p));
 const fromCore = (p) => rotate(conjugate(axis().turn), p);
 
-// What a machine is given: the words of a target, and all that judges its answer.
+// Returns the input words of a target and the data to check its result.
 function asked(target, table) {
   const [x, y, z] = toCore([target.x, target.y, target.z]);
   const { words, exponent, fits } = toWords({ ...target, x, y, z }, table.width);
   return { ...target, words, exponent, fits, place: [target.x, target.y, target.z] };
 }
 
-// An answer beside the truth: joints in the user's frame, errors in parts of the reach and in rad.
+// Compares a result with the exact solution: joints in the user's frame, errors relative to the reach and in rad.
 function judged(one, { width }) {
   const scale = 2 ** (2 - width - one.exponent);
   const given = one.words.map((word) => word * scale);
@@ -41,7 +41,7 @@ function judged(one, { width }) {
   };
 }
 
-// A run as the scene draws it, which grows by an answer.
+// A run as drawn in the scene; each result extends it.
 const emptyRun = (machine) => ({
   datapath: machine.table.name, latency: machine.table.latency, arm: [], target: [], elbow: [], wrist: [], normal: [], lengths: [], hand: [], now: null,
 });
@@ -83,7 +83,7 @@ function nextTarget(moves = true) {
   return ui.target;
 }
 
-// One clock of all machines; a target waits at the input until it is admitted.
+// Runs one clock of all cores; a target waits at the input until it is admitted.
 function clock(offer) {
   ui.machines.forEach((machine, i) => {
     if (offer && !machine.offered) {
@@ -98,7 +98,7 @@ function clock(offer) {
   });
 }
 
-// A target in, and clocks until all machines have answered it, or would have if the receiver took it.
+// Sends a target and runs clocks until every core has its result, or would have if the receiver were ready.
 function once(moves) {
   const target = nextTarget(moves);
   ui.machines.forEach((machine, i) => {
@@ -143,7 +143,7 @@ function step() {
   drawAll();
 }
 
-// -- what is written ---------------------------------------------------------------------------
+// -- text --------------------------------------------------------------------------------------
 
 const degrees = (v) => `${((v * 180) / Math.PI).toFixed(1).replace("-", "\u2212")}\u00b0`;
 
@@ -180,7 +180,7 @@ function writeNow() {
 function drawAll() {
   if (!ui.machines.length) return;
   const { g, w, h } = prepare(scene);
-  if (state.at >= 0) { // all machines have answered
+  if (state.at >= 0) { // all cores have a result
     eachRun(g, w, h, (pw, ph, t) => drawMotion(g, pw, ph, t));
   }
   writeNow();
@@ -203,7 +203,7 @@ function writeFields() {
 
 // -- the wrist ---------------------------------------------------------------------------------
 
-const MOST = 1.25; // of the reach: where the wrist may go
+const MOST = 1.25; // largest distance of the wrist, relative to the reach
 
 function moveTo(p) {
   const most = MOST * (ui.target.d1 + ui.target.d2);
@@ -214,7 +214,7 @@ function moveTo(p) {
   writeFields();
 }
 
-// By so many pixels of the picture, and so much towards the eye.
+// Moves the wrist by pixels of the picture and by a distance towards the camera.
 function moveBy(dx, dy, nearer = 0) {
   const part = state.parts[0];
   const view = camera(part.w, part.h, state.bounds, state.view);
@@ -234,7 +234,7 @@ function nearWrist(x, y) {
   return Math.hypot(x - part.x - px, y - part.y - py) < 36;
 }
 
-// A still page is drawn again; one that runs does so by itself.
+// Redraws the page if it is stopped; a running page redraws itself.
 function afterwards() {
   if (ui.flow !== "run") drawAll();
 }
@@ -259,7 +259,7 @@ async function machineOf(name) {
   return loaded.get(name);
 }
 
-// The machines of both choices, the second only if it is another one.
+// The selected cores; the second only if it differs from the first.
 async function useMachines() {
   const names = [...new Set([element("machine").value, element("second").value].filter(Boolean))];
   element("status").textContent = `loading ${names.join(" and ")} \u2026`;
@@ -338,7 +338,7 @@ function listen() {
     drawAll();
   });
 
-  let dragged = null; // what, and where it was: a touch does not say how far it moved
+  let dragged = null; // dragged item and last position: touch events have no movement
   scene.addEventListener("pointerdown", (event) => {
     dragged = { wrist: nearWrist(event.offsetX, event.offsetY), x: event.clientX, y: event.clientY };
     scene.setPointerCapture(event.pointerId);
@@ -381,7 +381,7 @@ function listen() {
   });
 }
 
-// For the console, and for tests: what a machine answers to targets, with every node of it, as the page computes it.
+// For the console and for tests: results of a core for targets, with every node.
 function answer(table, list) {
   return machineOf(table).then((machine) => list.map((given) => {
     machine.reset();

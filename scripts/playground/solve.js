@@ -3,8 +3,8 @@
 
 // -- double precision -------------------------------------------------------------------------
 
-// The flags and the pose of input words, by the lean equations (L1)-(L61) of model.reference.lean_equations. Sums that
-// cancel, and the flags, are taken exactly from the words.
+// Returns the flags and the pose of input words by the lean equations (L1)-(L61) of model.reference.lean_equations.
+// Flags and sums prone to cancellation are computed exactly from the words.
 function solve(words, width) {
   const [x, y, z, , d1, d2] = words.map(BigInt);
   const [wide, thin, s] = [(d1 + d2) ** 2n, (d1 - d2) ** 2n, x * x + y * y + z * z];
@@ -31,7 +31,7 @@ function solve(words, width) {
   }
   const half = (c, s) => (c >= 0 ? [(1 + c) / 2, s / 2] : [s / 2, (1 - c) / 2]);
   const [azimuth, tilt, arm] = [half(-u_y, u_x), half(sin_el, cos_el), half(cos_a, sin_a)];
-  const phi = (words[3] / 2 ** width) * Math.PI; // half of it
+  const phi = (words[3] / 2 ** width) * Math.PI; // phi / 2
   const turns = [[azimuth[0], 0, 0, azimuth[1]], [tilt[0], tilt[1], 0, 0], [Math.cos(phi), 0, 0, Math.sin(phi)], [arm[0], -arm[1], 0, 0]];
   const product = turns.reduce(multiply);
   const norm = (product[3] < 0 ? -1 : 1) / Math.hypot(...product);
@@ -49,13 +49,13 @@ const multiply = (a, b) => [
 const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
 const rotate = (q, v) => multiply(multiply(q, [0, ...v]), conjugate(q)).slice(1);
 
-// Where elbow and wrist are: at rest the forearm lies folded back on the upper arm.
+// Returns the positions of elbow and wrist; at rest the forearm is folded back onto the upper arm.
 function forward(qs, qe, d1, d2) {
   const bent = rotate([...qe, 0, 0], [0, 0, -d2]);
   return { elbow: rotate(qs, [0, 0, d1]), wrist: rotate(qs, sum([0, 0, d1], bent)) };
 }
 
-// The angle of the rotation from a to b (rad); signs and lengths do not matter.
+// Returns the angle of the rotation from a to b (rad); signs and lengths are ignored.
 function angleBetween(a, b) {
   const [w, ...v] = multiply(conjugate(a), b);
   return 2 * Math.atan2(length(v), Math.abs(w));

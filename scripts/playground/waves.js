@@ -40,7 +40,7 @@ function drawWaves() {
   });
 }
 
-// Lines above and below, which cross where the word changes; what it is where there is room.
+// Draws a word as a bus: two lines that cross at changes, with the value where it fits.
 function drawBus(g, values, x, top, bottom, label) {
   const { colours: c } = state;
   for (let from = 0; from < values.length;) {
@@ -61,7 +61,7 @@ function drawBus(g, values, x, top, bottom, label) {
 const VCD_DEPTH = 4; // scopes that `make run WAVES=1` records
 const CLOCK_NS = 10;
 
-// The waveform's clocks as a VCD, signals in the scopes of the Verilog.
+// Returns the waveform as a VCD, with signals in their Verilog scopes.
 function vcd(machine) {
   const scopes = { signals: [], inner: new Map() };
   const codes = [];

@@ -3,7 +3,7 @@
 
 // -- the arm --------------------------------------------------------------------------------
 
-// The corners of the box that holds points.
+// Returns the corners of the bounding box of points.
 function box(points) {
   const low = [...points[0]];
   const high = [...points[0]];
@@ -16,7 +16,7 @@ function box(points) {
   return [low, high];
 }
 
-// The sphere that holds all the motion and its shadow on the floor. It does not change while the arm moves.
+// Returns the bounding sphere of the whole motion and its shadow on the floor; constant during the motion.
 function bounds(t) {
   const points = [[0, 0, 0], ...t.target, ...t.elbow, ...t.wrist];
   const [low, high] = box(points);
@@ -64,7 +64,7 @@ function drawFloor(g, project, { centre, radius, floor, step }) {
   }
 }
 
-// Which way x, y and z of the targets go, in the corner.
+// Draws the target's x, y and z axes in the corner.
 function drawAxes(g, direction, h, place) {
   const origin = [44, h - 40];
   [0, 1, 2].forEach((i) => {
@@ -86,7 +86,7 @@ function patch(g, corners, colour) {
   g.globalAlpha = 1;
 }
 
-// The part of the swivel plane around the arm: u is the line to the wrist, the elbow is on the side +m of it.
+// Draws the swivel plane around the arm: u points to the wrist, the elbow is on the +m side.
 function drawPlane(g, project, t, n) {
   const p = t.target[n];
   const size = t.lengths[n][0] + t.lengths[n][1];
@@ -119,7 +119,7 @@ function drawArm(g, view, t, n, labelled) {
   const { project, scale, bounds: { floor } } = view;
   const joints = [[0, 0, 0], t.elbow[n], t.wrist[n]];
   const thick = Math.max(5, 0.05 * scale * (t.lengths[n][0] + t.lengths[n][1]));
-  g.globalAlpha = 0.25; // the shadow, which shows where in depth the arm is
+  g.globalAlpha = 0.25; // shadow, as a depth cue
   line(g, joints.map((p) => project([p[0], p[1], floor])), state.colours.joint, 0.6 * thick);
   line(g, [joints[2], [t.wrist[n][0], t.wrist[n][1], floor]].map(project), state.colours.joint, 1, [2, 3]);
   return { points: drawLimbs(g, view, joints, thick, labelled ? 1 : 0.4), thick };
@@ -145,13 +145,13 @@ function drawLimbs(g, { project, depth }, joints, thick, alpha) {
   return points;
 }
 
-// Names stand off the arm: that of the elbow on the outside of its bend, the others beyond the ends.
+// Draws the joint names: the elbow's on the outside of the bend, the others beyond the ends of the arm.
 function drawNames(g, w, { points, thick }, goal) {
   const [shoulder, elbow, wrist] = points;
   const chord = unit(sum(wrist, shoulder, -1));
   const normal = [-chord[1], chord[0]];
   const bend = normal[0] * (elbow[0] - shoulder[0]) + normal[1] * (elbow[1] - shoulder[1]);
-  const side = Math.abs(bend) > 2 ? Math.sign(bend) : normal[1] < 0 ? -1 : 1; // a straight arm: below it
+  const side = Math.abs(bend) > 2 ? Math.sign(bend) : normal[1] < 0 ? -1 : 1; // below a straight arm
   const ways = [unit(sum([-chord[0], -chord[1]], [0, -0.8])), normal.map((v) => side * v), unit(sum(chord, [0, -0.8]))];
   ["shoulder", "elbow", "wrist"].forEach((name, i) => {
     const [x, y] = sum(points[i], ways[i], 0.6 * thick + 14);
@@ -178,7 +178,7 @@ function drawMotion(g, w, h, t) {
     drawPaths(g, view.project, t, arm, n);
   }
   for (const arm of arms) {
-    const last = t.arm.lastIndexOf(arm, n); // where the other arm was left
+    const last = t.arm.lastIndexOf(arm, n); // last pose of the other arm
     drawArm(g, view, t, last < 0 ? t.arm.indexOf(arm) : last, false);
   }
   drawNames(g, w, drawArm(g, view, t, n, true), view.project(t.target[n]));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors, text and canvases, of the report and of the playground: `state`, which a page has, holds its colours, view, runs.
+// Vectors, text and canvases for report and playground. Each page defines `state` with its colours, view and runs.
 
 const VIEW = { azimuth: -0.95, elevation: 0.3 }; // from the front right, a little above
 const element = (id) => document.getElementById(id);
@@ -19,11 +19,11 @@ const short = (v) => v.toPrecision(5).replace(/\.?0+$/, "");
 const error = (v) => v.toExponential(1);
 const signed = (v) => (v < 0 ? "\u2212" : "+") + Math.abs(v).toFixed(6);
 
-// Names and values for a list; a name with the number of a run stands above what is of that run.
+// Returns the elements of a list of names and values; an entry with a run number is the heading of that run's entries.
 function rows(list) {
   return list.flatMap(([name, value, run]) => {
     const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
-    if (run !== undefined) { // the name of a datapath
+    if (run !== undefined) { // datapath name
       dt.className = "badge";
       dt.dataset.run = run;
     }
@@ -33,7 +33,7 @@ function rows(list) {
   });
 }
 
-// A round step for ticks, at most so many of them.
+// Returns a round tick step that gives at most `most` ticks.
 function tickStep(range, most) {
   const raw = range / Math.max(1, most);
   const unit = 10 ** Math.floor(Math.log10(raw));
@@ -49,7 +49,7 @@ function readColours() {
   }
 }
 
-// A cleared context in CSS pixels, sharp on dense screens.
+// Returns a cleared context in CSS pixels at the screen's resolution.
 function prepare(canvas) {
   const [w, h] = [canvas.clientWidth, canvas.clientHeight];
   const scale = window.devicePixelRatio || 1;
@@ -71,7 +71,7 @@ function context(canvas, scale) {
   return g;
 }
 
-// What of a canvas does not change while the arm moves is drawn once, by still(g, w, h), and kept with what it returns.
+// Draws the static part of a canvas once with still(g, w, h), and caches the picture and the returned values.
 const stills = new Map();
 function prepareOver(canvas, still) {
   const { g, w, h } = prepare(canvas);
@@ -81,7 +81,7 @@ function prepareOver(canvas, still) {
     stills.set(canvas, { key, copy, found: still(context(copy, canvas.width / w), w, h) });
   }
   const { copy, found } = stills.get(canvas);
-  if (copy.width && copy.height) { // not of a page that is not laid out yet
+  if (copy.width && copy.height) { // empty before the page is laid out
     g.drawImage(copy, 0, 0, w, h);
   }
   return { g, w, h, ...found };
@@ -104,7 +104,7 @@ function disc(g, p, radius, colour) {
   g.fill();
 }
 
-// A part of a picture for each run, beside or above each other: part(w, h, run).
+// Draws a part of the picture per run with part(w, h, run), side by side or stacked.
 function eachRun(g, w, h, part) {
   const count = state.runs.length;
   const top = count > 1 ? 32 : 0;
@@ -136,7 +136,7 @@ function badge(g, string, run) {
   g.fillText(string, 12, 16.5);
 }
 
-// About the target.
+// Draws the ring around the target.
 function ring(g, p, radius) {
   g.beginPath();
   g.arc(p[0], p[1], radius, 0, 2 * Math.PI);
@@ -149,7 +149,7 @@ function text(g, string, x, y, colour, align = "left") {
   g.textAlign = align;
   g.textBaseline = "middle";
   g.lineWidth = 4;
-  g.strokeStyle = state.colours.card; // a halo: legible on whatever lies below
+  g.strokeStyle = state.colours.card; // halo, for legibility on any background
   g.strokeText(string, x, y);
   g.fillStyle = colour;
   g.fillText(string, x, y);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What figures 1 to 5 of the paper show, for every target of a trajectory: the entities of `model.reference.geometry`.
+"""Entities of figures 1 to 5 of the paper for every target of a trajectory, from `model.reference.geometry`.
 
-They are those of the targets that the core was asked for, in double precision, with no result of the core in them.
+They are computed from the core's input words in double precision; no result of the core enters.
 """
 
 from __future__ import annotations
@@ -17,27 +17,28 @@ from model.reference.cga import e3
 from scripts.trajectory import Prepared
 
 STEPS = 32000
-"""Units of a length 1, and of half a turn: with 16 bits a number a long clip stays small."""
+"""Units per length 1 and per half turn. Numbers fit in 16 bits, which keeps long clips small."""
 
 NOTHING = -32768
-"""In the place of what a target has not got: an elbow, where the spheres do not meet."""
+"""Marks an undefined entity, such as the elbow where the spheres do not meet."""
 
 VECTORS = (
     "axis", "along", "vertical", "swivel",  # L_z, L_sw, normals of the swivel plane at phi = 0 and at phi
     "centre", "elbow", "other",  # of Z_e; the point pair
-    "folded", "rest", "half",  # where the wrist is before Q_e, before Q_12, before Q_3 has turned it
+    "folded", "rest", "half",  # the wrist before rotation by Q_e, by Q_12, by Q_3
     "middle", "yz2",  # L_m, normal of pi_yz2
 )  # fmt: skip
 ANGLES = ("theta4", "theta3")
 LENGTHS = ("radius",)  # of Z_e
 
 NEAR = 1e-4
-"""Of the reach: what geometry may be off, next to a singular pose, and still be drawn."""
+"""Largest geometric error, as a fraction of the reach, at which an entity near a singular pose is still drawn."""
 
 
 def entities(item: Prepared, width: int) -> dict[str, np.ndarray]:
-    """VECTORS (N, 3) in the user's frame, ANGLES (N,) in rad and LENGTHS (N,); points and lengths are in parts of the
-    reach, directions of length 1. nan is what a target has not got.
+    """Return VECTORS (N, 3) in the user's frame, ANGLES (N,) in rad and LENGTHS (N,).
+
+    Points and lengths are relative to the reach, directions have length 1. Undefined entities are nan.
     """
     asked = from_words(item.words, 0, width, item.targets.name)
     lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
@@ -46,7 +47,7 @@ def entities(item: Prepared, width: int) -> dict[str, np.ndarray]:
         found = geometry.solve(*lengths[:3], asked.phi, d1, d2)
         P_w, Q_s, Q_e, Q_12 = (found[name] for name in ("P_w", "Q_s", "Q_e", "Q_12"))
         folded = cga.point(0 * d1, 0 * d1, d1 - d2)
-        # As at rest, turned about the elbow and not yet about the shoulder.
+        # The rest pose after the rotation about the elbow, before the rotation about the shoulder.
         rest = cga.rotate(Q_e, e3 * cga.scalar(-d2)) + e3 * cga.scalar(d1)
         points = {
             "centre": cga.euclidean_coordinates(cga.centre(found["Z_e"])),
@@ -71,7 +72,7 @@ def entities(item: Prepared, width: int) -> dict[str, np.ndarray]:
         wrist = np.column_stack(_vector(cga.rotate(Q_s, rest)))
         met = np.abs(np.linalg.norm(both["elbow"], axis=1) - d1) < NEAR
         home = met & (np.linalg.norm(wrist - np.column_stack(lengths[:3]), axis=1) < NEAR)
-    both["radius"][met & np.isnan(both["radius"])] = 0.0  # of an arm that is straight, but for roundoff
+    both["radius"][met & np.isnan(both["radius"])] = 0.0  # arm straight within roundoff
     for name in ("elbow", "other"):
         both[name][~met] = np.nan
     for name in ("folded", "rest", "half", "middle", "yz2", *ANGLES):
@@ -84,7 +85,7 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def packed(item: Prepared, width: int) -> dict[str, Any]:
-    """The same for the page: rows of VECTORS and ANGLES, target by target, as 16-bit words in base64."""
+    """Encode the entities for the page: a row of VECTORS, ANGLES and LENGTHS per target, 16-bit words in base64."""
     found = entities(item, width)
     angles = [found[name] / np.pi for name in ANGLES]
     rows = np.column_stack([*(found[name] for name in VECTORS), *angles, *(found[name] for name in LENGTHS)])

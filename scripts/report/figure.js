@@ -3,10 +3,10 @@
 
 // -- the figure of a clip -------------------------------------------------------------------
 
-const TRAIL = 1; // seconds of the hands' way behind them
-const FRONT = Math.PI / 5; // the camera stands as far beside the way the figure looks
+const TRAIL = 1; // length of the hands' trails (s)
+const FRONT = Math.PI / 5; // angle between the camera and the facing direction
 
-// Point k of a flat list of x, y, z; of the nodes, point 0 is the root's place and the others are from there.
+// Returns point k of a flat list of x, y, z. In lists of nodes, point 0 is the root; the others are relative to it.
 const triple = (list, k, unit) => [0, 1, 2].map((i) => list[3 * k + i] * unit);
 
 function node(clip, frame, k) {
@@ -16,13 +16,13 @@ function node(clip, frame, k) {
 
 const ownJoint = (clip, frame, k) => sum(node(clip, frame, 0), triple(clip.own[frame], k, clip.unit));
 
-// What is seen from the shoulder of an arm, in the clip's axes, as a point of the picture.
+// Returns a function that converts a point relative to an arm's shoulder, in the clip's axes, to the page's frame.
 function fromShoulder(clip, frame, arm) {
   const shoulder = node(clip, frame, clip.arms[arm].upper);
   return (p) => sum(shoulder, clip.place.map((row) => dot(row, p)));
 }
 
-// The camera goes with the figure, so that a long walk does not leave it small; the floor stays.
+// Returns bounds that follow the figure, so that it stays large during a long walk; the floor is fixed.
 function boundsOfFigure(clip, frame) {
   const root = node(clip, frame, 0);
   const { floor, radius } = clip;

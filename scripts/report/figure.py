@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The human figure of a clip for the report: every bone in every frame, with the core's arms; and joint angles.
+"""Human figure of a clip for the report: every bone in every frame, with the core's arms; joint angles.
 
-The page draws with z up, so a clip's axes are exchanged in a circle until its up is z.  Points are whole numbers of a
-small unit, from the root; that keeps a page of 3000 frames at a few megabytes.
+The page draws with z up, so the clip's axes are permuted cyclically until its up axis is z.  Points are integers in a
+small unit, relative to the root, which keeps a page of 3000 frames at a few megabytes.
 """
 
 from __future__ import annotations
@@ -19,27 +19,27 @@ from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
 STEPS = 4000
-"""Units from the figure's foot to its head: finer than a pixel."""
+"""Units per height of the figure: finer than a pixel."""
 
 BODY, UPPER, FORE, HEAD = range(4)
-"""What the bone that ends at a node is part of."""
+"""Body part of the bone that ends at a node."""
 
 
 def place(up: str) -> np.ndarray:
-    """The rotation (3, 3) from a clip's frame, with its up such as "+y", to the page's, where z is up."""
+    """Return the rotation (3, 3) from a clip's frame to the page's frame (z up). up: the clip's up axis, e.g. "+y"."""
     turn = np.roll(np.eye(3), 2 - "xyz".index(up[1]), axis=0)
     return turn if up[0] != "-" else np.diag((1.0, -1.0, -1.0)) @ turn
 
 
 def _nodes(clip: Clip) -> tuple[list[int], list[int]]:
-    """Parent of every node, end sites included, and the node of every joint."""
+    """Return the parent of every node, including end sites, and the node of every joint."""
     index = clip.bvh.node_index
     parents = [-1 if node.parent is None else index[node.parent.name] for node in clip.bvh.nodes]
     return parents, [index[name] for name in clip.bvh.joint_names]
 
 
 def _parts(clip: Clip, moves: tuple[Motion, ...], node_of: list[int]) -> list[int]:
-    """For the bone that ends at each node; that of an end site below a joint named head is the head."""
+    """Return the body part of the bone that ends at each node; an end site below a joint named head is HEAD."""
     nodes = clip.bvh.nodes
     parts = [HEAD if node.is_end_site() and "head" in node.parent.name.lower() else BODY for node in nodes]
     for move in moves:
@@ -53,7 +53,7 @@ def _parts(clip: Clip, moves: tuple[Motion, ...], node_of: list[int]) -> list[in
 
 
 def _facing(item: Prepared, turn: np.ndarray) -> float:
-    """The direction (rad, about z) to which the figure looks in the first frame."""
+    """Return the figure's facing direction in the first frame (rad, about z)."""
     left = np.zeros(3)
     for move in item.moves:
         arm = move.arm
@@ -63,12 +63,12 @@ def _facing(item: Prepared, turn: np.ndarray) -> float:
 
 
 def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
-    """The figure with the core's arms in F frames, and the clip's own arms, in the page's frame.
+    """Return the figure with the core's arms in F frames, and the clip's own arms, in the page's frame.
 
-    * nodes: of each frame the root, then every node from the root; own: of each frame elbow and wrist of each arm of
-      the clip itself, from the root; both in `unit` and in one flat list
-    * floor, middle: heights of the floor and of the view's middle, None for that of the root
-    * radius: how far anything is from the middle of the view, which is above the root's place on the floor
+    * nodes: per frame the root, then every node relative to the root; own: per frame elbow and wrist of each of the
+      clip's own arms, relative to the root; both flat lists in `unit`
+    * floor, middle: heights of the floor and of the view's centre; middle None: height of the root
+    * radius: largest distance of any point from the view's centre, which is above the root's position on the floor
     """
     clip, moves = item.clip, item.moves
     turn = place(clip.bvh.world_up)
@@ -80,7 +80,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     size = np.linalg.norm(np.ptp(nodes - root, axis=1), axis=1).max()
     unit = float(f"{size / STEPS:.3g}")
     from_middle = np.concatenate((nodes - root, own), axis=1)
-    # Of a figure that climbs or flies the view follows the height, too.
+    # If the figure climbs or flies, the view follows its height.
     middle = (low + high) / 2 if np.ptp(root[..., 2]) < size / 2 else None
     if middle is not None:
         from_middle[..., 2] += root[..., 2] - middle
@@ -108,10 +108,10 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
 
 
 def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
-    """Angles (N, 4) in degrees: azimuth and elevation of the upper arm, swivel angle, flexion of the elbow.
+    """Return angles (N, 4) in degrees: azimuth and elevation of the upper arm, swivel angle, elbow flexion.
 
-    Azimuth counts from forward (x) to the left, elevation from the horizontal: of a clip as its torso sees them, else
-    in the frame of the targets.  Flexion is 0 of a straight arm.
+    Azimuth is measured from forward (x) to the left, elevation from the horizontal: in the torso's frame for a clip,
+    else in the frame of the targets.  Flexion is 0 for a straight arm.
     """
     values = result_values(ran.results, width)
     upper = rotate(item.targets.from_core(values[:, :4]), (0.0, 0.0, 1.0))
@@ -119,13 +119,13 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
         upper[n :: len(item.moves)] = _from_torso(item.clip, move.arm, upper[n :: len(item.moves)])
     azimuth = np.arctan2(upper[:, 1], upper[:, 0])
     elevation = np.arcsin(np.clip(upper[:, 2], -1, 1))
-    # Qe turns by 0 where the forearm lies folded on the upper arm, and by pi where the arm is straight.
+    # Qe rotates by 0 if the forearm is folded onto the upper arm and by pi if the arm is straight.
     flexion = np.pi - 2 * np.arctan2(np.abs(values[:, 5]), values[:, 4])
     return np.degrees(np.column_stack((azimuth, elevation, item.targets.phi, flexion)))
 
 
 def _from_torso(clip: Clip, arm: Arm, directions: np.ndarray) -> np.ndarray:
-    """Directions (F, 3) of a clip's frame as the torso sees them: forward, left, up."""
+    """Convert directions (F, 3) from a clip's frame to the torso's axes: forward, left, up."""
     up = np.zeros(3)
     up["xyz".index(clip.bvh.rest_up[1])] = -1.0 if clip.bvh.rest_up[0] == "-" else 1.0
     left = outward_and_up(clip, arm) - up

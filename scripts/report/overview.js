@@ -3,7 +3,7 @@
 
 // -- all trajectories at a glance -----------------------------------------------------------
 
-// The arm at its first target, and the ways of target and elbow, as the scene draws them.
+// Draws the arm a third of the way through the trajectory, and the paths of target and elbow.
 function drawThumbnail(canvas, t) {
   const { g, w, h } = prepare(canvas);
   const { colours: c } = state;
@@ -29,7 +29,7 @@ function card(t) {
   const picture = document.createElement("canvas");
   picture.setAttribute("aria-hidden", "true");
   button.append(picture);
-  write("b", t.name.replaceAll("_", "_\u200b")); // may be broken there
+  write("b", t.name.replaceAll("_", "_\u200b")); // allow line breaks after underscores
   for (const run of runsOf(t)) {
     write("small", several ? run.datapath : `${t.target.length} targets`, several ? "" : "count");
     write("span", run.passed ? "pass" : "FAIL", run.passed ? "good" : "bad");

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run trajectories through the core and write one HTML page to look at: what `make report` does.
+"""Run trajectories through the core and write an HTML report (`make report`).
 
     python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath NAME[,NAME]] ...
 
-Writes OUT/report.html: the arm in motion as the core's quaternions put it, of a clip the whole figure, figures 1 to 5
-of the paper, joint angles, errors of every target with what is asked and predicted, the score, the pipeline over time.
-The page holds all that it needs (report.html, .css and the scripts of this folder, and the figures as JSON) and opens
-from disk without network. Beside it are the files of `scripts.run`, to which it links; of several machines, which
-are shown side by side, in a folder of each, such as OUT/lean and OUT/fold.
+Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
+paper, joint angles, the error of every target with its limit and prediction, the score, the pipeline over time.
+The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
+without network. It links to the files of `scripts.run`, written to the same folder; with several datapaths, shown side
+by side, each has its own folder, such as OUT/lean and OUT/fold.
 
-Exit status: as `scripts.run`; a page is written also when a trajectory fails, and says so.
+Exit status: as `scripts.run`; the page is also written, with a notice, when a trajectory fails.
 """
 
 from __future__ import annotations
@@ -42,32 +42,33 @@ HERE = Path(__file__).parent
 SCRIPTS = ("canvas", "data", "arm", "figure", "paper", "plots", "overview", "report")
 
 DIGITS = 7
-"""Digits of the figures in the page: enough to draw, and to read."""
+"""Significant digits of the numbers in the page."""
 
 MOST_ARMS = 4
-"""Arms of different lengths that are drawn side by side; of a file with more, only the one that moves is."""
+"""Most arms of different lengths drawn together; with more, only the moving arm is drawn."""
 
 
 def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
-    """An array as nested lists of short numbers."""
+    """Convert an array to nested lists of rounded numbers."""
     if array.ndim > 1:
         return [_numbers(row, digits) for row in array]
     return [float(f"{value:.{digits}g}") for value in array.tolist()]
 
 
 def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
-    """For every target, which arm it is of: targets of the same lengths are of the same arm."""
+    """Return the index of each target's arm; targets with the same lengths share an arm."""
     _, index = np.unique(np.column_stack((d1, d2)), axis=0, return_inverse=True)
     index = index.reshape(-1)
     return (index if index.max() < MOST_ARMS else np.zeros_like(index)).tolist()
 
 
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
-    """What the page shows of one trajectory; lists are over its targets, lengths in the user's unit. What
-    further machines made of it is under "beside", by the same names.
+    """Return the page's data for one trajectory: lists over its targets, lengths in the user's unit.
+
+    Results of further datapaths are under "beside", with the same names.
     """
     targets, width = item.targets, done[0][1].width
-    # What the words asked for: the swivel plane that the core was given.
+    # Decode the input words, so that the swivel plane is the one passed to the core.
     asked = from_words(item.words, 0, width, targets.name)
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
     arms = _arms(targets.d1, targets.d2)
@@ -95,7 +96,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
 
 
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
-    """What one datapath made of a trajectory."""
+    """Return one datapath's results for a trajectory."""
     targets, width, each = item.targets, result.width, result.each
     values = result_values(ran.results, width)
     of_clip = {}
@@ -125,7 +126,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
-    """The files beside the page, of each trajectory and, under "", of all; `folders`: one of each datapath."""
+    """Return the files to link to for each trajectory and, under "", for all. folders: one per datapath."""
     links: dict[str, list[str]] = {item.targets.name: [] for item in prepared}
     names = []
     for folder in folders:
@@ -143,30 +144,30 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def script() -> str:
-    """The scripts of the page, in the order in which they use each other."""
+    """Return the scripts of the page in dependency order."""
     return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
 
 
 def page(
     shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, names: Sequence[str], width: int, simulator: str
 ) -> str:
-    """The whole page. `links`: files beside it, of each trajectory by its name, of all under ""."""
+    """Return the whole page. links: files to link to by trajectory name, or "" for all trajectories."""
     data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
         "run": html.escape(f"{_listed(names)} datapath{'s' * (len(names) > 1)}, {width} bits, {simulator}"),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
         "script": script(),
-        "data": data.replace("<", "\\u003c"),  # so that no name can end the script element
+        "data": data.replace("<", "\\u003c"),  # prevents a name from ending the script element
     }
     template = (HERE / "report.html").read_text(encoding="utf-8")
-    # In one pass: what is put in is not looked at again.
+    # A single pass, so that inserted text is not expanded again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
 
 
 @command("report")
 def main(arguments: Sequence[str] | None) -> int:
-    """Run, score and write the page; the exit status."""
+    """Run, score and write the page; return the exit status."""
     about = "Run trajectories through the core in a simulator and write a page that shows them."
     parser = parser_of("report", about, out="build/report", written="report.html", most=MOST_DATAPATHS)
     parsed = parser.parse_args(arguments)

@@ -7,8 +7,8 @@ const SHOULDER = [0, 0, 0];
 const scaled = (a, k) => a.map((v) => k * v);
 const onto = (v, axis) => scaled(unit(axis), dot(v, unit(axis)));
 
-// What model.reference.geometry has for a target, by name, as seen from the shoulder: points and lengths in the unit of
-// the targets, directions as long as the reach, angles in rad. What this target has not got is undefined.
+// Returns the entities of model.reference.geometry for a target by name, relative to the shoulder: points and lengths
+// in the targets' unit, directions scaled to the reach, angles in rad. Entities that do not exist are undefined.
 const unpacked = new WeakMap();
 function entities(t, n) {
   const { vectors, angles, lengths, steps, nothing, rows } = t.paper;
@@ -30,14 +30,14 @@ function entities(t, n) {
   return found;
 }
 
-// v turned about an axis through the shoulder, right-handed.
+// Rotates v about an axis through the shoulder, right-handed.
 function turn(v, axis, angle) {
   const a = unit(axis);
   const part = scaled(a, dot(a, v) * (1 - Math.cos(angle)));
   return sum(sum(part, v, Math.cos(angle)), cross(a, v), Math.sin(angle));
 }
 
-// The way of a point that turns about an axis through `centre`.
+// Returns the path of a point rotating about an axis through `centre`.
 function arc(centre, axis, from, angle) {
   const spoke = sum(from, centre, -1);
   return Array.from({ length: 65 }, (_, i) => sum(centre, turn(spoke, axis, (angle * i) / 64)));
@@ -47,7 +47,7 @@ const beside = (axis) => unit(cross(axis, Math.abs(unit(axis)[2]) < 0.9 ? [0, 0,
 
 // -- drawing in space -----------------------------------------------------------------------
 
-// A name such as P_e with what follows _ below the line. Returns its width; draws only if there is a place.
+// Draws a name such as P_e with the part after _ as a subscript. Returns its width; without y, only measures.
 function marked(g, string, x = 0, y, colour) {
   const font = g.font;
   let end = x;
@@ -62,13 +62,13 @@ function marked(g, string, x = 0, y, colour) {
   return end - x;
 }
 
-// Names find a place beside what they name, clear of each other and of the arm; the place of last time if it still is.
+// Places names next to their points without overlapping each other or the arm; prefers the previous position.
 const lastPlace = new Map();
 function writeNames(g, w, h, names, limbs, thick) {
   const r = 0.5 * thick + 1;
   const taken = limbs.flatMap(([a, b]) =>
     Array.from({ length: 13 }, (_, i) => sum(a, sum(b, a, -1), i / 12)).map(([x, y]) => [x - r, y - r, x + r, y + r]));
-  taken.push([0, h - 84, 92, h]); // the axes
+  taken.push([0, h - 84, 92, h]); // the axes in the corner
   for (const { name, point, colour } of names) {
     const width = marked(g, name);
     const boxes = [14, 26, 40].flatMap((far) =>
@@ -88,7 +88,7 @@ function writeNames(g, w, h, names, limbs, thick) {
   }
 }
 
-// What the figures are drawn with; points are in space.
+// Returns the drawing functions of the figures; points are 3D.
 function pen(g, view, w, h, e) {
   const { colours: c } = state;
   const { project, eye } = view;
@@ -105,7 +105,7 @@ function pen(g, view, w, h, e) {
     },
     dot: (point, colour) => disc(g, project(point), 4.5, colour),
     goal: () => ring(g, project(e.wrist), 0.45 * thick + 3),
-    // A line so far back and forth of a point, with its name at the end.
+    // Draws a line from `back` behind a point to `forth` ahead of it, with its name at the end.
     line: (string, from, way, back, forth, colour, dash) => {
       path([sum(from, unit(way), -back), sum(from, unit(way), forth)], colour, 1.8, dash);
       name(string, sum(from, unit(way), forth), colour);
@@ -122,7 +122,7 @@ function pen(g, view, w, h, e) {
       }
       name(string, points[32], colour);
     },
-    // Its outline as the eye has it, and a great circle; its name is on the side away from `other`.
+    // Draws the visible outline and a great circle; the name is on the side away from `other`.
     sphere: (string, centre, radius, other, colour) => {
       const toward = sum(eye, centre, -1);
       const middle = sum(centre, toward, (radius / length(toward)) ** 2);
@@ -147,36 +147,36 @@ function pen(g, view, w, h, e) {
 const wrap = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
 const inDegrees = (angle) => degrees((angle * 180) / Math.PI);
 
-const WIDE = 0.42; // of the reach: how far a half plane is drawn
-const MORE = 0.16; // of the reach: how far a line is drawn beyond its points
+const WIDE = 0.42; // width of a drawn half plane, relative to the reach
+const MORE = 0.16; // extension of a line beyond its points, relative to the reach
 
-// A part of a plane: from a point along a and b.
+// Returns the corners of a parallelogram spanned by a and b.
 const corners = (from, a, b) => [from, sum(from, a), sum(sum(from, a), b), sum(from, b)];
 
-// The part of L_sw beside the arm: where it begins, and from there to its end.
+// Returns the part of L_sw along the arm: its start, and the vector to its end.
 function span(e) {
   const at = [0, length(e.wrist), e.elbow ? dot(e.elbow, unit(e.along)) : 0];
   const low = Math.min(...at);
   return [scaled(unit(e.along), low), scaled(unit(e.along), Math.max(...at) - low)];
 }
 
-// The swivel plane at phi = 0 and as asked, both on the elbow's side of L_sw.
+// Half planes of the swivel plane at phi = 0 and at phi, on the elbow's side of L_sw.
 const swivelPlanes = (e) =>
   [e.vertical, e.swivel].filter(Boolean).map((normal) =>
     corners(...span(e), scaled(unit(cross(normal, e.along)), WIDE * e.reach)));
 
-// Where the elbow is before the half turn, and L_m from the shoulder to between there and the elbow.
+// Elbow before the half turn, and L_m from the shoulder towards the midpoint of both elbow positions.
 const elbowAtRest = (e) => scaled(unit(e.axis), e.d1);
 const middleLine = (e) => scaled(e.middle, Math.sign(dot(e.middle, sum(elbowAtRest(e), e.elbow))) || 1);
 
-// The plane in which the forearm is after the half turn, and that into which it is turned, both on its side.
+// Half planes of the forearm after the half turn and in the final pose.
 const turnedPlanes = (e) =>
   (e.yz2 ? [[e.yz2, e.half], [e.swivel, e.wrist]] : []).map(([normal, point]) => {
     const side = scaled(cross(unit(normal), unit(e.elbow)), WIDE * e.reach);
     return corners(SHOULDER, scaled(e.elbow, 1.15), scaled(side, Math.sign(dot(side, point)) || 1));
   });
 
-// needs: what a target must have; holds: points that are to be in the picture; says: what is written beside it.
+// needs: entities a target must have; holds: points that must be visible; says: text of the note.
 const PAPER = [
   {
     title: "Swivel plane",
@@ -303,7 +303,7 @@ const PAPER = [
   },
 ];
 
-// The sphere that holds a figure of one arm all the time.
+// Returns the bounding sphere of an arm's figure over the whole trajectory.
 const held = new Map();
 function boundsOfPaper(t, arm, k) {
   const key = [t.name, arm, k].join();

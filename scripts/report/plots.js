@@ -7,7 +7,7 @@ const MARGIN = { left: 66, right: 14, top: 24, bottom: 36 };
 
 const tickText = (v, step) => v.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
 
-// What runs to the right: targets by their number, or the time of a clip.
+// Returns the horizontal axis: target number, or the time of a clip.
 function across() {
   const t = state.shown;
   const frames = framesIn(t);
@@ -24,7 +24,7 @@ function upright(g, string, x, y) {
   g.restore();
 }
 
-// Axes with their names: x from 0 to xMax. Returns how a value and the bottom lie on the canvas.
+// Draws axes with names, x from 0 to xMax. Returns the mapping of x to the canvas and the bottom edge.
 function plotAxes(g, w, h, xMax, xName, yName, least = 1) {
   const x = (v) => MARGIN.left + (v / xMax) * (w - MARGIN.left - MARGIN.right);
   const bottom = h - MARGIN.bottom;
@@ -49,10 +49,10 @@ function writeKey(g, series) {
   }
 }
 
-// Values of the arm that is looked at, one a frame.
+// Returns the values of the selected arm, one per frame.
 const ofArm = (values) => values.filter((_, i) => i % armsIn(state.shown) === state.arm);
 
-// Which values a line connects: those of one arm, and of an angle those on one side of the half turn.
+// Splits values into connected lines: one per arm; angles also break where they wrap at 180 degrees.
 function pieces(values, breaks) {
   const { clip, arm } = state.shown;
   const found = [];
@@ -70,7 +70,7 @@ function pieces(values, breaks) {
   return found;
 }
 
-// series: [{ name, values, colour, width, dash, dots }]; scale(series) says how values lie between top and bottom.
+// series: [{ name, values, colour, width, dash, dots }]; scale(series, bottom) returns the y mapping and the ticks.
 function drawSeries(canvas, yName, series, scale) {
   const { count, unit, name, least } = across();
   const still = (g, w, h) => {
@@ -106,7 +106,7 @@ function logScale(series, bottom) {
     low = v > 0 ? Math.min(low, v) : low;
     high = Math.max(high, v);
   }
-  // Errors of 0 have no place on a log scale: they lie on its lower edge.
+  // Errors of 0 are drawn on the lower edge of the log scale.
   const from = Number.isFinite(low) ? Math.floor(Math.log10(low)) : -12;
   const to = Math.max(from + 1, high > 0 ? Math.ceil(Math.log10(high) + 0.1) : from + 1);
   const y = (v) => bottom - ((Math.log10(Math.max(v, 10 ** from)) - from) / (to - from)) * (bottom - MARGIN.top);
@@ -140,7 +140,7 @@ function drawErrors() {
     { name: "shoulder", values: t.shoulderAngle, colour: c.upper, dots: true },
     { name: "elbow", values: t.elbowAngle, colour: c.fore, dots: true },
   ]);
-  // One scale for both runs, so that they can be compared.
+  // All runs share one scale, for comparison.
   const scaleOf = (all) => (_, bottom) => logScale(all.flat().map(({ values }) => ({ values: ofArm(values) })), bottom);
   state.runs.forEach((_, i) => {
     drawSeries(element("hand" + PLACES[i]), "distance / reach", hands[i], scaleOf(hands));
@@ -155,7 +155,7 @@ function handSeries(t) {
   return [...asked, predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
 }
 
-const DASHES = [{ dash: [] }, { name: "Dotted", dash: [1, 7] }, { name: "Dashed", dash: [6, 10] }]; // of each run
+const DASHES = [{ dash: [] }, { name: "Dotted", dash: [1, 7] }, { name: "Dashed", dash: [6, 10] }]; // one per run
 const JOINTS = ["azimuth", "elevation", "swivel", "elbow flexion"];
 
 function drawJoints() {
@@ -168,14 +168,14 @@ function drawJoints() {
   drawSeries(element("joints"), "angle (\u00b0)", series, degreeScale);
 }
 
-// Clocks from a target to the next.
+// Returns the clocks between targets.
 const periodOf = (t) => (t.target.length > 1 ? (t.cycles - t.latency - 1) / (t.target.length - 1) : 1);
 
-// The scale of time is that of the longest run; of those that take many times as long nobody would see the others.
+// Time is scaled to the longest run, ignoring runs at least 8 times longer, which would hide this one.
 const longest = () => Math.max(...state.runs.map((run) => run.cycles));
 const clocks = (t) => Math.max(...state.runs.map((run) => run.cycles).filter((count) => count < 8 * t.cycles));
 
-// A line of a target: in when there is room for it, out `latency` later. What is between the two edges is in the core.
+// Draws targets as rows from entry to exit, `latency` clocks later; between the two edges a target is in the core.
 function drawPipeline(t, i) {
   const { colours: c, at } = state;
   const count = t.target.length;
@@ -184,7 +184,7 @@ function drawPipeline(t, i) {
   const period = periodOf(t);
   const enters = (i) => i * period;
   const leaves = (i) => t.latency + i * period;
-  const split = bottom - 0.28 * (bottom - MARGIN.top); // above: every target; below: how many are inside
+  const split = bottom - 0.28 * (bottom - MARGIN.top); // above: every target; below: number of targets inside
   const top = MARGIN.top + 30;
   const y = (i) => top + ((split - 26 - top) * i) / Math.max(1, count);
   const clock = leaves(at);
@@ -211,7 +211,7 @@ function drawPipeline(t, i) {
   const half = g.measureText(latency).width / 2;
   text(g, latency, Math.max(x(t.latency / 2), MARGIN.left + half), arrow - 10, c.text, "center");
 
-  // Targets inside at a clock, on average: rises until the last is in, falls from the first out.
+  // Average number of targets inside: rises until the last target enters, falls once the first leaves.
   const [filled, emptying] = [enters(count), t.latency].sort((a, b) => a - b);
   const end = leaves(count);
   const inside = (v) => Math.min(count, v / period) - Math.max(0, (v - t.latency) / period);

@@ -24,7 +24,7 @@ function writeNow() {
   );
 }
 
-// What the core made of a target.
+// Returns the rows of a target's result.
 const answer = (t, n) => [
   ["upper arm", `azimuth ${degrees(t.angles[n][0])}, elevation ${degrees(t.angles[n][1])}`],
   ["elbow flexion", degrees(t.angles[n][3])],
@@ -106,7 +106,7 @@ function writeScore(t, i) {
     (clocks(t) < longest() ? " Time has another scale than beside it." : "");
 }
 
-// -- what moves it --------------------------------------------------------------------------
+// -- motion ---------------------------------------------------------------------------------
 
 function draw() {
   drawScene();
@@ -130,14 +130,14 @@ function frame(time) {
   if (!state.playing) {
     return;
   }
-  // The clock starts with the first frame; a tab that was hidden does not jump.
+  // Time starts with the first frame; the limit prevents a jump after the tab was hidden.
   const elapsed = Math.min(0.25, (time - (state.last ?? time)) / 1000);
   state.last = time;
   state.owed += elapsed * rateOf(state.shown) * Number(element("speed").value);
   const steps = Math.floor(state.owed);
   if (steps > 0) {
     state.owed -= steps;
-    go((state.frame + steps) % framesIn(state.shown)); // the motion starts again at its end
+    go((state.frame + steps) % framesIn(state.shown)); // restart after the last frame
   }
   requestAnimationFrame(frame);
 }
@@ -200,7 +200,7 @@ function listen() {
     v: viewAgain,
   };
   document.addEventListener("keydown", (event) => {
-    // Fields and buttons have their own use for these keys.
+    // Fields and buttons handle these keys themselves.
     const taken = event.target.closest?.("select, input") || (event.key === " " && event.target.closest?.("button"));
     if (keys[event.key] && !taken && !event.ctrlKey && !event.altKey && !event.metaKey) {
       event.preventDefault();
@@ -246,7 +246,7 @@ function listen() {
   });
 }
 
-// What there is once in the page for each run: that of the first again, by names of its own.
+// Clones the first run's elements for each further run, with new ids.
 function makePlaces() {
   const root = document.documentElement;
   root.dataset.several = several;
@@ -266,7 +266,8 @@ function makePlaces() {
   });
 }
 
-// #trajectory=punch&target=40&figure=2, of a clip #frame=40: there, and at rest; else it plays, unless the reader's system asks for less motion.
+// #trajectory=punch&target=40&figure=2 (for a clip #frame=40) opens the page there, stopped. Otherwise it plays, unless
+// the system prefers reduced motion.
 function start() {
   const options = new URLSearchParams(location.hash.slice(1));
   element("trajectory").replaceChildren(

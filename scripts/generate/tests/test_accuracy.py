@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy by region: errors by their definition, the lean datapath within its tolerances, regions where they claim."""
+"""Accuracy by region: errors match their definition, lean meets its tolerances, targets lie in their region."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
         assert (np.hypot(x, y) <= (0.11 + lsb) * np.maximum(np.abs(z), 1) + 1).all()
         assert (z > 0).any() and (z < 0).any()
     if "stretch" in name:
-        # The targets of short arms are at least an LSB away.
+        # Targets of short arms are at least an LSB away.
         assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
     if "fold" in name:
         assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that people read: generated ones are up to date, links lead somewhere, what is named exists."""
+"""Documentation: generated pages are current, links resolve, named files and commands exist."""
 
 import re
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures of the pipelines: every operation at its clocks, the output FIFO included."""
+"""Pipeline pictures: every operation at its clocks, including the output FIFO."""
 
 import re
 from itertools import combinations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""C header, Python constants, page and RTL of the registers agree with their description."""
+"""C header, Python constants, page and RTL agree with the register description."""
 
 import re
 
@@ -18,7 +18,7 @@ def test_a_changed_description_is_found(tmp_path):
 
 
 def test_the_rtl_has_these_registers_and_no_other():
-    """Names and places of its localparams; what each does is tested in simulation."""
+    """Names and offsets of the RTL localparams match; simulations test the behaviour."""
     text = (registers.SOURCE.parent / "ik_axi_regs.v").read_text()
     found = {name: 4 * int(word) for name, word in re.findall(r"\bA_(\w+) = (\d+)", text)}
     assert found == {register.name: register.offset for register in registers.description()["registers"]}

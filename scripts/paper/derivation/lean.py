@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derive the lean dataflow from the paper's equations (10)-(18), with symbols, and writes docs/generated/lean.md.
+"""Derive the lean dataflow symbolically from the paper's equations (10)-(18) and write docs/generated/lean.md.
 
-The paper's side of every comparison is the table of model/reference/printed.py with the one edit that
-scripts/paper/derivation/paper.py proves to be needed. The lean side is the table of model/reference/lean_table.py; a
-test compares model/reference/lean_equations.py with it.
-The status is 1 when a statement does not hold, and the step is named.
+The paper's side of each comparison is the table of model/reference/printed.py with the one correction that
+scripts/paper/derivation/paper.py proves necessary. The lean side is the table of model/reference/lean_table.py; a
+test compares it with model/reference/lean_equations.py.
+If a statement fails, the exit status is 1 and the step is printed.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ STEPS = (
 
 
 def derive(tables: Tables | None = None) -> list[Step]:
-    """All steps."""
+    """Derive all steps."""
     return [step(tables or Tables()) for step in STEPS]
 
 
 def unexpected(steps: list[Step]) -> list[str]:
-    """Statements that do not hold, with their step. Empty if all is well."""
+    """Return the statements that do not hold, each with its step."""
     return [
         f"step {step.title}: {check.statement}: does not hold; left minus right: {check.rest}"
         for step in steps
@@ -42,7 +42,7 @@ def unexpected(steps: list[Step]) -> list[str]:
 
 
 def page(steps: list[Step], tables: Tables | None = None) -> str:
-    """docs/generated/lean.md."""
+    """Render docs/generated/lean.md."""
     tables = tables or Tables()
     halves = [
         ("h(c, s) = (h_c(c, s), h_s(c, s))", rf"\left({line_tex(c)},\ {line_tex(s)}\right) \text{{ for }} {branch}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Step 12 of docs/generated/lean.md: the operations of the lean form and of the matrix form."""
+"""Step 12 of docs/generated/lean.md: operation counts of the lean form and the matrix form."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scripts.paper.operations import Ops, shared, total
 
 
 def count(table: dict[str, str]) -> Ops:
-    """The lines as they are written."""
+    """Count the operations of a table's lines as written."""
     return total(tree(text) for text in table.values())
 
 
@@ -27,7 +27,7 @@ def counts(tables: Tables) -> Step:
         right = f"4 r_{a}^2" if a == b else f"4 r_{a} r_{b}"
         step.equal(f"{TEX[name]} = {line_tex(lines(tables.matrix)[name])} = {right}", sums[name],
                    4 * parts[a] * parts[b], unit)  # fmt: skip
-    # The row of the largest sum 4 r_a^2 is (4 r_a^2, 4 r_a r_b, ...): over twice the sum's root, r but for its sign.
+    # The row of the largest sum 4 r_a^2 is (4 r_a^2, 4 r_a r_b, ...). Divided by twice the sum's root, it is +-r.
     row = dict(zip(("largest", "other_1", "other_2", "other_3"), [4 * r[0] * v for v in r], strict=True))
     result = run_lines(tables.matrix, ["The row of the largest sum"], row | {"g_q": 1 / (2 * r[0])})
     step.equal(r"(q_0, q_1, q_2, q_3) = (r_w, r_i, r_j, r_k) \text{ of the row of } \Sigma_w,\ g_\Sigma = 1/(2 r_w)",
@@ -45,7 +45,7 @@ def counts(tables: Tables) -> Step:
 
     step.extra += ["| lines | x | +, - | reciprocal roots |", "| --- | --: | --: | --: |"]
     own = ["Lengths of the half angle quaternions, squared", "Product", "Root, second level"]
-    chosen = ["Half angle quaternions", "Half the swivel angle"]  # choices, and what both forms look up
+    chosen = ["Half angle quaternions", "Half the swivel angle"]  # choices; both forms look up sine and cosine
     head = [group for group in tables.lean if group not in own + chosen]
     both = rows(tables.lean, head, "both forms, to the triangle")
     lean = rows(tables.lean, own, "shoulder, lean form")

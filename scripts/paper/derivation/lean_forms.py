@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The two forms that the derivation of the lean dataflow compares, as symbols and LaTeX."""
+"""Symbols and LaTeX of the lean and matrix forms, which the derivation of the lean dataflow compares."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HALVES = {
     "tilt": ("sin_el", "cos_el", "tilt_sq"),
     "arm": ("cos_a", "sin_a", "arm_sq"),
 }
-"""Half angle quaternion -> cosine and sine of the angle, and the line that is the squared length."""
+"""Half angle quaternion -> cosine and sine of the angle, and the line with the squared length."""
 
 MATRIX = {
     "Directions of the target": {
@@ -60,12 +60,12 @@ MATRIX = {
         "q_3": "other_3*g_q/2",
     },
 }
-"""The shoulder from the rotation matrix with the columns -n, f, e: in place of "Product" and "Root, second level"."""
+"""The shoulder from the rotation matrix with columns -n, f, e; replaces "Product" and "Root, second level"."""
 
 
 @dataclass
 class Tables:
-    """Tables that are compared. A test alters copies of them."""
+    """Copies of the compared tables; tests alter them."""
 
     lean: dict = field(default_factory=lambda: copy.deepcopy(LEAN))
     half: dict = field(default_factory=lambda: copy.deepcopy(HALF))
@@ -74,7 +74,7 @@ class Tables:
 
 
 def corrected() -> dict[str, dict[str, str]]:
-    """The paper's equations as scripts/paper/derivation/paper.py has proved them: the print, its wrong rows mended."""
+    """Return the printed equations with the rows corrected that scripts/paper/derivation/paper.py refutes."""
     table = copy.deepcopy(printed.PRINTED)
     for (equation, name), edit in printed.KNOWN_WRONG.items():
         assert table[equation][name].count(edit[0]) == 1
@@ -116,7 +116,7 @@ TEX |= {f"shift_{name}": f"k_{tail}" for name, tail in
 SYMBOL = {name: sp.Symbol(name, real=True) for name in TEX}
 NAMES = {symbol: TEX[name] for name, symbol in SYMBOL.items()}
 ROOT_OF = {"rho_sq": "rho", "s": "dist", "a_far": "sqrt_a", "b_near": "sqrt_b", "d1": "sqrt_1", "d2": "sqrt_2"}
-"""A root's argument -> the symbol that is its square root."""
+"""Argument of a root -> symbol for its square root."""
 
 
 def symbols(names: str) -> list[sp.Symbol]:
@@ -124,7 +124,7 @@ def symbols(names: str) -> list[sp.Symbol]:
 
 
 class rsqrt(sp.Function):  # noqa: N801 - the name in the tables
-    """Reciprocal square root, as one operation."""
+    """Reciprocal square root as one operation."""
 
     def _latex(self, printer, exp=None):
         return rf"\frac{{1}}{{\sqrt{{{printer._print(self.args[0])}}}}}"
@@ -135,21 +135,21 @@ def latex(expression) -> str:
 
 
 class half_c(sp.Function):  # noqa: N801 - the name in the table
-    """A part of h(c, s)."""
+    """Cosine part of h(c, s)."""
 
     def _latex(self, printer, exp=None):
         return rf"h_{type(self).__name__[-1]}({', '.join(map(printer._print, self.args))})"
 
 
 class half_s(half_c):  # noqa: N801
-    """The other."""
+    """Sine part of h(c, s)."""
 
 
 FUNCTIONS = {"rsqrt": rsqrt, "Abs": sp.Abs, "half_c": half_c, "half_s": half_s, "cos": sp.cos, "sin": sp.sin}
 
 
 def tree(text: str) -> sp.Expr:
-    """A line as it is written: nothing is evaluated."""
+    """Parse a line without evaluating it."""
     return parse_expr(text, local_dict=SYMBOL | FUNCTIONS, evaluate=False)
 
 
@@ -158,5 +158,5 @@ def line_tex(text: str) -> str:
 
 
 def lines(table: dict) -> dict[str, str]:
-    """All lines of all groups."""
+    """Return the lines of all groups in one dictionary."""
     return {name: text for group in table.values() for name, text in group.items()}

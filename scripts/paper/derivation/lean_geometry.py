@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steps 1 to 6 of docs/generated/lean.md: from the paper's equations to four turns."""
+"""Steps 1 to 6 of docs/generated/lean.md: reduction of the paper's equations to four rotations."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def shoulder(tables: Tables) -> Step:
     step.equal(r"c_3 = (r_k^2 - r_w^2)/\gamma^2", c3, (r[3] ** 2 - r[0] ** 2) / g**2, unit)
     side = evaluate(rows["side"], **given)
     step.equal(r"\mathrm{side} = -2 |p| \sin_a\,r_w r_k/\gamma^2", side, -2 * D * SA * r[0] * r[3] / g**2, unit)
-    # sigma r_k = |r_k|; sign is that of side, so that of -r_w r_k
+    # sigma r_k = |r_k|; `sign` is the sign of side, which equals the sign of -r_w r_k
     absolute_w, sign = sp.Symbol("abs_w", real=True), sp.Symbol("sign", real=True)
     signs = {"|r_w|^2 = r_w^2": (absolute_w, r[0] ** 2)} | unit
     sqrt = known_root([sigma * r[3] / g, absolute_w / g], signs)

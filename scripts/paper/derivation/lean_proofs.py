@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof of a statement of docs/generated/lean.md, and functions that its steps share."""
+"""Proofs for docs/generated/lean.md and helpers shared by its steps."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from scripts.paper.derivation.paper_proofs import normal_vector
 from scripts.paper.derivation.printed import evaluate
 
 Relations = dict[str, tuple[sp.Symbol, sp.Expr]]
-"""LaTeX -> (v, expression without v that is v^2). An expression has no v of a relation above it."""
+"""LaTeX -> (v, expression equal to v^2 and free of v and of every v of an earlier relation)."""
 
 
 def reduced(expression, relations: Relations) -> tuple[sp.Expr, sp.Expr, list[str]]:
-    """(n, d, used): the expression is n/d, and no symbol of a relation has a power above 1 in n or d.
+    """Return (n, d, used) with expression = n/d, where no symbol of a relation has a power above 1 in n or d.
 
-    That form is unique: n is 0 exactly if the numerator is in the ideal of the relations.
+    This form is unique: n is 0 exactly if the numerator lies in the ideal of the relations.
     """
     expression = sp.sympify(expression)
     divides = any(power.exp.is_negative for power in expression.atoms(sp.Pow))
@@ -40,24 +40,24 @@ def reduced(expression, relations: Relations) -> tuple[sp.Expr, sp.Expr, list[st
 
 
 def normal(expression, relations: Relations) -> sp.Expr:
-    """A form to show: reduced, cancelled, factored."""
+    """Reduce, cancel and factor an expression for display."""
     numerator, denominator, _ = reduced(expression, relations)
     return sp.factor(sp.cancel(numerator / denominator))
 
 
 @dataclass
 class Check:
-    """One statement and how it came out."""
+    """One statement and its verdict."""
 
     statement: str  # LaTeX
     holds: bool
     method: str
-    rest: str = ""  # of a statement that does not hold
+    rest: str = ""  # left minus right, if the statement does not hold
 
 
 @dataclass
 class Step:
-    """A section of the page."""
+    """Section of the page."""
 
     title: str
     shown: list[tuple[str, str]] = field(default_factory=list)  # LaTeX of both sides, as derived
@@ -65,7 +65,7 @@ class Step:
     extra: list[str] = field(default_factory=list)  # lines of the page
 
     def equal(self, statement: str, left, right, relations=None, more: str = "", root=None) -> None:
-        """Decides left = right by expansion modulo the relations; of lists, all components.
+        """Decide left = right by expansion modulo the relations; compare lists component by component.
 
         root: the function that has recognized a root.
         """
@@ -86,9 +86,9 @@ class Step:
 
 
 def known_root(candidates: list[sp.Expr], relations: Relations) -> Callable:
-    """A sqrt() that answers with the candidate, not negative by what it stands for, whose square the argument is.
+    """Return a sqrt() that returns the candidate whose square equals its argument; candidates must be >= 0.
 
-    Its `used` are the relations that took part.
+    Its attribute `used` holds the relations applied.
     """
 
     def root(argument):
@@ -104,18 +104,18 @@ def known_root(candidates: list[sp.Expr], relations: Relations) -> Callable:
 
 
 def run_lines(table: dict, groups: list[str], values: dict[str, sp.Expr]) -> dict[str, sp.Expr]:
-    """Works out the groups' lines from the values of other names. A root must be given its value by name."""
+    """Evaluate the groups' lines from the values of other names. Roots must be given as values."""
     values = dict(values)
     for group in groups:
         for name, text in table[group].items():
             if name not in values:
-                # evaluate() takes `abs`, and knows the names that it is given
+                # evaluate() accepts `abs` and the names passed to it
                 values[name] = evaluate(text.replace("Abs(", "abs("), **values)
     return values
 
 
 def first_half(tables: Tables) -> tuple[dict[str, sp.Expr], Relations]:
-    """Lines down to the triangle in x, y, z, d1, d2 and six square roots, with what those are."""
+    """Return the lines up to the triangle in x, y, z, d1, d2 and six square roots, and the roots' relations."""
     inputs = {name: SYMBOL[name] for name in ("x", "y", "z", "d1", "d2")}
     values = run_lines(tables.lean, ["Sums of the inputs"], inputs)
     relations: Relations = {}
@@ -132,7 +132,7 @@ def first_half(tables: Tables) -> tuple[dict[str, sp.Expr], Relations]:
 
 
 def sums_of_s(tables: Tables) -> dict[str, sp.Expr]:
-    """The sums of the inputs with s as a symbol, to show."""
+    """Return the sums of the inputs with s as a symbol, for display."""
     return run_lines(tables.lean, ["Sums of the inputs"], {n: SYMBOL[n] for n in ("x", "y", "z", "s", "d1", "d2")})
 
 
@@ -151,24 +151,24 @@ P_UNIT = [CE * U_X, CE * U_Y, SE]  # p/|p|
 
 
 def target() -> dict[str, sp.Expr]:
-    """p_w of the paper in the directions of step 1."""
+    """Return the paper's p_w in the directions of step 1."""
     return dict(zip(("p_wx", "p_wy", "p_wz"), [D * v for v in P_UNIT], strict=True))
 
 
 def frame(tables: Tables) -> dict[str, list[sp.Expr]]:
-    """n, m, e, f of the matrix form, as vectors of the angles' sines and cosines."""
+    """Return n, m, e, f of the matrix form as vectors of the angles' sines and cosines."""
     values = run_lines(tables.matrix, ["Directions of the target", "Columns"], ANGLES)
     return {v: [values[f"{v}_{axis}"] for axis in "xyz"] for v in "nmef"}
 
 
 def turn(axis: str, c, s) -> sp.Matrix:
-    """Right-handed rotation about a coordinate axis by the angle with cosine c and sine s."""
+    """Return the right-handed rotation about axis x or z by the angle with cosine c and sine s."""
     if axis == "z":
         return sp.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     return sp.Matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
 def rotation_matrix(quaternion) -> sp.Matrix:
-    """Return the matrix of Q v Q~ for a quaternion of any length, from the algebra."""
+    """Return the matrix of v -> Q v Q~, computed in the algebra, for a quaternion of any length."""
     columns = [normal_vector(cga.rotate(cga.quaternion(*quaternion), e)) for e in (cga.e1, cga.e2, cga.e3)]
     return sp.Matrix([[sp.expand(sp.sympify(columns[n][m])) for n in range(3)] for m in range(3)])

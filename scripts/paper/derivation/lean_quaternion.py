@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steps 7 to 11 of docs/generated/lean.md: from four turns to one root, and what that does near the singular poses."""
+"""Steps 7 to 11 of docs/generated/lean.md: four rotations to one root, and its behaviour near singular poses."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LaTeX blocks and table cells of the derivations' pages, and the function that writes a page."""
+"""LaTeX blocks and table cells of the derivation pages, and the page writer."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 
 TERMS = 5
-"""Of a sum, in a line."""
+"""Terms of a sum in a line."""
 
 
 def aligned(equations: list[tuple[str, str]]) -> str:
-    """A block of equations, aligned at the equals signs; long sums go over several lines."""
+    """Format equations as a block aligned at the equals signs; long sums are split into several lines."""
     lines = []
     for left, right in equations:
         terms = _terms(right)
@@ -25,7 +25,7 @@ def aligned(equations: list[tuple[str, str]]) -> str:
 
 
 def _terms(right: str) -> list[str]:
-    """The terms of a sum with their signs, cut outside all brackets; products are left whole."""
+    """Split a sum into signed terms outside all brackets; products stay whole."""
     terms, depth, start = [], 0, 0
     for n, letter in enumerate(right):
         depth += letter in "{(["
@@ -37,12 +37,12 @@ def _terms(right: str) -> list[str]:
 
 
 def cell(formula: str) -> str:
-    """LaTeX without the character that ends a cell of a table."""
+    """Replace the character that would end a table cell."""
     return formula.replace("|", r"\vert ")
 
 
 def write_page(page: Path, text: str, wrong: list[str], proved: str) -> int:
-    """Write a page; if a statement does not hold, print those that do not, write nothing and return 1."""
+    """Write a page; if statements do not hold, print them instead and return 1."""
     if wrong:
         print(*wrong, f"{page.name} not written", sep="\n", file=sys.stderr)
         return 1

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derive equations (10)-(19) of the paper from its geometry, with symbols, and writes docs/generated/derivation.md.
+"""Derive equations (10)-(19) of the paper symbolically from its geometry and write docs/generated/derivation.md.
 
-The left side of every comparison is what the functions of model/reference/geometry.py return for symbols; the right
-side is PRINTED, the paper's equations as printed, typed once. The status is 1 when a verdict is not the one
-expected: everything equal but the rows of KNOWN_WRONG.
+The left side of each comparison is the result of model/reference/geometry.py for symbols; the right side is PRINTED,
+the equations as printed. Every row must be equal, except the rows of KNOWN_WRONG, which must differ; any other verdict
+gives exit status 1.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ STEPS = (
 
 
 def derive(printed: dict = PRINTED) -> list[Section]:
-    """All sections. `printed` may be an altered copy of PRINTED."""
+    """Derive all sections. `printed` may be an altered copy of PRINTED."""
     return [step(printed) for step in STEPS]
 
 
@@ -44,7 +44,7 @@ def unexpected(sections: list[Section]) -> list[str]:
 
 
 def page(sections: list[Section]) -> str:
-    """docs/generated/derivation.md."""
+    """Render docs/generated/derivation.md."""
     groups: dict[tuple[str, str], list[Row]] = {}
     equations = list(dict.fromkeys(row.equation for section in sections for row in section.rows))
     for equation in equations:

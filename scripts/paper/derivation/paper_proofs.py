@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof or refutation of a row of the paper's equations."""
+"""Proof or refutation of rows of the paper's equations."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ EXPANSION = "expansion"
 
 @dataclass
 class Setting:
-    """Assumptions of a step: polynomials that vanish, named roots, and a point to refute with."""
+    """Assumptions of a step: vanishing polynomials, named roots, and a point for refutations."""
 
     relations: dict[str, sp.Expr] = field(default_factory=dict)  # LaTeX -> polynomial that is 0
-    leading: str = ""  # names in order of elimination: makes the relations' leading terms coprime
+    leading: str = ""  # names in elimination order, which makes the relations' leading terms coprime
     roots: dict[sp.Expr, sp.Expr] = field(default_factory=dict)  # a quantity >= 0 -> its square
     point: dict[str, object] = field(default_factory=dict)  # exact values for all symbols
     foreign: dict[sp.Symbol, sp.Expr] = field(default_factory=dict)  # unexpected roots
@@ -27,7 +27,7 @@ class Setting:
     recognized: dict[str, None] = field(default_factory=dict)  # relations used to recognize roots, in order
 
     def remainder(self, expression) -> tuple[sp.Expr, sp.Expr, list[str]]:
-        """(n, d, used): expression is n/d modulo the relations, which are a Groebner basis.
+        """Return (n, d, used) with expression = n/d modulo the relations, which form a Groebner basis.
 
         n is 0 exactly if the expression's numerator lies in the ideal of the relations.
         """
@@ -52,7 +52,7 @@ class Setting:
         return rest, [name for name, q in zip(self.relations, quotients, strict=True) if q != 0]
 
     def normal(self, expression) -> sp.Expr:
-        """A form to print: reduced, cancelled, factored."""
+        """Reduce, cancel and factor an expression for print."""
         expression = self.named(expression)
         if self.plain:
             return sp.factor(expression)
@@ -60,7 +60,7 @@ class Setting:
         return sp.factor(sp.cancel(numerator / denominator))
 
     def named(self, expression) -> sp.Expr:
-        """The expression with every square root and absolute value replaced by the quantity >= 0 that it is."""
+        """Replace every square root and absolute value by the equal nonnegative quantity."""
         expression = sp.sympify(expression)
         if isinstance(expression, sp.Float):  # kingdon's zeros
             return sp.nsimplify(expression, rational=True)
@@ -87,7 +87,7 @@ class Setting:
         return symbol
 
     def at_point(self, expression):
-        """The exact value at the point, which satisfies all relations."""
+        """Return the exact value at the point; assert that the point satisfies all relations."""
         values = {SYMBOL[name]: sp.sympify(value) for name, value in self.point.items()}
         for relation in self.relations.values():
             assert sp.simplify(relation.subs(values)) == 0, f"the point is not on {relation} = 0"
@@ -100,7 +100,7 @@ class Setting:
 
 @dataclass
 class Row:
-    """One comparison: of a derived coefficient with a printed one, or of two sides of a statement."""
+    """Comparison of a derived with a printed coefficient, or of the two sides of a statement."""
 
     equation: str
     name: str  # row of PRINTED, or LaTeX of a statement
@@ -117,7 +117,7 @@ class Row:
 
 
 def compare(setting: Setting, equation: str, name: str, derived, printed, factor=1) -> Row:
-    """Decides derived * factor = printed by expansion, modulo the setting's relations. factor: in print."""
+    """Decide derived * factor = printed by expansion modulo the setting's relations. factor: scale of the print."""
     setting.recognized = {}
     derived, printed = setting.named(derived), setting.named(printed)
     rest, _, used = setting.remainder(derived * factor - printed)
@@ -127,7 +127,7 @@ def compare(setting: Setting, equation: str, name: str, derived, printed, factor
         method = EXPANSION + (f", modulo {', '.join(f'${cell(u)}$' for u in used)}" if used else "")
         return Row(equation, name, shape, "equal" if factor == 1 else "factor", method, sp.Integer(factor))
     value = setting.at_point(derived * factor - printed)
-    # Only a point can refute: a remainder alone could be a relation that the setting lacks.
+    # Only a point can refute: a nonzero remainder may merely mean that the setting lacks a relation.
     shown = value if value.is_Rational else sp.N(value, 6)
     method = "a point where they differ" if value != 0 else "undecided: a remainder, but equal at the point"
     spot = ", ".join(f"{TEX[k]} = {sp.latex(sp.sympify(v))}" for k, v in setting.point.items())
@@ -137,7 +137,7 @@ def compare(setting: Setting, equation: str, name: str, derived, printed, factor
 
 
 def radicand(expression, setting: Setting) -> sp.Expr:
-    """Return the radicand of the expression's one square root, without absolute value and positive at the point."""
+    """Return the radicand of the expression's only square root, without absolute value and positive at the point."""
     found = {p.base for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2}
     (base,) = found
     base = base.args[0] if isinstance(base, sp.Abs) else base
@@ -151,13 +151,13 @@ def normal_vector(plane):
 @dataclass
 class Section:
     title: str
-    rows: list[Row] = field(default_factory=list)  # against the print
-    facts: list[Row] = field(default_factory=list)  # statements that later sections use, or that explain
+    rows: list[Row] = field(default_factory=list)  # comparisons with the print
+    facts: list[Row] = field(default_factory=list)  # statements that later sections use or that explain
 
     def row(self, *compared) -> None:
-        """A row of the print, as `compare` takes it."""
+        """Compare a printed row; arguments as for `compare`."""
         self.rows.append(compare(*compared))
 
     def fact(self, setting: Setting, statement: str, left, right=0, kind: str = "fact") -> None:
-        """A statement; kind: "fact false" for one that is known not to hold."""
+        """Check a statement; kind "fact false" marks one known to be false."""
         self.facts.append(compare(setting, kind, statement, left, sp.sympify(right)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sections of docs/generated/derivation.md: each runs a step of model/reference/geometry.py on symbols."""
+"""Sections of docs/generated/derivation.md; each runs a step of model/reference/geometry.py on symbols."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ def swivel_plane(printed) -> Section:
 
 
 def _plane_through_line():
-    """The swivel plane as symbols, with what section 3.1 proves of it."""
+    """Return the relation that section 3.1 proves for the swivel plane."""
     return {r"\pi_{swivel} \cdot p_w = 0": dot(PI, P_W)}
 
 
 def _pair():
-    """The derived coefficients of PP*, by the names of (12)."""
+    """Return the point pair PP and the derived coefficients of PP*, named as in (12)."""
     plane = cga.plane(*PI, 0)
     _, _, _, PP = geometry.elbow_point_pair(cga.point(*P_W), plane, *symbols("d1 d2"))
     return PP, pair_coefficients(cga.dual(PP))
@@ -120,7 +120,7 @@ def sums(printed) -> Section:
     products = sum((nine[f"PP_{m}5"] + nine[f"PP_{m}4"]) * (nine[f"PP_{m}5"] - nine[f"PP_{m}4"]) for m in "123")
     sums = products - sum(nine[f"PP_{u}"] ** 2 for u in "ijk")
     section.fact(free, r"\mathrm{tmp}_1 = -PP_i^2 - PP_j^2 - PP_k^2 + \sum_m PP_m^+ PP_m^-", square, sums)
-    # p_e of a pair scaled by lambda > 0; its root scales by lambda, which the first statement says.
+    # p_e of a pair scaled by lambda > 0; by the first statement its root scales by lambda.
     lam, tmp_sqr = symbols("lam tmp_sqr")
     scaled = {nine[name]: lam * nine[name] for name in PP_NAMES}
     statement = r"\mathrm{tmp}_1(\lambda PP) = \lambda^2\,\mathrm{tmp}_1(PP)"
@@ -129,7 +129,7 @@ def sums(printed) -> Section:
         statement = rf"p_{{e{axis}}}(\lambda PP) = p_{{e{axis}}}(PP),\ \lambda > 0"
         bigger = value.subs(scaled | {tmp_sqr: lam * tmp_sqr}, simultaneous=True)
         section.fact(free, statement, bigger, value)
-    # Only the last six doubled, as a reader of (12) with (19) gets them.
+    # Only the last six coefficients doubled, as (12) and (19) taken literally give them.
     mixed = {nine[name]: 2 * nine[name] for name in PP_NAMES[3:]}
     partly = square.subs(mixed, simultaneous=True)
     statement = r"\mathrm{tmp}_1 \text{ of a pair with only the last six doubled is } 4\,\mathrm{tmp}_1"
@@ -138,16 +138,16 @@ def sums(printed) -> Section:
 
 
 def _pair_setting() -> Setting:
-    """Nine free symbols for PP*."""
+    """Return a setting in which the nine coefficients of PP* are free symbols."""
     (tmp_sqr,) = symbols("tmp_sqr")
     values = (1, 2, 3, 1, 7, 2, 6, 3, 8)
-    square = evaluate(PRINTED["13"]["tmp1"])  # names the root only: that the derived radicand is it, is compared
+    square = evaluate(PRINTED["13"]["tmp1"])  # only names the root; a comparison checks the derived radicand
     point = dict(zip(PP_NAMES, values, strict=True)) | {"tmp_sqr": 11, "lam": 2}
     return Setting(roots={tmp_sqr: square}, point=point)
 
 
 def elbow_of(nine: dict[str, sp.Expr], setting: Setting):
-    """((p_ex, p_ey, p_ez), radicand) that `geometry.elbow_point` makes of a pair PP* with these coefficients."""
+    """Return ((p_ex, p_ey, p_ez), radicand) of `geometry.elbow_point` for a pair PP* with these coefficients."""
     keys = tuple(cga.ALGEBRA.canon2bin[blade] for blade in BIVECTOR)
     # i = -e23, j = e13, k = -e12
     signs = (-1, 1, -1, 1, 1, 1, 1, 1, 1)
@@ -172,7 +172,7 @@ def elbow_point(printed) -> Section:
         text = evaluate(rows[name], inf_PP=evaluate(rows["inf_PP"]))
         section.row(free, "13", name, derived, text)
 
-    # The same point with the pair of (12) put in.
+    # The same point with the pair of (12) substituted.
     _, pair = _pair()
     put = {nine[name]: value for name, value in pair.items()}
     radicand_pose = sp.expand(square.subs(put))
@@ -181,7 +181,7 @@ def elbow_point(printed) -> Section:
         leading="tmp_sqr pi_x p_wx",
         point=POSE | {"tmp_sqr": sp.sqrt(radicand_pose.subs({SYMBOL[k]: v for k, v in POSE.items()}))},
     )
-    # Multiplied by inf_PP, the common denominator; cancelling such quotients would take minutes.
+    # Multiply by inf_PP, the common denominator: cancelling such quotients would take minutes.
     elbow = [sp.expand((value * inf_PP).subs(put)) for value in P_e]
     weight = sp.expand(inf_PP.subs(put))
 
@@ -305,7 +305,7 @@ def rotate_to_wrist(printed) -> Section:
     _, c3, sign, Q_3 = geometry.wrist_rotation(cga.quaternion(0, *q12), cga.plane(*PI, 0), cga.point(*P_W))
     section = Section("(17) The rotation about the upper arm")
     rows = printed["17"]
-    # sign = side / |side|: the side is what the absolute value is of
+    # sign = side / |side|: side is the argument of the absolute value
     inside = [a.args[0] for a in sp.sympify(sign).atoms(sp.Abs)]
     side = sp.expand(sign * sp.Abs(inside[0])) if len(inside) == 1 else sp.sympify(sign)
     section.row(setting, "17", "c_3", c3, evaluate(rows["c_3"]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's equations as both derivations read them: names, symbols, LaTeX, what is known to be misprinted."""
+"""The paper's equations for both derivations: names, symbols, LaTeX, known misprints."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _RENAMED = (
     ("sign_raw", "side"),
     ("Abs", "abs"),
 )
-"""Names of :mod:`model.reference.printed` -> names of the page, which resemble the print."""
+"""Name in :mod:`model.reference.printed` -> name on the page, which follows the print."""
 
 
 def _renamed(text: str) -> str:
@@ -34,14 +34,14 @@ def _renamed(text: str) -> str:
 
 
 def _printed() -> dict[str, dict[str, str]]:
-    """Equation -> row -> right side, in the print's order of terms, misprints included:
-    :data:`model.reference.printed.TEXT`."""
+    """Return :data:`model.reference.printed.TEXT` with renamed symbols: equation -> row -> right side, terms in printed
+    order, misprints included."""
     rows = {
         number.strip("()"): {_renamed(name): _renamed(text) for name, text in lines.items()}
         for number, lines in TEXT.items()
     }
     del rows["13"]["tmp_sqr"]  # a name for the root of tmp1
-    # The print has the fraction inside both roots of (14); it is c_4 of the text before it.
+    # The fraction printed inside both roots of (14) is c_4 of the preceding text.
     fraction = _renamed(C4)
     rows["14"] = {"c_4": fraction} | {name: text.replace(fraction, "c_4") for name, text in rows["14"].items()}
     return rows
@@ -53,7 +53,7 @@ KNOWN_WRONG = {
     ("11", "pi_x"): ("L_sw*cos(phi/2))", "L_sw*cos(phi/2)**2)"),
     ("11", "pi_y"): ("L_sw*cos(phi/2))", "L_sw*cos(phi/2)**2)"),
 }
-"""Rows that are wrong in print -> the edit (found, replacement) that mends them, which is proved too."""
+"""Misprinted row -> correction (found, replacement), which is also proved."""
 
 FACTOR = {"19": 2}
 """Equations whose rows all carry a common factor in print; 1 elsewhere."""
@@ -102,7 +102,7 @@ def minus(a, b):
 
 
 def evaluate(text: str, **values) -> sp.Expr:
-    """A printed expression as sympy's. `values` replace names; the others stay symbols."""
+    """Convert a printed expression to sympy. `values` replace names; the others stay symbols."""
     functions = {"sqrt": sp.sqrt, "cos": sp.cos, "sin": sp.sin, "abs": sp.Abs}
     tree = ast.parse(text, mode="eval")
     for node in ast.walk(tree):
@@ -122,12 +122,12 @@ def latex(expression) -> str:
 
 
 def tex(text: str) -> str:
-    """A printed expression as LaTeX, in the print's order of terms."""
+    """Convert a printed expression to LaTeX, keeping the order of terms."""
     return _tex(ast.parse(text, mode="eval").body)
 
 
 def _tex(node, level=0) -> str:
-    """level: 0 takes anything, 1 what may be in a product, 2 what may be raised to a power."""
+    """Convert a syntax tree to LaTeX. level: 0 any expression, 1 factor of a product, 2 base of a power."""
     if isinstance(node, ast.Constant):
         return str(node.value)
     if isinstance(node, ast.Name):

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean equations over any array library: numpy and JAX as they are, numba as a loop over numbers.
+"""The lean equations for any array library: on arrays in numpy and JAX, in a scalar loop in numba.
 
-One set of lines for all of them, the same as in equations.h: (L1)-(L61) of :mod:`model.reference.lean_table` for
-targets in reach, one sum at a time and without flags. The model's own `solve_lean`, with its exact sums and its rules
-for targets out of reach, has a row of its own.
+All share the lines of equations.h: (L1)-(L61) of :mod:`model.reference.lean_table` for targets in reach, each sum
+rounded, without flags. The model's `solve_lean`, with exact sums and rules for targets out of reach, has its own row.
 """
 
 from __future__ import annotations
@@ -13,10 +12,10 @@ from typing import Any
 
 
 def lean(real: Any, sqrt: Callable, sin: Callable, cos: Callable, where: Callable) -> Callable[..., tuple]:
-    """(x, y, z, phi, d1, d2) -> (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i) by these functions, all of the type `real`.
+    """Return a solver (x, y, z, phi, d1, d2) -> (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i), all of type `real`.
 
-    A closure, and not a namespace that is handed in: numba compiles functions and numbers that it finds in one, and an
-    integer among its floats would make doubles of them.
+    A closure rather than a namespace argument: numba compiles the functions and numbers that a closure captures. All
+    constants are of type `real`, because an integer among floats would promote them to double.
     """
     zero, half, one = real(0), real(0.5), real(1)
 
@@ -35,7 +34,7 @@ def lean(real: Any, sqrt: Callable, sin: Callable, cos: Callable, where: Callabl
         qe_w, qe_i = root_far * inv_12, -root_near * inv_12  # (L22) (L23)
         cos_a, sin_a = k_law * inv_law, root_far * root_near * inv_law  # (L26)-(L28)
 
-        # Quaternions along half an angle, of squared length (1 + |cosine|)/2: large where the cosine is, and small.
+        # Quaternions along half an angle, of squared length (1 + |cosine|)/2.
         az, tilt = (one + abs(u_y)) * half, (one + abs(sin_el)) * half  # (L29) (L30)
         arm = (one + abs(cos_a)) * half  # (L31)
         az_c, az_s = where(u_y <= zero, az, u_x * half), where(u_y <= zero, u_x * half, az)  # (L32) (L33)
@@ -56,5 +55,5 @@ def lean(real: Any, sqrt: Callable, sin: Callable, cos: Callable, where: Callabl
 
 
 def lean_of(library: Any, real: Any) -> Callable[..., tuple]:
-    """`lean` by the functions of a library that names them as numpy does."""
+    """Return `lean` for a library with numpy's function names."""
     return lean(real, library.sqrt, library.sin, library.cos, library.where)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C of this folder, compiled with the local compiler and called by ctypes."""
+"""The C sources of this folder, compiled with the local compiler and called through ctypes."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ SOURCE = Path(__file__).parent / "software.c"
 BUILD = ROOT / "build" / "table6"
 
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
-"""Without the last two flags a root or a choice prevents vectorization; no result depends on either."""
+"""Without the last two flags, roots and selections prevent vectorization; results do not depend on either flag."""
 
 SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")
 """Flags that disable vectorization in gcc and clang."""
 
 WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
-"""Way -> the function of ways.h and how it is compiled: each target waiting for the one before; none waiting; several
-in one instruction."""
+"""Way -> function of ways.h and its flags. chain: each target waits for the previous one; batch: independent targets;
+vector: several targets per instruction."""
 
 EQUATIONS = ("lean", "paper")
 REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiler() -> str:
-    """Return cc of PATH. Raises InputError if there is none."""
+    """Return the path of cc. Raises InputError if it is not in PATH."""
     found = shutil.which("cc")
     if not found:
         raise InputError("no C compiler: cc is not in PATH (on Debian: apt-get install gcc)")
@@ -46,9 +46,9 @@ def compiler_version() -> str:
 
 
 def library(source: Path, path: Path, extra: tuple[str, ...] = ()) -> Path:
-    """A C file as a library at ``path``. InputError if the compiler refuses."""
+    """Compile a C file to a library at ``path``. Raises InputError if compilation fails."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.unlink(missing_ok=True)  # one that is loaded is not to be written into
+    path.unlink(missing_ok=True)  # never overwrite a loaded library
     command = [compiler(), *FLAGS, *extra, "-shared", "-fPIC", "-o", str(path), str(source), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
@@ -58,12 +58,12 @@ def library(source: Path, path: Path, extra: tuple[str, ...] = ()) -> Path:
 
 
 def build(folder: Path, extra: tuple[str, ...]) -> ctypes.CDLL:
-    """software.c, loaded. InputError if the compiler refuses."""
+    """Compile and load software.c. Raises InputError if compilation fails."""
     return ctypes.CDLL(str(library(SOURCE, folder / ("scalar.so" if extra else "vector.so"), extra)))
 
 
 class Bound:
-    """A function of the C with its targets and room for its answers."""
+    """C function bound to its targets and output arrays."""
 
     def __init__(self, function: Callable, columns: list[np.ndarray], real: type):
         self.function = function
@@ -83,7 +83,7 @@ class Bound:
         return self._answers.T
 
     def watched(self) -> np.ndarray:
-        """Return the ns of each solve of a chain (N,), clock read included."""
+        """Return the time of each solve of a chain (N,) in ns, including the clock reads."""
         ns = np.zeros_like(self._columns[0])
         self(1, ns)
         return ns
@@ -96,10 +96,10 @@ class Software:
         self._libraries = {extra: build(folder, extra) for extra in ((), SCALAR)}
 
     def way(self, equations: str, way: str, real: str, columns: list[np.ndarray]) -> Bound:
-        """A way to solve, for targets given as columns x, y, z, phi, d1, d2."""
+        """Bind a way of solving to targets given as columns x, y, z, phi, d1, d2."""
         name, extra = WAYS[way]
         return Bound(getattr(self._libraries[extra], f"{equations}_{name}_{real}"), columns, REALS[real])
 
     def watched(self, columns: list[np.ndarray]) -> Bound:
-        """The lean equations in double precision as a chain that is watched."""
+        """Bind the lean equations in double precision as a chain that times each solve."""
         return Bound(self._libraries[SCALAR].lean_watched_double, columns, np.float64)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software that solves the targets of table 6: C, numpy, numba, JAX.
 
-Each is given targets and solves them again and again. The others, which answer another question than the core, are in
+Each solves its targets repeatedly. Libraries that solve a different problem from the core's are in
 :mod:`scripts.paper.table6.others`.
 """
 
@@ -24,13 +24,13 @@ from scripts.paper.table6.arrays import lean, lean_of
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Software
 
 CHUNK = 100_000
-"""Targets whose errors are computed at a time."""
+"""Targets per chunk in the error computation."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """A contender with its targets: ``again(times)`` solves them all so many times, ``errors()`` of its answers (N,),
-    hand error / reach, nan where there is no answer."""
+    """Contender bound to targets: ``again(times)`` solves them all ``times`` times, ``errors()`` returns hand error /
+    reach (N,), nan where there is no answer."""
 
     again: Callable[[int], Any]
     errors: Callable[[], np.ndarray]
@@ -38,8 +38,8 @@ class Bound:
 
 @dataclass(frozen=True)
 class Contender:
-    """``bind`` gives it targets; ``lacks`` says what is missing here, and then it is not asked. ``most``: targets
-    that it is given of the random ones."""
+    """Software in the comparison. ``bind`` binds it to targets; ``lacks`` names what is missing here, in which case it
+    is skipped; ``most`` limits the number of random targets."""
 
     key: str
     group: str
@@ -64,7 +64,7 @@ def version(module: str) -> str:
 
 
 def columns(targets: Targets) -> list[np.ndarray]:
-    """x, y, z, phi, d1, d2."""
+    """Return the columns x, y, z, phi, d1, d2."""
     return [getattr(targets, name) for name in FIELDS]
 
 
@@ -92,7 +92,7 @@ def repeated(solve: Callable[[], Any]) -> Callable[[int], Any]:
 
 
 def of_arrays(solve: Callable[..., Any], targets: Targets, real: type) -> Bound:
-    """A function of six arrays that returns six."""
+    """Bind a function from six arrays to six arrays to targets."""
     given = [np.ascontiguousarray(c, dtype=real) for c in columns(targets)]
 
     def once() -> Any:
@@ -103,7 +103,7 @@ def of_arrays(solve: Callable[..., Any], targets: Targets, real: type) -> Bound:
 
 
 def in_c(software: Software) -> Iterator[Contender]:
-    """One thread of C."""
+    """Yield the single-threaded C variants."""
     for equations_ in EQUATIONS:
         for real in REALS:
             for way in WAYS:
@@ -125,7 +125,7 @@ def _of_model(solve: Callable[..., dict]) -> Callable[..., tuple]:
 
 
 def in_numpy() -> Iterator[Contender]:
-    """The model's own functions, which give flags and intermediate values, and the plain equations."""
+    """Yield the model's functions, which return flags and intermediate values, and the plain equations."""
     for key, name, solve in (
         ("numpy-model-lean", "lean, the model's `solve_lean`: exact sums, flags, every node", solve_lean),
         ("numpy-model-paper", "paper, the model's `equations.solve`: every node", equations.solve),
@@ -143,7 +143,7 @@ def _choose(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def _numba_solve(kind: type) -> Callable[..., Any]:
-    """Six arrays to six by a loop that numba compiles."""
+    """Return a function from six arrays to six, a loop compiled by numba."""
     numba = found("numba")
     inline = numba.njit(inline="always")
     one = inline(lean(kind, math.sqrt, math.sin, math.cos, inline(_choose)))
@@ -165,7 +165,7 @@ def _numba_solve(kind: type) -> Callable[..., Any]:
 
 
 def in_numba() -> Iterator[Contender]:
-    """The plain equations, a target at a time."""
+    """Yield the plain equations, one target at a time."""
     lacks = "" if found("numba") else "not installed"
     for real, kind in REALS.items():
         yield Contender(
@@ -187,7 +187,7 @@ def _jax_bound(targets: Targets, device: Any, kind: type) -> Bound:
 
 
 def in_jax() -> Iterator[Contender]:
-    """The plain equations, compiled by XLA; targets and answers stay on the device."""
+    """Yield the plain equations compiled by XLA; targets and answers stay on the device."""
     jax, devices = found("jax"), {}
     if jax:
         jax.config.update("jax_enable_x64", True)

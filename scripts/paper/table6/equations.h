@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One target of one arm in reach, (x, y, z, phi, d1, d2) to (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i): the equations as C.
-// Included once for each type, with REAL, NAME(x) and the functions of that type defined. Numbers are those of
-// model/reference: (10)-(18) the paper's, (L1)-(L61) the lean ones. No branch, so that a compiler can make vectors of it.
+// C equations of one target in reach: (x, y, z, phi, d1, d2) to (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i).
+// Included once per type, with REAL, NAME(x) and the functions of that type defined. Equation numbers as in
+// model/reference: (10)-(18) the paper's, (L1)-(L61) the lean ones. Branch-free, so that a compiler can vectorize it.
 
 typedef struct {
   REAL qs_w, qs_i, qs_j, qs_k, qe_w, qe_i;
 } POSE;
 
-// sin and cos of an angle of a few turns: Taylor series behind a reduction to +-pi/4, to a few ulps.
+// sin and cos of an angle of a few turns: reduction to +-pi/4, then Taylor series, accurate to a few ulps.
 static inline __attribute__((always_inline)) void NAME(sin_cos)(REAL a, REAL *s, REAL *c) {
   REAL n = RINT(a * (REAL)0.63661977236758134308);
   REAL r = a - n * (REAL)1.5707963267341256 - n * (REAL)6.0771005065061922e-11;
@@ -27,7 +27,7 @@ static inline __attribute__((always_inline)) void NAME(sin_cos)(REAL a, REAL *s,
 
 static inline __attribute__((always_inline)) REAL NAME(positive)(REAL v) { return v > 0 ? v : 0; }
 
-// A quaternion along half the angle of cosine c and sine s, of squared length (1 + |c|)/2.
+// Quaternion along half the angle with cosine c and sine s, of squared length (1 + |c|)/2.
 static inline __attribute__((always_inline)) void NAME(half)(REAL c, REAL s, REAL *half_c, REAL *half_s) {
   REAL large = (1 + FABS(c)) / 2, small = s / 2;
   *half_c = c >= 0 ? large : small;

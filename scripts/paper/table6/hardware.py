@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The core in table 6: clocks that the RTL counts in simulation, and the error of its answers.
+"""The core in table 6: clocks of the simulated RTL and the error of its results.
 
-A path through the core is what lies around the datapath: `ik_axis` from stream to stream, `ik_axi` from memory to
-memory.
+A path is the logic around the datapath: `ik_axis` from stream to stream, `ik_axi` from memory to memory.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ WIDTH = 32
 DATAPATHS = ("paper", "lean")
 STREAMS = "stream to stream"
 CHUNK = 20_000
-"""Random targets that the bit-true model takes at a time."""
+"""Random targets per run of the bit-true model."""
 
 
 def stream_to_stream(datapath: str) -> dict:
-    """Run the 100 targets of `reach` through the RTL without stalls: clocks to the first answer and to the last, clocks
-    an answer, the largest hand error / reach."""
+    """Run the 100 targets of `reach` through the RTL without stalls. Return the clocks to the first and last result,
+    the clocks per result, and the largest hand error / reach."""
     words, _ = to_words(make("reach"), WIDTH)
     (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=datapath, width=WIDTH)
     if run.bit_mismatches:
@@ -40,15 +39,15 @@ def stream_to_stream(datapath: str) -> dict:
 
 
 def memory_to_memory(datapath: str, bus: int, latency: int) -> dict:
-    """The same by jobs of `ik_axi` from a memory of this latency: the register CLOCKS of a job of one target and of one
-    of all, clocks of R a target in a long job, the error of what lies in memory."""
+    """Return the same figures for jobs of `ik_axi` on a memory of this latency: register CLOCKS after a job of one
+    target and after a job of all, clocks of channel R per target in a long job, error of the results in memory."""
     (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": bus}, latency)
     told = {name: row[name] for name in ("first", "last", "each")}
     return {**told, "reach_error": reach_error(np.array(row["results"]))}
 
 
 def reach_error(results: np.ndarray) -> float:
-    """The largest hand error / reach of answers to `reach`."""
+    """Return the largest hand error / reach of results for `reach`."""
     words, exponent = to_words(make("reach"), WIDTH)
     return float(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
 
@@ -61,11 +60,11 @@ PATHS: dict[str, Callable[[str], dict]] = {
         for latency in (LATENCIES[0], LATENCIES[2])
     },
 }
-"""What lies around the core -> its clocks."""
+"""Path -> function that measures its clocks and error."""
 
 
 def random_error(words: np.ndarray, datapath: str, progress: Callable[[int], None] = lambda done: None) -> float:
-    """The largest hand error / reach over input words, by the bit-true model, which the RTL equals in every bit."""
+    """Return the largest hand error / reach over input words, from the bit-true model (the RTL is bit-identical)."""
     worst = 0.0
     for start in range(0, len(words), CHUNK):
         part = words[start : start + CHUNK]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The equations of table 6 once more in long double, for `make soak AGAINST=c`: nothing is timed. Sine and cosine are good to
-// 5e-17, all else to the type's own 64 bits where it has them.
+// The equations of table 6 in long double, for `make soak AGAINST=c`; not timed. Sine and cosine are accurate to 5e-17,
+// everything else to the type's 64 bits where available.
 #include <math.h>
 
 #define REAL long double

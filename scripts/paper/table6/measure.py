@@ -3,9 +3,9 @@
 
     python -m scripts.paper.table6 [--targets 1000000] [--seed 1] [--only KEY] [--hardware] [--page]
 
-Times software, in one run, on the 100 targets of `reach` and on random ones, counts the clocks of the RTL on the
-former, and writes docs/generated/table6.json and the page that is made of it, table6.md. --only tries what it names and
-writes neither; --hardware counts clocks and keeps the times of software; --page only makes the page.
+Times the software in one run on the 100 targets of `reach` and on random targets, counts the clocks of the RTL on the
+former, and writes docs/generated/table6.json and its page, table6.md. --only measures the named software and writes
+nothing; --hardware counts clocks and keeps the software times; --page only writes the page.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ PAGE = GENERATED / "table6.md"
 
 RANDOM = 1_000_000
 REPEATS, FEW_REPEATS = 7, 3
-"""Measurements of which the median is given; of those that take longer than `LONG` each."""
+"""Measurements per median; the second number applies where each takes longer than `LONG`."""
 LONG = 1.0  # s
 SHORT = 0.02
-"""Seconds that one measurement takes at least: what is quicker is repeated within it."""
+"""Minimum duration of a measurement (s); faster functions are repeated within it."""
 
 
 def say(text: str) -> None:
@@ -53,7 +53,7 @@ def say(text: str) -> None:
 
 
 def cpu() -> tuple[str, str]:
-    """Model of the processor, and the widest vectors that it has."""
+    """Return the processor's model and its widest vector extension."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as stream:
             lines = [line.partition(":") for line in stream]
@@ -66,7 +66,7 @@ def cpu() -> tuple[str, str]:
 
 
 def machine() -> dict[str, Any]:
-    """Describe the computer of the timings."""
+    """Describe the computer that ran the timings."""
     name, vectors = cpu()
     return {
         "cpu": name,
@@ -100,19 +100,19 @@ def seconds(again: Callable[[int], Any]) -> float:
 
 
 def figure(value: float) -> float:
-    """Round to the four digits that are kept."""
+    """Round to the four digits stored in the file."""
     return float(f"{value:.4g}")
 
 
 def accuracy(bound: Bound) -> tuple[float | None, int]:
-    """The largest hand error / reach of the answers that there are, and how many targets have none."""
+    """Return the largest hand error / reach of the answers and the number of targets without one."""
     errors = bound.errors()
     answered = errors[np.isfinite(errors)]
     return (figure(answered.max()) if len(answered) else None), len(errors) - len(answered)
 
 
 def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]:
-    """A contender's row: what it lacks, or its times and errors."""
+    """Return a contender's row: what it lacks, or its times and errors."""
     told = {"key": contender.key, "group": contender.group, "name": contender.name}
     if contender.lacks or contender.bind is None:
         return told | {"lacks": contender.lacks}
@@ -129,7 +129,7 @@ def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]
 
 
 def jitter(software: Software, random: Targets) -> dict[str, float]:
-    """ns of single solves of the lean equations in C, each waited for: median, 99.9 %, the longest."""
+    """Return the ns of single dependent solves of the lean equations in C: median, 99.9 % quantile, maximum."""
     ns = software.watched(columns(random)).watched()
     return {
         "median": figure(np.median(ns)),
@@ -139,7 +139,7 @@ def jitter(software: Software, random: Targets) -> dict[str, float]:
 
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
-    """The hardware's rows."""
+    """Yield the rows of the core."""
     for datapath in hardware.DATAPATHS:
         say(f"{datapath} RTL, {len(words)} random targets through its model ...")
         worst = figure(hardware.random_error(words, datapath))
@@ -151,12 +151,12 @@ def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
 
 
 def contenders(software: Software) -> list[Contender]:
-    """All software, in the order of the table."""
+    """Return all software in table order."""
     return [*in_c(software), *in_numpy(), *in_numba(), *in_jax(), *others()]
 
 
 def rows(chosen: Iterable[Contender], reach: Targets, random: Targets) -> Iterator[dict[str, Any]]:
-    """A row a contender, with progress."""
+    """Yield a row per contender, reporting progress."""
     chosen = list(chosen)
     for n, contender in enumerate(chosen, 1):
         say(f"[{n}/{len(chosen)}] {contender.group}: {contender.name} {contender.lacks or '...'}")
@@ -164,7 +164,7 @@ def rows(chosen: Iterable[Contender], reach: Targets, random: Targets) -> Iterat
 
 
 def written(figures: dict[str, Any]) -> str:
-    """The file of figures: a line a row, so that a difference shows which ones are new."""
+    """Format the figures as JSON with one row per line, for readable diffs."""
     lines = [f' "{key}": {json.dumps(value)},' for key, value in figures.items() if not isinstance(value, list)]
     for key, value in figures.items():
         if isinstance(value, list):
@@ -174,7 +174,7 @@ def written(figures: dict[str, Any]) -> str:
 
 
 def write_figures(figures: dict[str, Any]) -> None:
-    """table6.json, and the page."""
+    """Write table6.json and the page."""
     FIGURES.write_text(written(figures), encoding="utf-8")
     write_page()
     print(f"wrote {FIGURES.name} and {PAGE.name}")

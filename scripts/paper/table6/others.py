@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""EAIK and ikpy on our arm, as near to our question as they can express it.
+"""EAIK and ikpy on our arm, set up as close to our problem as they allow.
 
-Ours: the hand's place and the swivel angle are given, one pose is wanted. EAIK solves arms in closed form, ours among
-them, but from the whole pose of the hand: it is given the forearm's frame in the model's answer, which has the swivel
-angle in it, and gives back all sets of joint angles; the hand error is the best one's. ikpy searches: given the
-hand's place alone, from the same start each time, it finds some elbow. Both have tolerances in units of length, so each
-arm is given to them as one that reaches 1.
+Our problem: find one pose from the hand's position and the swivel angle. EAIK solves this arm in closed form, but from
+the full pose of the hand. It gets the forearm's frame of the model's answer, which contains the swivel angle, and
+returns all sets of joint angles; the smallest hand error counts. ikpy searches from a fixed start, given only the
+hand's position, and finds some elbow. Both have tolerances in units of length, so each arm is scaled to a reach of 1.
 """
 
 from __future__ import annotations
@@ -21,30 +20,29 @@ from model.reference.lean_equations import solve_lean
 from scripts.paper.table6.contenders import Bound, Contender, columns, found, repeated
 
 FEW = {"eaik": 1000, "ikpy": 20}
-"""Random targets that they are given: each has its own arm, which is made before the clock starts, and they take
-long."""
+"""Number of random targets. Each has its own arm, built before the timing starts, and both libraries are slow."""
 
 X, Y, Z = np.eye(3)
 NONE = np.zeros(3)
 
 
 def first(targets: Targets, count: int) -> Targets:
-    """The first few of targets."""
+    """Return the first ``count`` targets."""
     return replace(targets, **{name: getattr(targets, name)[:count] for name in FIELDS})
 
 
 def of_reach_1(targets: Targets) -> Targets:
-    """The same poses of arms that all reach 1."""
+    """Scale targets and arms to a reach of 1."""
     return replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
 
 
 def arms(targets: Targets) -> list[tuple[float, float]]:
-    """Upper arm and forearm of each target."""
+    """Return the lengths of upper arm and forearm for each target."""
     return list(zip(targets.d1.tolist(), targets.d2.tolist(), strict=True))
 
 
 def hand_poses(targets: Targets) -> np.ndarray:
-    """The forearm's frame at the wrist, (N, 4, 4), when the arm is in the model's pose."""
+    """Return the forearm's frame at the wrist in the model's pose, (N, 4, 4)."""
     pose = solve_lean(*columns(targets))
     qs = np.stack([pose[f"qs_{unit}"] for unit in "wijk"], axis=1)
     qe = np.stack([pose["qe_w"], pose["qe_i"], *np.zeros((2, len(targets)))], axis=1)
@@ -58,8 +56,8 @@ def hand_poses(targets: Targets) -> np.ndarray:
 def _eaik_bound(targets: Targets) -> Bound:
     targets = of_reach_1(targets)
     robot_of = found("eaik.IK_HP").HPRobot
-    # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 takes the arm for one of
-    # another family and misses the pose by half of the reach.
+    # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 misclassifies the arm and
+    # misses the pose by half the reach.
     axes = np.array([Z, X, Y, X])
     made = {
         arm: robot_of(axes, np.array([NONE, NONE, NONE, arm[0] * Z, -arm[1] * Z])) for arm in set(arms(targets))
@@ -106,7 +104,7 @@ def _ikpy_bound(targets: Targets) -> Bound:
 
 
 def others() -> Iterator[Contender]:
-    """Both, whether they are installed or not."""
+    """Yield both, installed or not."""
     for key, module, name, bind in (
         ("eaik", "eaik.IK_HP", "4 joints, the hand's whole pose given, all solutions", _eaik_bound),
         ("ikpy", "ikpy.chain", "4 joints, the hand's place given, any elbow, by search", _ikpy_bound),

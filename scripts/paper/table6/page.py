@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page of table6.json: throughput, latency and accuracy of software and of the core."""
+"""Page of table6.json: throughput, latency and accuracy of software and of the core."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ QUOTED = (
     ("the paper, pipeline at 100 MHz", tables.ALL_US, 1000 * tables.FIRST_US),
     ("the same group later, 363 stages at 100 MHz", 4.63, 3630.0),
 )
-"""Name, us for 100 targets, ns until the first result: table 6 of the paper; 363 stages and 100 MHz of its authors'
-chapter in Geometric Algebra Computing (Springer, 2010), the times computed from them."""
+"""Name, us for 100 targets, ns until the first result: table 6 of the paper; times computed from the 363 stages and
+100 MHz in its authors' chapter in Geometric Algebra Computing (Springer, 2010)."""
 
 BUSY = 0.3
-"""Load a core above which the page warns that the computer was busy."""
+"""Load per processor core above which the page warns that the computer was busy."""
 
 
 def mhz(fpga: dict, datapath: str, width: int) -> float:
-    """Return the clock of a datapath (MHz) in the figures of `make fpga`."""
+    """Return the clock of a datapath (MHz) from the figures of `make fpga`."""
     found = clock(fpga, datapath, width)
     if found is None:
         raise ValueError(f"fpga.json has no clock of {datapath}, W = {width}")
@@ -31,7 +31,7 @@ def mhz(fpga: dict, datapath: str, width: int) -> float:
 
 
 def clock_of(fpga: dict, row: dict) -> float:
-    """Return the clock of a row of the core (MHz): memory to memory, the slower of datapath and ``ik_axi``."""
+    """Return the clock of a hardware row (MHz); memory to memory: the slower of datapath and ``ik_axi``."""
     datapath = mhz(fpga, row["datapath"], row["width"])
     return datapath if row["path"] == STREAMS else min(datapath, memory_clock(fpga) or datapath)
 
@@ -80,7 +80,7 @@ def _hardware(figures: dict, fpga: dict) -> Iterator[list[str]]:
 
 
 def _waits(figures: dict, fpga: dict) -> Iterator[list[str]]:
-    """Yield rows of the nanoseconds from a target to its result."""
+    """Yield rows with the nanoseconds from a target to its result."""
     for name, _, first in QUOTED:
         if first:
             yield [f"{name} (quoted)", number(first)]

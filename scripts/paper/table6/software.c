@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The software of table 6 as it would be written today: the equations in double and in float, one thread.
+// Present-day software for table 6: the equations in double and float, single-threaded.
 #define _GNU_SOURCE
 #include <math.h>
 #include <time.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Many targets by SOLVE, over and over. Included once for each type and set of equations.
+// Repeated solution of many targets by SOLVE. Included once per type and set of equations.
 
 #define ARGUMENTS                                                                                                    \
   long times, long n, const REAL *restrict x, const REAL *restrict y, const REAL *restrict z,                        \
@@ -9,32 +9,32 @@
 #define STORE                                                                                                        \
   qs_w[k] = q.qs_w, qs_i[k] = q.qs_i, qs_j[k] = q.qs_j, qs_k[k] = q.qs_k, qe_w[k] = q.qe_w, qe_i[k] = q.qe_i
 
-// No target waits for the one before. Compiled twice: as it is, and with several targets in one instruction.
+// Independent targets. Compiled twice: scalar, and with several targets per instruction.
 void WAY(batch)(ARGUMENTS) {
   for (long t = 0; t < times; t++) {
     for (long k = 0; k < n; k++) {
       POSE q = SOLVE(x[k], y[k], z[k], phi[k], d1[k], d2[k]);
       STORE;
     }
-    __asm__ volatile("" ::: "memory");  // each time is done
+    __asm__ volatile("" ::: "memory");  // keeps every repetition
   }
 }
 
-// Each target waits for the whole answer before, as in a loop of control: the latency of a solve.
+// Each target waits for the complete previous answer, as in a control loop: measures the latency of a solve.
 void WAY(chain)(ARGUMENTS) {
   REAL before = 0;
   for (long t = 0; t < times; t++) {
     for (long k = 0; k < n; k++) {
       POSE q = SOLVE(x[k] + before, y[k] + before, z[k] + before, phi[k] + before, d1[k] + before, d2[k] + before);
       STORE;
-      before = COPYSIGN(0, (q.qs_w + q.qs_i) + (q.qs_j + q.qs_k) + (q.qe_w + q.qe_i));  // 0, and known only then
+      before = COPYSIGN(0, (q.qs_w + q.qs_i) + (q.qs_j + q.qs_k) + (q.qe_w + q.qe_i));  // 0, but known only then
     }
     __asm__ volatile("" ::: "memory");
   }
 }
 
-// A chain with a look at the clock before and after each target: ns[k], the looks included. What is long there is what a
-// loop of control would see.
+// A chain that reads the clock before and after each target: ns[k], clock reads included. The maximum is the delay that
+// a control loop must tolerate.
 void WAY(watched)(ARGUMENTS, REAL *restrict ns) {
   struct timespec from, to;
   REAL before = 0;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The symbolic derivation: its page is up to date, and neither a wrong print nor a wrong geometry passes."""
+"""Symbolic derivation of the paper: the page is current; errors in the print or the geometry are detected."""
 
 import copy
 
@@ -84,7 +84,7 @@ def test_an_error_in_print_is_found(equation, name, right, wrong):
 
 
 def other_way_round(function, first, second):
-    """The function with two of its arguments exchanged."""
+    """Return the function with two of its arguments exchanged."""
 
     def exchanged(*arguments):
         arguments = list(arguments)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures 6 and 7: the drawn graphs and schedules show the design; checked without graphviz."""
+"""Figures 6 and 7: graphs and schedules match the design; checked without graphviz."""
 
 import re
 from dataclasses import replace
@@ -28,7 +28,7 @@ def nodes(both):
 
 
 def is_current(name, text):
-    """Compare a picture with its figure; of a graph, the digest that the picture carries."""
+    """Compare a picture with its figure; for a graph, compare the embedded digest."""
     drawn = (figures.SHOWN / name).read_text("utf-8")
     if text.startswith("digraph"):
         return drawn.startswith(f"<!-- of the graph {graphs.digest(text)} -->")

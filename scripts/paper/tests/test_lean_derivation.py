@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The derivation of the lean dataflow: its page is up to date, and a wrong line on either side does not pass."""
+"""Derivation of the lean dataflow: the page is current; a wrong line on either side is detected."""
 
 from functools import partial
 
@@ -33,7 +33,7 @@ def test_all_statements_hold(steps):
 
 
 def test_table_is_what_the_model_computes():
-    """Every line of LEAN, in numbers, against the nodes and results of model/reference/lean_equations.py."""
+    """Every line of LEAN agrees numerically with model/reference/lean_equations.py."""
     rng = np.random.default_rng(1)
     d1, d2 = rng.uniform(0.2, 1, (2, 500))
     p = rng.normal(size=(3, 500))
@@ -177,7 +177,7 @@ def assert_found(step, tables):
     ],
 )
 def test_an_error_is_found(table, name, right, wrong, step):
-    """Altered line of the lean form, of the matrix form, or of an equation of the paper."""
+    """An altered line of the lean form, the matrix form or a paper equation fails."""
     tables = Tables()
     *equation, name = name.split()
     spoil({k: lines for k, lines in getattr(tables, table).items() if k in (equation or [k])}, name, right, wrong)
@@ -195,7 +195,7 @@ def test_an_error_in_half_is_found(branch, part):
 
 
 def test_the_misprint_of_11_does_not_pass(monkeypatch):
-    """Without the edit that scripts/paper/derivation/paper.py proves to be needed."""
+    """The derivation fails without the correction that scripts/paper/derivation/paper.py proves necessary."""
     monkeypatch.setattr(printed, "KNOWN_WRONG", {})
     assert_found("swivel", Tables())
 
@@ -217,7 +217,7 @@ def test_an_error_in_the_algebra_is_found(monkeypatch):
 
 @pytest.mark.slow
 def test_no_statement_holds_whatever_its_right_side_is(monkeypatch):
-    """Each equality again with 1 added to the last component of its right side: none of them holds."""
+    """Adding 1 to the last component of the right side falsifies every equality."""
     equal = Step.equal
 
     def off_by_one(self, statement, left, right, *rest, **more):

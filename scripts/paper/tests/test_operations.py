@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4: the rules of counting, the elaborated RTL against the dataflow, and the page."""
+"""Table 4: counting rules, elaborated RTL against the dataflow, and the page."""
 
 import json
 import shutil
@@ -67,16 +67,16 @@ def test_an_operation_without_a_rule_is_refused():
 
 
 def test_printed_lines_by_hand():
-    """(10) and (18) counted on paper; roots as in table 4."""
+    """(10) and (18) match counts by hand; roots match table 4."""
     assert table4.total(PRINTED["(10)"].values()) == Ops(add=2, mul=3, root=1)
     assert table4.total(PRINTED["(18)"].values()) == Ops(add=2, mul=6)
     assert table4.total(table4.printed_lines().values()).root == table4.UNOPTIMIZED.root
 
 
 def test_substituting_19_changes_no_value():
-    """(13) with (19) is (13): PP_m^+ and PP_m^- are the printed lines without their factor 2."""
+    """(13) with (19) substituted equals (13); PP_m^+ and PP_m^- are the printed lines without their factor 2."""
     plain, with_19 = table4.printed_lines(), table4.lines_with_19()
-    # The print of (19) has a factor 2 that belongs to a PP scaled by 2.
+    # The factor 2 printed in (19) belongs to a PP scaled by 2.
     halves = {symbol(n): e.doit() / 2 for n, e in PRINTED["(19)"].items()}
     pair = {symbol(n): e.doit() for n, e in PRINTED["(12)"].items()}
     for name in ("inf_pp", "tmp1", "p_e_x", "p_e_y", "p_e_z"):
@@ -129,7 +129,7 @@ def test_rtl_that_does_not_elaborate_says_why(tmp_path):
 
 
 def test_operators_at_once(tmp_path):
-    """One that is assigned to several words is one, tables and indices have none; a row more or less counts."""
+    """An operator assigned to several words counts once; tables and indices count none; every row counts."""
     for top, expected in (("ik_div_row", {"add": 1}), ("ik_lzc", {"add": 3}), ("ik_exact", {"add": 2, "mul": 4})):
         assert table4.operators(table4.elaborate(top=top)) == expected
     root = copy_of_rtl(tmp_path)

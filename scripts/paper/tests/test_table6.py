@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 6: the software gives the model's answers, the page is what the figures make of it. No test asserts a time."""
+"""Table 6: the software agrees with the model and the page with its figures. No test asserts a time."""
 
 import json
 import platform
@@ -42,8 +42,8 @@ def by_model(targets, solve=solve_lean):
 
 
 def off(answers, expected):
-    """The largest difference of answers (N, 6) to the expected ones, either sign of Qs being right: where k is 0 within
-    the rounding, which of the two has k >= 0 is chance."""
+    """Return the largest difference between answers (N, 6) and the expected ones. Either sign of Qs is accepted:
+    rounding decides the sign where k is nearly 0."""
     answers = np.asarray(answers, dtype=float)
     sign = np.sign((answers[:, :4] * expected[:, :4]).sum(axis=1))[:, None]
     return max(np.abs(sign * answers[:, :4] - expected[:, :4]).max(), np.abs(answers[:, 4:] - expected[:, 4:]).max())
@@ -63,8 +63,8 @@ def test_lean_c_gives_the_models_answers(software, targets, way):
 @needs_cc
 @pytest.mark.parametrize("way", WAYS)
 def test_paper_c_is_as_exact_as_the_models_equations(software, way):
-    """On targets away from singular poses: the model takes three sums in another form, which only matters next to
-    them."""
+    """C and the model agree away from singular poses; the model computes three sums in another form, which only
+    matters near them."""
     given = make("reach")
     bound = software.way("paper", way, "double", columns(given))
     assert off(bound(1), by_model(given, equations.solve)) < 1e-12
@@ -74,7 +74,7 @@ def test_paper_c_is_as_exact_as_the_models_equations(software, way):
 @pytest.mark.parametrize("real", REALS)
 @pytest.mark.parametrize("equations_", EQUATIONS)
 def test_ways_agree(software, equations_, real):
-    """A chain, a batch and vectors are the same equations; a compiler may fuse products and sums differently."""
+    """Chain, batch and vectors agree within rounding: a compiler may fuse products and sums differently."""
     given = make("reach")
     answers = [np.array(software.way(equations_, way, real, columns(given))(1), dtype=float) for way in WAYS]
     assert np.isfinite(answers[0]).all()
@@ -85,7 +85,7 @@ def test_ways_agree(software, equations_, real):
 @needs_cc
 @pytest.mark.parametrize("way, loops", [("batch", 0), ("vector", 4)])
 def test_only_vectors_are_vectors(tmp_path, way, loops):
-    """gcc's report on the loops over targets: two sets of equations in two types."""
+    """gcc reports the loops over targets (two sets of equations, two types) as vectorized only in the vector build."""
     if "gcc" not in Path(compiled.compiler()).resolve().name or platform.machine() not in ("x86_64", "aarch64"):
         pytest.skip("asks gcc")
     name, extra = WAYS[way]
@@ -103,7 +103,7 @@ def test_watched_chain_answers_and_tells_times(software, targets):
     bound = software.watched(columns(targets))
     ns = bound.watched()
     assert ns.shape == (len(targets),) and (ns >= 0).all() and ns.any()
-    assert off(bound(0), by_model(targets)) < 1e-12  # the answers that are there
+    assert off(bound(0), by_model(targets)) < 1e-12  # times = 0 returns the previous answers
 
 
 def test_plain_arrays_give_the_models_answers(targets):
@@ -132,7 +132,7 @@ def test_others_reach_the_hand(contender):
     assert contender.bind(others.first(make("reach"), 5)).errors().max() < 1e-5
 
 
-# -- hardware and what is on paper -----------------------------------------------------------------
+# -- hardware and quoted figures -------------------------------------------------------------------
 
 
 @pytest.mark.sim
@@ -157,7 +157,7 @@ def test_page_is_of_its_figures():
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
-    """The logic around the datapath takes the same clocks for both datapaths."""
+    """The logic around the datapath adds the same clocks to both datapaths."""
     around = {}
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - latency(row["datapath"], row["width"]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word lengths: the page's proofs are current, regular poses are regular, sensitivities explain the measured error."""
+"""Word lengths: the page's proofs are current, regular poses are regular, sensitivities predict the error."""
 
 import re
 
@@ -46,7 +46,7 @@ def test_predicted_share_explains_the_measured_error():
 
 @pytest.mark.slow
 def test_command_writes_the_page(tmp_path, monkeypatch):
-    """A smaller run than the command's: every range that is observed lies within its proof."""
+    """In a reduced run, every observed range lies within the proved range."""
     for name, value in {"PAGE": tmp_path / "page.md", "TARGETS": 20000, "REGULAR_POSES": 200, "SENSITIVITY_POSES": 20,
                         "WIDTHS": range(31, 33)}.items():  # fmt: skip
         monkeypatch.setattr(wordlengths, name, value)

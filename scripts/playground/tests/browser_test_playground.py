@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The playground in a real browser: what its Verilog answers is the model, and what its controls do."""
+"""The playground in a real browser: its core equals the model, and its controls work."""
 
 import gzip
 import json
@@ -30,7 +30,7 @@ LEAN = fixed.latency("lean", 32)
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory):
-    """The page, with two machines."""
+    """Write the page with two cores; return its path."""
     out = tmp_path_factory.mktemp("playground")
     assert playground.main(["--datapath", "lean,fold", "--width", "32", "--out", str(out)]) == 0
     return out / "index.html"
@@ -38,7 +38,7 @@ def written(tmp_path_factory):
 
 @pytest.fixture
 def page(written, browser):
-    """The page in a window of some size, with the first machine loaded and standing still."""
+    """Open the page in a window of a given size, with the first core loaded and stopped."""
 
     def page(size=WIDE, **features):
         opened = browser(written.as_uri(), size, **features)
@@ -54,7 +54,7 @@ def step(page, clocks):
 
 
 def rows_of(name):
-    """The targets of a trajectory, x to d2; the page scales each by itself."""
+    """Return the targets of a trajectory, x to d2; the page scales each target separately."""
     return next(each["rows"] for each in playground.data([])["trajectories"] if each["name"] == name)
 
 
@@ -63,12 +63,12 @@ def choose(page, name, value):
                  e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})()""")
 
 
-# -- what it computes ------------------------------------------------------------------------------
+# -- results ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("machine", EVERY, ids=lambda machine: machine.name)
 def test_every_machine_in_the_page_is_the_model(page, browser, tmp_path, machine):
-    """Words, flags, clocks and every named node of 200 targets, those of all trajectories and the hard kinds."""
+    """Words, flags, clocks and all named nodes equal the model for 200 targets from trajectories and hard cases."""
     width = machine.width
     built_in = [to_words(trajectories.make(name), width)[0][::10] for name in trajectories.TRAJECTORIES]
     words = np.concatenate([*built_in, stimuli.mixed(60, width, seed=15)])
@@ -91,14 +91,14 @@ def test_every_machine_in_the_page_is_the_model(page, browser, tmp_path, machine
 
 
 def test_double_precision(page):
-    """The page's own is the model's, flags too."""
+    """The page's double-precision solution and flags equal the model's."""
     words = stimuli.mixed(400, 32, seed=17)
     found = page().run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
     asked = from_words(words, 0, 32, "mixed")
     exact = solve_lean(*(getattr(asked, name) for name in FIELDS))
     for names, of in ((("qs_w", "qs_i", "qs_j", "qs_k"), "qs"), (("qe_w", "qe_i"), "qe")):
         ours, theirs = np.array([each[of] for each in found]), np.column_stack([exact[name] for name in names])
-        same_sign = np.sign((ours * theirs).sum(axis=1))  # at k = 0 either is right
+        same_sign = np.sign((ours * theirs).sum(axis=1))  # at k = 0 either sign is right
         assert np.abs(ours * same_sign[:, None] - theirs).max() < 1e-12
     bits = {flag["name"]: flag["bit"] for flag in playground.data([])["flags"]}
     flags = [sum(bits[name] for name, on in each["flag"].items() if on) for each in found]
@@ -119,7 +119,7 @@ def test_words_are_those_of_the_model(page, width):
 
 
 def test_every_axis_gives_the_hand_its_target(page):
-    """In the user's frame the wrist of the answer is at the target, and quaternions differ from axis to axis."""
+    """In the user's frame the wrist is at the target for every axis, with different quaternions."""
     opened = page()
     seen = set()
     for axis in playground.data([])["axes"]:
@@ -131,7 +131,7 @@ def test_every_axis_gives_the_hand_its_target(page):
     assert len(seen) == 6
 
 
-# -- the hand --------------------------------------------------------------------------------------
+# -- the wrist -------------------------------------------------------------------------------------
 
 
 WRIST = """(() => {
@@ -146,7 +146,7 @@ PLACE = "[playground.ui.target.x, playground.ui.target.y, playground.ui.target.z
 
 @pytest.mark.parametrize("touch", [False, True])
 def test_the_wrist_follows_the_pointer(page, touch):
-    """It is afterwards where the pointer was let go, and the core has answered that."""
+    """The wrist ends where the pointer was released, and the core has solved that target."""
     opened = page()
     opened.run(FLOW.format("run"))
     opened.middle("#scene")
@@ -215,7 +215,7 @@ def test_a_step_is_a_clock(page):
 
 
 def test_a_receiver_that_stalls_loses_nothing(page):
-    """Credits run out, the input waits; afterwards every target is answered, in order and right."""
+    """Credits run out and the input stalls; afterwards every result is correct and in order."""
     opened = page()
     choose(opened, "trajectory", "reach")
     opened.run(f"{MACHINE}.reset()")
@@ -239,7 +239,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
 
 
 def test_a_target_is_followed_through_its_nodes(page):
-    """Its column is filled in as it goes, and holds the model's words at the end."""
+    """The column of node words fills as the target proceeds and finally equals the model's."""
     opened = page()
     opened.run(f"{MACHINE}.reset(); playground.ui.followed = null")
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
@@ -282,7 +282,7 @@ def test_a_click_on_a_node_looks_inside(page):
 
 @pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
 def test_the_vcd_holds_every_node(page, tmp_path, machine):
-    """Read back as `make follow` reads that of a simulator: all nodes of all targets in it are the model's."""
+    """All nodes of all targets in the VCD, read as by `make follow`, equal the model's."""
     opened = page()
     choose(opened, "machine", machine.name)
     opened.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
@@ -320,7 +320,7 @@ def test_signals_are_shown_and_hidden(page):
 
 
 def test_two_machines_side_by_side(page):
-    """The same words from both, each after its own clocks."""
+    """Both cores give the same words, each after its own latency."""
     opened = page()
     choose(opened, "second", "fold-W32")
     opened.wait_for("document.documentElement.dataset.ready === 'lean-W32 fold-W32'")
@@ -355,10 +355,10 @@ def test_a_browser_without_webassembly_is_told(written, browser):
 
 
 def test_it_is_one_file(written, page):
-    """No request to anywhere, no path of this machine, each machine below a megabyte."""
+    """The page makes no request and contains no local path; each core is below 1 MiB."""
     assert page().requests == [written.as_uri()]
     assert str(ROOT) not in written.read_text(encoding="utf-8")
     for machine in BUILT:
-        packed = machines.wasm(machine)  # by gzip
+        packed = machines.wasm(machine)  # gzipped
         assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)
     assert "zig" in page().run("document.getElementById('tools').textContent")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The browser that the tests of the report have."""
+"""Browser fixture, shared with the tests of the report."""
 
 from scripts.report.tests.conftest import browser
 

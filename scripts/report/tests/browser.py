@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A headless Chromium for tests, spoken to in its DevTools protocol over a pipe: no driver, no library, no port.
+"""Headless Chromium for tests, controlled by the DevTools protocol over a pipe: no driver, library or port.
 
-A plain `chromium --dump-dom` would not do: it makes no window narrower than 500 px, takes no keys, and draws no
-frames while its time is virtual.
+Plain `chromium --dump-dom` is not sufficient: its windows are at least 500 px wide, it accepts no keys, and it draws
+no frames in virtual time.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from pathlib import Path
 
 WIDE, NARROW = (1400, 1000), (400, 800)
 
-# What a script in the page says.
+# Scripts evaluated in the page.
 AT = "Number(document.documentElement.dataset.target)"
 PICTURE = "document.getElementById('scene').toDataURL()"
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
-# Elements that stick out of the window or of their own box sideways. One in a box that scrolls is none of them.
+# Elements that overflow the window or their own box sideways, except inside scrolling boxes.
 STICKING_OUT = """[...document.body.querySelectorAll("*")]
     .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 0.5
         || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
@@ -40,11 +40,11 @@ COUNT = """((name) => {
     return count;
 })"""
 
-LIMIT = 60  # seconds for any one answer; a machine under load may start a browser slowly
+LIMIT = 60  # seconds per reply; a loaded computer may start a browser slowly
 
 
 class Page:
-    """One page of `width` x `height` CSS pixels; `problems` collects what the console and uncaught errors say."""
+    """Page of `width` x `height` CSS pixels; `problems` collects console messages and uncaught errors."""
 
     def __init__(self, profile: Path, width: int, height: int, features: dict[str, str] | None = None):
         self.problems: list[str] = []
@@ -52,7 +52,7 @@ class Page:
         self.loaded = False
         self._count = 0
         self._data = b""
-        there, self._out = os.pipe()  # Chromium reads commands at 3 and writes answers at 4
+        there, self._out = os.pipe()  # Chromium reads commands from descriptor 3 and writes replies to 4
         self._in, back = os.pipe()
         command = ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run"]
         command += ["--disable-dev-shm-usage", "--disable-background-networking", f"--user-data-dir={profile}"]
@@ -80,7 +80,7 @@ class Page:
 
     def __exit__(self, *_) -> None:
         self._session = None
-        try:  # in order, so that all its processes have ended and the profile can be removed
+        try:  # orderly, so that all processes end and the profile can be removed
             self.call("Browser.close")
             self._process.wait(LIMIT)
         except (AssertionError, OSError, subprocess.TimeoutExpired):
@@ -90,7 +90,7 @@ class Page:
         os.close(self._out)
 
     def call(self, method: str, **parameters) -> dict:
-        """Send a command and wait for its answer."""
+        """Send a command and wait for its reply."""
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters}
         if self._session:
@@ -103,7 +103,7 @@ class Page:
                 return answer["result"]
 
     def _read(self) -> dict:
-        """The next message. Events are noted on the way."""
+        """Return the next message; record events."""
         while b"\0" not in self._data:
             ready, _, _ = select.select([self._in], [], [], LIMIT)
             more = os.read(self._in, 1 << 20) if ready else b""
@@ -126,8 +126,8 @@ class Page:
         return message
 
     def open(self, url: str) -> Page:
-        """Load a page and wait until it has run its script."""
-        for each in ("about:blank", url):  # from the page itself, a new #hash alone would load nothing
+        """Load a page and wait until its script has run."""
+        for each in ("about:blank", url):  # a change of only the #hash would not reload the page
             self.requests.clear()
             self.loaded = False
             self.call("Page.navigate", url=each)
@@ -136,7 +136,7 @@ class Page:
         return self
 
     def run(self, script: str):
-        """The value of a JavaScript expression."""
+        """Return the value of a JavaScript expression."""
         answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in answer, f"{script}: {answer['exceptionDetails']}"
         return answer["result"].get("value")
@@ -149,7 +149,7 @@ class Page:
             time.sleep(0.02)
 
     def press(self, key: str) -> None:
-        """Press and release a key, as its user would."""
+        """Press and release a key."""
         code = "Space" if key == " " else key
         for kind in ("rawKeyDown", "keyUp"):
             number = {" ": 32, "ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35}.get(key, 0)
@@ -164,7 +164,7 @@ class Page:
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=int(down), clickCount=1)
 
     def middle(self, selector: str) -> tuple[float, float]:
-        """The middle of an element, scrolled into view."""
+        """Scroll an element into view and return its centre."""
         self.run(f"document.querySelector('{selector}').scrollIntoView({{block: 'center'}})")
         box = self.run(f"document.querySelector('{selector}').getBoundingClientRect().toJSON()")
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -174,19 +174,19 @@ class Page:
         self.drag(point, point)
 
     def screenshot(self, path: Path, *, whole: bool = False) -> None:
-        """Write what the window shows, or the whole page, as PNG."""
+        """Write the visible part of the page, or the whole page, as PNG."""
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"]
         path.write_bytes(base64.b64decode(data))
 
 
 def across(page, plot):
-    """How far along its axis the middle of a plot is, between its margins: 0 to 1."""
+    """Return the position of a plot's middle along its axis, between the margins: 0 to 1."""
     width = page.run(f"document.querySelector('{plot}').clientWidth")
     return (width / 2 - 66) / (width - 80)
 
 
 def stays(page, seconds=0.4):
-    """The target that the page stays at while nobody touches it."""
+    """Assert that the page stays at its target; return the target."""
     before = page.run(AT)
     time.sleep(seconds)
     assert page.run(AT) == before

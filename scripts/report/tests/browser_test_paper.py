@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures 1 to 5 of the paper and both datapaths side by side, in a real browser: a part of `make test-browser`."""
+"""Figures 1 to 5 of the paper and datapaths side by side in a real browser; part of `make test-browser`."""
 
 import json
 from pathlib import Path
@@ -17,7 +17,7 @@ PAPER = "document.getElementById('paper').toDataURL()"
 NOTE = "document.getElementById('paper-note').textContent"
 CHOSEN = "[...document.querySelectorAll('#paper-choice button')].map((b) => b.ariaPressed === 'true').indexOf(true) + 1"
 
-# How far what is drawn is from the edge of a canvas.
+# Smallest distance of a drawn pixel from the edge of a canvas.
 CLEAR = """((id) => {
     const canvas = document.getElementById(id);
     const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
@@ -33,7 +33,7 @@ CLEAR = """((id) => {
     return least;
 })"""
 
-# The names that are drawn, each with its box; what follows _ is drawn apart and is none of them.
+# Drawn names and their boxes; subscripts (after _) are drawn separately and excluded.
 NAMES = """(() => {
     const g = document.getElementById('paper').getContext('2d');
     const names = [];
@@ -67,7 +67,7 @@ def scrub(page, n):
 
 @pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")], ids=str)
 def test_each_figure_is_drawn_whole(written, browser, size, scheme):
-    """Inside its canvas, with its names beside each other, another picture for each figure and target."""
+    """Figures fit their canvas, names do not overlap, and every figure and target gives a different picture."""
     page = browser(written + "#target=0", size, prefers_color_scheme=scheme)
     pictures, drawn = set(), 0
     for name in ("reach", "overhead", "unequal_arms", "two_arms", "fold_in"):
@@ -127,7 +127,7 @@ JOINTS = """((id) => {
 
 
 def test_a_figure_of_a_clip_stands_as_the_arm_does(clip, browser):
-    """The same camera sees shoulder, elbow and wrist in the same directions, but for perspective."""
+    """Both views show shoulder, elbow and wrist in the same directions, apart from perspective."""
     page = browser(clip + "#frame=10&figure=1")
     for arm in (0, 1):
         page.run(f"""(() => {{ const s = document.getElementById('arm'); s.value = '{arm}';
@@ -159,7 +159,7 @@ def test_next_to_singular_poses(fake, browser, size):
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory):
-    """A trajectory next to singular poses on both datapaths, from the RTL; where it lies."""
+    """Write the report of an RTL run near singular poses on both datapaths; return its folder."""
     out = tmp_path_factory.mktemp("both")
     options = ["--trajectory", "fold_in", "--datapath", "lean,paper", "--sim", simulator(), "--out", str(out)]
     assert report.main(options) == 0
@@ -190,7 +190,7 @@ def test_both_are_shown_beside_each_other(both, browser, size, scheme):
 
 
 def test_both_have_one_scale(both, browser):
-    """Of errors and of time: what is written at their axes is the same."""
+    """Both runs have the same axis labels, for errors and for time."""
     page = browser((both / "report.html").as_uri() + "#target=50", WIDE)
     left = """((id) => {
         const copy = new OffscreenCanvas(60, 174).getContext('2d');
@@ -237,7 +237,7 @@ def test_files_of_both_are_named(both, browser):
 
 @pytest.fixture(scope="module")
 def three(tmp_path_factory):
-    """Three machines, one of them folded, from the RTL; where they are."""
+    """Write the report of an RTL run on three datapaths, one of them fold; return its folder."""
     out = tmp_path_factory.mktemp("three")
     (out / "t.csv").write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
     options = ["--trajectory", str(out / "t.csv"), "--datapath", "lean,fold,paper", "--sim", simulator()]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report in a real browser, headless Chromium: `make test-browser`, which installs one if need be.
+"""The report in headless Chromium (`make test-browser`, which installs it if necessary).
 
-Not part of `make test`. The page is that of an RTL run of all trajectories.
+Not part of `make test`. The page is from an RTL run of all trajectories.
 """
 
 import time
@@ -27,7 +27,7 @@ def test_it_opens_from_disk_and_plays(written, browser):
     first, picture = page.run(AT), page.run(PICTURE)
     page.wait_for(f"{AT} > {first} + 5")
     assert page.run(PICTURE) != picture
-    page.wait_for(f"{AT} < {first}")  # the motion starts again at its end
+    page.wait_for(f"{AT} < {first}")  # the motion restarts after its end
     assert page.run("document.getElementById('play').textContent") == "Pause"
 
 
@@ -52,7 +52,7 @@ def test_play_and_pause(written, browser):
     page.wait_for(f"{AT} > 12")
     page.click("#play")
     at = stays(page)
-    page.press(" ")  # the button has the focus, and takes the key as a click
+    page.press(" ")  # the focused button treats the key as a click
     page.wait_for(f"{AT} != {at}")
     page.run("document.activeElement.blur()")
     page.press(" ")
@@ -78,7 +78,7 @@ def test_keys(written, browser):
     page.click("#back")
     assert stays(page, 0.1) == 1
     page.run("document.getElementById('scrub').focus()")
-    page.press("ArrowRight")  # the slider's own key: one step, not two
+    page.press("ArrowRight")  # handled by the slider alone: one step, not two
     assert page.run(AT) == 2
 
 
@@ -94,7 +94,7 @@ def test_scrub(written, browser):
 def test_click_on_a_plot_goes_there(written, browser):
     page = browser(written + "#target=0")
     clocks = latency("lean", 32)
-    out = across(page, "#pipeline") * (100 + clocks) - clocks  # the target that leaves then
+    out = across(page, "#pipeline") * (100 + clocks) - clocks  # the target that leaves at that clock
     middles = [(plot, 99 * across(page, plot)) for plot in ("#hand", "#angles")]
     for plot, at in [*middles, ("#pipeline", out)]:
         page.click(plot)
@@ -163,7 +163,7 @@ COLOURS = """(() => {
 
 @pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")], ids=str)
 def test_the_arm_is_in_the_picture(written, browser, size, scheme):
-    """At every tenth target of every motion the limbs are large enough to see, and wholly inside."""
+    """At several targets of every motion, the limbs are large enough to see and inside the picture."""
     page = browser(written + "#target=0", size, prefers_color_scheme=scheme)
     for name in NAMES:
         show(page, name)
@@ -176,7 +176,7 @@ def test_the_arm_is_in_the_picture(written, browser, size, scheme):
             arm = [min(b[0] for b in boxes[:3]), min(b[1] for b in boxes[:3]), max(b[2] for b in boxes[:3])]
             arm.append(max(b[3] for b in boxes[:3]))
             size_on_screen = max(arm[2] - arm[0], arm[3] - arm[1])
-            # That of a child beside a man, or of a hand near the shoulder, is small; no arm is a dot.
+            # A child's arm next to an adult's, or an arm with the hand near the shoulder, is small but never a dot.
             assert size_on_screen > 0.12 * min(boxes[0][4:]), (name, n, boxes)
 
 
@@ -252,7 +252,7 @@ def test_a_clip_moves_frame_by_frame(clip, browser):
 
 
 def test_a_clip_plays_at_its_own_rate(clip, browser):
-    """120 Hz: at a tenth of the speed 12 frames a second."""
+    """A 120 Hz clip at a tenth of its speed plays 12 frames per second."""
     page = browser(clip + "#frame=0")
     page.run("document.getElementById('speed').value = '0.1'")
     page.press(" ")
@@ -320,7 +320,7 @@ def test_a_name_that_is_markup_is_text(fake, browser, tmp_path):
     assert page.run(FITS) and page.run(STICKING_OUT) == []
 
 
-# -- would these tests see it? ---------------------------------------------------------------------
+# -- seeded bugs -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

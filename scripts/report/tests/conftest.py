@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the browser's tests of the report share: pages from the RTL, and a browser that opens them."""
+"""Fixtures of the report's browser tests: pages from the RTL and a browser."""
 
 import pytest
 
@@ -13,7 +13,7 @@ from tb.sim.env import simulator
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory):
-    """The report of all trajectories, from the RTL."""
+    """Write the report of an RTL run of all trajectories; return its address."""
     out = tmp_path_factory.mktemp("report")
     assert report.main(["--trajectory", "all", "--sim", simulator(), "--out", str(out)]) == 0
     return (out / "report.html").as_uri()
@@ -21,7 +21,7 @@ def written(tmp_path_factory):
 
 @pytest.fixture
 def fake(tmp_path, monkeypatch):
-    """Write a report of a file's targets without the RTL; its address."""
+    """Write a report of a file's targets without the RTL; return its address."""
     monkeypatch.setattr(run, "simulate", FakeSimulator().simulate)
 
     def fake(text):
@@ -34,7 +34,7 @@ def fake(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="session")
 def clip(tmp_path_factory):
-    """The report of a clip whose arms the core is asked to hold otherwise, from the RTL."""
+    """Write the report of an RTL run of a clip with a changed swivel angle; return its address."""
     out = tmp_path_factory.mktemp("clip")
     figure.write(out / "t.bvh", frames=61)
     options = ["--trajectory", str(out / "t.bvh"), "--phi", "1.5", "--sim", simulator(), "--out", str(out)]
@@ -44,7 +44,7 @@ def clip(tmp_path_factory):
 
 @pytest.fixture
 def browser(tmp_path):
-    """Open pages: browser(address, size, features); at the end, none may have met with a problem."""
+    """Open pages with browser(address, size, features); fail at teardown if a page had a problem."""
     pages = []
 
     def browser(address, size=WIDE, **features):

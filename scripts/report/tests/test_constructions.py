@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the report draws of figures 1 to 5: one thing turned by the angle that is drawn becomes the next."""
+"""Figures 1 to 5 in the report: each entity, rotated by the drawn angle, gives the next one."""
 
 import base64
 from pathlib import Path
@@ -20,7 +20,7 @@ def prepared(*options):
 
 
 def unpack(data, targets):
-    """What the page reads: every name of VECTORS, ANGLES and LENGTHS in the user's unit; nan for what is not there."""
+    """Decode the page's data: VECTORS, ANGLES and LENGTHS by name; undefined entities are nan."""
     words = np.frombuffer(base64.b64decode(data["rows"]), "<i2").reshape(len(targets), -1).astype(float)
     words[words == NOTHING] = np.nan
     assert words.shape[1] == 3 * len(VECTORS) + len(ANGLES) + len(LENGTHS) and data["steps"] == STEPS
@@ -31,7 +31,7 @@ def unpack(data, targets):
 
 
 def turn(v, axis, angle):
-    """Right-handed."""
+    """Rotate v about an axis by an angle, right-handed."""
     a, angle = axis / np.linalg.norm(axis, axis=1, keepdims=True), np.broadcast_to(angle, len(v))[:, None]
     along = a * (a * v).sum(axis=1, keepdims=True)
     return v * np.cos(angle) + np.cross(a, v) * np.sin(angle) + along * (1 - np.cos(angle))
@@ -80,7 +80,7 @@ def test_each_figure_leads_to_the_next(name, axis, tmp_path, monkeypatch):
 
 
 def test_the_elbow_is_that_of_the_core(tmp_path, monkeypatch):
-    """On its side of the swivel plane, of both arms of a clip."""
+    """The drawn elbow matches the clip's elbow for both arms, including its side of the swivel plane."""
     monkeypatch.chdir(tmp_path)
     figure.write(Path("t.bvh"), frames=40)
     (item,) = prepared("--trajectory", "t.bvh")
@@ -89,7 +89,7 @@ def test_the_elbow_is_that_of_the_core(tmp_path, monkeypatch):
 
 
 def test_what_a_target_has_not_got(tmp_path, monkeypatch):
-    """On the axis, straight, out of reach, at the shoulder, elbow on the axis."""
+    """Entities are undefined as expected: on the axis, straight, out of reach, at the shoulder, elbow on the axis."""
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text("x,y,z,phi\n0,0,0.5,1\n0.6,0,0,1\n0.6,0.6,0,1\n0,0,0,1\n0.27,0,0.33,0\n")
     (item,) = prepared("--trajectory", "t.csv")

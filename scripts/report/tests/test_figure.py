@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The figure of a clip in the report: every bone where the clip has it, the arms where the core's words put them."""
+"""Figure of a clip in the report: bones match the clip, arms match the core's results."""
 
 import json
 import re
@@ -29,7 +29,7 @@ def simulator(monkeypatch):
 
 @pytest.fixture
 def shown(simulator, command):
-    """Write the page of a clip; what it holds."""
+    """Write the page of a clip and return its data."""
 
     def shown(*options, status=0, path="t.bvh"):
         got = command(report.main, "--trajectory", str(path), "--out", "o", *options)
@@ -43,7 +43,7 @@ def shown(simulator, command):
 
 
 def points(clip):
-    """Nodes (F, K, 3) and the clip's own elbows and wrists (F, 2 A, 3), in the page's frame and the clip's unit."""
+    """Return nodes (F, K, 3) and the clip's elbows and wrists (F, 2 A, 3) in the page's frame and the clip's unit."""
     nodes, own = (np.array(clip[key], dtype=float).reshape(len(clip[key]), -1, 3) for key in ("nodes", "own"))
     root = nodes[:, :1].copy()
     nodes[:, 1:] += root
@@ -51,7 +51,7 @@ def points(clip):
 
 
 FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
-"""Of figures of our own: the axis that is up, and the way they look."""
+"""`up` argument of a test figure -> its up axis and facing direction in the clip."""
 
 
 @pytest.mark.parametrize("up", ["x", "y", "z"])
@@ -122,7 +122,7 @@ def test_a_lone_arm(shown):
 @pytest.mark.parametrize("up", ["x", "y", "z"])
 @pytest.mark.parametrize("sides", ["both", "left", "right"])
 def test_it_faces_forward(shown, up, sides):
-    """At rest the figure of our own looks along the forward axis; so does what the page says."""
+    """The page's facing direction is the forward axis of a test figure at rest."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=FRAMES))
     mine.bvh.joint_angles = np.zeros_like(mine.bvh.joint_angles)
     mine.bvh.write("t.bvh")
@@ -132,7 +132,7 @@ def test_it_faces_forward(shown, up, sides):
 
 
 def test_a_wrong_word_shows(shown, simulator):
-    """The figure's arms are the core's, not the clip's."""
+    """A wrong result word moves the figure's arm: the arms come from the core, not from the clip."""
     figure.write(Path("t.bvh"), frames=FRAMES)
 
     def spoil(runs):
@@ -147,7 +147,7 @@ def test_a_wrong_word_shows(shown, simulator):
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
 def test_joint_angles(shown, axis):
-    """Elevation and azimuth by the torso's own axes, flexion by the angle between the bones."""
+    """Elevation and azimuth match the torso's axes; flexion matches the angle between the bones."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=FRAMES))
     data = shown(f"--axis={axis}")
     elbow, wrist, angles = (np.array(data[key]) for key in ("elbow", "wrist", "angles"))

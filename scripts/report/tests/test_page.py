@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report without a browser: what its page holds, that it needs nothing else, the command line.
+"""The report without a browser: page contents, self-containedness, command line.
 
-The simulator is that of test_run.py. What the page does when it is opened: browser_test_report.py.
+The simulator is the fake of test_run.py. browser_test_report.py tests the opened page.
 """
 
 import html
@@ -46,7 +46,7 @@ def text(path=PAGE):
 
 
 def data(path=PAGE):
-    """What the browser's JSON.parse gets: the text of the script element, as HTML ends it."""
+    """Return the trajectories from the page's JSON script element, delimited as a browser does."""
     return whole(path)["trajectories"]
 
 
@@ -55,7 +55,7 @@ def whole(path=PAGE):
     return json.loads(found)
 
 
-# -- what the page holds ---------------------------------------------------------------------------
+# -- contents --------------------------------------------------------------------------------------
 
 
 def test_one_trajectory(cli, simulator, files):
@@ -85,7 +85,7 @@ def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator, files):
 
 @pytest.mark.parametrize(("datapath", "bar"), [("lean", tolerances.LEAN[32]), ("paper", tolerances.REGULAR)])
 def test_figures_agree_with_the_score(cli, command, datapath, bar):
-    """What the plots show has the maxima that `make run` writes, and the table is that of `make run`."""
+    """The plots have the maxima written by `make run`, and the table equals its table."""
     cli("--trajectory", "all", "--datapath", datapath)
     command(run.main, "--trajectory", "all", "--datapath", datapath)
     scores = json.loads(Path("build/run/score.json").read_text())
@@ -113,7 +113,7 @@ def test_figures_agree_with_the_score(cli, command, datapath, bar):
 
 
 def test_the_arm_is_where_the_words_put_it(cli, simulator):
-    """Not where the target is: a wrong word shows."""
+    """A wrong result word moves the drawn arm away from the target."""
 
     def spoil(runs):
         runs[0].results[30, 1] += 2**28  # 0.25 of qs_i
@@ -169,7 +169,7 @@ def test_clamped_targets_are_measured_against_the_clamped_pose(cli):
 
 
 def test_both_datapaths_on_the_same_targets(cli, simulator, command, files):
-    """Each in a simulation of its own, with files that are those of `make run`; the second is not the first again."""
+    """Each datapath has its own simulation, results and files, equal to those of `make run`."""
 
     def spoil(runs):
         if simulator.calls[-1]["datapath"] == "paper":
@@ -223,7 +223,7 @@ def test_no_other_datapath(cli):
     )
 
 
-# -- the page needs nothing else -------------------------------------------------------------------
+# -- self-containedness ----------------------------------------------------------------------------
 
 
 def test_the_same_run_writes_the_same_bytes(cli):
