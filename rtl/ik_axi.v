@@ -1,28 +1,29 @@
-// Rounds records of Q2.30 to W bits, lengths half up and saturated, phi half up; results exact, shifted back to Q2.30.
+// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to Q2.30.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inverse kinematics core from memory to memory: AXI4-Lite registers, and one AXI4 master that reads targets and writes
-// results in bursts, around ik_axis. Records of 32 bytes in either area, little endian, the same for every W: target x, y,
-// z, phi, d1, d2, tag, 0; result qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index.
+// Memory-to-memory wrapper of the inverse kinematics core ik_axis: AXI4-Lite registers and one AXI4 master that reads
+// targets and writes results in bursts. Records are 32 bytes, little endian, for every W. Target: x, y, z, phi, d1, d2,
+// tag, 0. Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index.
 //
-// Nothing outside of the two areas is ever accessed, no burst crosses 4 KiB, rready and bready are always high. A record is
-// asked for only when ik_axis has a place for its result, so the core never refuses a target and nothing can wait in a circle.
-// Latency: 2 clocks from the last beat of a record to ik_axis, 1 from there to W.
+// Accesses stay within the two areas. No burst crosses 4 KiB; rready and bready are always high. A record is requested
+// only when ik_axis has a slot for its result, so the core never refuses a target and no deadlock is possible.
+// Latency: 2 clocks from a record's last R beat to ik_axis, 1 clock from a result to its first W beat.
 `default_nettype none
 
 module ik_axi #(
     parameter integer W          = 32,  // word length, 16 to 32
-    parameter integer DATAPATH   = 1,   // datapath: 1 the lean one, 0 the paper's
-    parameter integer DIGIT      = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
-    parameter integer TILE       = 18,  // the lean products: bits of the multipliers' longer operand, 25 for 25x18
-    parameter integer ADDR_W     = 32,  // width of an address, 12 to 64
-    parameter integer DATA_W     = 64,  // width of the data bus: 32, 64, 128
-    parameter integer LOG2_BURST = 3    // log2 of the records of a whole burst, 1 to 5
+    parameter integer DATAPATH   = 1,   // 1 lean, 0 paper
+    parameter integer DIGIT      = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
+    parameter integer TILE       = 18,  // lean multiplier blocks: width of the longer operand, e.g. 25 for 25x18
+    parameter integer ADDR_W     = 32,  // address width, 12 to 64
+    parameter integer DATA_W     = 64,  // data bus width: 32, 64 or 128
+    parameter integer LOG2_BURST = 3    // log2 of records per full burst, 1 to 5
 ) (
+    // Clock, reset, interrupt
     input  wire                clk,
-    input  wire                rst,            // synchronous, active high, with that of the interconnect: aresetn inverted
+    input  wire                rst,            // synchronous, active high: the interconnect's aresetn, inverted
     output wire                irq,
-    // registers, see ik_axi.rdl
+    // Registers (ik_axi.rdl)
     input  wire [        11:0] s_axi_awaddr,
     input  wire [         2:0] s_axi_awprot,
     input  wire                s_axi_awvalid,
@@ -42,7 +43,7 @@ module ik_axi #(
     output wire [         1:0] s_axi_rresp,
     output wire                s_axi_rvalid,
     input  wire                s_axi_rready,
-    // memory, read
+    // Memory, read
     output wire [         0:0] m_axi_arid,
     output wire [  ADDR_W-1:0] m_axi_araddr,
     output wire [         7:0] m_axi_arlen,
@@ -58,7 +59,7 @@ module ik_axi #(
     input  wire                m_axi_rlast,
     input  wire                m_axi_rvalid,
     output wire                m_axi_rready,
-    // memory, write
+    // Memory, write
     output wire [         0:0] m_axi_awid,
     output wire [  ADDR_W-1:0] m_axi_awaddr,
     output wire [         7:0] m_axi_awlen,
@@ -90,8 +91,8 @@ module ik_axi #(
 
   localparam integer TAG_W = 24;
   localparam integer LATENCY = datapath_latency(DATAPATH, W, TILE) + 2;
-  localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // those of ik_axis
-  localparam integer LOG2_BURSTS = 3;  // bursts under way in each direction, at most 8
+  localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // FIFO slots of ik_axis
+  localparam integer LOG2_BURSTS = 3;  // at most 8 outstanding bursts in each direction
 
   generate
     if (DATA_W != 32 && DATA_W != 64 && DATA_W != 128) begin : g_data
@@ -108,7 +109,7 @@ module ik_axi #(
     end
   endgenerate
 
-  // ---- constants of AXI: one ID, whole words, incrementing, normal memory that may be buffered ----
+  // ---- AXI constants: one ID, full-width beats, INCR, normal non-cacheable bufferable memory ----
 
   localparam [2:0] SIZE = (DATA_W == 32) ? 3'd2 : (DATA_W == 64) ? 3'd3 : 3'd4;
   assign {m_axi_arid, m_axi_arsize, m_axi_arburst, m_axi_arcache, m_axi_arprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000};
@@ -217,7 +218,7 @@ module ik_axi #(
       .written        (written)
   );
 
-  // ---- from memory into the core ----
+  // ---- memory to core ----
 
   wire got, record_valid, leave, target_valid, result_valid, result_ready, allowed, ends_burst;
   wire [255:0] record;
@@ -283,14 +284,14 @@ module ik_axi #(
       .s_axis_tdata (target),
       .s_axis_tuser (tag),
       .s_axis_tvalid(target_valid),
-      .s_axis_tready(),              // high: a place is reserved
+      .s_axis_tready(),              // always high: a slot is reserved
       .m_axis_tdata (result),
       .m_axis_tuser (flags_tag),
       .m_axis_tvalid(result_valid),
       .m_axis_tready(result_ready)
   );
 
-  // ---- from the core into memory ----
+  // ---- core to memory ----
 
   assign leave = result_valid && result_ready;
   reg [31:0] index;

@@ -1,34 +1,37 @@
-// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2); no rounding of its own.
+// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2).
 // SPDX-License-Identifier: Apache-2.0
 //
 // The inverse kinematics core with AXI4-Stream ports: one datapath between credit logic and an output FIFO.
 //
-// A target is admitted only when the FIFO has a place reserved for its result, so the datapath runs free, and whatever
-// the receiver does, nothing is lost, repeated or reordered. tready does not depend on tvalid, nor tvalid on tready.
-// Without stalls one target enters and one result leaves in every clock.
-// Latency: datapath_latency (ik_latency.vh), and 2 clocks of the FIFO.
+// A target is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is
+// lost, repeated or reordered. tready does not depend on tvalid, nor tvalid on tready. The folded datapath has its own
+// flow control and bypasses the FIFO.
+// Throughput: one target per clock; folded, one per period of its program.
+// Latency: datapath_latency (ik_latency.vh) plus 2 clocks in the FIFO; folded, see ik_fold.
 `default_nettype none
 
 module ik_axis #(
-    parameter integer W        = 32,  // word length, 16 to 32, to 24 with TILE = 16
-    parameter integer TAG_W    = 8,   // width of the tag, 1 or more
-    parameter integer DATAPATH = 1,   // 0 paper, 1 lean, 2 lean folded onto one multiplier: W even, 20 or more
-    parameter integer DIGIT    = 0,   // the paper's dividers and roots: 1 made of rows, 0 behavioural
-    // the lean products: bits of the multipliers' longer operand; 18, 25 for 25x18 and not folded, 16 for 16x16, with small
-    // tables, and W from 18 on folded
+    parameter integer W        = 32,  // word length, 16 to 32; at most 24 with TILE = 16
+    parameter integer TAG_W    = 8,   // tag width, at least 1
+    parameter integer DATAPATH = 1,   // 0 paper, 1 lean, 2 fold (lean on one multiplier): W even, 20 or more
+    parameter integer DIGIT    = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
+    // width of the longer operand of the lean multiplier blocks: 18; 25 for 25x18, not folded; 16 for 16x16, with small
+    // tables and, folded, W from 18 on
     parameter integer TILE     = 18
 ) (
+    // Clock
     input  wire               clk,
-    input  wire               rst,  // synchronous, active high: forgets all targets
-    // x, y, z, phi, d1, d2, lowest bits first: Q2.(W-2), phi one turn = 2^W
+    input  wire               rst,  // synchronous, active high: discards all targets
+    // Target: x, y, z, phi, d1, d2, lowest bits first; Q2.(W-2), phi one turn = 2^W
     input  wire [    6*W-1:0] s_axis_tdata,
     input  wire [  TAG_W-1:0] s_axis_tuser,
     input  wire               s_axis_tvalid,
     output wire               s_axis_tready,
-    // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first: Q2.(W-2)
+    // Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first; Q2.(W-2). Above the tag in tuser, lowest first:
+    // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
     output wire [    6*W-1:0] m_axis_tdata,
-    output wire [TAG_W+8-1:0] m_axis_tuser,  // tag; above it too_far, too_near, on_axis, at_shoulder, bad_length,
-    output wire               m_axis_tvalid, // 0, 0, 0
+    output wire [TAG_W+8-1:0] m_axis_tuser,
+    output wire               m_axis_tvalid,
     input  wire               m_axis_tready
 );
 
@@ -41,10 +44,10 @@ module ik_axis #(
     end
   endfunction
 
-  // A place is taken from the admission of a target to the departure of its result: pipeline, FIFO, output register.
+  // A slot is reserved from admission until the result leaves: pipeline, FIFO, output register.
   localparam integer LOG2 = clog2(datapath_latency(DATAPATH, W, TILE) + 3);
 
-  // ---- credits: places in the FIFO that nobody has reserved ----
+  // ---- credits: unreserved FIFO slots ----
 
   reg [LOG2:0] credits;
   wire admit = s_axis_tvalid && s_axis_tready;
@@ -54,7 +57,7 @@ module ik_axis #(
     else if (admit && !leave) credits <= credits - 1'b1;
     else if (leave && !admit) credits <= credits + 1'b1;
   end
-  // the folded datapath has streams of its own
+  // The folded datapath has its own stream ports.
   wire fold_ready, fold_valid, fifo_valid;
   wire [TAG_W+8-1:0] fold_user, fifo_user;
   wire [6*W-1:0] fold_data, fifo_data;
@@ -63,7 +66,7 @@ module ik_axis #(
   assign m_axis_tuser = (DATAPATH == 2) ? fold_user : fifo_user;
   assign m_axis_tdata = (DATAPATH == 2) ? fold_data : fifo_data;
 
-  // ---- what the core is not built for has a name, at which every tool stops ----
+  // ---- reject unsupported parameters at elaboration ----
 
   localparam TAG_OK = TAG_W >= 1;
   localparam DATAPATH_OK = DATAPATH >= 0 && DATAPATH <= 2;
@@ -154,7 +157,7 @@ module ik_axis #(
     end
   endgenerate
 
-  // ---- results wait for their receiver ----
+  // ---- output FIFO ----
 
   ik_fifo #(
       .W   (6 * W + 8 + TAG_W),

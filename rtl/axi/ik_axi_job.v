@@ -1,19 +1,19 @@
-// No rounding: the life of a job, from the checks of its areas to done or error.
+// No rounding, no data: job control of ik_axi, from the area checks to done or error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The parameters are copied at start. Checks take 3 clocks, before any access. An error on R lets the records before it be
-// written; one on B, or a soft reset, begins no new burst and waits for those that were begun. The first error is the one
-// that is reported. Codes: 0 none, 1 source and 2 destination not a multiple of 32, 3 source and 4 destination beyond the
-// address space, 5 areas overlap, 6 SLVERR and 7 DECERR on R, 8 SLVERR and 9 DECERR on B.
+// The parameters are copied at start. The checks take 3 clocks, before any access. After an R error, the records before
+// it are still written. After a B error or a soft reset, no new burst starts and the outstanding ones complete. The
+// first error is reported. Codes: 0 none, 1 source and 2 destination not a multiple of 32, 3 source and 4 destination
+// beyond the address space, 5 areas overlap, 6 SLVERR and 7 DECERR on R, 8 SLVERR and 9 DECERR on B.
 `default_nettype none
 
 module ik_axi_job #(
-    parameter integer ADDR_W = 32,  // width of an address, 12 to 64
-    parameter integer DATA_W = 64   // width of the bus: 32, 64, 128
+    parameter integer ADDR_W = 32,  // address width, 12 to 64
+    parameter integer DATA_W = 64   // data bus width: 32, 64 or 128
 ) (
     input  wire              clk,
     input  wire              rst,
-    // registers
+    // Registers
     input  wire              start,
     input  wire              soft_reset,
     input  wire [      63:0] source,
@@ -24,17 +24,17 @@ module ik_axi_job #(
     output reg               error,
     output reg  [       3:0] code,
     output reg  [      63:0] error_address,
-    output reg               told_done,      // a pulse each, for the interrupts
+    output reg               told_done,      // interrupt pulses
     output reg               told_error,
     output reg               told_refused,
-    output reg  [      31:0] clocks,         // of the job, modulo 2^32
+    output reg  [      31:0] clocks,         // since start, modulo 2^32
     output reg  [      31:0] read_stalls,
     output reg  [      31:0] write_stalls,
-    // engines
-    output wire              clear,          // the core forgets what an aborted job has left in it
+    // Read and write engines
+    output wire              clear,          // resets ik_axis: discards an aborted job's targets
     output wire              go,
     output wire              stop,
-    output wire [ADDR_W-1:5] job_source,       // copies
+    output wire [ADDR_W-1:5] job_source,       // copies, in records
     output wire [ADDR_W-1:5] job_destination,
     output reg  [      31:0] job_count,
     input  wire              read_idle,
@@ -52,7 +52,7 @@ module ik_axi_job #(
 
   localparam [2:0] IDLE = 3'd0, ENDS = 3'd1, COMPARE = 3'd2, DECIDE = 3'd3, RUN = 3'd4, FINISH = 3'd5;
   localparam [3:0] READ_SLVERR = 4'd6, WRITE_SLVERR = 4'd8;
-  localparam integer SHIFT = (DATA_W == 32) ? 2 : (DATA_W == 64) ? 3 : 4;  // log2 of the bytes of a beat
+  localparam integer SHIFT = (DATA_W == 32) ? 2 : (DATA_W == 64) ? 3 : 4;  // log2 of bytes per beat
 
   reg [2:0] state;
   reg aborted;  // by a soft reset
@@ -66,10 +66,10 @@ module ik_axi_job #(
   reg [ADDR_W-1:0] source_at, destination_at;
   assign job_source = source_at[ADDR_W-1:5];
   assign job_destination = destination_at[ADDR_W-1:5];
-  wire [63:0] beyond = {64{1'b1}} << (ADDR_W - 1) << 1;  // bits that an address does not have
-  reg [1:0] crooked;  // source, destination: not a multiple of 32
-  reg [1:0] high;     // beyond the address space with their first byte
-  reg [1:0] past;     // or with their last
+  wire [63:0] beyond = {64{1'b1}} << (ADDR_W - 1) << 1;  // bits above the address width
+  reg [1:0] crooked;  // {destination, source}: not a multiple of 32
+  reg [1:0] high;     // first byte beyond the address space
+  reg [1:0] past;     // first or last byte beyond it
   reg overlap;
   reg [64:0] source_end, destination_end;
   wire [64:0] limit = 65'd1 << ADDR_W;
@@ -140,7 +140,7 @@ module ik_axi_job #(
     end
   end
 
-  // ---- what is reported ----
+  // ---- error address and counters ----
 
   wire of_source = code == 4'd1 || code == 4'd3 || code == READ_SLVERR || code == READ_SLVERR + 4'd1;
   wire [4:0] beat_bytes = {2'd0, read_beat} << SHIFT;

@@ -1,39 +1,40 @@
-// No rounding: beats of R, DATA_W bits, to whole records of 256 bits, in order.
+// No rounding: R beats of DATA_W bits are assembled, in order, into records of 256 bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Read engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records, or with the job, so that none crosses
-// 4 KiB; where one ends on R follows from the same rule, without rlast. It is asked for only when a place is free for the
-// result of each of its records (2^LOG2_PLACES places, given back by `leave`), which is why rready never has to be low.
-// After an error no record is handed on and no burst asked for; what is under way is taken and dropped.
-// Latency: a record is offered in the clock after its last beat, for one clock.
+// Read engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records or with the job, so none crosses
+// 4 KiB; the same rule finds its end on R, so rlast is not used. A burst is requested only when a result slot is free
+// for each of its records (2^LOG2_PLACES slots, returned by `leave`), so rready is always high.
+// After an error no record is delivered and no burst requested; outstanding beats are accepted and dropped.
+// Throughput: one beat per clock.
+// Latency: 1 clock from a record's last beat; the record is valid for one clock.
 `default_nettype none
 
 module ik_axi_read #(
-    parameter integer ADDR_W      = 32,  // width of an address
-    parameter integer DATA_W      = 64,  // width of the bus: 32, 64, 128
-    parameter integer LOG2_BURST  = 3,   // log2 of the records of a whole burst, 1 to 5
-    parameter integer LOG2_PLACES = 6,   // log2 of the results there is room for, LOG2_BURST + 1 or more
-    parameter integer LOG2_BURSTS = 3    // log2 of the bursts that may be under way
+    parameter integer ADDR_W      = 32,  // address width
+    parameter integer DATA_W      = 64,  // data bus width: 32, 64 or 128
+    parameter integer LOG2_BURST  = 3,   // log2 of records per full burst, 1 to 5
+    parameter integer LOG2_PLACES = 6,   // log2 of the result slots, at least LOG2_BURST + 1
+    parameter integer LOG2_BURSTS = 3    // log2 of the outstanding bursts allowed
 ) (
     input  wire              clk,
     input  wire              rst,
-    // job
-    input  wire              go,           // takes over source and count, forgets all else
-    input  wire              stop,         // no new burst
+    // Job
+    input  wire              go,           // loads source and count, clears all other state
+    input  wire              stop,         // request no new burst
     input  wire [ADDR_W-1:5] source,
     input  wire [      31:0] count,
-    output wire              idle,         // nothing under way, and nothing more to come
-    output wire              ended,        // no record will be handed on any more
+    output wire              idle,         // nothing outstanding and nothing left to request
+    output wire              ended,        // no further record will be delivered
     output reg               error,        // sticky until go
-    output reg               error_decode, // it was DECERR
-    output reg  [      31:0] good,         // records that came without error
-    output reg  [       2:0] error_beat,   // of the record after these
-    output wire              waiting,      // data are due and there are none
-    // records
-    output wire              got,          // one has come: a clock before it is offered
+    output reg               error_decode, // the error was DECERR
+    output reg  [      31:0] good,         // records received before the first error
+    output reg  [       2:0] error_beat,   // failed beat of the record after these
+    output wire              waiting,      // data outstanding, none in this clock
+    // Records
+    output wire              got,          // record received; record_valid follows a clock later
     output reg               record_valid,
     output reg  [     255:0] record,
-    input  wire              leave,        // a result has left: its place is free
+    input  wire              leave,        // a result has left; its slot is free
     // AXI4
     output reg  [ADDR_W-1:0] m_axi_araddr,
     output reg  [       7:0] m_axi_arlen,
@@ -44,21 +45,21 @@ module ik_axi_read #(
     input  wire              m_axi_rvalid
 );
 
-  localparam integer BEATS = 256 / DATA_W;  // of a record
-  localparam [2:0] LAST_BEAT = (DATA_W == 32) ? 3'd7 : (DATA_W == 64) ? 3'd3 : 3'd1;  // of a record
-  localparam integer N = LOG2_BURST + 1;  // width of the records of a burst
+  localparam integer BEATS = 256 / DATA_W;  // per record
+  localparam [2:0] LAST_BEAT = (DATA_W == 32) ? 3'd7 : (DATA_W == 64) ? 3'd3 : 3'd1;  // of a record, from 0
+  localparam integer N = LOG2_BURST + 1;  // width of a record count within a burst
   localparam integer P = LOG2_PLACES + 1;
   localparam [N-1:0] WHOLE = {1'b1, {LOG2_BURST{1'b0}}};
 
   // ---- AR ----
 
-  reg [ADDR_W-6:0] next;  // record that the next burst starts with, as an address
-  reg [31:0] left;        // records not asked for
-  reg sized;              // `size` is that of the next burst
+  reg [ADDR_W-6:0] next;  // first record of the next burst: address / 32
+  reg [31:0] left;        // records not requested yet
+  reg sized;              // `size` holds the next burst's size
   reg [N-1:0] size;
-  reg [P-1:0] free;       // places
-  reg [P-1:0] due;        // records asked for that have not come
-  reg [LOG2_BURSTS:0] bursts;  // under way
+  reg [P-1:0] free;       // result slots
+  reg [P-1:0] due;        // records requested and not received
+  reg [LOG2_BURSTS:0] bursts;  // outstanding
 
   wire [N-1:0] to_edge = WHOLE - {1'b0, next[LOG2_BURST-1:0]};
   wire all_left = left < {{(32 - N) {1'b0}}, to_edge};
@@ -94,10 +95,10 @@ module ik_axi_read #(
 
   // ---- R ----
 
-  reg [2:0] at;  // beat of the record
+  reg [2:0] at;  // beat within the record
   reg [LOG2_BURST-1:0] coming;  // low bits of the record's address
   wire last = m_axi_rvalid && at == LAST_BEAT;
-  wire burst_in = last && ((&coming) || due == {{LOG2_PLACES{1'b0}}, 1'b1});  // at an edge, or the last asked for
+  wire burst_in = last && ((&coming) || due == {{LOG2_PLACES{1'b0}}, 1'b1});  // at a boundary, or last requested
   wire bad = m_axi_rvalid && m_axi_rresp[1];
   assign got = last && !bad && !error;
 

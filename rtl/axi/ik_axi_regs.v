@@ -1,8 +1,8 @@
-// No rounding: the registers of ik_axi behind AXI4-Lite, as ik_axi.rdl describes them.
+// No rounding: 32-bit registers of ik_axi on AXI4-Lite, as described in ik_axi.rdl.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Words of 32 bits; strobes are honoured. A write to a register that is only read, or any access where there is none, has no
-// effect and gets SLVERR; a read then gives 0. No output depends on an input of the same clock.
+// Write strobes are honoured. Writes to read-only registers and accesses to unmapped addresses have no effect and
+// return SLVERR; such reads return 0. Outputs do not depend combinationally on inputs.
 `default_nettype none
 
 module ik_axi_regs #(
@@ -11,8 +11,8 @@ module ik_axi_regs #(
     parameter integer DIGIT    = 0,
     parameter integer ADDR_W   = 32,
     parameter integer DATA_W   = 64,
-    parameter integer LATENCY  = 44,  // clocks of ik_axis
-    parameter integer PLACES   = 64   // records between AR and W, at most
+    parameter integer LATENCY  = 44,  // latency of ik_axis, clocks
+    parameter integer PLACES   = 64   // most records between AR and W
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -34,9 +34,9 @@ module ik_axi_regs #(
     output reg  [ 1:0] s_axi_rresp,
     output reg         s_axi_rvalid,
     input  wire        s_axi_rready,
-    // job
-    output reg         start,        // a pulse
-    output reg         soft_reset,   // a pulse
+    // Job
+    output reg         start,        // pulse
+    output reg         soft_reset,   // pulse
     output reg  [63:0] source,
     output reg  [63:0] destination,
     output reg  [31:0] count,
@@ -56,7 +56,7 @@ module ik_axi_regs #(
   localparam [31:0] ID = 32'h494b_0100;  // "IK", version 1.0
   localparam [1:0] OKAY = 2'b00, SLVERR = 2'b10;
 
-  // Places, as words.
+  // Word addresses
   localparam [9:0] A_ID = 0, A_CONFIG = 1, A_PIPELINE = 2, A_CONTROL = 3, A_STATUS = 4, A_IRQ_ENABLE = 5;
   localparam [9:0] A_IRQ_STATUS = 6, A_COUNT = 7, A_SOURCE_LO = 8, A_SOURCE_HI = 9, A_DESTINATION_LO = 10;
   localparam [9:0] A_DESTINATION_HI = 11, A_ERROR_LO = 12, A_ERROR_HI = 13, A_WRITTEN = 14, A_CLOCKS = 15;
@@ -69,7 +69,7 @@ module ik_axi_regs #(
 
   initial {s_axi_bvalid, s_axi_rvalid, irq} = 3'b000;
 
-  // ---- write: address and data wait for each other in a register each ----
+  // ---- write: address and data are held in one register each until both have arrived ----
 
   reg [9:0] waddr;
   reg waddr_held;
@@ -99,7 +99,7 @@ module ik_axi_regs #(
     start      <= !rst && control && wdata[0] && !wdata[1];
     soft_reset <= !rst && control && wdata[1];
     irq        <= !rst && (irq_status & irq_enable) != 0;
-    irq_status <= (rst || soft_reset) ? 3'd0 : (irq_status & ~erased) | told;  // what happens now is not erased
+    irq_status <= (rst || soft_reset) ? 3'd0 : (irq_status & ~erased) | told;  // a new event wins over a clear
     if (rst) begin
       irq_enable  <= 3'd0;
       count       <= 32'd0;

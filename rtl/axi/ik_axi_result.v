@@ -1,26 +1,27 @@
-// Exact: results Q2.(W-2) to words Q2.30, shifted left; records to beats of DATA_W bits, lowest first.
+// Exact: Q2.(W-2) results are shifted left to Q2.30; records leave in beats of DATA_W bits, lowest first.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A result of ik_axis to a record of 32 bytes. Words, lowest first: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, flags and tag (8 and
-// 24 bits), index. A record is taken while `allowed` and the beats of the one before are gone with this clock, so that beats
-// follow each other without a gap. wvalid waits for nobody.
+// Packs a result of ik_axis into a record of 32 bytes. Words, lowest first: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i,
+// {flags, tag} (8 and 24 bits), index. A record is accepted while `allowed` is high and all earlier beats have left or
+// leave in this clock, so beats follow each other without a gap. wvalid does not wait for wready.
+// Throughput: one beat per clock.
 // Latency: 1 clock to the first beat.
 `default_nettype none
 
 module ik_axi_result #(
     parameter integer W      = 32,  // word length, 16 to 32
-    parameter integer DATA_W = 64   // width of the bus: 32, 64, 128
+    parameter integer DATA_W = 64   // data bus width: 32, 64 or 128
 ) (
     input  wire              clk,
     input  wire              rst,
-    // results
+    // Results
     input  wire [   6*W-1:0] result,
     input  wire [      31:0] flags_tag,
     input  wire [      31:0] index,
     input  wire              result_valid,
     output wire              result_ready,
-    input  wire              allowed,       // a burst is announced that the next record belongs to
-    input  wire              ends_burst,    // and it is its last
+    input  wire              allowed,       // the next record belongs to an announced burst
+    input  wire              ends_burst,    // and is that burst's last
     // AXI4
     output wire [DATA_W-1:0] m_axi_wdata,
     output wire              m_axi_wlast,
@@ -28,7 +29,7 @@ module ik_axi_result #(
     input  wire              m_axi_wready
 );
 
-  localparam [2:0] LAST_BEAT = (DATA_W == 32) ? 3'd7 : (DATA_W == 64) ? 3'd3 : 3'd1;  // of a record
+  localparam [2:0] LAST_BEAT = (DATA_W == 32) ? 3'd7 : (DATA_W == 64) ? 3'd3 : 3'd1;  // of a record, from 0
 
   wire [191:0] words;
   genvar i;

@@ -1,35 +1,35 @@
-// No rounding: counts records into bursts, AW and B of the write channel.
+// No rounding, no data: groups records into bursts and handles AW and B.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Write engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records, at the end of the job or before the
-// record that could not be read, and is announced only when the targets of all its records are in the core: its data need
-// nothing more from the bus. They may leave before AW is taken. Responses come in order, so the size of the burst that a B
-// belongs to follows from the rule that AW follows.
+// Write engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records, at the end of the job, or before a
+// record that could not be read. It is announced only when all its targets are in the core, so its data need nothing
+// more from the bus. Data may leave before AW is accepted. Responses arrive in order, so the same rule gives the size
+// of the burst that a B answers.
 `default_nettype none
 
 module ik_axi_write #(
-    parameter integer ADDR_W      = 32,  // width of an address
-    parameter integer DATA_W      = 64,  // width of the bus: 32, 64, 128
-    parameter integer LOG2_BURST  = 3,   // log2 of the records of a whole burst, 1 to 5
-    parameter integer LOG2_PLACES = 6,   // log2 of the records that may be between AR and W, LOG2_BURST + 1 or more
-    parameter integer LOG2_BURSTS = 3    // log2 of the bursts that may wait for their B
+    parameter integer ADDR_W      = 32,  // address width
+    parameter integer DATA_W      = 64,  // data bus width: 32, 64 or 128
+    parameter integer LOG2_BURST  = 3,   // log2 of records per full burst, 1 to 5
+    parameter integer LOG2_PLACES = 6,   // log2 of the records allowed between AR and W, at least LOG2_BURST + 1
+    parameter integer LOG2_BURSTS = 3    // log2 of the bursts allowed to await B
 ) (
     input  wire              clk,
     input  wire              rst,
-    // job
-    input  wire              go,            // takes over the destination, forgets all else
-    input  wire              stop,          // no new burst; behind an error too
+    // Job
+    input  wire              go,            // loads destination, clears all other state
+    input  wire              stop,          // announce no new burst; also set after a write error
     input  wire [ADDR_W-1:5] destination,
     input  wire              got,           // a target has been read
-    input  wire              ended,         // and it was the last
-    output wire              idle,          // every burst has been answered, and no record waits for one
+    input  wire              ended,         // no further target will be read
+    output wire              idle,          // all bursts answered, no record left to announce
     output reg               error,         // sticky until go
-    output reg               error_decode,  // it was DECERR
-    output reg  [      31:0] written,       // records of bursts answered OKAY, up to the first that was not
-    // records of W
-    output wire              allowed,       // the next is of a burst that is announced
-    output wire              ends_burst,    // and it is its last
-    input  wire              leave,         // it has been taken
+    output reg               error_decode,  // the error was DECERR
+    output reg  [      31:0] written,       // records acknowledged before the first error
+    // W records
+    output wire              allowed,       // the next record belongs to an announced burst
+    output wire              ends_burst,    // and is that burst's last
+    input  wire              leave,         // the record was accepted
     input  wire              m_axi_wvalid,
     // AXI4
     output reg  [ADDR_W-1:0] m_axi_awaddr,
@@ -40,22 +40,22 @@ module ik_axi_write #(
     input  wire              m_axi_bvalid
 );
 
-  localparam integer BEATS = 256 / DATA_W;  // of a record
-  localparam integer N = LOG2_BURST + 1;  // width of the records of a burst
+  localparam integer BEATS = 256 / DATA_W;  // per record
+  localparam integer N = LOG2_BURST + 1;  // width of a record count within a burst
   localparam integer P = LOG2_PLACES + 1;
   localparam integer U = LOG2_BURST + LOG2_BURSTS + 1;
   localparam [N-1:0] WHOLE = {1'b1, {LOG2_BURST{1'b0}}};
 
   // ---- AW ----
 
-  reg [ADDR_W-6:0] next;  // record that the next burst starts with, as an address
+  reg [ADDR_W-6:0] next;  // first record of the next burst: address / 32
   reg [P-1:0] ready;      // records read and not announced
   reg [P-1:0] to_send;    // records announced and not sent
   reg [U-1:0] to_answer;  // records announced and not answered
   reg [LOG2_BURSTS:0] bursts;  // announced and not answered
 
-  // The next burst is sized in one clock and announced in a later one. What is left at the end of a job is its last.
-  reg [N-1:0] to_edge;  // records from next to the edge
+  // A burst is sized in one clock and announced in a later one. The remainder at the end of a job is its last burst.
+  reg [N-1:0] to_edge;  // records from `next` to the boundary
   reg [N-1:0] size;
   reg sized;
   wire whole = ready >= {{(P - N) {1'b0}}, to_edge};
@@ -63,7 +63,7 @@ module ik_axi_write #(
   wire [N-1:0] told = tell ? size : {N{1'b0}};
   wire [7:0] size_8 = {{(8 - N) {1'b0}}, size};
 
-  // ---- W: edges lie where they lie for AW; the last record announced ends a burst too ----
+  // ---- W: same boundaries as AW; the last record announced also ends a burst ----
 
   reg [LOG2_BURST-1:0] sending;  // low bits of the next record's address
   wire [P-1:0] to_send_less = to_send - {{LOG2_PLACES{1'b0}}, 1'b1};
@@ -72,7 +72,7 @@ module ik_axi_write #(
 
   // ---- B ----
 
-  reg [LOG2_BURST-1:0] answering;  // low bits of the address of the burst that the next B belongs to
+  reg [LOG2_BURST-1:0] answering;  // low bits of the record address of the burst that the next B answers
   wire [N-1:0] answer_edge = WHOLE - {1'b0, answering};
   wire answer_whole = to_answer >= {{(U - N) {1'b0}}, answer_edge};
   wire [N-1:0] answer_size = answer_whole ? answer_edge : to_answer[N-1:0];
@@ -109,7 +109,7 @@ module ik_axi_write #(
       error     <= 1'b0;
     end else begin
       ready     <= ready + {{LOG2_PLACES{1'b0}}, got} - {{(P - N) {1'b0}}, told};
-      // both sums, so that the late leave only chooses
+      // compute both sums, so that `leave`, which arrives late, only selects
       to_send   <= leave ? to_send_less + {{(P - N) {1'b0}}, told} : to_send + {{(P - N) {1'b0}}, told};
       to_answer <= to_answer + {{(U - N) {1'b0}}, told} - {{(U - N) {1'b0}}, answered};
       bursts    <= bursts + {{LOG2_BURSTS{1'b0}}, tell} - {{LOG2_BURSTS{1'b0}}, m_axi_bvalid};

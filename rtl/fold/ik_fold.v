@@ -1,27 +1,30 @@
-// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2), rounded half up.
+// Results Q2.(W-2), rounded half up; inputs Q2.(W-2) and a binary angle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The folded datapath with AXI4-Stream ports: the lean dataflow as a program of one multiplier, bit for bit.
+// Folded datapath with AXI4-Stream ports: the lean dataflow as a program for one multiplier, bit for bit.
 //
-// A lap of the program takes PERIOD clocks.  A target that is there when a lap begins is loaded in its first clocks, and
-// its results come in this lap or in the next one, next to the first half of another target.  Without a target the
-// machine waits in the first clock.  It stops as a whole where results would replace others that nobody has taken.
-// The fields of a step belong to the clock in which they are read, and not to one operation: `step` says at once what is
-// read for one, multiplied for another, and written of a third one.
-// Latency: of ik_fold_program.vh from the first clock of a lap.
+// A lap of the program takes PERIOD clocks. A target present when a lap begins is loaded in its first clocks; its
+// results leave in this lap or in the next one, overlapped with the first half of another target. Without a target the
+// datapath waits in the first clock. It stalls as a whole while a result that it would overwrite is waiting.
+// A step's fields apply to one clock, not to one operation: `step` controls reads for one operation, the multiplication
+// of another and the write of a third.
+// Throughput: one target per PERIOD clocks.
+// Latency: set by the program (ik_fold_program.vh), counted from the first clock of a lap.
 `default_nettype none
 
 module ik_fold #(
     parameter integer W     = 24,  // word length, even, 20 to 32; 18 to 24 with TILE = 16
-    parameter integer TAG_W = 8,   // width of the tag, 1 or more
-    parameter integer TILE  = 18   // bits of a tile of a product: 18 or 16
+    parameter integer TAG_W = 8,   // tag width, at least 1
+    parameter integer TILE  = 18   // multiplier tile width: 18 or 16
 ) (
     input  wire               clk,
-    input  wire               rst,            // synchronous, active high: forgets all targets
+    input  wire               rst,            // synchronous, active high: discards all targets
+    // Targets
     input  wire [    6*W-1:0] s_axis_tdata,   // x, y, z, phi, d1, d2, lowest bits first
     input  wire [  TAG_W-1:0] s_axis_tuser,
     input  wire               s_axis_tvalid,
     output wire               s_axis_tready,
+    // Results
     output reg  [    6*W-1:0] m_axis_tdata,   // qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first
     output reg  [TAG_W+8-1:0] m_axis_tuser,
     output reg                m_axis_tvalid,
@@ -43,31 +46,31 @@ module ik_fold #(
     end
   endgenerate
 
-  localparam integer XW = 2 * W + 2;  // bits of a sum: those of an exact one
-  localparam integer TW = (XW < SINE_SUM_FRAC + 5) ? SINE_SUM_FRAC + 5 : XW;  // and with those of half a sine
+  localparam integer XW = 2 * W + 2;  // width of an exact sum
+  localparam integer TW = (XW < SINE_SUM_FRAC + 5) ? SINE_SUM_FRAC + 5 : XW;  // wide enough for half a sine too
   localparam integer INNER = FRAC + 2;
-  localparam integer D = ROOT_FRAC + 4;  // bits of a word: a mantissa and a sign
-  localparam integer LAST = XW - 2 - INNER;  // place of an inner word's last bit in a sum
+  localparam integer D = ROOT_FRAC + 4;  // word width: mantissa and sign
+  localparam integer LAST = XW - 2 - INNER;  // position of an inner word's LSB in a sum
   localparam integer WORD = 2 * D - 2 - INNER;  // and in a product
 
   // ---- the lap ----
 
   reg go;
-  reg [6:0] fetched, read, clock;  // steps: the next one from the memory, the one out of it, and the present one
+  reg [6:0] fetched, read, clock;  // steps: next memory address, memory output, present step
   reg [STEP_W-1:0] step_read, step;
-  // Neither ready nor writing until the first step is there: some words of the memory are constants.
+  // Accept and write nothing before the first step arrives: part of the memory is constant.
   initial {go, step_read, step} = 0;
   `include "ik_fold_program.vh"
   `include "ik_fold_fields.vh"
 
-  reg current, previous;  // there is a target of this lap, of the one before it
+  reg current, previous;  // this lap, the previous lap has a target
   wire begins = clock == 7'd0;
   wire here = begins ? s_axis_tvalid : current;
   wire last = clock == END;
   wire waits = begins && !here && !previous;
-  wire back = f_last_result && previous && !here;  // nothing is left in the machine
+  wire back = f_last_result && previous && !here;  // no target is left in the datapath
   always @(posedge clk) begin
-    if (rst) begin  // no clock of the lap until the first step is there
+    if (rst) begin  // no valid step number until the first step arrives
       read  <= 7'd127;
       clock <= 7'd127;
     end
@@ -86,7 +89,7 @@ module ik_fold #(
   wire of_hold = (HOLD_LAP != 0) ? previous : here;
   wire of_first = (FIRST_LAP != 0) ? previous : here;
   wire full = m_axis_tvalid && !m_axis_tready;
-  reg given;  // results of a target are on their way
+  reg given;  // results of a target are being written
   wire giving = f_first_result ? of_first : given;
   initial m_axis_tvalid = 1'b0;
   always @(posedge clk)
@@ -107,11 +110,11 @@ module ik_fold #(
       if (go && f_last_result && giving) m_axis_tvalid <= 1'b1;
       else if (m_axis_tready) m_axis_tvalid <= 1'b0;
     end
-  assign s_axis_tready = go && current && f_last_input;  // not here: tready does not look at tvalid
+  assign s_axis_tready = go && current && f_last_input;  // `current`, not `here`: tready must not depend on tvalid
 
   // ---- words ----
 
-  localparam integer SEEN = (D < 2 * TILE) ? D : 2 * TILE - 1;  // bits of a word that the multiplier sees
+  localparam integer SEEN = (D < 2 * TILE) ? D : 2 * TILE - 1;  // word bits the multiplier uses
   localparam integer RW = INDEX_BITS + 2;
   localparam integer DOWN = INDEX_BITS + 2;
   wire [SEEN-1:0] a;
@@ -127,7 +130,7 @@ module ik_fold #(
       .w_en(f_source != SOURCE_NONE), .w_at(w_place), .w(w)
   );
 
-  // ---- rows of tables, and the place in a row's segment ----
+  // ---- table rows, and the offset within a segment ----
 
   wire [C0_BITS-1:0] c0;
   wire [C1_BITS-1:0] c1;
@@ -137,8 +140,8 @@ module ik_fold #(
       .angle(f_r_function != R_FUNCTION_ROOT), .cosine(f_r_function == R_FUNCTION_COSINE), .row({c0, c1, c2})
   );
   wire [SEEN-1:0] bend = {{(SEEN - C2_BITS) {1'b0}}, c2} << (SEEN - 4 - INDEX_BITS - C2_FRAC);
-  // The place is what follows the number of the segment, less half a segment: its first bit is inverted.  A mantissa of
-  // [1/2, 1) has a bit less of it in the number; an angle of a quarter turn is the end of the last segment.
+  // The offset from the segment's middle: the bits below the segment number, their MSB inverted. A mantissa in [1/2, 1)
+  // has one bit fewer in its segment number; a quarter turn is the end of the last segment.
   wire [D-1:0] raised = b << (INDEX_BITS + 1);
   wire upper = b[D-2] && f_b_place == B_PLACE_ROOT;
   wire end_ = b[D-2] && f_b_place != B_PLACE_ROOT;
@@ -177,7 +180,7 @@ module ik_fold #(
   );
   wire [XW-1:0] t = sum[TW-1-:XW];
 
-  // ---- what becomes of T: a word, a mantissa and its pairs, a result ----
+  // ---- T as a word, a mantissa with its shift count, or a result ----
 
   wire none, few, q_low, zero, word_below_0;
   wire [D-1:0] word, normal;
@@ -214,7 +217,7 @@ module ik_fold #(
   // ---- results ----
 
   localparam [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
-  // the clamped elbow is folded (1, 0) or straight (0, -1)
+  // A clamped elbow is folded (1, 0) or straight (0, -1).
   wire of_w = clamped && f_result == RESULT_QE_W;
   wire of_i = clamped && f_result == RESULT_QE_I;
   wire [W-1:0] answer = of_w ? (folded ? UNIT : {W{1'b0}}) : of_i ? (folded ? {W{1'b0}} : -UNIT) : result;
@@ -235,10 +238,10 @@ module ik_fold #(
     end
   end
 
-  // ---- every node of the dataflow, for waves and testbenches: nothing reads them ----
+  // ---- dataflow nodes, for waves and testbenches only ----
 
   localparam integer WX = W;
-  wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // a product as its node is rounded
+  wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // a product rounded as its node is
   wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
   wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum};
   `include "ik_fold_nodes.vh"

@@ -1,25 +1,29 @@
-// Integers; no rounding.
+// No rounding; unsigned integers modulo 64.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Counts of shifts: n = base or n, plus or minus the pairs of a normalization or twice them, modulo 64.
-// Latency: 1 clock.
+// Shift counts of the folded datapath: n = (base or n) +- (1 or 2) x the pair count of a normalization.
+// Throughput: one step per clock with go high.
+// Latency: 1 clock to n, one more to none and few.
 `default_nettype none
 
 module ik_fold_count #(
-    parameter integer D = 33  // bits of a word that is multiplied
+    parameter integer D = 33  // width of a multiplied word
 ) (
     input  wire       clk,
     input  wire       go,
+    // Step
     input  wire [2:0] base,
-    input  wire [2:0] of,     // which pairs; none: n stays
+    input  wire [2:0] of,     // selects the pair count; N_E_NONE: n is kept
     input  wire       minus,
     input  wire       twice,
-    input  wire [2:0] set,    // which pairs are new
+    input  wire [2:0] set,    // pair count to load from `pairs`
+    // Pair count of the current normalization
     input  wire [5:0] pairs,
+    // Count and conditions
     output reg  [5:0] n,
-    output reg        none,   // n = 0, a clock later
+    output reg        none,   // n = 0
     output reg        few,   // n < D
-    output reg        low    // m_q was taken from four times the squared length
+    output reg        low    // m_q is the mantissa of four times the squared length
 );
 
   `include "ik_fold_codes.vh"

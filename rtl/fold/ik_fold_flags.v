@@ -1,27 +1,30 @@
-// Bits; no rounding.
+// No rounding; single bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Signs and zeros that are kept, the core's flags that they make, and what of them the program asks for in a clock.
-// Latency: 1 clock from a sign or zero to what is made of it.
+// Latches signs and zeros, derives the flags, and selects the one the current step uses.
+// Throughput: one step per clock with go high.
+// Latency: 1 clock from a sign or zero to the outputs.
 `default_nettype none
 
 module ik_fold_flags (
     input  wire       clk,
     input  wire       go,
-    input  wire [3:0] sign,         // which sign is new
-    input  wire       sum_below_0,  // of T
-    input  wire       word_below_0, // of the word that is written
+    // Signs and zeros
+    input  wire [3:0] sign,         // sign to load
+    input  wire       sum_below_0,  // T < 0
+    input  wire       word_below_0, // written word < 0
     input  wire       phi_loaded,
     input  wire       phi_below_0,
-    input  wire [2:0] e_set,        // which zero is new
+    input  wire [2:0] e_set,        // zero to load
     input  wire       zero,
-    input  wire       none,         // of the count
-    // what chooses, of the codes
+    input  wire       none,         // n = 0, from ik_fold_count
+    // Selectors of the step, ik_fold_codes.vh
     input  wire [1:0] a_by,
     input  wire [1:0] b_by,
     input  wire [1:0] w_by,
     input  wire [1:0] s_by,
     input  wire [3:0] minus_by,
+    // Choices of the current step
     output wire       a_second,
     output wire       b_second,
     output wire       w_second,
@@ -29,21 +32,22 @@ module ik_fold_flags (
     output wire       minus,
     output wire       clamp,
     output wire       fold,
-    output wire [9:0] nodes,        // of the dataflow, for waves and testbenches
+    // Flags
+    output wire [9:0] nodes,        // decision nodes, for waves and testbenches
     output wire [7:0] flags         // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
 );
 
   `include "ik_fold_codes.vh"
 
-  reg d1, d2, d_dif, a_far, b_near, u_y, sin_el, cos_a, k_1, phi;  // below 0
-  reg on_axis, at_shoulder, no_1, no_2;  // 0
+  reg d1, d2, d_dif, a_far, b_near, u_y, sin_el, cos_a, k_1, phi;  // negative
+  reg on_axis, at_shoulder, no_1, no_2;  // zero
   always @(posedge clk)
     if (go) begin
       case (sign)
         SIGN_D1: d1 <= sum_below_0;
         SIGN_D2: d2 <= sum_below_0;
         SIGN_D_DIF: d_dif <= word_below_0;
-        SIGN_A_FAR: a_far <= !sum_below_0;  // T is its inverse
+        SIGN_A_FAR: a_far <= !sum_below_0;  // T is its one's complement
         SIGN_B_NEAR: b_near <= sum_below_0;
         SIGN_U_Y: u_y <= word_below_0;
         SIGN_SIN_EL: sin_el <= word_below_0;

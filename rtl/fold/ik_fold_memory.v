@@ -1,25 +1,29 @@
-// Words of D bits; no rounding.
+// No rounding; words of D bits, of which a and r are the high bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The folded machine's words: 64 places that are written, 0 until then, and behind them the powers 2^(1-n), n = 0 to 63:
-// -2 for n = 0; from n = AD on 2^(1-n+DOWN), until that is 0, too.  Three copies, so that three words are read in a clock.
-// Latency: 1 clock from an address to its word; a word that is written in a clock is read in the next one.
+// Word memory of the folded datapath: 64 read/write words, initially 0, followed by constant powers of two 2^(1-n),
+// n = 0 to 63: -2 for n = 0; 2^(1-n+DOWN) from n = AD on, 0 once that underflows. Three copies, one per read port.
+// Throughput: three reads and one write per clock with go high.
+// Latency: 1 clock from address to word. A word can be read in the clock after its write.
 `default_nettype none
 
 module ik_fold_memory #(
-    parameter integer D  = 33,  // bits of a word
-    parameter integer AD = 33,  // bits of it that are read as a
-    parameter integer DOWN = 12,
-    parameter integer RW = 12   // bits of one that choose a table's row: the highest but the sign
+    parameter integer D  = 33,  // width of a word
+    parameter integer AD = 33,  // high bits read as a
+    parameter integer DOWN = 12,  // shift applied to small powers
+    parameter integer RW = 12   // bits below the sign that select a table row
 ) (
     input  wire          clk,
-    input  wire          go,    // 0: nothing changes
+    input  wire          go,    // clock enable
+    // Read addresses
     input  wire [   6:0] a_at,
     input  wire [   6:0] b_at,
     input  wire [   5:0] r_at,
+    // Words read
     output reg  [AD-1:0] a,
     output reg  [ D-1:0] b,
     output reg  [RW-1:0] r,
+    // Write
     input  wire          w_en,
     input  wire [   5:0] w_at,
     input  wire [ D-1:0] w

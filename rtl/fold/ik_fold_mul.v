@@ -1,16 +1,17 @@
-// Cuts its tiles where the program says so, which is how ik_mul3 and ik_quadratic cut theirs; rounds nothing.
+// Truncates: the step's `cut` drops low bits of each tile, as ik_mul3 and ik_quadratic do; signed D-bit operands.
 // SPDX-License-Identifier: Apache-2.0
 //
-// p = a b of two words, signed, from four tiles: high parts of TILE bits, and low parts, which have one less at most.
-// Latency: 3 clocks: operands, tiles, sum; the cut belongs to the third of them.
+// p = a * b of two signed words, from four tiles: high parts of TILE bits, low parts of at most TILE - 1.
+// Throughput: one step per clock with go high.
+// Latency: 3 clocks: operands, tiles, sum. `cut` is used in the third.
 `default_nettype none
 
 module ik_fold_mul #(
-    parameter integer D    = 33,  // bits of a word, less than 2 TILE
-    parameter integer TILE = 18,
-    parameter integer WORD = 33,  // bits of a product that an inner word does not have
-    parameter integer ROOT = 8,   // of the tile of the high parts, what the sum of a root does not have
-    parameter integer SINE = 7    // and that of a sine
+    parameter integer D    = 33,  // width of a word, less than 2 TILE
+    parameter integer TILE = 18,  // width of a high part
+    parameter integer WORD = 33,  // product bits below an inner word's LSB
+    parameter integer ROOT = 8,   // bits of the high tile below the LSB of a root's sum
+    parameter integer SINE = 7    // and below the LSB of a sine's sum
 ) (
     input  wire           clk,
     input  wire           go,
@@ -35,7 +36,7 @@ module ik_fold_mul #(
   reg signed [2*TILE-1:0] hh_2;
   reg signed [D:0] hl_2, lh_2;
   reg [2*LOW+1:0] ll_2;
-  // their two highest bits, by gates
+  // product of the low parts' two highest bits, in logic
   wire [1:0] a_top = a_1[LOW-1:LOW-2];
   wire [1:0] b_top = b_1[LOW-1:LOW-2];
   wire [3:0] guess_1 = {1'b0, b_top & {2{a_top[1]}}, 1'b0} + {2'b00, b_top & {2{a_top[0]}}};
@@ -64,7 +65,7 @@ module ik_fold_mul #(
   wire exact = cut == CUT_EXACT || cut == CUT_POWER;
   wire rounded = cut == CUT_PLAIN || cut == CUT_DOUBLE;
 
-  // The outer tiles do not overlap; instead of that of the low parts a guess at its highest bits.
+  // The outer tiles do not overlap. Unless exact, the low tile is replaced by an estimate of its highest bits, or by 0.
   wire [BASE-1:0] inner = exact ? ll_2[BASE-1:0] : (rounded ? {guess_2, {(BASE - 4) {1'b0}}} : {BASE{1'b0}});
   wire [2*D-1:0] outer = {hh_2, inner} & keep;
   wire [2*D-1:0] hl = {{(TILE - 1) {hl_2[D]}}, hl_2, {LOW{1'b0}}} & keep;

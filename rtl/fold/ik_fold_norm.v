@@ -1,22 +1,25 @@
-// Rounds down: what is shifted out at the lower end, or lies below the word, is cut off.
+// Rounds down: bits of T below the word are dropped; T has XW bits, the word D.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T as a mantissa: shifted to the left by pairs of bits until one of its first two is set; or T shifted by a count.
+// T as a mantissa, shifted left by pairs of bits until one of its two highest bits is set, or T shifted left by n.
+// Throughput: one step per clock with go high.
 // Latency: 2 clocks.
 `default_nettype none
 
 module ik_fold_norm #(
-    parameter integer W    = 24,
-    parameter integer D    = 33,  // bits of a word
-    parameter integer XW   = 50,  // bits of a sum
-    parameter integer LAST = 17,  // place of an inner word's last bit in a sum
-    parameter integer DROP = 2    // bits of a word below an inner word
+    parameter integer W    = 24,  // word length of the core
+    parameter integer D    = 33,  // width of a word
+    parameter integer XW   = 50,  // width of a sum
+    parameter integer LAST = 17,  // position of an inner word's LSB in a sum
+    parameter integer DROP = 2    // word bits below an inner word's LSB
 ) (
     input  wire          clk,
     input  wire          go,
+    // Sum, kind of shift, count
     input  wire [XW-1:0] t,
     input  wire [   2:0] kind,
     input  wire [   5:0] n,
+    // Word, pairs shifted, T = 0
     output wire [ D-1:0] word,
     output wire [   5:0] pairs,
     output wire          zero
@@ -30,7 +33,7 @@ module ik_fold_norm #(
   wire unit = kind == NORM_UNIT;
   wire arm = kind == NORM_ARM;
 
-  // ---- by 32, and a count's last bit ----
+  // ---- shift by 32, and the count's lowest bit ----
 
   wire [XW-1:0] kept = unit ? t & ~((ONE << LAST) - ONE) : t ^ {XW{kind == NORM_INVERSE}};
   wire [XW-1:0] v5 = by_count ? (n[0] ? t << 1 : t) : {arm ? 2'b00 : kept[2*W-1-:2], kept[2*W-3:0], 2'b00};
@@ -43,10 +46,10 @@ module ik_fold_norm #(
       s5_1      <= s5;
       counted_1 <= by_count;
       arm_1     <= arm;
-      most_1    <= unit && t[2*W-2];  // 1 and more
+      most_1    <= unit && t[2*W-2];  // T >= 1
     end
 
-  // ---- by 16 and 8: whether a part is 0 does not wait for the first shift ----
+  // ---- shift by 16 and 8; the zero checks run in parallel with the shift by 16 ----
 
   wire [2:0] none_of_8 = {v4[XW-1-:8] == 0, v4[XW-9-:8] == 0, v4[XW-17-:8] == 0};
   wire s4 = counted_1 ? n[4] : none_of_8[2] && none_of_8[1];
@@ -66,7 +69,7 @@ module ik_fold_norm #(
       most    <= most_1;
     end
 
-  // ---- by 4 and 2 ----
+  // ---- shift by 4 and 2 ----
 
   wire s2 = counted ? n[2] : none_of_2[2] && none_of_2[1];
   wire s1 = counted ? n[1] : s2 ? none_of_2[0] : none_of_2[2];

@@ -1,36 +1,38 @@
-// Rounds by what it adds: halves, and what a table's rows have.
+// The addend supplies the rounding constant: half an LSB, or the constant in a table's c0.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T = S + Y or S - Y, with Y a product, or 2^-DOWN of it for functions from tables.  S is a constant, a table's word, or made
-// of a T before.  S and T are what is above the lowest bit of an exact square.
-// Latency: S 1 clock, T 1 clock after S and the product.
+// T = S + Y or S - Y. Y is a product, or 2^-DOWN of it for table functions. S is a constant, a table word, or derived
+// from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an exact square.
+// Throughput: one step per clock with go high.
+// Latency: 1 clock to S, 1 clock from S and the product to T.
 `default_nettype none
 
 module ik_fold_sum #(
-    parameter integer D     = 33,  // bits of a word
-    parameter integer XW    = 50,  // bits of a sum
-    parameter integer LAST  = 17,  // place of an inner word's last bit in a sum, plain window
-    parameter integer HALF  = 46,  // place of 1/2
-    parameter integer ANSWER = 24,  // place of half a result's last bit
-    parameter integer C0W   = 35,  // bits of a table's words
+    parameter integer D     = 33,  // width of a word
+    parameter integer XW    = 50,  // width of a sum
+    parameter integer LAST  = 17,  // position of an inner word's LSB in a sum, plain window
+    parameter integer HALF  = 46,  // position of 1/2
+    parameter integer ANSWER = 24, // position of half a result's LSB
+    parameter integer C0W   = 35,  // widths of the table words c0, c1
     parameter integer C1W   = 24,
-    parameter integer C0_AT = 11,  // and their places
+    parameter integer C0_AT = 11,  // and positions of their LSBs
     parameter integer C1_AT = 23,
-    parameter integer SLOPE = 21,  // place of a slope's last bit
-    parameter integer DOWN  = 12
+    parameter integer SLOPE = 21,  // position of a slope's LSB
+    parameter integer DOWN  = 12   // right shift of Y for table functions
 ) (
     input  wire           clk,
     input  wire           go,
-    // for S
+    // S
     input  wire [    3:0] choice,
-    input  wire           by,      // the flag of a length, of a half
+    input  wire           by,      // the flag that S_LENGTH and S_NONE_OR_HALF depend on
     input  wire [C0W-1:0] c0,
     input  wire [C1W-1:0] c1,
-    // for T
+    // T
     input  wire [2*D-1:0] p,
-    input  wire           down,    // 2^-DOWN p
+    input  wire           down,    // Y = 2^-DOWN p
     input  wire           minus,
     input  wire           carry,
+    // Sum
     output reg  [ XW-1:0] t
 );
 
@@ -39,8 +41,8 @@ module ik_fold_sum #(
   localparam integer LOWEST = 2 * D - XW;
   localparam [XW-1:0] ONE = {{(XW - 1) {1'b0}}, 1'b1};
   localparam [XW-1:0] ROUND = ONE << (LAST - 1);
-  localparam [XW-1:0] KEPT = ~((ONE << LAST) - ONE);  // what is not below the last place
-  // A slope is rounded down after its product was taken from it, and is less by what that leaves.
+  localparam [XW-1:0] KEPT = ~((ONE << LAST) - ONE);  // clears the bits below an inner word's LSB
+  // T is truncated after the subtraction. Ones below the slope's LSB make this a subtraction of a truncated product.
   localparam [XW-1:0] LESS = (ONE << SLOPE) - ONE;
 
   wire [XW-1:0] value = {{(XW - C0W) {1'b0}}, c0} << C0_AT;

@@ -1,21 +1,22 @@
-// No rounding of its own: rows of tables.
+// No rounding here: returns a row {c0, c1, c2}; c0 includes the constant that rounds the result.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The row of a word for 1/(2 sqrt m), sine or cosine: {c0, c1, c2} of model/dataflow/quadratic.py, of the long form, or
-// with TILE < 18 of the small one; c0 with what rounds the result.  A mantissa in [1/4, 1/2) takes the first half of the root's rows, with a
-// bit more of it for the number of the segment than one in [1/2, 1).  The cosine is the sine of the other angle.
+// The table row of a word for 1/(2 sqrt m), sine or cosine (model/dataflow/quadratic.py, long form; small form with
+// TILE < 18). A mantissa in [1/4, 1/2) uses the first half of the root's rows; its segment number reaches one mantissa
+// bit lower than in [1/2, 1). The cosine is the sine of the complementary angle.
+// Throughput: one step per clock with go high.
 // Latency: 1 clock.
 `default_nettype none
 
 module ik_fold_table #(
     parameter integer W    = 24,  // word length
-    parameter integer TILE = 18,  // bits of a tile
-    parameter integer RW   = 12,  // two more than a row's number has in its half of the table
-    parameter integer ROW  = 74   // bits of a row
+    parameter integer TILE = 18,  // multiplier tile width
+    parameter integer RW   = 12,  // bits of a row number within its half of the table, plus 2
+    parameter integer ROW  = 74   // width of a row
 ) (
     input  wire           clk,
     input  wire           go,
-    input  wire [ RW-1:0] word,   // the highest bits but the sign
+    input  wire [ RW-1:0] word,   // the highest bits below the sign
     input  wire           angle,  // sine or cosine
     input  wire           cosine,
     output reg  [ROW-1:0] row

@@ -1,25 +1,26 @@
-// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2), half up; rounding and format of each node: ik_lean_nodes.vh.
+// Results Q2.(W-2), half up; inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_lean_nodes.vh.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The lean dataflow: the answers of ik_paper, with the same ports, from reciprocal square roots in two levels. A node
-// carries the number (L1), (L2), ... of its equation in docs/generated/lean.md at its declaration; what has no number is a flag or
-// alignment. A target enters and a result leaves in every clock. There is no enable and no reset but that of the valid
-// bits: the pipeline runs free, and valid and tag travel with the data.
+// The lean dataflow: solves the same problem as ik_paper, with the same ports, from two levels of reciprocal square
+// roots. A node's declaration carries the number (L1), (L2), ... of its equation in docs/generated/lean.md; signals
+// without a number are flags or aligned copies. The pipeline has no enable, and only the valid bits are reset; valid
+// and tag travel with the data.
+// Throughput: one target per clock.
 //
-// A signal with the name of a node holds it in the node's clock, T_<NODE>. Operators delay an operand that they need
-// later themselves (DA, DB, ..: clocks). What several share, or written logic needs, is delayed outside: x_at_y is x in
-// the clock of node y, or of the first node whose name begins with y.
+// A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
+// clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in the
+// clock of node y, or of the first node whose name begins with y.
 // Latency: T_OUT clocks.
 `default_nettype none
 
 module ik_lean #(
-    parameter integer W     = 32,  // word length, 16 to 32, to 24 with TILE = 16, else from 3 on for exhaustive tests
-    parameter integer TAG_W = 8,   // width of the tag, 1 or more
-    parameter integer TILE  = 18   // bits of the multipliers' longer operand: 18, 25 or 16
+    parameter integer W     = 32,  // word length, 16 to 32, with TILE = 16 to 24; otherwise from 3 for exhaustive tests
+    parameter integer TAG_W = 8,   // tag width, at least 1
+    parameter integer TILE  = 18   // width of the multipliers' longer operand: 18, 25 or 16
 ) (
     // Clock
     input  wire             clk,
-    input  wire             rst,        // synchronous: forgets the targets in flight
+    input  wire             rst,        // synchronous: discards the targets in flight
     // Target
     input  wire             in_valid,
     input  wire [TAG_W-1:0] in_tag,
@@ -45,7 +46,7 @@ module ik_lean #(
     end
   endgenerate
 
-  localparam integer N = FRAC + 2;  // of an inner word
+  localparam integer N = FRAC + 2;  // width of an inner word
 
   // ---- valid and tag ----
 
@@ -109,7 +110,7 @@ module ik_lean #(
       .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
   );
 
-  // ---- all results leave together ----
+  // ---- align the results ----
 
   wire signed [W-1:0] qe_w_at_out, qe_i_at_out;
   ik_ring #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_at_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_at_out, qe_w_at_out}));
@@ -122,7 +123,7 @@ module ik_lean #(
   ik_delay #(.W(3), .N(T_OUT-T_ON_AXIS)) u_on_axis_at_out (
       .clk(clk), .d({bad_length, at_shoulder, on_axis}), .q({bad_length_at_out, at_shoulder_at_out, on_axis_at_out})
   );
-  // nothing here can be too large for its word
+  // No overflow flag: every node fits its word.
   assign out_flags = {3'b000, bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out};
 
 endmodule

@@ -1,15 +1,16 @@
-// Rounding and format of each node: ik_lean_nodes.vh; products by ik_mul3, roots faithful, shifts and halves floor.
+// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Azimuth (u_x, u_y) = (x, y)/rho and elevation sin_el = z/|p|, cos_el = rho/|p| of the target, and of each the half angle
-// h(c, s): (1 + c, s)/2, or (s, 1 - c)/2 where c < 0, a quaternion of squared length (1 + |c|)/2: (az_c, az_s) and az_sq,
-// (tilt_c, tilt_s) and tilt_sq.
+// Azimuth (u_x, u_y) = (x, y)/rho and elevation sin_el = z/|p|, cos_el = rho/|p| of the target, and a half angle for
+// each. The half angle of (c, s) is (1 + c, s)/2, or (s, 1 - c)/2 if c < 0: a quaternion of squared length (1 + |c|)/2.
+// Results: (az_c, az_s) and az_sq, (tilt_c, tilt_s) and tilt_sq. Inputs at clock 0, each output at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_lean_direction #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // of an inner word: FRAC + 2
-    parameter integer TILE = 18  // of ik_mul3
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // inner word width, FRAC + 2
+    parameter integer TILE = 18  // see ik_mul3
 ) (
     // Clock
     input  wire                  clk,
@@ -43,7 +44,7 @@ module ik_lean_direction #(
     end
   endgenerate
 
-  localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
+  localparam integer MW = ROOT_FRAC + 3;  // width of a mantissa
 
   // ---- (L8) (L9) roots of rho^2 and |p|^2 ----
 
@@ -57,11 +58,11 @@ module ik_lean_direction #(
   );
   // (L9) inv_s = 1 / (2 sqrt s)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
-  wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares below 2^2W; m_s is watched only
+  wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares are below 2^2W; m_s is for waves only
 
-  // ---- (L14)-(L16) (u_x, u_y) = (x, y)/rho and z/|p|: the target shifted as its root was ----
+  // ---- (L14)-(L16) (u_x, u_y) = (x, y)/rho and z/|p|: the target is shifted like its root ----
 
-  localparam integer CW = F_X_N + 1;  // of a coordinate: short words get zeros below
+  localparam integer CW = F_X_N + 1;  // width of a coordinate; short words are padded with zeros below
   wire signed [CW-1:0] x_w = {{(CW - W) {x[W-1]}}, x};
   wire signed [CW-1:0] y_w = {{(CW - W) {y[W-1]}}, y};
   wire signed [CW-1:0] z_w = {{(CW - W) {z[W-1]}}, z};
@@ -89,7 +90,7 @@ module ik_lean_direction #(
       .clk(clk), .a(z_n), .b(inv_s), .q(sin_el)
   );
 
-  // ---- (L17) (L18) cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse brought to it ----
+  // ---- (L17) (L18) cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse shifted to the same unit ----
 
   wire signed [N-1:0] root_rho;  // (L17)
   // (L17) root_rho = 2 * inv_rho * m_rho
@@ -112,7 +113,7 @@ module ik_lean_direction #(
       .clk(clk), .a(root_rho), .b(inv_s_el), .q(cos_el)
   );
 
-  // ---- (L29) (L32) (L33) az: the first rotation turns by the azimuth and 90 degrees, cosine -u_y, sine u_x ----
+  // ---- (L29) (L32) (L33) az: the first rotation is by the azimuth plus 90 degrees, cosine -u_y, sine u_x ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
   wire on_axis_at_u_y;
@@ -122,12 +123,12 @@ module ik_lean_direction #(
   wire signed [N-1:0] half_u_x = u_x >>> 1;
   always @(posedge clk) begin
     az_sq <= half_az;
-    // on the z axis u_x = u_y = 0, and azimuth 0 is taken: (1, 1)/2
+    // On the z axis u_x = u_y = 0; azimuth 0 is used: (1, 1)/2.
     az_c  <= (u_y[N-1] || on_axis_at_u_y) ? half_az : half_u_x;
     az_s  <= u_y[N-1] ? half_u_x : half_az;
   end
 
-  // ---- (L30) (L34) (L35) tilt: the second turns by the angle between p and the z axis, cosine sin_el, sine cos_el ----
+  // ---- (L30) (L34) (L35) tilt: the second rotation is by the angle between p and z, cosine sin_el, sine cos_el ----
 
   wire at_shoulder_at_sin_el;
   wire signed [N-1:0] tilt_sq_at_cos_el;

@@ -1,13 +1,15 @@
-// Exact: nothing is rounded; words of 2W + 2 bits, fraction bits in ik_lean_nodes.vh.
+// Exact, no rounding; words of 2W + 2 bits, fraction bits in ik_lean_nodes.vh.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Squares of the input words and their sums: rho^2, s = |p|^2, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and
-// K = s + d1^2 - d2^2. The signs of A and B are the flags.
+// K = s + d1^2 - d2^2. The signs of A and B give too_far and too_near. Inputs at clock 0, each output at its clock
+// T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_lean_guard #(
     parameter integer W    = 32,  // word length, 16 to 32
-    parameter integer TILE = 18   // bits of the multipliers' longer operand, on which clocks of roots depend
+    parameter integer TILE = 18   // width of the multipliers' longer operand; sets the latency of roots
 ) (
     // Clock
     input  wire                  clk,
@@ -74,7 +76,7 @@ module ik_lean_guard #(
   // (L7) sum_dif = d_sum * d_dif
   ik_exact #(.W(W+1)) u_sum_dif (.clk(clk), .a(d_sum), .b(d_dif), .p(sum_dif));
 
-  // ---- (L3)-(L7) sums, each as soon as its terms are there ----
+  // ---- (L3)-(L7) sums, each as soon as its terms are ready ----
 
   // (L3) rho_sq = x_sq + y_sq
   ik_wide #(.W(XW)) u_rho_sq (.clk(clk), .a(x_sq), .b(y_sq), .q(rho_sq));
@@ -104,7 +106,7 @@ module ik_lean_guard #(
   always @(posedge clk) begin
     too_far  <= a_far[XW-1] && !bad_length_at_a_far;
     too_near <= b_near[XW-1] && !bad_length_at_a_far;
-    // no elbow: the arm is straight or folded along the line to the target
+    // No elbow: the arm is straight or folded along the line to the target.
     clamp    <= too_far || too_near || at_shoulder_at_too_far || bad_length_at_too_far;
     fold     <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
     away     <= too_near && shorter_at_too_near;

@@ -1,20 +1,21 @@
-// Rounding: floor for the mantissa m, faithful for inv = 1/(2 sqrt m); v unsigned.
+// Rounds the mantissa m down, inv = 1/(2 sqrt m) faithfully; v unsigned, inv with N - 2 fraction bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A reciprocal square root of full relative precision, however small v is: v 4^e = m 2^VW with m in [1/4, 1), so
+// Reciprocal square root with full relative precision for any v: v 4^e = m 2^VW with m in [1/4, 1), so
 // 1/sqrt v = 2 inv 2^(e - VW/2).
-// Latency: LAT_EVEN for e and m, and LAT_RSQRT_FAR more for inv: m is the address of the table when it has a register of its
-// own.
+// Throughput: one result per clock.
+// Latency: LAT_EVEN for e and m, LAT_RSQRT_FAR more for inv: here ik_rsqrt's table address is m itself, a register.
 `default_nettype none
 
 module ik_lean_root #(
     parameter integer VW = 64,  // width of v, even
     parameter integer R  = 31,  // fraction bits of the root, 19 to 31
-    parameter integer N  = 35,  // width of inv, of which N - 2 are fraction bits, no less than R
-    parameter integer TILE = 18  // bits of the multipliers' longer operand
+    parameter integer N  = 35,  // width of inv; its N - 2 fraction bits are at least R
+    parameter integer TILE = 18  // width of the multipliers' longer operand
 ) (
     input  wire                clk,
     input  wire        [VW-1:0] v,
+    // Shift count in pairs, mantissa, reciprocal root
     output wire        [   5:0] e,
     output wire        [ R+2:0] m,
     output wire signed [ N-1:0] inv

@@ -1,14 +1,16 @@
-// Rounding and format of each node: ik_lean_nodes.vh; products by ik_mul3, roots faithful, shifts and halves floor.
+// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The triangle of shoulder, elbow and wrist from its three sides: Qe = (sqrt A, -sqrt B)/(2 sqrt(d1 d2)) (14), and the
-// angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|), as half angle (arm_c, arm_s).
+// angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|), as half angle (arm_c, arm_s). d1 and d2
+// at clock 0, each other port at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_lean_triangle #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // of an inner word: FRAC + 2
-    parameter integer TILE = 18  // of ik_mul3
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // inner word width, FRAC + 2
+    parameter integer TILE = 18  // see ik_mul3
 ) (
     // Clock
     input  wire                  clk,
@@ -44,10 +46,10 @@ module ik_lean_triangle #(
     end
   endgenerate
 
-  localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
+  localparam integer MW = ROOT_FRAC + 3;  // width of a mantissa
   localparam integer ODD = W % 2;
-  localparam integer EW = W + ODD;  // container of a length, for even shifts
-  localparam integer RW = FRAC + 5;  // of a word raised by 2
+  localparam integer EW = W + ODD;  // width of a length, made even
+  localparam integer RW = FRAC + 5;  // width of a word shifted up by 2
 
   // ---- (L10)-(L13) roots of A, B, d1, d2 ----
 
@@ -63,7 +65,7 @@ module ik_lean_triangle #(
   wire signed [N-1:0] inv_near;  // (L11)
   wire signed [N-1:0] inv_1;  // (L12)
   wire signed [N-1:0] inv_2;  // (L13)
-  // of what is negative, only the low bits: the arm is clamped then
+  // Negative values lose their sign here; the arm is clamped then.
   wire [EW:0] d1_x = {{(ODD + 1) {d1[W-1]}}, d1};
   wire [EW:0] d2_x = {{(ODD + 1) {d2[W-1]}}, d2};
   // (L10) inv_far = 1 / (2 sqrt a_far)
@@ -94,14 +96,14 @@ module ik_lean_triangle #(
       .clk(clk), .a(inv_near), .b({1'b0, m_near}), .q(root_near)
   );
 
-  // ---- (L21) 1/(2 sqrt(d1 d2)), brought to the units of sqrt A and sqrt B ----
+  // ---- (L21) 1/(2 sqrt(d1 d2)), shifted to the units of sqrt A and sqrt B ----
 
   wire signed [N:0] inv_12_raw;  // (L21)
   // (L21) inv_12_raw = inv_1 * inv_2
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1), .TILE(TILE)) u_inv_12 (
       .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12_raw)
   );
-  // 2, or 1 with a bit more of fraction, which powers of two can give, becomes the largest word
+  // Powers of two can give 2, or 1 with one more fraction bit; both saturate to the largest word.
   localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
   reg signed [N-1:0] inv_12;  // (L21)
   always @(posedge clk) inv_12 <= (|inv_12_raw[N:N-1]) ? TOP : inv_12_raw[N-1:0];
@@ -160,7 +162,7 @@ module ik_lean_triangle #(
     qe_w <= !clamp_at_elbow_w ? plus_w[DROP+:W] : fold_at_elbow_w ? UNIT : {W{1'b0}};
     qe_i <= !clamp_at_elbow_w ? minus_i[DROP+:W] : fold_at_elbow_w ? {W{1'b0}} : -UNIT;
   end
-  wire unused_el = &{1'b0, plus_w, minus_i};  // what the rounding drops
+  wire unused_el = &{1'b0, plus_w, minus_i};  // dropped by rounding
 
   // ---- (L24)-(L26) 1/(4 d1 |p|), as a mantissa, and K in its units ----
 
@@ -184,7 +186,7 @@ module ik_lean_triangle #(
   always @(posedge clk) n_law <= {e_1_at_e_s[4:0], 1'b0} + e_s;
   wire unused_e = e_1_at_e_s[5];  // at most 15 pairs
   wire signed [N-1:0] k_scaled;  // (L26)
-  // short words get zeros below
+  // Short words are padded with zeros below.
   localparam integer DROP_K = (2 * W + ODD > FRAC) ? 2 * W + ODD - FRAC : 1;
   localparam integer PAD_K = DROP_K - (2 * W + ODD - FRAC);
   localparam integer KW = 2 * W + 2 + PAD_K;
@@ -231,7 +233,7 @@ module ik_lean_triangle #(
       .clk(clk), .a(root_ab), .b(inv_law_ab), .q(sin_a)
   );
 
-  // ---- (L31) (L36) (L37) arm: the last turns by -a; a clamped arm lies along the line to the target, (1, 0), or away ----
+  // ---- (L31) (L36) (L37) arm: the last rotation is by -a; a clamped arm points at the target, (1, 0), or away ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
   wire clamp_at_cos_a, away_at_cos_a, clamp_at_sin_a, swap_at_sin_a;
@@ -245,7 +247,7 @@ module ik_lean_triangle #(
   wire [N-1:0] sum_arm = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
   wire signed [N-1:0] half_arm = sin_a >>> 1;
   wire signed [N-1:0] small_arm = half_arm & {N{!clamp_at_sin_a}};
-  reg signed [N-1:0] arm_s;  // (L37) the node, watched only
+  reg signed [N-1:0] arm_s;  // (L37) for waves only
   always @(posedge clk) begin
     arm_sq   <= clamp_at_cos_a ? ONE : (sum_arm >> 1);
     arm_swap <= clamp_at_cos_a ? away_at_cos_a : cos_a[N-1];

@@ -1,14 +1,16 @@
-// Rounding and format of each node: ik_lean_nodes.vh; products by ik_mul3, root faithful, results half up.
+// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, root faithful, results half up.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The shoulder quaternion Qs (18): four rotations multiplied, by azimuth and 90 degrees about z (az), by the angle to
-// the z axis about x (tilt), by the swivel angle about z (sin_h, cos_h), by -a about x (arm), and divided by their length.
+// The shoulder quaternion Qs (18), the product of four rotations divided by its length: azimuth plus 90 degrees about
+// z (az), angle to the z axis about x (tilt), swivel angle about z (sin_h, cos_h), -a about x (arm). phi at clock 0,
+// each other port at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_lean_turn #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // of an inner word: FRAC + 2
-    parameter integer TILE = 18  // of ik_mul3
+    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // inner word width, FRAC + 2
+    parameter integer TILE = 18  // see ik_mul3
 ) (
     // Clock
     input  wire                clk,
@@ -42,7 +44,7 @@ module ik_lean_turn #(
     end
   endgenerate
 
-  localparam integer MW = ROOT_FRAC + 3;  // of a mantissa
+  localparam integer MW = ROOT_FRAC + 3;  // width of a mantissa
 
   // ---- (L38)-(L47) half the sum and half the difference of azimuth and swivel angle ----
 
@@ -52,7 +54,7 @@ module ik_lean_turn #(
   wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);  // (L38)
   wire signed [N-1:0] cos_x = {{(N - TF - 1) {cos_t[TF+1]}}, cos_t[TF:0]};
   wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);  // (L39)
-  // a shorter angle than WX is one of WX bits that ends in zeros
+  // An angle shorter than WX bits is padded with zeros below.
   wire signed [WX-1:0] phi_w = {{(WX - W + 1) {phi[W-1]}}, phi[W-2:0]};
   ik_trig #(.W(WX), .F(TF), .TILE(TILE)) u_trig (.clk(clk), .phi(phi_w <<< (WX - W)), .sin_h(sin_t), .cos_h(cos_t));
 
@@ -111,8 +113,8 @@ module ik_lean_turn #(
       .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
   );
 
-  // ---- (L52)-(L55) and the fourth: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s); c - s has the
-  // other sign where the parts of arm are swapped ----
+  // ---- (L52)-(L55) the fourth rotation: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s); c - s
+  // changes sign if the parts of arm are swapped ----
 
   reg signed [N-1:0] wi_0;  // (L52)
   reg signed [N-1:0] kj_0;  // (L54)
@@ -158,7 +160,7 @@ module ik_lean_turn #(
   reg signed [N-1:0] k_1;  // (L55)
   wire swap_at_wi_c;
   ik_delay #(.W(1), .N(T_WI_C-T_ARM_SWAP)) u_swap_at_wi_c (.clk(clk), .d(arm_swap), .q(swap_at_wi_c));
-  // add or subtract by one carry chain, whose lowest place gives the carry
+  // Add or subtract on one carry chain; the extra lowest bit generates the carry.
   wire take = !swap_at_wi_c;
   wire signed [N:0] w_x = {wi_c, 1'b1} + {i_dif ^ {N{take}}, take};
   wire signed [N:0] k_x = {kj_c, 1'b1} + {j_dif ^ {N{take}}, take};
@@ -169,7 +171,7 @@ module ik_lean_turn #(
     k_1 <= k_x[N:1];
   end
 
-  // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; of four times the length below 1/4 ----
+  // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; below 1/4, of four times the length ----
 
   wire signed [N-1:0] az_tilt_sq;  // (L56)
   wire signed [N-1:0] length_sq;  // (L56)
@@ -188,7 +190,7 @@ module ik_lean_turn #(
   wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});  // (L57)
   wire [MW-1:0] m_q_next = length_sq[FRAC] ? {MW{1'b1}} : low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}
                                                               : {length_sq[FRAC-1:0], {UP{1'b0}}};
-  reg [MW-1:0] m_q;  // (L57) the node, watched only: the root has a register of its own
+  reg [MW-1:0] m_q;  // (L57) for waves only: ik_rsqrt has its own register
   always @(posedge clk) m_q <= m_q_next;
   wire [ROOT_FRAC:0] y_q;
   wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
@@ -198,7 +200,7 @@ module ik_lean_turn #(
   // (L57) inv_q = 1 / (2 sqrt m_q)
   ik_rsqrt #(.F(ROOT_FRAC), .TILE(TILE)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_at_m_q), .y(y_q));
 
-  // ---- (L58)-(L61) the quaternion of length 1 whose k part is not negative ----
+  // ---- (L58)-(L61) the unit quaternion with a non-negative k part ----
 
   wire signed [N-1:0] w_q;  // (L58)
   wire signed [N-1:0] i_q;  // (L59)
@@ -227,7 +229,7 @@ module ik_lean_turn #(
   wire minus = k_1[N-1];
   wire minus_at_w_q;
   ik_delay #(.W(1), .N(T_W_Q-T_W_1)) u_minus_at_w_q (.clk(clk), .d(minus), .q(minus_at_w_q));
-  // half a place; -x = ~x + 1, by one carry chain
+  // Half an LSB of the result, and the 1 of -x = ~x + 1 on the same carry chain
   wire signed [N-1:0] half = {{(N - DROP) {1'b0}}, 1'b1, {(DROP - 2) {1'b0}}, minus_at_w_q};
   wire signed [N-1:0] w_r = (w_q ^ {N{minus_at_w_q}}) + half;
   wire signed [N-1:0] i_r = (i_q ^ {N{minus_at_w_q}}) + half;

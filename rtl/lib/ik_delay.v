@@ -1,13 +1,14 @@
-// No rounding, any format: q is d, N clocks later.
+// No rounding, any format: q is d delayed by N clocks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Balances a short path against a long one. No reset and no enable, so that it maps to shift-register primitives.
-// Latency: N clocks, 0 included.
+// Balances pipeline paths. Without reset and enable, so that it maps to shift-register primitives.
+// Throughput: one word per clock.
+// Latency: N clocks; 0 is a wire.
 `default_nettype none
 
 module ik_delay #(
     parameter integer W = 32,  // width of the word
-    parameter integer N = 1    // clocks
+    parameter integer N = 1    // delay, clocks
 ) (
     input  wire         clk,
     input  wire [W-1:0] d,

@@ -1,10 +1,11 @@
 // Rounds down (floor), saturates: q = floor(n * 2^SH / d); n signed NW, d signed DW, q signed QW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where d <= 0 the quotient saturates by the sign of n, and 0 counts as positive. ovf is valid with q and set where q
-// was saturated. DIGIT chooses between a behavioural core, the reference, and ik_div_digit, made of rows for synthesis;
-// both give the same bits in the same clocks.
-// Latency: LAT clocks, from d DD more; ik_div_digit says which it can have, a behavioural core has any.
+// The quotient saturates by the sign of n if d <= 0; n = 0 counts as positive. ovf is valid with q and set if q is
+// saturated. DIGIT selects the behavioural reference or ik_div_digit, a digit recurrence for synthesis; both give the
+// same bits with the same latency.
+// Throughput: one quotient per clock.
+// Latency: LAT clocks, DD more from d. ik_div_digit limits LAT; the behavioural core accepts any.
 `default_nettype none
 
 module ik_div #(
@@ -12,13 +13,15 @@ module ik_div #(
     parameter integer DW    = 32,  // width of the divisor
     parameter integer SH    = 22,  // F(q) - F(n) + F(d)
     parameter integer QW    = 32,  // width of the quotient
-    parameter integer LAT   = 34,  // clocks
+    parameter integer LAT   = 34,  // latency, clocks
     parameter integer DIGIT = 0,   // 1: digit recurrence, 0: behavioural
-    parameter integer DD    = 0    // clocks by which d is delayed
+    parameter integer DD    = 0    // delay of d, clocks
 ) (
     input  wire                 clk,
+    // Operands
     input  wire signed [NW-1:0] n,
     input  wire signed [DW-1:0] d,
+    // Quotient
     output wire signed [QW-1:0] q,
     output wire                 ovf
 );

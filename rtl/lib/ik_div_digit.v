@@ -1,15 +1,16 @@
 // Rounds down (floor), saturates: q = floor(n * 2^SH / d); n signed NW, d signed DW, q signed QW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pipelined digit recurrence; ports and results are those of ik_div. The rows divide the magnitude of n 2^SH, where
-// that of a negative number is one less, its bits inverted: for x < 0, floor(x / d) = -1 - floor((-1 - x) / d). Both
-// steps take no carry, and q fits where the unsigned quotient is below 2^(QW-1), for either sign: where the bits above
-// those that the rows take are less than d. So the first remainder is less than d unless ovf.
-// The rows are non-restoring: a remainder has a sign, which is the quotient bit found with it, inverted.
-// A row's registers: divisor, remainder without its sign, and one word {dividend to come, quotient so far} that loses a
-// bit on its left and gets one on its right. The dividend's last SH bits are copies of the sign and are not stored.
-// Latency: LAT clocks: magnitude; rows, a quotient bit each, or two where LAT is too short for that; sign; the rest are
-// registers behind. LAT of at least 2 + ceil(R/2), natural 2 + R, with R = min(QW-1, NW-1+SH) quotient bits.
+// Pipelined digit recurrence with the ports and results of ik_div. The rows divide n 2^SH if it is positive, its one's
+// complement if negative: for x < 0, floor(x / d) = -1 - floor((-1 - x) / d). Neither inversion needs a carry. For
+// either sign, q fits if the unsigned quotient is below 2^(QW-1), that is, if the bits above the ones fed to the rows
+// are less than d. So the first remainder is less than d unless ovf is set.
+// The rows are non-restoring: a remainder is signed, and its sign is the inverse of the quotient bit found with it.
+// A row's registers: divisor, remainder without sign, and one word {remaining dividend, quotient so far} that shifts
+// left by one bit. The dividend's last SH bits are copies of the sign and are not stored.
+// Throughput: one quotient per clock.
+// Latency: LAT clocks: magnitude; rows with one quotient bit per clock, or two if LAT is too short; sign; spare clocks
+// at the output. LAT is at least 2 + ceil(R/2), 2 + R for one bit per clock, with R = min(QW-1, NW-1+SH) quotient bits.
 `default_nettype none
 
 module ik_div_digit #(
@@ -17,18 +18,20 @@ module ik_div_digit #(
     parameter integer DW  = 32,  // width of the divisor
     parameter integer SH  = 22,  // F(q) - F(n) + F(d)
     parameter integer QW  = 32,  // width of the quotient
-    parameter integer LAT = 34   // clocks
+    parameter integer LAT = 34   // latency, clocks
 ) (
     input  wire                 clk,
+    // Operands
     input  wire signed [NW-1:0] n,
     input  wire signed [DW-1:0] d,
+    // Quotient
     output wire signed [QW-1:0] q,
     output wire                 ovf
 );
 
   localparam integer MB = NW - 1 + SH;  // bits of the magnitude
-  localparam integer ROWS = (MB < QW - 1) ? MB : (QW - 1);  // quotient bits, and bits of the magnitude that rows take
-  localparam integer STORED = (SH < ROWS) ? (ROWS - SH) : 0;  // of these, bits that are not copies of the sign
+  localparam integer ROWS = (MB < QW - 1) ? MB : (QW - 1);  // quotient bits, also magnitude bits fed to the rows
+  localparam integer STORED = (SH < ROWS) ? (ROWS - SH) : 0;  // magnitude bits that are not copies of the sign
   localparam integer BITS = (LAT >= ROWS + 2) ? 1 : 2;  // quotient bits between registers
   localparam integer STAGES = (ROWS + BITS - 1) / BITS;
 
@@ -51,7 +54,7 @@ module ik_div_digit #(
   wire [XW-1:0] magnitude = (n_x << SH) ^ {XW{minus}};
   wire [HW-1:0] high = magnitude[XW-1:ROWS];
 
-  localparam integer FIRST = (STORED > 0) ? STORED : 1;  // a word has no less than one bit
+  localparam integer FIRST = (STORED > 0) ? STORED : 1;  // at least one bit
   reg sign_1;
   reg over_1;
   reg [DW-2:0] d_1;
@@ -77,7 +80,7 @@ module ik_div_digit #(
       wire [DW-2:0] divisor;
       wire [DW-2:0] r;
       wire [WW-1:0] word;
-      wire ge;  // the remainder, whose other bits are r, is not negative
+      wire ge;  // remainder >= 0; r is its other bits
       if (k == 0) begin : g_first
         assign {sign, divisor, r, word} = {sign_1, d_1, r_1, word_1};
         assign ge = 1'b1;
@@ -121,7 +124,7 @@ module ik_div_digit #(
   wire over;
   ik_delay #(.W(1), .N(STAGES)) u_over (.clk(clk), .d(over_1), .q(over));
 
-  // ---- sign; a quotient that does not fit has all bits set ----
+  // ---- sign; all magnitude bits are set on overflow ----
 
   wire minus_out = g_row[ROWS-1].sign_q;
   wire [QW-1:0] quotient = {{(QW - ROWS) {1'b0}}, g_row[ROWS-1].word_q};

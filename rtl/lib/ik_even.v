@@ -1,8 +1,9 @@
 // Rounds down: m = floor(v 4^k / 2^(VW-MW)), a mantissa in [1/4, 1); k = leading zero pairs of v, unsigned VW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// v = 0 gives m = 0 and k = VW/2 - 1. Where MW > VW, m ends in zeros.
-// Latency: 3 clocks (LAT_EVEN): counts in groups of eight pairs, shift by groups, shift by pairs.
+// v = 0 gives m = 0 and k = VW/2 - 1. If MW > VW, m ends in zeros.
+// Throughput: one result per clock.
+// Latency: 3 clocks (LAT_EVEN): count in groups of eight pairs, shift by groups, shift by pairs.
 `default_nettype none
 
 module ik_even #(
@@ -21,7 +22,7 @@ module ik_even #(
     end
   endgenerate
 
-  // Leading zero pairs of a group, which is known to have a one, or to be the last, if none of the first seven has.
+  // Leading zero pairs of a group. The eighth pair is not tested: if the first seven are zero, the count is 7.
   function [2:0] pairs(input [13:0] d);
     reg [6:0] any;
     begin
@@ -32,7 +33,7 @@ module ik_even #(
     end
   endfunction
 
-  // v as the high bits of four groups of 16, the highest first. A one in v's last pair ends the count where v is 0.
+  // v as the high bits of four groups of 16, highest first. STOP sets a bit in v's last pair to end the count if v = 0.
   localparam [63:0] STOP = 64'd1 << (64 - VW);
   wire [63:0] wide;
   generate
@@ -44,10 +45,10 @@ module ik_even #(
   endgenerate
   wire [63:0] stopped = wide | STOP;
 
-  // counts in groups
+  // count in groups
   reg [63:0] v_1;
   reg [11:0] fine_1;
-  reg [2:0] any_1;  // of the first three groups
+  reg [2:0] any_1;  // nonzero: the first three groups
   always @(posedge clk) begin
     v_1 <= wide;
     fine_1 <= {pairs(stopped[63:50]), pairs(stopped[47:34]), pairs(stopped[31:18]), pairs(stopped[15:2])};

@@ -1,7 +1,8 @@
 // Exact: p = a * b, signed W bits each, 2W bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Four tiles of half words (17x17 bits for W = 33); a square (SQUARE = 1, b is not looked at) needs only three.
+// Four tiles of half words (17x17 bits for W = 33); a square (SQUARE = 1, b is ignored) needs three.
+// Throughput: one result per clock.
 // Latency: 4 clocks (LAT_PRODUCT): operands, tile products, tile sums, sum; a square 3 (LAT_SQUARE).
 `default_nettype none
 
@@ -34,7 +35,7 @@ module ik_exact #(
   reg signed [2*H-1:0] hh;
   reg signed [H+L:0] hl;
   reg signed [2*L+1:0] ll;
-  // tile sums: hh and ll do not overlap
+  // tile sums; hh and ll do not overlap
   wire [2*W-1:0] outer;
   wire signed [H+L:0] inner;  // |a_hi b_lo + a_lo b_hi| < 2^W
   generate
@@ -67,9 +68,9 @@ module ik_exact #(
       assign inner = inner_q;
     end
   endgenerate
-  wire unused_ll = &{1'b0, ll[2*L+1:2*L]};  // 0: its factors are not negative
+  wire unused_ll = &{1'b0, ll[2*L+1:2*L]};  // always 0: the factors are not negative
 
-  // sum: nothing is added to the lowest bits
+  // sum; the lowest L bits pass through
   wire signed [2*W-1:0] inner_x = {{(2 * W - H - L - 1) {inner[H+L]}}, inner};
   always @(posedge clk) p <= outer + (inner_x <<< L);
 

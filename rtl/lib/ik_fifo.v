@@ -1,9 +1,10 @@
 // No rounding, any format: a first-word-fall-through FIFO of 2^LOG2 words behind a register.
 // SPDX-License-Identifier: Apache-2.0
 //
-// There is no full flag: whoever writes has reserved the place before (see ik_axis). Memory and output register are not
-// reset; m_valid is, and it is 0 before the first clock.
-// Latency: a word written in one clock is offered two clocks later.
+// There is no full flag: the writer reserves a slot beforehand (see ik_axis). Memory and output register are not reset;
+// m_valid is, and it is initially 0.
+// Throughput: one word per clock.
+// Latency: 2 clocks from write to m_valid.
 `default_nettype none
 
 module ik_fifo #(
@@ -12,17 +13,19 @@ module ik_fifo #(
 ) (
     input  wire         clk,
     input  wire         rst,      // synchronous: empties the FIFO
+    // Write
     input  wire         wr_en,
     input  wire [W-1:0] wr_data,
+    // Read
     output reg          m_valid,
     input  wire         m_ready,
     output reg  [W-1:0] m_data
 );
 
-  // Written and read address are the same only where the FIFO is empty, and what is read is not looked at.
+  // A write and a read use the same address only while the FIFO is empty; the word read is then ignored.
   (* no_rw_check *)
   reg [W-1:0] mem[0:(1<<LOG2)-1];
-  reg [LOG2:0] wr_ptr;  // one bit more than an address tells full from empty
+  reg [LOG2:0] wr_ptr;  // one bit more than an address, to distinguish full from empty
   reg [LOG2:0] rd_ptr;
   wire empty = (wr_ptr == rd_ptr);
   wire load = !m_valid || m_ready;

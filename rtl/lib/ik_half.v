@@ -1,7 +1,9 @@
-// Exact, limited to [0, 1]: q = (1 +- c) / 2, equations (6) and (7); c signed Q2.(W-2), q unsigned with W-1 fraction bits.
+// Exact, limited to [0, 1]: q = (1 +- c) / 2, equations (6), (7); c signed Q2.(W-2), q unsigned, W-1 fraction bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A cosine that rounding has pushed past +-1 gives 0 or 1. Latency: 1 clock (LAT_MUX).
+// A cosine rounded past +-1 gives 0 or 1.
+// Throughput: one result per clock.
+// Latency: 1 clock (LAT_MUX).
 `default_nettype none
 
 module ik_half #(
@@ -13,7 +15,7 @@ module ik_half #(
     output reg         [W-1:0] q
 );
 
-  // The bits of 1 + c with W-2 fraction bits are those of (1 + c) / 2 with W-1.
+  // 1 + c with W-2 fraction bits has the same bits as (1 + c) / 2 with W-1.
   localparam signed [W:0] ONE = {3'b001, {(W - 2) {1'b0}}};
   localparam [W-1:0] TOP = {1'b1, {(W - 1) {1'b0}}};
   wire signed [W:0] c_x = {c[W-1], c};

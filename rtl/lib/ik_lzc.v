@@ -1,6 +1,7 @@
-// Exact: count = how far N signed words of W bits can be shifted left together without overflow; 0 if all are 0.
+// Exact: count = common left shift of N signed words of W bits without overflow; 0 if all are 0.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Throughput: one result per clock.
 // Latency: 2 clocks (LAT_LZC).
 `default_nettype none
 
@@ -14,8 +15,8 @@ module ik_lzc #(
     output reg            empty   // all are 0
 );
 
-  // A bit of mag is set where any word differs from its sign: the highest such bit is where the room ends. All words are
-  // 0 where there is none, and no sign.
+  // A bit of mag is set if any word differs from its sign there; the highest set bit limits the shift. If no bit is set
+  // and no word is negative, all words are 0.
   reg [W-2:0] any;
   reg negative;
   integer k;

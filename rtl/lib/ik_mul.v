@@ -1,11 +1,12 @@
 // Rounds half up: q = floor(a * b / 2^SH + 1/2), a signed AW bits, b signed BW bits, q signed OW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Built of tiles that each fit a multiplier block of 18x18 bits with registers on both sides: words of up to 18 bits are
-// one tile, longer ones are cut above their lowest 17 bits, which leaves the high parts and the sums of the tiles short.
-// With SQUARE = 1 it is a * a, and b is not looked at: both mixed products are one tile, and their sum is a shift.
+// Built from tiles that each fit an 18x18-bit multiplier block with input and output registers. Words of up to 18 bits
+// are one tile; longer ones are split above their lowest 17 bits, which keeps the high parts and the tile sums short.
+// SQUARE = 1 computes a * a and ignores b: both mixed products are one tile, and their sum is a shift.
 // Does not saturate: the format of q must hold the rounded product.
-// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding; from a DA more, from b DB more.
+// Throughput: one result per clock.
+// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding; DA more from a, DB more from b.
 `default_nettype none
 
 module ik_mul #(
@@ -13,9 +14,9 @@ module ik_mul #(
     parameter integer BW     = 32,  // width of b, at most 35
     parameter integer SH     = 30,  // fraction bits dropped: F(a) + F(b) - F(q)
     parameter integer OW     = 32,  // width of q
-    parameter integer SQUARE = 0,   // 1: a * a, of AW = BW
-    parameter integer DA     = 0,   // clocks by which a is delayed
-    parameter integer DB     = 0    // and b
+    parameter integer SQUARE = 0,   // 1: a * a, AW = BW
+    parameter integer DA     = 0,   // delay of a, clocks
+    parameter integer DB     = 0    // delay of b, clocks
 ) (
     input  wire                 clk,
     input  wire signed [AW-1:0] a,
@@ -51,12 +52,12 @@ module ik_mul #(
     end
   endgenerate
 
-  // d + HALF, but for its bit at HALF, which is that of d: it is inverted where the LUT of an adder takes it.
+  // d + HALF, except that the bit at HALF stays as in d: the consumer inverts it in the LUT of its adder.
   function [PW-1:0] half_up(input [PW-1:0] d);
     half_up = ((d + (d & HALF)) & ~HALF) | (d & HALF);
   endfunction
 
-  // tile products, and the sum of those that do not overlap with half a place; the mixed ones
+  // outer: the tiles that do not overlap, plus half an LSB of q; inner: the mixed tiles
   wire signed [PW-1:0] outer;
   wire signed [PW-1:0] inner;
   generate

@@ -1,7 +1,8 @@
-// Exact: shifts N signed words of W bits left together until the largest fills its word. Result: mantissas in [-1, 1).
+// Exact: shifts N signed words of W bits left together until the largest fills its word; mantissas in [-1, 1).
 // SPDX-License-Identifier: Apache-2.0
 //
-// The scale that is taken out is 2^count. The all-zero vector, which has no direction, becomes (1/2, 0, ..).
+// The scale removed is 2^count. The all-zero vector, which has no direction, becomes (1/2, 0, ..).
+// Throughput: one result per clock.
 // Latency: 3 clocks (LAT_NORM).
 `default_nettype none
 
@@ -27,7 +28,7 @@ module ik_norm #(
       .empty(empty)
   );
 
-  // The words beside the count
+  // Align the words with the count.
   reg [N*W-1:0] d_1;
   reg [N*W-1:0] d_2;
   always @(posedge clk) begin

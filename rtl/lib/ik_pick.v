@@ -1,7 +1,8 @@
-// Exact, any format: q = a, or b with either sign. -b is modulo 2^W.
+// Exact, any format: q = a, b or -b; -b is modulo 2^W.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Choice and sign change by one carry chain, a LUT a bit: the chosen word, inverted, plus 1.
+// Selects and negates on one carry chain, one LUT per bit: the selected word, inverted, plus 1.
+// Throughput: one result per clock.
 // Latency: 1 clock (LAT_MUX).
 `default_nettype none
 
@@ -12,7 +13,7 @@ module ik_pick #(
     input  wire signed [W-1:0] a,
     input  wire signed [W-1:0] b,
     input  wire                use_b,
-    input  wire                minus,  // of b
+    input  wire                minus,  // negate b
     output reg  signed [W-1:0] q
 );
 

@@ -1,38 +1,41 @@
 // Rounds down: y = c0 - u slope, or c0 + u slope with RISES = 1; slope = c1 - c2 u, c1 + c2 u with BENDS_UP = 1, or c1.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One segment of a function from a table (model/dataflow/quadratic.py): u is how far the argument is from its middle.
-// Words above their tiles' low parts have at most 18 bits. Slope times u takes one tile, or three: that of the low parts
-// is left out. c1 and the slope have the same fraction bits, c0 and the sum SUM_FRAC.
-// Latency: 4 clocks: operands, product, with one tile the sum, with three those of the outer and of the mixed ones, result;
-// with C2W > 0 three more: operands, c2 u, slope. A name ends with the clock in which it is valid, counted from that of the
-// slope.
+// One segment of a table function (model/dataflow/quadratic.py); u is the argument's offset from the segment's middle.
+// High parts have at most 18 bits. Slope times u takes one tile, or three: the tile of the low parts is omitted. The
+// slope has the fraction bits of c1, the sum those of c0, SUM_FRAC.
+// Throughput: one result per clock.
+// Latency: 4 clocks: operands, tile products, sum (three tiles: outer and mixed sums), result; three more with C2W > 0:
+// operands, c2 u, slope. A name's suffix is the clock in which it is valid, counted from the slope.
 `default_nettype none
 
 module ik_quadratic #(
     parameter integer F         = 31,  // fraction bits of y
-    parameter integer SUM_FRAC  = 36,
+    parameter integer SUM_FRAC  = 36,  // fraction bits of c0 and of the sum
     parameter integer UW        = 24,  // width of u
-    parameter integer U_LOW     = 6,   // bits of it below its tile
+    parameter integer U_LOW     = 6,   // bits of u below its high part
     parameter integer SW        = 27,  // width of a slope, signed
-    parameter integer SLOPE_LOW = 9,   // bits of it below its tile
-    parameter integer DROP      = 8,   // fraction bits of the tile of the high parts below those of the sum
-    parameter integer C2W       = 15,  // width of c2; 0: there is none
-    parameter integer BEND_DROP = 15,  // fraction bits of c2 times the high part of u below those of the slope
-    parameter integer RISES     = 0,
-    parameter integer BENDS_UP  = 0
+    parameter integer SLOPE_LOW = 9,   // slope bits below its high part
+    parameter integer DROP      = 8,   // fraction bits of the high tile below the sum's LSB
+    parameter integer C2W       = 15,  // width of c2; 0: no c2
+    parameter integer BEND_DROP = 15,  // fraction bits of c2 u below the slope's LSB
+    parameter integer RISES     = 0,   // 1: y = c0 + u slope
+    parameter integer BENDS_UP  = 0    // 1: slope = c1 + c2 u
 ) (
     input  wire                        clk,
-    input  wire        [   SUM_FRAC:0] c0,  // a clock later than the others
+    // Table row
+    input  wire        [   SUM_FRAC:0] c0,  // one clock after c1, c2 and u
     input  wire        [       SW-2:0] c1,
     input  wire        [C2W-(C2W>0):0] c2,
+    // Argument
     input  wire signed [       UW-1:0] u,
-    input  wire                        twice,  // 1: y is doubled; a clock before y
+    input  wire                        twice,  // 1: y is doubled; one clock before y
+    // Result
     output reg         [          F:0] y
 );
 
   localparam integer UH = UW - U_LOW;
-  localparam integer C0_CLOCKS = (C2W > 0) ? 4 : 1;  // until the product is there
+  localparam integer C0_CLOCKS = (C2W > 0) ? 4 : 1;  // until the product is ready
 
   // ---- slope ----
 
@@ -64,7 +67,7 @@ module ik_quadratic #(
     end
   endgenerate
 
-  // ---- slope times u: operands, and the tile of the high parts ----
+  // ---- slope times u: operands and the high tile ----
 
   localparam integer SH = SW - SLOPE_LOW;
   localparam integer HW = SH + UH - 1;

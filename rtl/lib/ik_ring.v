@@ -1,16 +1,16 @@
-// No rounding, any format: q is d, N clocks later; ik_delay for wide words that wait long.
+// No rounding, any format: q is d delayed by N clocks; ik_delay for wide words and long delays.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The words stay where they are, in a ring that a pointer goes around: each clock writes one place and reads that of
-// N-2 clocks before. A block memory of 512 places of 36 bits takes what would be up to 1152 shift registers of 16, or
-// flip-flops where an FPGA has none. No reset and no enable, and any start of the pointer will do: until N clocks later,
-// q is what the memory held before.
-// Latency: N clocks, at least 3.
+// A ring buffer: each clock writes one word and reads the word written N-2 clocks earlier. One 512x36 block RAM
+// replaces up to 1152 16-bit shift registers, or flip-flops on FPGAs without them. No reset and no enable; the pointer
+// may start anywhere. For the first N clocks, q is the memory's initial content.
+// Throughput: one word per clock.
+// Latency: N clocks.
 `default_nettype none
 
 module ik_ring #(
     parameter integer W = 32,  // width of the word
-    parameter integer N = 64   // clocks
+    parameter integer N = 64   // delay, clocks, at least 3
 ) (
     input  wire         clk,
     input  wire [W-1:0] d,
@@ -30,7 +30,7 @@ module ik_ring #(
     end
   endgenerate
 
-  localparam integer AGE = N - 2;  // a clock in oldest and one in q
+  localparam integer AGE = N - 2;  // minus one clock in `oldest` and one in q
   localparam integer AW = clog2(AGE + 1);
 
   (* ram_style = "block" *) reg [W-1:0] ring[0:(1<<AW)-1];

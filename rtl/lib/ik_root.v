@@ -1,17 +1,17 @@
-// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 where n < 0; n signed NW bits, q signed QW bits, never negative.
+// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 if n < 0; n signed NW bits, q signed QW bits, never negative.
 // SPDX-License-Identifier: Apache-2.0
 //
-// neg is valid with q and set where n was negative. A root that does not fit has all bits set. DIGIT chooses between a
-// behavioural core, the reference, and ik_root_digit, made of rows for synthesis; both give the same bits in the same
-// clocks.
-// Latency: LAT clocks; ik_root_digit says which it can have, a behavioural core has any.
+// neg is valid with q and set if n is negative. A root that does not fit saturates. DIGIT selects the behavioural
+// reference or ik_root_digit, a digit recurrence for synthesis; both give the same bits with the same latency.
+// Throughput: one root per clock.
+// Latency: LAT clocks. ik_root_digit limits LAT; the behavioural core accepts any.
 `default_nettype none
 
 module ik_root #(
     parameter integer NW    = 32,  // width of the radicand
     parameter integer SH    = 30,  // 2 F(q) - F(n)
     parameter integer QW    = 32,  // width of the root
-    parameter integer LAT   = 32,  // clocks
+    parameter integer LAT   = 32,  // latency, clocks
     parameter integer DIGIT = 0    // 1: digit recurrence, 0: behavioural
 ) (
     input  wire                 clk,
@@ -36,7 +36,7 @@ module ik_root #(
     end else begin : g_behavioural
       localparam integer XW = (NW + SH > 2 * QW) ? (NW + SH) : (2 * QW);
 
-      // One result bit after the other, highest first: keep it where the square still fits.
+      // One result bit at a time, highest first: keep it if the square still fits.
       function [QW-1:0] root(input [XW-1:0] v);
         reg [QW-1:0] r;
         reg [XW-1:0] rest;   // v - r^2

@@ -1,19 +1,21 @@
-// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 where n < 0; n signed NW bits, q signed QW bits, never negative.
+// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 if n < 0; n signed NW bits, q signed QW bits, never negative.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pipelined digit recurrence; ports and results are those of ik_root. A root that does not fit has all bits set.
-// The rows are non-restoring: a remainder has a sign, which is the result bit found with it, inverted.
-// A row's registers: remainder without its sign, and one word {radicand to come, root so far} that loses two bits on its
-// left and gets one on its right. The zeros that end n 2^SH are not stored.
-// Latency: LAT clocks: rows, a result bit each, or two where LAT is too short for that; output; the rest are registers
-// behind. LAT of at least 1 + ceil(R/2), natural 1 + R, with R = min(QW-1, ceil((NW-1+SH)/2)) result bits.
+// Pipelined digit recurrence with the ports and results of ik_root. A root that does not fit saturates.
+// The rows are non-restoring: a remainder is signed, and its sign is the inverse of the result bit found with it.
+// A row's registers: remainder without sign, and one word {remaining radicand, root so far} that loses two bits on the
+// left and gains one on the right. The zeros that end n 2^SH are not stored.
+// Throughput: one root per clock.
+// Latency: LAT clocks: rows with one result bit per clock, or two if LAT is too short; output; spare clocks at the
+// output. LAT is at least 1 + ceil(R/2), 1 + R for one bit per clock, with R = min(QW-1, ceil((NW-1+SH)/2)) result
+// bits.
 `default_nettype none
 
 module ik_root_digit #(
     parameter integer NW  = 32,  // width of the radicand
     parameter integer SH  = 30,  // 2 F(q) - F(n)
     parameter integer QW  = 32,  // width of the root
-    parameter integer LAT = 32   // clocks
+    parameter integer LAT = 32   // latency, clocks
 ) (
     input  wire                 clk,
     input  wire signed [NW-1:0] n,
@@ -23,7 +25,7 @@ module ik_root_digit #(
 
   localparam integer VB = NW - 1 + SH;  // bits of the radicand
   localparam integer ROWS = ((VB + 1) / 2 < QW - 1) ? ((VB + 1) / 2) : (QW - 1);  // result bits
-  localparam integer PAIRS = (SH / 2 < ROWS) ? (ROWS - SH / 2) : 0;  // of the radicand, that are not zeros
+  localparam integer PAIRS = (SH / 2 < ROWS) ? (ROWS - SH / 2) : 0;  // bit pairs of the radicand that are not padding
   localparam integer BITS = (LAT >= ROWS + 1) ? 1 : 2;  // result bits between registers
   localparam integer STAGES = (ROWS + BITS - 1) / BITS;
 
@@ -45,7 +47,7 @@ module ik_root_digit #(
 
   // ---- rows ----
 
-  localparam integer FIRST = (PAIRS > 0) ? (2 * PAIRS) : 1;  // a word has no less than one bit
+  localparam integer FIRST = (PAIRS > 0) ? (2 * PAIRS) : 1;  // at least one bit
 
   genvar k;
   generate
@@ -56,7 +58,7 @@ module ik_root_digit #(
       wire [k:0] r;
       wire [k:0] root;
       wire [WW-1:0] word;
-      wire ge;  // the remainder, whose other bits are r, is not negative
+      wire ge;  // remainder >= 0; r is its other bits
       if (k == 0) begin : g_first
         assign r = 1'b0;
         assign ge = 1'b1;

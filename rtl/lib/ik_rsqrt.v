@@ -1,23 +1,24 @@
-// Rounds to nearest, faithful: y = 1/(2 sqrt m), m unsigned with F+3 fraction bits in [1/4, 1), y F fraction bits.
+// Faithful rounding: y = 1/(2 sqrt m), m unsigned with F+3 fraction bits in [1/4, 1), y with F fraction bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The error is below one place of y, 1.1 with small tables and F = 29, also where m is a longer mantissa cut off
-// (model/dataflow/cores.py has the proof).
-// Below 1/4 the second bit of m counts as if it were set, so that 0 gives 1. Doubled, y has a zero below its last place.
-// From a table: one half of its segments lie in [1/4, 1/2), the other in [1/2, 1). Up to SHORT_FRAC fraction bits the
-// function is straight in a segment, beyond a quadratic of it; so it is with TILE < 18, whose table is the smallest.
-// The memory of the table has its address a clock before m is valid: m_next is m before a register.
-// Latency: 5 clocks after m, 8 with a quadratic (LAT_RSQRT): the table's output register, and ik_quadratic. A name ends
-// with the clock after m in which it is valid.
+// The error is below one LSB of y (1.1 with small tables and F = 29), even if m is a truncated longer mantissa; proof
+// in model/dataflow/cores.py.
+// The second bit of m is taken as set if m < 1/4, so m = 0 gives y = 1. A doubled y has a 0 as its LSB.
+// Half of the table's segments lie in [1/4, 1/2), half in [1/2, 1). Interpolation is linear up to F = 22, else
+// quadratic; likewise for TILE < 18, which has the smallest table.
+// The table's address is needed one clock before m is valid: m_next is m before its register.
+// Throughput: one result per clock.
+// Latency: 5 clocks after m, 8 if quadratic (LAT_RSQRT): the table's output register and ik_quadratic. A name's suffix
+// is the clock after m in which it is valid.
 `default_nettype none
 
 module ik_rsqrt #(
-    parameter integer F    = 31,  // fraction bits of y, 19 to 31, to 29 with TILE < 18
-    parameter integer TILE = 18   // bits of the multipliers' longer operand, 16 and more
+    parameter integer F    = 31,  // fraction bits of y, 19 to 31; at most 29 with TILE < 18
+    parameter integer TILE = 18   // width of the multipliers' longer operand, at least 16
 ) (
     input  wire         clk,
     input  wire [F+2:0] m_next,
-    input  wire         twice,   // 1: y is doubled; with m
+    input  wire         twice,   // 1: y is doubled; valid with m
     output wire [  F:0] y
 );
 
@@ -27,12 +28,12 @@ module ik_rsqrt #(
     end
   endgenerate
 
-  // Rounding adds 3/8 of a place of y, because a mantissa cut off makes the root too large by up to a quarter, less half of
-  // what the tiles lose by their cuts.
+  // The rounding constant is 3/8 LSB of y, because a truncated mantissa makes y too large by up to 1/4, minus half of
+  // the tiles' truncation error.
   `include "ik_rsqrt_table.vh"
 
-  // 0: table; a row goes without the highest bit of c0, a one
-  localparam integer RB = F + 3 - INDEX_BITS;  // bits of m below the number of its segment
+  // 0: table; the highest bit of c0, always 1, is not stored
+  localparam integer RB = F + 3 - INDEX_BITS;  // bits of m below its segment number
   reg [F+2:0] m_0;
   wire upper = m_next[F+2];
   reg [ROW_BITS-1:0] row_0;
@@ -41,7 +42,7 @@ module ik_rsqrt #(
     row_0 <= rom[{upper, upper ? m_next[F+1:RB] : m_next[F:RB-1]}];
   end
 
-  // 1: the memory's output register; u is the place in the segment less its middle, the lower segments are half as wide
+  // 1: the memory's output register; u is the offset from the segment's middle; lower segments are half as wide
   localparam integer UW = U_FRAC - INDEX_BITS;
   wire [RB+UW-1:0] place_x = {m_0[RB-1:0], {UW{1'b0}}};
   wire [UW-1:0] place = place_x[RB+UW-1:RB];
@@ -57,7 +58,7 @@ module ik_rsqrt #(
   reg [SUM_FRAC:0] c0_2;
   always @(posedge clk) c0_2 <= {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST};
   wire [SLOPE_BITS-1:0] c1_1 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, row_1[C2_BITS+:C1_BITS]} << C1_UP;
-  wire [C2_BITS-(C2_BITS>0):0] c2_1 = row_1[C2_BITS-(C2_BITS>0):0];  // one bit, not looked at, if there is no c2
+  wire [C2_BITS-(C2_BITS>0):0] c2_1 = row_1[C2_BITS-(C2_BITS>0):0];  // one ignored bit if there is no c2
   wire twice_y;
   ik_delay #(.W(1), .N(CLOCKS)) u_twice_y (.clk(clk), .d(twice), .q(twice_y));
   ik_quadratic #(

@@ -1,17 +1,18 @@
 // Left: exact modulo 2^W. Right: rounds down (floor). q = d * 2^count or floor(d / 2^count), signed words of W bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// By eights, by ones. With PRODUCT = 1, to the left only, the shift by 0 to 15 is a product with a power of two, of one
-// or two multiplier blocks, and then by sixteens: a LUT a bit instead of four.
-// Latency: 2 clocks (LAT_SHIFT); from d DD more, from count DC more.
+// Two stages: by eights, by ones. With PRODUCT = 1, left only, one or two multiplier blocks shift by 0 to 15, a product
+// with a power of two; then a shift by sixteens: one LUT per bit instead of four.
+// Throughput: one result per clock.
+// Latency: 2 clocks (LAT_SHIFT); DD more from d, DC more from count.
 `default_nettype none
 
 module ik_shift #(
-    parameter integer W       = 32,  // width of the word, at most 33 with PRODUCT
+    parameter integer W       = 32,  // width of the word; at most 33 with PRODUCT
     parameter integer RIGHT   = 0,   // 1: shift right
-    parameter integer PRODUCT = 0,   // 1: by multipliers
-    parameter integer DD      = 0,   // clocks by which d is delayed
-    parameter integer DC      = 0    // and the count
+    parameter integer PRODUCT = 0,   // 1: use multipliers
+    parameter integer DD      = 0,   // delay of d, clocks
+    parameter integer DC      = 0    // delay of count, clocks
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] d,
@@ -36,7 +37,7 @@ module ik_shift #(
     end else if (W > 33 || RIGHT != 0) begin : g_illegal
       ik_shift_with_PRODUCT_needs_W_of_at_most_33_and_goes_left u_stop ();
     end else begin : g_product
-      localparam integer LOW = (W > 17) ? 17 : W;  // bits in the low product, without a sign
+      localparam integer LOW = (W > 17) ? 17 : W;  // bits in the low product, unsigned
       wire [15:0] power = 16'd1 << count_in[3:0];
       wire [LOW+15:0] low_product = {16'd0, d_in[LOW-1:0]} * {{LOW{1'b0}}, power};
       reg [W-1:0] low;
@@ -56,7 +57,7 @@ module ik_shift #(
       end else begin : g_one
         assign high = {W{1'b0}};
       end
-      always @(posedge clk) q <= (low | high) << {sixteens, 4'd0};  // where one has a bit, the other has none
+      always @(posedge clk) q <= (low | high) << {sixteens, 4'd0};  // set bits never overlap
     end
   endgenerate
 

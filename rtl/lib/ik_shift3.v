@@ -1,15 +1,16 @@
 // Rounds down: q = floor(d * 2^count / 2^DROP), the low OW bits; d signed IW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A left shift of a long word of which only the upper end is wanted.
-// Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones; from d DD more.
+// Left shift of a long word of which only the upper end is kept.
+// Throughput: one result per clock.
+// Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones; DD more from d.
 `default_nettype none
 
 module ik_shift3 #(
     parameter integer IW   = 66,  // width of d
-    parameter integer DROP = 33,  // bits left out below, at least 1
+    parameter integer DROP = 33,  // low bits dropped, at least 1
     parameter integer OW   = 33,  // width of q
-    parameter integer DD   = 0    // clocks by which d is delayed
+    parameter integer DD   = 0    // delay of d, clocks
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] d,
@@ -23,7 +24,7 @@ module ik_shift3 #(
     end
   endgenerate
 
-  // Places above the result are of no use, those below it until nothing can shift them up any more.
+  // Bits above the result are not kept; bits below it are kept because they can still be shifted up.
   localparam integer TOP = DROP + OW;
   wire signed [IW-1:0] d_in;
   ik_delay #(.W(IW), .N(DD)) u_d (.clk(clk), .d(d), .q(d_in));

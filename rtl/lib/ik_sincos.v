@@ -1,11 +1,12 @@
-// Each iteration rounds down with 6 guard bits, the result half up: sin and cos of phi/2, signed Q2.(W-2).
+// Rounds half up; each iteration rounds down with 6 guard bits: sin and cos of phi/2, signed Q2.(W-2).
 // SPDX-License-Identifier: Apache-2.0
 //
-// phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: inside the CORDIC's range of convergence
-// without folding quadrants. The gain of the rotations is taken out in advance.
-// The vector after FIRST iterations is a function of the FIRST signs of the angle alone: it is in a memory, and only
-// the angle goes through all iterations. The memory is read before the last of these signs is known, for both.
-// Latency: W + 1 clocks (LAT_SINCOS): one iteration a bit, rounding.
+// CORDIC. phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: within the range of convergence
+// without quadrant folding. The start vector compensates the gain of the rotations.
+// The vector after FIRST iterations depends only on the first FIRST signs of the angle, so it is read from a memory;
+// only the angle passes through all iterations. The memory is read for both values of the last of these signs.
+// Throughput: one angle per clock.
+// Latency: W + 1 clocks (LAT_SINCOS): one iteration per bit, rounding.
 `default_nettype none
 
 module ik_sincos #(
@@ -21,15 +22,15 @@ module ik_sincos #(
 
   localparam integer XW = W + SINCOS_GUARD;
   localparam integer DROP = TABLE_BITS - XW;  // table bits below those of the angle
-  localparam integer DROP_GAIN = DROP + 2;  // x and y have two integer bits, the table has none
+  localparam integer DROP_GAIN = DROP + 2;  // x and y have two integer bits, the table none
 
   localparam [TABLE_BITS-1:0] GAIN_W = (GAIN + (48'd1 << (DROP_GAIN - 1))) >> DROP_GAIN;
 
-  // ---- angle left to turn ----
+  // ---- remaining angle ----
 
-  // An iteration halves it, so from the third on z has a bit less in each: its sign bit stands for those above.
-  // a +- b is written with one adder and the sign as its carry: a + (b ^ s) + s. Below the lowest 1 of an angle, of which
-  // the first, an eighth of a turn, has no other, z stays what it is.
+  // Each iteration halves the remaining angle, so from the third on z loses one bit per iteration; its sign bit
+  // extends. a +- b uses one adder with the sign as carry: a + (b ^ s) + s. The bits of z below the lowest 1 of the
+  // rotation angle do not change; the first angle, 1/8 turn, has a single 1.
   function integer zeros(input [XW-1:0] angle);
     begin
       zeros = 0;
@@ -58,7 +59,7 @@ module ik_sincos #(
       wire [NEXT-1:0] high = (z[NEXT-1:0] >> STAY) + (step ^ {NEXT{left}}) + {{(NEXT - 1) {1'b0}}, left};
       reg [NEXT-1:0] z_q;
       always @(posedge clk) z_q <= (high << STAY) | (z[NEXT-1:0] & BELOW);
-      wire unused = &{1'b0, z_q};  // the last one
+      wire unused = &{1'b0, z_q};  // last iteration
     end
   endgenerate
 
@@ -95,7 +96,7 @@ module ik_sincos #(
   integer n;
   initial for (n = 0; n < (1 << FIRST); n = n + 1) start[n] = vector(n);
 
-  // the signs together: that of iteration i waits until that of iteration FIRST-2 is there
+  // Align the signs: the sign of iteration i waits for the sign of iteration FIRST-2.
   wire [FIRST-2:0] signs;
   generate
     for (i = 0; i < FIRST - 1; i = i + 1) begin : g_sign
@@ -120,7 +121,7 @@ module ik_sincos #(
     {x_first, y_first} <= g_angle[FIRST-1].right ? start_right : start_left;
   end
 
-  // ---- the other iterations: x[i], y[i] after i of them ----
+  // ---- remaining iterations: x[i], y[i] after i iterations ----
 
   wire signed [XW-1:0] x[FIRST:W];
   wire signed [XW-1:0] y[FIRST:W];
@@ -156,7 +157,7 @@ module ik_sincos #(
   assign cos_h = cos_q;
   assign sin_h = sin_q;
 
-  // dropped by the rounding
+  // dropped by rounding
   wire unused = &{1'b0, x_round[SINCOS_GUARD-1:0], y_round[SINCOS_GUARD-1:0]};
 
 endmodule

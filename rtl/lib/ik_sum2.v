@@ -1,19 +1,20 @@
 // Rounds half up and saturates: q = sat(floor((a +- b) / 2^SH + 1/2)), a and b signed IW bits, q signed OW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ovf is valid with q and says that q was saturated. SAT = 0 is for a sum whose format is proved to hold it
-// (docs/generated/wordlengths.md): nothing is looked at and ovf is 0.
-// Latency: 2 clocks (LAT_SUM2); from a DA more, from b DB more.
+// ovf is valid with q and set if q is saturated. SAT = 0 is for sums proved to fit their format
+// (docs/generated/wordlengths.md): no check, ovf is 0.
+// Throughput: one result per clock.
+// Latency: 2 clocks (LAT_SUM2); DA more from a, DB more from b.
 `default_nettype none
 
 module ik_sum2 #(
-    parameter integer IW    = 40,  // width of a and b, which have one format
+    parameter integer IW    = 40,  // width of a and b, same format
     parameter integer SH    = 8,   // fraction bits dropped
     parameter integer OW    = 32,  // width of q
     parameter integer SUB_B = 0,   // 1: a - b
-    parameter integer SAT   = 1,   // 0: q holds any sum there is
-    parameter integer DA    = 0,   // clocks by which a is delayed
-    parameter integer DB    = 0    // and b
+    parameter integer SAT   = 1,   // 0: q always holds the sum
+    parameter integer DA    = 0,   // delay of a, clocks
+    parameter integer DB    = 0    // delay of b, clocks
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] a,
@@ -22,7 +23,7 @@ module ik_sum2 #(
     output reg                  ovf
 );
 
-  // A bit for the sum and one for the rounding; at least one more than q, so that there is a range to check.
+  // One bit for the sum and one for the rounding; at least one more than q, for the range check.
   localparam integer RW = (IW + 2 > OW + SH) ? (IW + 2) : (OW + SH + 1);
   localparam [RW-1:0] HALF = (SH > 0) ? ({{(RW - 1) {1'b0}}, 1'b1} << (SH - 1)) : {RW{1'b0}};
 
@@ -36,7 +37,7 @@ module ik_sum2 #(
   reg signed  [RW-1:0] sum;
   always @(posedge clk) sum <= (SUB_B != 0) ? (a_x - b_x) : (a_x + b_x);
 
-  // Above HALF's bit, sum + HALF is sum plus that bit of it: no inverter for a bit that is dropped.
+  // Above HALF's bit, sum + HALF equals sum plus that bit of sum; this saves an inverter for a dropped bit.
   wire signed [RW-1:0] rounded = $signed(sum + (sum & HALF)) >>> SH;
   wire fits = (rounded[RW-1:OW-1] == {(RW - OW + 1) {rounded[RW-1]}});
   always @(posedge clk) begin

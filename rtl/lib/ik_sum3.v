@@ -1,15 +1,17 @@
 // Rounds half up and saturates: q = sat(floor((a + b +- c) / 2^SH + 1/2)), a, b, c signed IW bits, q signed OW bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One adder in front of ik_sum2. Latency: 3 clocks (LAT_SUM3).
+// One adder in front of ik_sum2; ovf and SAT as there.
+// Throughput: one result per clock.
+// Latency: 3 clocks (LAT_SUM3).
 `default_nettype none
 
 module ik_sum3 #(
-    parameter integer IW    = 40,  // width of a, b and c, which have one format
+    parameter integer IW    = 40,  // width of a, b and c, same format
     parameter integer SH    = 8,   // fraction bits dropped
     parameter integer OW    = 32,  // width of q
     parameter integer SUB_C = 0,   // 1: a + b - c
-    parameter integer SAT   = 1    // 0: q holds any sum there is, as in ik_sum2
+    parameter integer SAT   = 1    // 0: q always holds the sum
 ) (
     input  wire                 clk,
     input  wire signed [IW-1:0] a,

@@ -1,18 +1,18 @@
-// Rounds half up, of the magnitude: sine and cosine of phi/2, signed Q2.F, error below a place.
+// Rounds the magnitude half up: sine and cosine of phi/2, signed Q2.F, error below one LSB.
 // SPDX-License-Identifier: Apache-2.0
 //
-// phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. From a table of the sine of a quarter turn,
-// which the cosine reads from the other end, where u has the other sign. Up to F = 23 the sine is straight in a segment,
-// beyond a quadratic of u; so it is with TILE < 18, whose table is the smallest. model/dataflow/trig.py has the proof of
-// the bound.
-// Latency: 11 clocks, 8 where the sine is straight (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name ends with
-// the clock in which it is valid.
+// phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. The table holds the sine of a quarter
+// turn; the cosine reads it from the other end, where u changes sign. Interpolation is linear up to F = 23, else
+// quadratic; likewise for TILE < 18, which has the smallest table. Proof of the error bound: model/dataflow/trig.py.
+// Throughput: one angle per clock.
+// Latency: 11 clocks, 8 if linear (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name's
+// suffix is the clock in which it is valid.
 `default_nettype none
 
 module ik_trig #(
     parameter integer W    = 32,  // width of phi, 16 to 32
-    parameter integer F    = 31,  // fraction bits of the results, 19 to 31, to 29 with TILE < 18
-    parameter integer TILE = 18   // bits of the multipliers' longer operand, 16 and more
+    parameter integer F    = 31,  // fraction bits of the results, 19 to 31; at most 29 with TILE < 18
+    parameter integer TILE = 18   // width of the multipliers' longer operand, at least 16
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] phi,
@@ -29,7 +29,7 @@ module ik_trig #(
     end
   endgenerate
 
-  // 1: |phi|, whose highest bit says a quarter turn
+  // 1: |phi|; its highest bit set is a quarter turn
   reg [W-1:0] a_1;
   reg minus_1;
   always @(posedge clk) begin
@@ -37,8 +37,8 @@ module ik_trig #(
     minus_1 <= phi[W-1];
   end
 
-  // 2: table; the quarter turn is the end of the last segment
-  localparam integer RB = W - 1 - INDEX_BITS;  // bits of a below the number of its segment
+  // 2: table; a quarter turn is the end of the last segment
+  localparam integer RB = W - 1 - INDEX_BITS;  // bits of a below its segment number
   reg [ROW_BITS-1:0] sine_2;
   reg [ROW_BITS-1:0] cosine_2;
   reg [RB-1:0] rest_2;
@@ -53,8 +53,8 @@ module ik_trig #(
     minus_2  <= minus_1;
   end
 
-  // 3: the memory's output registers; u is the place in the segment less its middle
-  localparam integer UW = U_FRAC - INDEX_BITS + 1;  // the last segment's end, too
+  // 3: the memory's output registers; u is the offset from the segment's middle
+  localparam integer UW = U_FRAC - INDEX_BITS + 1;  // also holds the end of the last segment
   wire [UW-1:0] place = {{(UW - RB) {1'b0}}, rest_2} << (UW - 1 - RB);
   reg [ROW_BITS-1:0] sine_3;
   reg [ROW_BITS-1:0] cosine_3;
@@ -74,7 +74,7 @@ module ik_trig #(
   end
   wire [SLOPE_BITS-1:0] sine_c1_3 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, sine_3[C2_BITS+:C1_BITS]} << C1_UP;
   wire [SLOPE_BITS-1:0] cosine_c1_3 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, cosine_3[C2_BITS+:C1_BITS]} << C1_UP;
-  localparam integer C2_TOP = C2_BITS - (C2_BITS > 0);  // if there is no c2, one bit that is not looked at
+  localparam integer C2_TOP = C2_BITS - (C2_BITS > 0);  // one ignored bit if there is no c2
   wire [F:0] sine;
   wire [F:0] cosine;
   ik_quadratic #(

@@ -1,15 +1,16 @@
 // Exact modulo 2^W: q = a + b, or a - b with SUB = 1; words of W bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// For words twice as long as the datapath's.
-// Latency: 1 clock (LAT_WIDE); from a DA more, from b DB more.
+// Adder for words twice as wide as the datapath.
+// Throughput: one result per clock.
+// Latency: 1 clock (LAT_WIDE); DA more from a, DB more from b.
 `default_nettype none
 
 module ik_wide #(
     parameter integer W   = 66,  // width of the words
     parameter integer SUB = 0,   // 1: subtract b
-    parameter integer DA  = 0,   // clocks by which a is delayed
-    parameter integer DB  = 0    // and b
+    parameter integer DA  = 0,   // delay of a, clocks
+    parameter integer DB  = 0    // delay of b, clocks
 ) (
     input  wire                clk,
     input  wire signed [W-1:0] a,

@@ -2,15 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Section 3.2: the point pair (12) in the form (19), and the elbow point (13). The point pair is homogeneous: it is
-// scaled by 2 as in (19) and by the ratio of the two units of length, and the elbow comes out in the arms' unit.
+// scaled by 2 as in (19) and by the ratio of the two units of length; the elbow point is in the arms' unit.
 //
 // Names: pp_i, pp_j, pp_k are PP_i, PP_j, PP_k; pp_1_m is PP_1^- = PP_15 - PP_14, pp_1_p is PP_1^+ = PP_15 + PP_14;
-// 2 and 3 likewise.
+// 2 and 3 likewise. Each port is valid at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer DIGIT = 0    // dividers and roots: 1 digit recurrence, 0 behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -35,8 +36,8 @@ module ik_elbow #(
     output wire signed [W-1:0] pp_1_m,              // T_PP_1_M
     output wire signed [W-1:0] pp_2_m,
     output wire signed [W-1:0] pp_3_m,
-    output reg                 flat,                // T_FLAT: target, elbow and shoulder on one line
-    output reg                 back,                // T_BACK: the elbow lies behind the shoulder, seen from the target
+    output reg                 flat,                // T_FLAT: shoulder, elbow and target are collinear
+    output reg                 back,                // T_BACK: seen from the target, the elbow is behind the shoulder
     // Results
     output wire signed [W-1:0] p_e_x,               // T_P_E_X
     output wire signed [W-1:0] p_e_y,
@@ -46,7 +47,7 @@ module ik_elbow #(
 
   `include "ik_paper_nodes.vh"
 
-  localparam integer WW = W + GUARD;  // a product before its rounding
+  localparam integer WW = W + GUARD;  // width of an unrounded product
 
   // ---- (12) the factor p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^scale_j ----
 
@@ -83,7 +84,7 @@ module ik_elbow #(
       .clk(clk), .a(pi_swivel_z), .b(k_e_at_pi_swivel), .q(pp_k)
   );
 
-  // ---- (19) PP_m^- = 2 (p_w x pi_swivel), the factor 2 in the formats ----
+  // ---- (19) PP_m^- = 2 (p_w x pi_swivel); the formats contain the factor 2 ----
 
   wire signed [WW-1:0] c_1_zy, c_1_yz, c_2_xz, c_2_zx, c_3_yx, c_3_xy;
   localparam integer SH_C = F_P_W_X + F_PI_SWIVEL_X - 1 - F_C_1_ZY;
@@ -201,7 +202,7 @@ module ik_elbow #(
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
   );
 
-  // ---- on which side of the shoulder a straight or folded arm lies, for (17) ----
+  // ---- side of the shoulder on which a straight or folded arm lies, for (17) ----
 
   wire clamp_at_tmp1, clamp_at_k_e, away_at_k_e;
   ik_delay #(.W(2), .N(T_K_E-T_CLAMP)) u_clamp_at_k_e (.clk(clk), .d({away, clamp}), .q({away_at_k_e, clamp_at_k_e}));
@@ -305,7 +306,7 @@ module ik_elbow #(
       .clk(clk), .n(e_z_num), .d(inf_pp_at_e_x_num), .q(e_z_quo), .ovf()
   );
 
-  // A clamped arm's elbow lies on the line to the target: at half its distance, in the target's unit.
+  // A clamped arm's elbow lies on the line to the target, at half its distance, in the target's unit.
   wire clamp_at_e_x_quo, away_at_e_x_quo;
   wire signed [W-1:0] p_w_x_at_e_x_quo, p_w_y_at_e_x_quo, p_w_z_at_e_x_quo;
   ik_ring #(.W(2), .N(T_E_X_QUO-T_K_E)) u_clamp_at_e_x_quo (

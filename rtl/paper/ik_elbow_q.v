@@ -1,12 +1,13 @@
 // Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, roots and quotient floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Section 3.3: the elbow quaternion Qe = qe_w + qe_i i (14).
+// Section 3.3: the elbow quaternion Qe = qe_w + qe_i i (14). Each port is valid at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_elbow_q #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer DIGIT = 0    // dividers and roots: 1 digit recurrence, 0 behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -29,7 +30,7 @@ module ik_elbow_q #(
 
   `include "ik_paper_nodes.vh"
 
-  localparam integer WW = W + GUARD;  // a product before its rounding
+  localparam integer WW = W + GUARD;  // width of an unrounded product
 
   // ---- (14) p_e^2 - p_e p_w = p_e (p_e - p_w) ----
 
@@ -64,7 +65,7 @@ module ik_elbow_q #(
   ik_mul #(.AW(W), .BW(W), .SH(SH_T), .OW(WW), .DA(T_F_X-T_P_E_X)) u_t_z (.clk(clk), .a(p_e_z), .b(f_z), .q(t_z));
   // (14) t_e = t_x + t_y + t_z
   ik_sum3 #(.IW(WW), .SH(F_T_X-F_T_E), .OW(W)) u_t_e (
-      .clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf()  // too large only of clamped targets, whose c4 is set below
+      .clk(clk), .a(t_x), .b(t_y), .c(t_z), .q(t_e), .ovf()  // overflows only if clamped; c4 is overridden below
   );
 
   // ---- (14) c4 = (p_e^2 - p_e p_w) / (d1 d2) ----
@@ -75,7 +76,7 @@ module ik_elbow_q #(
   ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_at_t_e (.clk(clk), .d(d_12), .q(d_12_at_t_e));
   // (14) c4_quo = t_e / d_12
   ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_c4_quo (
-      .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // a cosine past 2 is limited to 1 like one past 1
+      .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // saturation at 2 is harmless: ik_half limits c4 to 1
   );
 
   // A clamped arm is straight (-1) or folded (+1).

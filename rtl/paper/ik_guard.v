@@ -1,13 +1,14 @@
-// Comparisons exact; scaling exact but for the last place of arms with d1 + d2 >= 2, whose dropped bit is or-ed in.
+// Comparisons exact; scaling drops at most one bit: ORed into the LSB, floor for d_dif_j; Q2.(W-2) to Q1.(W-1).
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the paper's equations need before they can be used on any input word at all:
-// - which targets have no elbow: too far, too near, at the shoulder, arms without length. These are clamped: they pass
-//   as targets of an ordinary arm, and three nodes further down are set from outside (p_e, c4 and the side for (17));
-// - units of length in which the words are full. Kinematics is scale-free: the arms are brought to
-//   1/2 <= d1 + d2 < 1, the target has a unit of its own, 2^scale_j finer, and so has its horizontal direction (b).
+// Prepares arbitrary input words for the paper's equations:
+// - detects targets without an elbow: too far, too near, at the shoulder, arms without length. These are clamped: the
+//   datapath sees an ordinary arm, and three later nodes (p_e, c4 and the side for (17)) are overridden;
+// - scales lengths to full words. Kinematics is scale-free: the arms are scaled to 1/2 <= d1 + d2 < 1; the target has
+//   its own unit, 2^scale_j finer, and so has its horizontal direction (b).
 //
-// Inputs at clock 0; an output OUT at clock T_OUT of ik_paper_nodes.vh.
+// Inputs at clock 0; output OUT at clock T_OUT of ik_paper_nodes.vh.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_guard #(
@@ -21,13 +22,13 @@ module ik_guard #(
     input  wire signed [W-1:0] z,
     input  wire signed [W-1:0] d1,
     input  wire signed [W-1:0] d2,
-    // Target in its own unit, and its horizontal direction in a unit of its own, Q1.(W-1)
+    // Target and its horizontal direction, each in its own unit, Q1.(W-1)
     output wire signed [W-1:0] p_w_x,
     output wire signed [W-1:0] p_w_y,
     output wire signed [W-1:0] p_w_z,
     output wire signed [W-1:0] b_x,
     output wire signed [W-1:0] b_y,
-    // Arms, and the target in the same unit, Q1.(W-1)
+    // Arms and target in the arms' unit, Q1.(W-1)
     output reg  signed [W-1:0] d_1,
     output reg  signed [W-1:0] d_2,
     output reg  signed [W-1:0] p_a_x,
@@ -41,16 +42,16 @@ module ik_guard #(
     output reg                 on_axis,
     output reg                 at_shoulder,
     output reg                 bad_length,
-    output reg                 clamp,        // there is no elbow: straight or folded arm
+    output reg                 clamp,        // no elbow: straight or folded arm
     output reg                 fold,         // clamped and folded
-    output reg                 away          // clamped with the upper arm away from the target
+    output reg                 away          // clamped, upper arm points away from the target
 );
 
   `include "ik_paper_nodes.vh"
 
-  localparam integer XW = 2 * W + 2;  // an exact sum of squares
+  localparam integer XW = 2 * W + 2;  // width of an exact sum of squares
 
-  // ---- lengths and places that have no equation ----
+  // ---- lengths and positions outside the equations' domain ----
 
   always @(posedge clk) begin
     bad_length  <= (d1 <= 0) || (d2 <= 0);
@@ -58,7 +59,7 @@ module ik_guard #(
     at_shoulder <= (x == 0) && (y == 0) && (z == 0);
   end
 
-  // ---- reach: d1 + d2 and d1 - d2 against |p|, in exact squares ----
+  // ---- reach: compare d1 + d2 and d1 - d2 with |p| as exact squares ----
 
   wire signed [W:0] d1_x = {d1[W-1], d1};
   wire signed [W:0] d2_x = {d2[W-1], d2};
@@ -105,7 +106,7 @@ module ik_guard #(
     too_near <= (s_raw < d_sq_at_s_raw) && !bad_length_at_s_raw;
   end
 
-  // ---- what to do with a target that has no elbow ----
+  // ---- decisions for targets without an elbow ----
 
   wire bad_length_at_too_far, at_shoulder_at_too_far, d_raw_negative_at_too_far;
   ik_delay #(.W(3), .N(T_TOO_FAR - T_BAD_LENGTH)) u_d_raw_negative_at_too_far (
@@ -118,17 +119,17 @@ module ik_guard #(
     away  <= too_near && d_raw_negative_at_too_far;
   end
 
-  // ---- the target in its own unit; at the shoulder it is taken to be straight up ----
+  // ---- the target in its own unit; at the shoulder, straight up is used ----
 
   wire [5:0] lz_p;
   ik_norm #(.W(W), .N(3)) u_norm_p (.clk(clk), .d({y, x, z}), .q({p_w_y, p_w_x, p_w_z}), .count(lz_p));
 
-  // ---- its horizontal direction; on the axis azimuth 0 is taken ----
+  // ---- its horizontal direction; on the axis, azimuth 0 is used ----
 
   wire [5:0] lz_b;
   ik_norm #(.W(W), .N(2)) u_norm_b (.clk(clk), .d({y, x}), .q({b_y, b_x}), .count(lz_b));
 
-  // ---- the arms in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit ----
+  // ---- the arms scaled to d1 + d2 in [1/2, 1), and the target in the same unit ----
 
   wire [5:0] lz_r;
   wire r_empty;
@@ -147,7 +148,7 @@ module ik_guard #(
       .q({p_a_z_sh_at_clamp, p_a_y_sh_at_clamp, p_a_x_sh_at_clamp, d_2_sh_at_clamp, d_1_sh_at_clamp})
   );
 
-  // A bit is dropped only where d1 + d2 >= 2; or-ed in, it keeps the shortest length from becoming 0.
+  // A bit is dropped only if d1 + d2 >= 2; ORing it in keeps the shortest length from becoming 0.
   localparam signed [W-1:0] QUARTER = {3'b001, {(W - 3) {1'b0}}};
   always @(posedge clk) begin
     d_1   <= clamp ? QUARTER : {d_1_sh_at_clamp[W:2], d_1_sh_at_clamp[1] | d_1_sh_at_clamp[0]};
@@ -157,15 +158,15 @@ module ik_guard #(
     p_a_z <= clamp ? {W{1'b0}} : {p_a_z_sh_at_clamp[W:2], p_a_z_sh_at_clamp[1] | p_a_z_sh_at_clamp[0]};
   end
 
-  // ---- d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder
-  // could come to lie out of their reach ----
+  // ---- d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder
+  // out of reach ----
 
   wire signed [W:0] d_dif_sh, d_dif_sh_at_clamp;
   ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_P - T_D_RAW)) u_d_dif_sh (.clk(clk), .d(d_raw), .count(lz_p), .q(d_dif_sh));
   ik_delay #(.W(W+1), .N(T_CLAMP - T_D_DIF_SH)) u_d_dif_sh_at_clamp (.clk(clk), .d(d_dif_sh), .q(d_dif_sh_at_clamp));
   always @(posedge clk) d_dif_j <= clamp ? {W{1'b0}} : d_dif_sh_at_clamp[W:1];
 
-  // ---- how much finer the target's unit is than the arms' ----
+  // ---- ratio of the target's unit to the arms' unit ----
 
   wire [5:0] lz_p_at_clamp, lz_r_at_clamp;
   ik_delay #(.W(6), .N(T_CLAMP - T_LZ_P)) u_lz_p_at_clamp (.clk(clk), .d(lz_p), .q(lz_p_at_clamp));

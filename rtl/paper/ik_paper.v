@@ -1,23 +1,24 @@
-// Inputs Q2.(W-2) and a binary angle; results Q2.(W-2); rounding and format of each node: ik_paper_nodes.vh.
+// Results Q2.(W-2); inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_paper_nodes.vh.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's dataflow, equations (10) to (19): a target enters and a result leaves in every clock. There is no enable
-// and no reset but that of the valid bits: the pipeline runs free, and valid and tag travel with the data.
+// The paper's dataflow, equations (10) to (19). The pipeline has no enable, and only the valid bits are reset; valid
+// and tag travel with the data.
 //
-// A signal with the name of a node holds it in the node's clock, T_<NODE>. Operators delay an operand that they need
-// later themselves (DA, DB, ..: clocks). What several share, or written logic needs, is delayed outside: x_at_y is x in
-// the clock of node y, or of the first node whose name begins with y.
+// A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
+// clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in the
+// clock of node y, or of the first node whose name begins with y.
+// Throughput: one target per clock.
 // Latency: T_OUT clocks.
 `default_nettype none
 
 module ik_paper #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer TAG_W = 8,   // width of the tag, 1 or more
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer TAG_W = 8,   // tag width, at least 1
+    parameter integer DIGIT = 0    // dividers and roots: 1 digit recurrence, 0 behavioural
 ) (
     // Clock
     input  wire             clk,
-    input  wire             rst,        // synchronous: forgets the targets in flight
+    input  wire             rst,        // synchronous: discards the targets in flight
     // Target
     input  wire             in_valid,
     input  wire [TAG_W-1:0] in_tag,
@@ -54,7 +55,7 @@ module ik_paper #(
 
   ik_delay #(.W(TAG_W), .N(T_OUT)) u_tag (.clk(clk), .d(in_tag), .q(out_tag));
 
-  // ---- outside the equations' domain, and scale ----
+  // ---- targets outside the equations' domain, scaling ----
 
   wire signed [W-1:0] x = in_data[0*W+:W];
   wire signed [W-1:0] y = in_data[1*W+:W];
@@ -85,7 +86,7 @@ module ik_paper #(
       .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z)
   );
 
-  // The target waits for its swivel plane; 3.2 and 3.5 use both.
+  // Align the target with its swivel plane; 3.2 and 3.5 use both.
   wire signed [W-1:0] p_w_x_at_pi_swivel, p_w_y_at_pi_swivel, p_w_z_at_pi_swivel;
   ik_ring #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_at_pi_swivel (
       .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel})
@@ -138,7 +139,7 @@ module ik_paper #(
       .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
   );
 
-  // ---- all results leave together ----
+  // ---- align the results ----
 
   wire signed [W-1:0] qs_k_at_out, qe_w_at_out, qe_i_at_out;
   ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_at_out (.clk(clk), .d(qs_k), .q(qs_k_at_out));

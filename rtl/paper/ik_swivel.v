@@ -1,14 +1,16 @@
 // Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Section 3.1: the distance of the target (10) and the swivel plane (11), with sin and cos of phi/2 from a CORDIC
-// beside the first root. (11) contains the target's horizontal direction as a factor of every term; it is here in
-// a unit of its own (b), which gives the plane's normal another length and leaves the plane what it is.
+// Section 3.1: the distance of the target (10) and the swivel plane (11), with sin and cos of phi/2 from a CORDIC in
+// parallel with the first root. Every term of (11) has the target's horizontal direction as a factor; here it has its
+// own unit (b), which changes the length of the plane's normal but not the plane. Each port is valid at its clock
+// T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_swivel #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer DIGIT = 0    // dividers and roots: 1 digit recurrence, 0 behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -30,7 +32,7 @@ module ik_swivel #(
 
   `include "ik_paper_nodes.vh"
 
-  localparam integer WW = W + GUARD;  // a product before its rounding
+  localparam integer WW = W + GUARD;  // width of an unrounded product
 
   // ---- (10) |L_sw| = sqrt(p_x^2 + p_y^2 + p_z^2) ----
 
@@ -48,7 +50,7 @@ module ik_swivel #(
       .clk(clk), .n({1'b0, s[W-2:0]}), .q(l_sw), .neg()  // a sum of squares has no sign
   );
 
-  // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the square is missing in print ----
+  // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the paper omits the square ----
 
   wire signed [W-1:0] sin_h, cos_h;
   ik_sincos #(.W(W)) u_sincos (.clk(clk), .phi(phi), .sin_h(sin_h), .cos_h(cos_h));

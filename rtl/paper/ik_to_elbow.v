@@ -3,16 +3,18 @@
 //
 // Section 3.4: Q12 (15), the half turn about the middle line L_m that takes the z axis to the elbow.
 //
-// L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) has a free length:
-// - elbow below the shoulder: d1 dropped, and one factor (p_ex, p_ey) scaled up to (u_x, u_y). On the z axis u is
-//   (1/2, 0) and L_m is (d1, 0, 0), where (15) says 0/0;
-// - elbow above: divided by d1 - p_ez, which is about to cancel; p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez) leaves
-//   (p_ex, p_ey, d1 + p_ez). On the z axis this is (0, 0, 2 d1), where (15) says 0/0.
+// L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may have any length:
+// - elbow below the shoulder: d1 is dropped, and one factor (p_ex, p_ey) is scaled up to (u_x, u_y). On the z axis,
+//   where (15) is 0/0, u is (1/2, 0) and L_m is (d1, 0, 0);
+// - elbow above: L_m is divided by d1 - p_ez, which suffers from cancellation; p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez)
+//   leaves (p_ex, p_ey, d1 + p_ez). On the z axis, where (15) is 0/0, this is (0, 0, 2 d1).
+// Each port is valid at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_to_elbow #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer DIGIT = 0    // dividers and roots: 1 digit recurrence, 0 behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -29,7 +31,7 @@ module ik_to_elbow #(
 
   `include "ik_paper_nodes.vh"
 
-  localparam integer WW = W + GUARD;  // a product before its rounding
+  localparam integer WW = W + GUARD;  // width of an unrounded product
 
   // ---- (15) h = d1 - p_ez below, d1 + p_ez above the shoulder ----
 
@@ -41,12 +43,12 @@ module ik_to_elbow #(
   wire [W:0] h_sum = {1'b0, d_e_q} + {1'b0, abs_z};
   always @(posedge clk) begin
     d_e_q <= d_e_at_p_e_z;
-    // Of an arm that is all upper arm, h can be rounded to 2.
+    // h can round up to 2 if d2 is close to 0; it saturates.
     h_q   <= (h_sum[W:W-1] != 2'b00) ? {1'b0, {(W - 1) {1'b1}}} : h_sum[W-1:0];
   end
   assign h = h_q;
 
-  // ---- (15) the direction of (p_ex, p_ey), with full words however close to the axis ----
+  // ---- (15) the direction of (p_ex, p_ey), normalized to full words ----
 
   wire signed [W-1:0] u_x, u_y;
   wire [5:0] lz_u;
@@ -91,7 +93,7 @@ module ik_to_elbow #(
   wire signed [W-1:0] m_x_at_m_z, m_y_at_m_z;
   ik_delay #(.W(2*W), .N(T_M_Z-T_M_X)) u_m_at_m_z (.clk(clk), .d({m_y, m_x}), .q({m_y_at_m_z, m_x_at_m_z}));
 
-  // ---- (15) L_m in a unit of length of its own, tmp2 = L_m^2, |L_m| ----
+  // ---- (15) L_m in its own unit, tmp2 = L_m^2, |L_m| ----
 
   wire signed [W-1:0] l_m_x, l_m_y, l_m_z;
   wire [5:0] lz_m;

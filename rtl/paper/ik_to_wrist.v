@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Section 3.5: the angle theta_3 between the rotated y-z plane and the swivel plane (17), and the shoulder quaternion
-// Qs = Q12 Q3 (18). The division by |pi_swivel| is done as a reciprocal long before c3 needs it.
+// Qs = Q12 Q3 (18). The division by |pi_swivel| is a product with its reciprocal, computed long before c3 needs it.
+// Each port is valid at its clock T_<NODE>.
+// Throughput: one target per clock.
 `default_nettype none
 
 module ik_to_wrist #(
     parameter integer W     = 32,  // word length, 16 to 32
-    parameter integer DIGIT = 0    // 1: dividers and roots of rows, 0: behavioural
+    parameter integer DIGIT = 0    // dividers and roots: 1 digit recurrence, 0 behavioural
 ) (
     // Clock
     input  wire                clk,
@@ -38,7 +40,7 @@ module ik_to_wrist #(
 
   `include "ik_paper_nodes.vh"
 
-  localparam integer WW = W + GUARD;  // a product before its rounding
+  localparam integer WW = W + GUARD;  // width of an unrounded product
 
   // ---- (17) 1 / |pi_swivel| ----
 
@@ -93,7 +95,7 @@ module ik_to_wrist #(
       .clk(clk), .a(q12_k_sq), .b(q12_j_sq), .c(q12_i_sq), .q(r_x), .ovf()
   );
 
-  // ---- (17) c3: the swivel plane along that axis ----
+  // ---- (17) c3: the swivel plane's normal along that axis ----
 
   wire signed [WW-1:0] g_y, g_z;
   wire signed [W-1:0] g;  // q12_j pi_swivel_y + q12_k pi_swivel_z
@@ -130,9 +132,9 @@ module ik_to_wrist #(
       .clk(clk), .a(c3_num), .b(pi_inv_at_c3_num), .q(c3)
   );
 
-  // ---- (17) sign: the side of the rotated plane that the target is on. Where shoulder, elbow and target lie on one
-  // line the target lies in the plane, and the elbow's side of the line decides; only the sign of the sum matters, so
-  // PP_m^- is taken in whatever scale its bits have ----
+  // ---- (17) sign: the side of the rotated plane on which the target lies. If shoulder, elbow and target are
+  // collinear, the target lies in the plane, and the elbow's side of the line decides. Only the sign of the sum
+  // matters, so PP_m^- is used unscaled ----
 
   wire signed [W-1:0] p_w_x_at_flat, p_w_y_at_flat, p_w_z_at_flat, pp_1_m_at_flat, pp_2_m_at_flat, pp_3_m_at_flat;
   wire back_at_flat;
@@ -206,7 +208,7 @@ module ik_to_wrist #(
   wire negative_at_q3_abs;
   wire signed [W-1:0] q3_k;
   ik_delay #(.W(1), .N(T_Q3_ABS-T_SIGN)) u_negative_at_q3_abs (.clk(clk), .d(sign[WW-1]), .q(negative_at_q3_abs));
-  // 0 counts as positive: both signs are right there
+  // 0 counts as positive; either sign is correct there.
   ik_pick #(.W(W)) u_q3_k (
       .clk(clk), .a(q3_abs), .b(q3_abs), .use_b(1'b1), .minus(negative_at_q3_abs), .q(q3_k)
   );
