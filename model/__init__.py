@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The models: geometry and equations in double precision, the bit-true dataflows, their bounds, targets and scores.
+"""Models: geometry and equations in double precision, bit-true dataflows, their bounds, targets and scores.
 
-Installed (`pip install .`) this is the package cga_ik, and what it is used for is here: :func:`solve` and its relatives
+Installed with `pip install .`, this is the package cga_ik; its public functions are :func:`solve` and the others
 of :mod:`model.motion.pose`.
 """
 

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved errors at given poses: the dataflow in affine arithmetic, one symbol for every rounding.
+"""Proved errors at given poses: the dataflow in affine arithmetic, one symbol per rounding.
 
-Intervals forget where an error came from; an affine form
+Intervals lose the origin of an error; an affine form
 
     value = centre + sum_n c_n e_n + rest,        every e_n in [-1, 1], |rest| <= r
 
-remembers it.  e_n is the rounding of node n, so one rounding that reaches a node on two ways is added with its signs,
-and cancels where the equations cancel it.  What is not linear (products of two errors, the curvature of a root or of
-a quotient) goes into ``rest`` with a proved bound.  At a pose the answer encloses what the RTL can give; over whole
-ranges of inputs, where terms have every sign, intervals (:mod:`model.bounds.ranges`) are as good.
+keeps it.  e_n is the rounding of node n, so a rounding that reaches a node by two paths is added with its signs and
+cancels where the equations cancel it.  Nonlinear parts (products of two errors, the curvature of a root or a
+quotient) go into ``rest`` with a proved bound.  At a pose the result encloses every output of the RTL; over whole
+ranges of inputs, where terms take every sign, intervals (:mod:`model.bounds.ranges`) are as good.
 
-Decisions (shift counts, masks) are those of the run in integers.
+Decisions (shift counts, masks) are taken from the integer run.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SLACK = 2.0**-50
 
 @dataclass(frozen=True)
 class Form:
-    """An affine form for each of N poses: ``centre`` (N,), ``terms`` symbol -> (N,), ``rest`` (N,) >= 0."""
+    """Affine form at N poses: ``centre`` (N,), ``terms`` symbol -> (N,), ``rest`` (N,) >= 0."""
 
     centre: np.ndarray
     terms: dict[str, np.ndarray]
@@ -38,7 +38,7 @@ class Form:
 
     @classmethod
     def exact(cls, value) -> Form:
-        """A value without an error."""
+        """Return a value without error."""
         value = np.asarray(value, dtype=np.float64)
         return cls(value, {}, np.zeros_like(value))
 
@@ -61,7 +61,7 @@ class Form:
         return self + -other
 
     def __mul__(self, other: Form) -> Form:
-        """The product; both radii multiplied are the rest."""
+        """Return the product; the product of both radii goes into the rest."""
         terms = {name: c * other.centre for name, c in self.terms.items()}
         for name, c in other.terms.items():
             terms[name] = terms[name] + c * self.centre if name in terms else c * self.centre
@@ -70,20 +70,20 @@ class Form:
         return Form(centre, terms, rest + SLACK * np.abs(centre))
 
     def linear(self, slope, centre=None, rest=0.0) -> Form:
-        """slope (value - centre) + ``centre`` (default: slope times the centre), with ``rest`` more uncertain."""
+        """Return slope (value - centre) + ``centre`` (default: slope times the centre), adding ``rest`` to the rest."""
         centre = slope * self.centre if centre is None else centre
         terms = {name: c * slope for name, c in self.terms.items()}
         return Form(centre, terms, self.rest * np.abs(slope) + rest + SLACK * np.abs(centre))
 
     def inverse(self) -> Form:
-        """1 / value: the tangent, and r^2 / (v^2 (v - r)) of curvature.  Infinite rest where 0 is inside."""
+        """Return 1 / value: the tangent, plus curvature r^2 / (v^2 (v - r)); the rest is infinite where 0 is inside."""
         v, r = self.centre, self.radius
         least = np.abs(v) - r
         curved = np.where(least > 0, r**2 / (v**2 * np.where(least > 0, least, 1.0)), np.inf)
         return self.linear(-1.0 / v**2, 1.0 / v, curved)
 
     def root(self) -> Form:
-        """sqrt(value): the tangent and its curvature; where 0 is inside, all of it is rest."""
+        """Return sqrt(value): the tangent and its curvature; where 0 is inside, everything is rest."""
         v, r = self.centre, self.radius
         least = v - r
         tangent = least > 0
@@ -94,7 +94,7 @@ class Form:
         return self.linear(slope, np.where(tangent, np.sqrt(safe), whole / 2), np.where(tangent, curved, whole / 2))
 
     def rounded(self, name: str, error: tuple[float, float], ulp: float) -> Form:
-        """With the rounding of node ``name``, ``error`` ulps, as a symbol of its own."""
+        """Add the rounding of node ``name``, ``error`` ulps, as its own symbol."""
         low, high = error
         if low == high == 0.0:
             return self
@@ -103,7 +103,7 @@ class Form:
 
 
 class Affine(Domain):
-    """The dataflow in affine forms at the poses of ``bits``; the input words are exact."""
+    """Dataflow in affine forms at the poses of ``bits``; the input words are exact."""
 
     def __init__(self, bits: fixed.Bits) -> None:
         super().__init__(bits.width, tile=bits.tile)
@@ -112,7 +112,7 @@ class Affine(Domain):
         for name, node in bits.nodes.items():
             if node.section == "guard":
                 value = Form.exact(node.value * node.format.ulp if node.format.signed else node.value)
-                # what the guard rounds, it rounds in integers: the words stand for themselves
+                # The guard rounds in integers, so its words are exact here.
                 self.nodes[name] = Node(**{**node.__dict__, "value": value})
         sections(self, self.nodes["phi"])
 
@@ -128,8 +128,9 @@ class Affine(Domain):
         if real is None:
             return Form.exact(self.bits.nodes[name].value)
         forms = [n.value for n in operands]
-        # Choices, sign changes, limits and additions are linear in pieces: each symbol's step shows its slope.  The
-        # ends of each operand's range must lie on the same piece, or what they miss is uncertain.  A mask has no error.
+        # Selections, sign changes, limits and additions are piecewise linear: the step of each symbol gives its slope.
+        # The ends of each operand's range must lie on the same piece; any difference is uncertainty.  A mask has no
+        # error.
         centres = [f.centre for f in forms]
         centre = real(*centres)
         terms: dict[str, np.ndarray] = {}
@@ -169,15 +170,14 @@ class Affine(Domain):
         return Form.exact(np.sin(half)), Form.exact(np.cos(half))
 
     def error_ulps(self, name: str) -> np.ndarray:
-        """How far the word of a node may be from exact arithmetic on the words of the guard, in its ulps, (N,)."""
+        """Return the largest distance of a node's word from exact arithmetic on the guard's words, (N,) ulps."""
         form = self.nodes[name].value
         with np.errstate(invalid="ignore"):
             bound = form.radius + np.abs(form.centre - self.exact[name])
         return _known(bound) / self.nodes[name].format.ulp
 
     def hand(self, d1, d2) -> tuple[Form, Form, Form]:
-        """The wrist of an arm d1, d2 (N,) in the pose found: :func:`model.reference.kinematics.forward` in affine
-        forms."""
+        """Return the wrist of an arm d1, d2 (N,): :func:`model.reference.kinematics.forward` in affine forms."""
         w, i, j, k, e_w, e_i = (self.nodes[f"q{s}_{u}"].value for s, u in zip("ssssee", "wijkwi", strict=True))
         # Qe (-d2 e3) Qe~ = d2 (0, 2 w i, i^2 - w^2)
         v_y = (e_w * e_i).linear(2 * d2)
@@ -190,18 +190,18 @@ class Affine(Domain):
 
 
 def _known(bound: np.ndarray) -> np.ndarray:
-    """Infinity where an unbounded term met a zero."""
+    """Replace NaN, an unbounded term times zero, by infinity."""
     return np.where(np.isnan(bound), np.inf, bound)
 
 
 POSES = 1000
-"""How many poses :func:`hand_bound` takes at a time."""
+"""Number of poses per pass of :func:`hand_bound`."""
 
 
 def hand_bound(words: np.ndarray, width: int) -> np.ndarray:
-    """No hand error / reach is larger than this, for input words (N, 6); shape (N,), infinite where nothing is proved.
+    """Return a proved upper bound of hand error / reach for input words (N, 6); shape (N,), infinite where unproved.
 
-    The error is measured from the target as it was before it was rounded to input words, half an ulp each.
+    The error is measured from the target before it was rounded to input words, half an ulp each.
     """
     length = 2.0 ** (2 - width)
     bounds = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bound of the CORDIC's error, ``model.dataflow.fixed.cordic`` and ``ik_sincos``."""
+"""Error bound of the CORDIC, ``model.dataflow.fixed.cordic`` and ``ik_sincos``."""
 
 import math
 
@@ -9,17 +9,17 @@ from ..dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, 
 
 
 def sincos_bound(width: int) -> float:
-    """Largest error of ``ik_sincos`` in units of its last place, 2^-(width-2).
+    """Return the largest error of ``ik_sincos`` in ulps, 2^-(width-2).
 
-    With G guard bits, in units g = 2^-G of the last place:
+    With G guard bits, in units g = 2^-G ulp:
 
     * x and y lose less than 1 g in each iteration i >= 1 (the shift of iteration 0 is exact), a vector of less than
-      sqrt(2) g, which the iterations after it stretch by the product of their sqrt(1 + 4^-j);
-    * the rounded gain is off by what its word is off, stretched by K = 1.6468;
-    * the angle: one place of z is pi/4 g as an arc.  After n = width iterations at most the last angle,
-      atan(2^-(n-1)), is left to turn.  Each table angle is off by what its word is off; once in what has been turned,
-      and once more in what is left, because the rounded angles after a step may be that much short of taking it back;
-    * rounding the result: half a last place.
+      sqrt(2) g; later iterations stretch it by the product of their sqrt(1 + 4^-j);
+    * the error of the rounded gain word is stretched by K = 1.6468;
+    * the angle: one ulp of z is pi/4 g as an arc.  After n = width iterations the residual is at most the last angle,
+      atan(2^-(n-1)).  The rounding of each table angle counts twice: once in the angle turned, and once in the
+      residual, because the remaining rounded angles may fall short by that much;
+    * rounding the result: half an ulp.
     """
     inner = width + SINCOS_GUARD
     stretch = [math.prod(math.sqrt(1 + 4.0**-j) for j in range(i + 1, width)) for i in range(width)]

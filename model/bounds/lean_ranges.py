@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges of the lean dataflow, for every reachable target: nothing in it can overflow.
+"""Proved ranges of the lean dataflow: no node overflows for any reachable target.
 
-A node's :class:`Bound` holds what exact arithmetic can give, from geometry, and how far rounding can have taken the
-word from it: each operation's own rounding and what its operands bring, multiplied by the largest other operand.  The
-word is within the sum of both, and that must fit.  Geometry's ranges (:class:`.annotations.Within`) and how
-errors grow are stated at the nodes, in :mod:`model.dataflow.lean`; `make formal` proves both
+A node's :class:`Bound` holds its exact range, from geometry, and the largest rounding error of its word: the
+operation's own rounding plus the operands' errors, multiplied by the largest other operand.  The word lies within the
+sum of both, which must fit the format.  Geometry's ranges (:class:`.annotations.Within`) and error growth are stated
+at the nodes, in :mod:`model.dataflow.lean`; `make formal` proves both
 (``tb/formal/lean_rules.py``, ``lean_rounded.py``).
 
-Targets that are clamped are left out: of them some words are cut off (K and what is computed from it) and not used.
+Clamped targets are excluded: some of their words (K and its dependents) lose high bits and are unused.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..io.words import ARMS
 from .ranges import RangeError
 
 UP = 1 + 2.0**-50
-"""Errors are computed in double precision: a few roundings of it, upwards."""
+"""Relative allowance for the double precision in which errors are computed, rounded upwards."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def _fits(bound: Bound, fmt: Format, limited: bool) -> bool:
 
 
 class LeanRanges(Domain):
-    """The lean dataflow on bounds.  ``failed`` collects the nodes that do not fit, each with a line that names it."""
+    """Lean dataflow on bounds.  ``failed`` collects the nodes that do not fit, each with a line that names it."""
 
     def __init__(
         self, width: int, formats: dict[str, Format] | None = None, dataflow: Callable[..., None] = lean
@@ -62,7 +62,7 @@ class LeanRanges(Domain):
         dataflow(self, self.inputs(word))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=(0.0, 0.0)):
-        if op in ("rsqrt", "trig", "mul3"):  # the rounding that the operation itself states
+        if op in ("rsqrt", "trig", "mul3"):  # the operation states its own rounding
             value = replace(value, error=UP * (value.error + max(map(abs, error)) * fmt.ulp))
         node = super().make(name, op, operands, fmt, latency, value, after, error)
         held = self.formats.get(name, fmt)
@@ -97,7 +97,7 @@ class LeanRanges(Domain):
         return Bound(0.0, width / 2 - 1), self._bound(name, fmt.ulp)
 
     def reciprocal_root(self, name, m, fmt, twice):
-        # 1/(2 sqrt m) is at most 2 times as steep as m is off (m >= 1/4); a mantissa cut off is part of "faithful"
+        # The slope of 1/(2 sqrt m) is at most 2 (m >= 1/4); "faithful" includes the truncated mantissa
         return self._bound(name, 0.0 if m.op == "even" else (4 if twice else 2) * m.value.error)
 
     def half_sincos(self, names, phi, fmt):
@@ -105,12 +105,12 @@ class LeanRanges(Domain):
 
 
 def check(width: int) -> None:
-    """Raises :class:`RangeError` naming every node that does not fit."""
+    """Raise :class:`RangeError` naming every node that does not fit."""
     failed = LeanRanges(width).failed
     if failed:
         raise RangeError("\n".join(failed.values()))
 
 
 def error_ulps(node: Node) -> float:
-    """The proved error of a node's word, in its ulps."""
+    """Return the proved error of a node's word in ulps."""
     return node.value.error / node.format.ulp

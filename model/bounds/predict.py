@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Predicted errors: what the rounding of every node does to the hand, from word lengths and the pose alone.
+"""Predicted errors: the effect of every node's rounding on the hand, from word lengths and the pose alone.
 
-The dataflow runs in double precision with single nodes moved by as much as their rounding rule may move them
-(:class:`Real`).  Nothing of the bit-true model's rounding enters but its decisions: shift counts and masks.  So a
-prediction knows the conditioning of the equations at the pose, and a measured error can be held against it.
+The dataflow runs in double precision with single nodes moved by the limits of their rounding rule (:class:`Real`).
+Only the decisions of the bit-true model are used: shift counts and masks.  A prediction therefore reflects the
+conditioning of the equations at the pose, and measured errors can be compared with it.
 """
 
 from __future__ import annotations
@@ -17,31 +17,32 @@ from ..io.words import ARMS
 
 
 def rounded_nodes(bits: fixed.Bits) -> list[Node]:
-    """The nodes that a rounding can move, in dataflow order."""
+    """Return the nodes that rounding can move, in dataflow order."""
     return [node for node in bits.nodes.values() if node.error != (0.0, 0.0)]
 
 
 CORNERS = 32
-"""Random ends of all roundings together that :func:`hand_bar` tries besides the worst of first order."""
+"""Number of random combinations of rounding ends that :func:`hand_bar` tries besides the first-order worst case."""
 
 
 def hand_bar(words: np.ndarray, width: int, datapath: str = "paper") -> np.ndarray:
-    """Largest hand error / reach that the roundings of a datapath explain, for input words (N, 6); shape (N,).
+    """Return the largest hand error / reach explained by the roundings of a datapath, for input words (N, 6); shape
+    (N,).
 
-    Every node is moved to either end of its rounding's range on its own; then, for each axis, all are moved at once
-    to the ends that push the hand furthest along that axis.  To first order no set of roundings does worse.  Where a
-    root or a limited cosine is at its end, first order says little: there :data:`CORNERS` random sets of ends are
-    tried as well.  The rounding of the input words is added, half an ulp each.
+    Every node is moved alone to either end of its rounding range; then, for each axis, all nodes are moved at once to
+    the ends that push the hand furthest along that axis.  To first order no set of roundings is worse.  Where a root or
+    a limited cosine is at its end, first order is unreliable: there :data:`CORNERS` random sets of ends are tried as
+    well. The rounding of the input words is added, half an ulp each.
     """
     return bar(fixed.run(words, width, datapath).bits, HAND)
 
 
 ELBOW, HAND = 0, 1
-"""What :func:`bar` is of."""
+"""Points for which :func:`bar` is computed."""
 
 
 def bar(bits: fixed.Bits, point: int) -> np.ndarray:
-    """:func:`hand_bar` of the targets that ``bits`` was run with, or the same of the elbow."""
+    """Return :func:`hand_bar` for the targets of ``bits``, or its equivalent for the elbow."""
     nodes = rounded_nodes(bits)
     length = 2.0 ** (2 - bits.width)
     d1, d2 = (bits.nodes[name].value * length for name in ARMS)

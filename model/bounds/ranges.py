@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proved ranges: the dataflow run on intervals, over every input word, with geometry as named rules.
 
-A node's :class:`Bound` is the interval that exact arithmetic gives (``low``, ``high``), and how far rounding can have
-taken the word from it (``error``): precision, propagated forward.  Plain intervals know nothing of geometry, so at
-single nodes a :class:`~model.dataflow.annotations.Rule` narrows what exact arithmetic can give; each rule says why in a
-sentence.  The rules, how errors grow, and what saturates on purpose are stated at the nodes, in
-:mod:`model.dataflow.paper`.
+A node's :class:`Bound` is the interval of exact arithmetic (``low``, ``high``) and the largest rounding error of its
+word (``error``), propagated forward.  Plain intervals ignore geometry, so at single nodes a
+:class:`~model.dataflow.annotations.Rule` narrows the exact range; each rule states its reason in a sentence.  The
+rules, error growth and intended saturation are stated at the nodes, in :mod:`model.dataflow.paper`.
 
-The input words fall into :func:`model.dataflow.interval_cases.cases`, and a node's range is the union over them.
+The input words are split into :func:`model.dataflow.interval_cases.cases`; a node's range is the union over them.
 """
 
 from __future__ import annotations
@@ -30,17 +29,17 @@ SLACK = 2.0**-48
 
 
 EITHER = Given("", lambda case: ANYTHING)
-"""A mask of which nothing is known."""
+"""Range of an unknown mask."""
 
 
 class RangeError(Exception):
-    """A node's proved range does not fit its format; the text names the node."""
+    """Proved range that does not fit the node's format; the text names the node."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """Exact arithmetic gives [low, high]; the word is within ``error`` of that, and within [floor, ceiling]: what the
-    operation makes of its operands' words.  ``rule`` narrowed it, if any did."""
+    """Exact arithmetic gives [low, high]; the word is within ``error`` of it and within [floor, ceiling], the
+    operation's range on its operands' words.  ``rule`` is the rule that narrowed it, if any."""
 
     low: float
     high: float
@@ -51,7 +50,7 @@ class Bound:
 
     @property
     def word(self) -> tuple[float, float]:
-        """The range of the word's value."""
+        """Range of the word's value."""
         return max(self.low - self.error, self.floor), min(self.high + self.error, self.ceiling)
 
     @property
@@ -61,7 +60,7 @@ class Bound:
 
 
 class Ranges(Domain):
-    """The dataflow on intervals over one :class:`Case`.  ``failed`` collects the nodes that do not fit."""
+    """Dataflow on intervals over one :class:`Case`.  ``failed`` collects the nodes that do not fit."""
 
     def __init__(self, width: int, case: Case, formats: dict[str, Format] | None = None) -> None:
         super().__init__(width)
@@ -71,7 +70,7 @@ class Ranges(Domain):
         self.proved: dict[str, Bound] = {}
 
     def run(self) -> Ranges:
-        """The whole datapath."""
+        """Run the whole datapath."""
 
         def word(name, fmt):
             least = 1 if name in ARMS and not self.case.clamped else fmt.low
@@ -81,12 +80,12 @@ class Ranges(Domain):
         return self
 
     def _fit(self, name: str, bound: Bound, fmt: Format) -> Bound:
-        """Holds a bound against the format; what does not fit is noted, and the format's range goes on."""
+        """Check a bound against the format; a bound that does not fit is recorded and limited to the format's range."""
         fmt = self.formats.get(name, fmt)
         floor, ceiling = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         low, high = bound.word
         slack = SLACK * max(abs(low), abs(high))
-        # A word lies on the format's grid: what is beyond the last one by less than an ulp is that last one.
+        # A word lies on the format's grid: a value less than an ulp beyond the last one is the last one.
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
             limited = self.facts[name].limited
             if limited is None or limited.clamped and not self.case.clamped:
@@ -98,8 +97,8 @@ class Ranges(Domain):
             else:
                 bound = Bound(bound.low, bound.high, bound.error, "saturates by design", floor, ceiling)
         self.proved[name] = bound
-        # What does not fit saturates; so does what may.  The word only comes closer to what exact arithmetic gives,
-        # unless that lies outside itself.
+        # Words outside the format saturate.  Saturation only moves a word closer to its exact value, unless the exact
+        # value is itself outside.
         if bound.low < floor or bound.high > ceiling:
             return Bound(max(bound.low, floor), min(bound.high, ceiling), bound.error, bound.rule, floor, ceiling)
         return replace(bound, floor=max(bound.floor, floor), ceiling=min(bound.ceiling, ceiling))
@@ -115,7 +114,7 @@ class Ranges(Domain):
             node.value = replace(node.value, low=low, high=high, error=0.0)
 
     def _rule(self, name: str, low: float, high: float, error: float, fmt: Format, word=ANYTHING) -> Bound:
-        """What an operation gives, narrowed by the node's rule if it has one."""
+        """Return the result of an operation, narrowed by the node's rule if it has one."""
         rule = self.facts[name].within
         if not isinstance(rule, Rule):
             return self._fit(name, Bound(low, high, error, "", *word), fmt)
@@ -151,7 +150,7 @@ class Ranges(Domain):
         error = (p.size * q.error + q.size * p.error + p.error * q.error) * 2.0**scale
         rounding = 0.5 * fmt.ulp if a.format.frac + b.format.frac - scale > fmt.frac else 0.0
         words = [u * v * 2.0**scale for u in p.word for v in q.word]
-        least = 0.0 if square else min(words) - rounding  # rounding half up keeps it so
+        least = 0.0 if square else min(words) - rounding  # rounding half up preserves the sign
         return self._rule(name, low, max(ends), error + rounding, fmt, (least, max(words) + rounding))
 
     def total(self, name, signs, nodes, fmt):
@@ -183,14 +182,14 @@ class Ranges(Domain):
     def square_root(self, name, n, fmt):
         v = n.value
         low, high = math.sqrt(max(v.low, 0)), math.sqrt(max(v.high, 0))
-        # |sqrt a - sqrt b| = |a - b| / (sqrt a + sqrt b), and never more than sqrt |a - b|; below 0 both are 0.
+        # |sqrt a - sqrt b| = |a - b| / (sqrt a + sqrt b), at most sqrt |a - b|; below 0 both roots are 0.
         ends = low + math.sqrt(max(v.word[0], 0))
         error = math.sqrt(v.error) if ends == 0 else min(v.error / ends, math.sqrt(v.error))
         word = tuple(math.sqrt(max(w, 0)) for w in v.word)
         return self._rule(name, low, high, error + fmt.ulp, fmt, (max(word[0] - fmt.ulp, 0.0), word[1]))
 
     def mantissa(self, name, word, words, counts, fill):
-        # Exact: shifting changes the unit, not the vector.  Bounds downstream are about the words as they are.
+        # Exact: a shift changes the unit, not the vector.  Bounds downstream refer to the actual words.
         return self._given(name, self.word(0))
 
     def cordic(self, names, phi):
@@ -200,8 +199,8 @@ class Ranges(Domain):
     def apply(self, name, operands, fmt, bits, real):
         if isinstance(self.facts[name].within, Given) or fmt.width == 1:
             return self._given(name, fmt)
-        # Choices, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
-        # operand) do not move: their extremes lie at corners of the operands' ranges, 0 and -1 included.
+        # Selections, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
+        # operand) are fixed: the extremes lie at corners of the operands' ranges, 0 and -1 included.
         corners = [self._corners(n) for n in operands]
         grid = [np.array(c, dtype=object) for c in zip(*itertools.product(*corners), strict=True)]
         grid = [g if _large(g) else g.astype(np.int64) for g in grid]
@@ -222,7 +221,7 @@ class Ranges(Domain):
 
 
 def _on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
-    """The outermost words of ``fmt`` inside a range."""
+    """Return the outermost words of ``fmt`` inside a range."""
     low = math.ceil((word[0] - SLACK * abs(word[0])) / fmt.ulp)
     high = math.floor((word[1] + SLACK * abs(word[1])) / fmt.ulp)
     return low * fmt.ulp, max(low, high) * fmt.ulp
@@ -237,7 +236,7 @@ def _large(column) -> bool:
 
 @dataclass(frozen=True)
 class Proved:
-    """What holds of a node for every input: the range of its word, the error bound in ulps, and by which rules."""
+    """Properties of a node over all inputs: the range of its word, the error bound in ulps, and the rules used."""
 
     node: Node
     low: float
@@ -247,7 +246,7 @@ class Proved:
 
     @property
     def bits_wasted(self) -> int:
-        """Leading bits that never carry anything but the sign."""
+        """Leading bits that only repeat the sign."""
         fmt = self.node.format
         words = (round(self.low / fmt.ulp), round(self.high / fmt.ulp))
         needed = max(w.bit_length() if w >= 0 else (~w).bit_length() for w in words)
@@ -255,9 +254,9 @@ class Proved:
 
 
 def analyse(width: int, formats: dict[str, Format] | None = None) -> tuple[dict[str, Proved], dict[str, str]]:
-    """Every node's proved range at word length ``width``, and what does not fit: node -> one line.
+    """Return every node's proved range at word length ``width``, and the failures: node -> one line.
 
-    ``formats`` holds single nodes against other formats than the dataflow's.
+    ``formats`` replaces the dataflow's formats for single nodes.
     """
     runs = [Ranges(width, case, formats).run() for case in cases(width)]
     failed: dict[str, str] = {}
@@ -279,17 +278,17 @@ def _as_built(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
 
 
 def proved(width: int) -> dict[str, Proved]:
-    """Every node's proved range with the dataflow's own formats."""
+    """Return every node's proved range with the dataflow's own formats."""
     return _as_built(width)[0]
 
 
 def failures(width: int) -> dict[str, str]:
-    """The nodes whose proved range does not fit, each with one line that names it."""
+    """Return the nodes whose proved range does not fit, each with one line that names it."""
     return _as_built(width)[1]
 
 
 def check(width: int) -> None:
-    """Raises :class:`RangeError` naming every node that does not fit."""
+    """Raise :class:`RangeError` naming every node that does not fit."""
     found = failures(width)
     if found:
         raise RangeError("\n".join(found.values()))

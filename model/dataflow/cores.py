@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bit-true models of the arithmetic cores of ``rtl/lean``: ``ik_mul3``, ``ik_even``, ``ik_rsqrt``.
+"""Bit-true models of the arithmetic modules of ``rtl/lean``: ``ik_mul3``, ``ik_even``, ``ik_rsqrt``.
 
-Integers throughout: int64 arrays, object arrays of Python integers where 64 bits do not hold the word.  The reciprocal
-square root's table is made here, from its defining formula; ``scripts/generate/headers.py`` writes it for the RTL.
+Integers throughout: int64 arrays, or object arrays of Python integers where a word exceeds 64 bits.  The table of the
+reciprocal square root is computed here from its definition; ``scripts/generate/headers.py`` writes it for the RTL.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ EVEN_CLOCKS = 3
 """Counts in groups of eight pairs, shift by groups, shift by pairs."""
 
 TILE = 18
-"""Bits of the longer operand of the multipliers that products are cut for, unless others are asked for."""
+"""Default tile: bits of the longer operand of the multipliers into which products are split."""
 
 SHORT_FRAC = 22
-"""Up to here ``ik_rsqrt`` has the :data:`SHORT` form, with more fraction bits the :data:`LONG` one, and with tiles of
-less than 18 bits the :data:`SMALL` one."""
+"""Largest number of fraction bits for which ``ik_rsqrt`` uses the :data:`SHORT` form; above it, the :data:`LONG` one,
+and with tiles of less than 18 bits the :data:`SMALL` one."""
 
 
 def rsqrt_clocks(frac: int, tile: int = TILE) -> int:
-    """Clocks of ``ik_rsqrt`` after the mantissa: output register of the table, and ``ik_quadratic``.  The table is read
-    while the mantissa goes into its register."""
+    """Return the latency of ``ik_rsqrt`` after the mantissa: output register of the table, and ``ik_quadratic``.  The
+    table is read while the mantissa is registered."""
     return 1 + form_of(frac, tile).clocks
 
 
@@ -38,21 +38,23 @@ def rsqrt_clocks(frac: int, tile: int = TILE) -> int:
 
 
 def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
-    """Bits below the cut of either operand of :func:`mul3`: ``tile`` of a are above it, and of b no more than 18."""
+    """Return the bits below the cut of either operand of :func:`mul3`: ``tile`` bits of a lie above it, and
+    at most 18 bits of b."""
     return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
 
 
 def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
-    """The lowest bits of either operand, which two signed tiles do not hold: :func:`mul3` does not look at them."""
+    """Return the number of low bits of either operand beyond two signed tiles, which :func:`mul3` ignores."""
     return max(a_width - 2 * tile + 1, 0), max(b_width - 2 * min(tile, 18) + 1, 0)
 
 
 def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
-    """``ik_mul3``: a b / 2^shift from three tiles, rounded half up; of the tile of the low parts only a guess is taken.
+    """Compute ``ik_mul3``: a b / 2^shift from three tiles, rounded half up; the tile of the low parts is only
+    estimated.
 
-    Each tile is cut off two bits below the result's last place; the half place of the rounding is a carry into each of
-    the two sums.  Where the highest tile ends above these two bits, the product of the highest two bits of both low
-    parts is below it.  Errors: :func:`mul3_error`.
+    Each tile is truncated two bits below the result's ulp; the rounding constant enters as a carry into each of the two
+    sums.  Where the LSB of the highest tile lies above these two bits, the product of the two highest bits of both low
+    parts fills the gap.  Errors: :func:`mul3_error`.
     """
     a_unseen, b_unseen = unseen(a_width, b_width, tile)
     a, b, shift = a >> a_unseen, b >> b_unseen, shift - a_unseen - b_unseen
@@ -71,11 +73,11 @@ def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
 
 
 def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tuple[float, float]:
-    """Least and greatest error of :func:`mul3`, in places of the result.
+    """Return the least and greatest error of :func:`mul3`, in ulps of the result.
 
-    The tile left out is never negative and less than 2^(cuts - shift) places, of which the guess leaves 7/16; each of
-    the mixed tiles loses less than a quarter.  What else is cut off is below all other words of the sum, and goes with
-    the rounding, which is half up.  Bits that are not looked at are worth up to a place of theirs times the other word.
+    The omitted tile is nonnegative and less than 2^(cuts - shift) ulps, of which the estimate leaves 7/16; each mixed
+    tile loses less than a quarter.  All other truncated bits lie below the words of the sum and belong to the rounding,
+    which is half up.  Ignored bits contribute at most one of their places times the other word.
     """
     out = unseen(a_width, b_width, tile)
     aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)
@@ -89,7 +91,7 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
 
 def bit_length(words):
-    """Bits of unsigned words of up to 64 bits, 0 for 0."""
+    """Return the bits of unsigned words of up to 64 bits, 0 for 0."""
     high = words >> np.uint64(32)
     # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
     _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
@@ -97,7 +99,7 @@ def bit_length(words):
 
 
 def even(value, width: int, mantissa_bits: int):
-    """``ik_even``: (k, m), the leading zero pairs of an unsigned word and floor(value 4^k / 2^(width-mantissa_bits)).
+    """Compute ``ik_even``: (k, m), leading zero pairs of a word and floor(value 4^k / 2^(width-mantissa_bits)).
 
     As a fraction, m lies in [1/4, 1); 0 gives k = width/2 - 1 and m = 0.  ``width`` is even, and at most 64.
     """
@@ -113,19 +115,19 @@ def even(value, width: int, mantissa_bits: int):
 SHORT = Form(2048, 25, 0, (27, 14), (26, 15), 14, 0, 28)
 LONG = Form(1024, 34, 6, (34, 23, 12), (33, 24, 15), 25, 9, 36)
 SMALL = Form(512, 33, 8, (33, 22, 11), (32, 23, 14), 24, 10, 34)
-"""c0 goes without its highest bit, a one."""
+"""c0 is stored without its MSB, which is 1."""
 
 SMALL_FRAC = 29
-"""Most fraction bits of a result of the :data:`SMALL` form."""
+"""Maximum fraction bits of a result of the :data:`SMALL` form."""
 
 
 def places(frac: int, tile: int = TILE) -> float:
-    """An upper bound of the error of :func:`rsqrt` in places of the result, without its proof (:func:`rsqrt_error`)."""
+    """Return an upper bound of the error of :func:`rsqrt` in ulps, without its proof (:func:`rsqrt_error`)."""
     return 1.1 if form_of(frac, tile) is SMALL and frac >= SMALL_FRAC else 1.0
 
 
 def form_of(frac: int, tile: int = TILE) -> Form:
-    """The form with ``frac`` fraction bits of the result and tiles of so many bits."""
+    """Return the form for ``frac`` fraction bits of the result and tiles of ``tile`` bits."""
     if tile < TILE:
         return SMALL
     return SHORT if frac <= SHORT_FRAC else LONG
@@ -136,15 +138,16 @@ def root(m: mpmath.mpf) -> mpmath.mpf:
 
 
 def segment(form: Form, row: int) -> Segment:
-    """One half of the segments lie in [1/4, 1/2), the other in [1/2, 1): half as wide where the root is steeper."""
+    """Return a segment: half of them lie in [1/4, 1/2), the others in [1/2, 1); the former are half as wide, as the
+    root is steeper there."""
     half, width = form.rows // 2, mpmath.mpf(1) / form.rows
     return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
 
 
 def place(form: Form, m, frac: int):
-    """The row of a mantissa, and u."""
+    """Return the row of a mantissa, and u."""
     lower = m < 1 << frac + 2
-    below = frac + 3 - form.index_bits - lower  # bits of m below the number of its segment
+    below = frac + 3 - form.index_bits - lower  # bits of m below its segment number
     row = (m >> below) - np.where(lower, form.rows // 2, 0)
     u = (m & (1 << below) - 1) - (1 << below - 1)
     return row, u << form.u_frac - frac - 3
@@ -152,34 +155,34 @@ def place(form: Form, m, frac: int):
 
 @cache
 def rsqrt_rows(form: Form) -> tuple[tuple[int, ...], ...]:
-    """The table."""
+    """Return the table's rows."""
     with mpmath.workprec(PRECISION):
         return tuple(words(form, root, segment(form, row)) for row in range(form.rows))
 
 
 def rounding(form: Form, frac: int) -> int:
-    """What is added to c0, with ``sum_frac`` fraction bits: 3/8 of a place of the result, because a mantissa cut off
-    makes the root too large by up to a quarter, less half of what the tiles lose by their cuts."""
+    """Return the constant added to c0, with ``sum_frac`` fraction bits: 3/8 ulp of the result, because a truncated
+    mantissa makes the root too large by up to a quarter, minus half of the tiles' truncation."""
     return (3 << form.sum_frac - frac - 3) - (form.tiles + 1) // 2
 
 
 @cache
 def _columns(form: Form) -> np.ndarray:
-    """The table, an array a coefficient."""
+    """Return the table as one array per coefficient."""
     return np.array(rsqrt_rows(form), dtype=np.int64).T
 
 
 def quadratic(form: Form, m, frac: int):
-    """The polynomial at a mantissa, without what rounds it, ``sum_frac`` fraction bits."""
+    """Return the polynomial at a mantissa, without the rounding constant, ``sum_frac`` fraction bits."""
     row, u = place(form, m, frac)
     return polynomial(form, _columns(form)[:, row], u, rises=False, bends_up=False)
 
 
 def rsqrt(m, frac: int, tile: int = TILE):
-    """``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; below 1/4 its second bit
-    counts as if it were set, so that 0 gives 1.
+    """Compute ``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; below 1/4 its
+    second bit is treated as set, so that 0 gives 1.
 
-    The error is less than one place, or what :func:`places` says, also where m is a longer mantissa cut off
+    The error is less than one ulp, or the bound of :func:`places`, also where m is a truncated longer mantissa
     (:func:`rsqrt_error`).
     """
     m = np.asarray(m, dtype=np.int64)
@@ -193,12 +196,12 @@ def rsqrt(m, frac: int, tile: int = TILE):
 
 
 def _steepest(form: Form, row: int) -> mpmath.mpf:
-    """|d/dm 1/(2 sqrt m)| at the left end of a segment, the largest in it."""
+    """Return |d/dm 1/(2 sqrt m)| at the left end of a segment, its maximum there."""
     return segment(form, row)[0] ** mpmath.mpf(-1.5) / 4
 
 
 def _derivative(form: Form, row: int) -> mpmath.mpf:
-    """The largest magnitude of the derivative that decides how good the form is: also at the left end."""
+    """Return the largest magnitude of the derivative that limits the form's accuracy, also at the left end."""
     left, _ = segment(form, row)
     if len(form.c_frac) < 3:
         return mpmath.mpf(3) / 8 * left ** mpmath.mpf(-2.5)
@@ -207,18 +210,18 @@ def _derivative(form: Form, row: int) -> mpmath.mpf:
 
 @cache
 def row_error(form: Form, row: int) -> Interval:
-    """:func:`quadratic` less 1/(2 sqrt m) for all m of a segment."""
+    """Return the range of :func:`quadratic` minus 1/(2 sqrt m) over all m of a segment."""
     with mpmath.workprec(PRECISION):
         return error(form, root, segment(form, row), rsqrt_rows(form)[row], _derivative(form, row), rises=False)
 
 
 @cache
 def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
-    """What :func:`rsqrt` less 1/(2 sqrt V) is proved to lie in, in places of the result, for all V in [1/4, 1).
+    """Return the proved range of :func:`rsqrt` minus 1/(2 sqrt V), in ulps of the result, for all V in [1/4, 1).
 
-    V is any real number that cut off after frac + 3 bits is m.  Segment by segment: the error at m (:func:`row_error`),
-    what is added to round the result and less than a place that is cut off it, and what 1/(2 sqrt V) falls from m to V:
-    the steepest slope times m's last place.
+    V is any real number whose truncation to frac + 3 bits is m.  Per segment: the error at m (:func:`row_error`), the
+    rounding constant minus the truncation of less than an ulp, and the fall of 1/(2 sqrt V) from m to V: the steepest
+    slope times an ulp of m.
     """
     form = form_of(frac, tile)
     with mpmath.workprec(PRECISION):
@@ -232,5 +235,5 @@ def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
 
 
 def rsqrt_error_bound(frac: int, tile: int = TILE) -> float:
-    """The largest magnitude in :func:`rsqrt_error`; where it is less than 1, the result is faithful."""
+    """Return the largest magnitude in :func:`rsqrt_error`; where it is less than 1, the result is faithful."""
     return float(rsqrt_error(frac, tile).size)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The datapaths by name: what everything that runs, checks or draws one of them needs to know of it."""
+"""Datapaths by name, with the properties needed to run, check or draw them."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .nodes import WIDTHS
 
 @dataclass(frozen=True)
 class Datapath:
-    """One dataflow and where its Verilog is.
+    """A dataflow and the location of its Verilog.
 
-    ``flow(domain, target)`` is the whole of it, ``after_guard(domain, phi)`` what follows the exact decisions.
-    ``sections`` maps a section to what it is, ``widths`` are the word lengths that it can be built with,
-    ``parameters`` those of ``ik_axis`` that choose it.
-    ``tile``: bits of the longer operand of the multipliers that :func:`model.dataflow.cores.mul3` is cut for.
-    ``times(width)``: node -> clock in which it is valid, of a machine without the clocks of the dataflow's pipeline;
+    ``flow(domain, target)`` is the whole dataflow, ``after_guard(domain, phi)`` the part after the exact decisions.
+    ``sections`` maps a section to its description, ``widths`` are the supported word lengths,
+    ``parameters`` the parameters of ``ik_axis`` that select the datapath.
+    ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.cores.mul3` is cut.
+    ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
     ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
     """
 
@@ -38,21 +38,21 @@ class Datapath:
 
     @property
     def rtl(self) -> str:
-        """What its Verilog is called by."""
+        """RTL module prefix."""
         return ("paper", "lean", "fold")[self.parameters["DATAPATH"]]
 
     @property
     def equations(self) -> str:
-        """Whose equations it computes: ``lean`` or ``paper``."""
+        """Set of equations it computes: ``lean`` or ``paper``."""
         return "paper" if self.flow is paper.paper else "lean"
 
     @property
     def folder(self) -> Path:
-        """Of its Verilog, from the root of the repository."""
+        """Folder of its Verilog, relative to the repository root."""
         return Path("rtl") / self.rtl
 
     def module(self, section: str) -> str:
-        """The Verilog module of a section."""
+        """Return the Verilog module of a section."""
         return f"ik_{section}" if self.rtl == "paper" else f"ik_{self.rtl}_{section}"
 
 
@@ -62,10 +62,10 @@ DATAPATHS = {
     ),  # fmt: skip
     "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"DATAPATH": 0}),
 }
-"""The dataflows by name."""
+"""Dataflows by name."""
 
 DEFAULT = "lean"
-"""What a user gets who does not choose."""
+"""Default datapath."""
 
 LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"DATAPATH": 1, "TILE": 25}, tile=25)
 
@@ -83,6 +83,6 @@ FOLD16 = replace(
 )  # fmt: skip
 
 CONFIGURATIONS = DATAPATHS | {path.name: path for path in (LEAN25, LEAN16, FOLD, FOLD16)}
-"""All that can be run, by the name of its ``DATAPATH=``: the dataflows, the lean one with products cut for
-multipliers of 25x18 bits or of 16x16 bits, the latter with small tables, and the lean one as a program of one
-multiplier, of 18x18 bits a tile or 16x16."""
+"""Everything that can be run, by its ``DATAPATH=`` name: the dataflows, the lean one with products cut for multipliers
+of 25x18 or 16x16 bits, the latter with small tables, and the lean one as a program for a single multiplier, with
+tiles of 18x18 or 16x16 bits."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 4: the bit-true fixed-point model of the RTL, every node, in integers.
+"""Layer 4: bit-true fixed-point model of the RTL, every node, in integers.
 
-A node's value is an int64 array over targets (object arrays of Python integers where 64 bits do not hold it).  There
-is no float in any result: products and sums are exact and rounded once, division and root take the floor.
+A node's value is an int64 array over targets (an object array of Python integers where it exceeds 64 bits).  No result
+depends on a float: products and sums are exact and rounded once, division and root take the floor.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
 
 FIFO_CLOCKS = 2
-"""What the output FIFO of ``ik_axis`` adds to the latency of a datapath: memory, output register."""
+"""Clocks that the output FIFO of ``ik_axis`` adds to a datapath's latency: memory, output register."""
 
 TABLE_BITS = 48
 """Fraction bits of the CORDIC's tables, before they are rounded to the word length in use."""
@@ -32,7 +32,7 @@ TABLE_BITS = 48
 
 @cache
 def atan_table() -> tuple[int, ...]:
-    """round(atan(2^-i) / pi * 2^TABLE_BITS), i = 0..31: the CORDIC's angles as fractions of half a turn."""
+    """Return round(atan(2^-i) / pi * 2^TABLE_BITS), i = 0..31: the CORDIC's angles as fractions of half a turn."""
     with mpmath.workprec(200):
         angles = (mpmath.atan(mpmath.mpf(2) ** -i) / mpmath.pi for i in range(32))
         return tuple(int(mpmath.nint(a * 2**TABLE_BITS)) for a in angles)
@@ -40,21 +40,21 @@ def atan_table() -> tuple[int, ...]:
 
 @cache
 def cordic_gain() -> int:
-    """round(2^TABLE_BITS prod_i 1/sqrt(1 + 4^-i)): what the rotations stretch, taken out in advance."""
+    """Return round(2^TABLE_BITS prod_i 1/sqrt(1 + 4^-i)), which compensates the gain of the rotations in advance."""
     with mpmath.workprec(200):
         gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
         return int(mpmath.nint(gain * 2**TABLE_BITS))
 
 
 def round_shift(value, shift: int):
-    """value / 2^shift, rounded half up."""
+    """Return value / 2^shift, rounded half up."""
     return (value + (1 << (shift - 1))) >> shift if shift else value
 
 
 def floor_div(n, d, shift: int, fmt: Format):
-    """``ik_div``: floor(n 2^shift / d) saturated to ``fmt``; by the sign of n where d <= 0.
+    """Compute ``ik_div``: floor(n 2^shift / d) saturated to ``fmt``; by the sign of n where d <= 0.
 
-    Returns the quotient and a mask: did not fit.
+    Returns the quotient and a mask of saturated quotients.
     """
     positive = d > 0
     q = (n << shift) // np.where(positive, d, 1)
@@ -64,17 +64,18 @@ def floor_div(n, d, shift: int, fmt: Format):
 
 
 def floor_root(n, shift: int):
-    """``ik_root``: floor(sqrt(n 2^shift)), 0 where n < 0.  n 2^shift must stay below 2^63."""
+    """Compute ``ik_root``: floor(sqrt(n 2^shift)), 0 where n < 0.  n 2^shift must stay below 2^63."""
     v = np.maximum(n, 0) << shift
     r = np.sqrt(v.astype(np.float64)).astype(np.int64)
-    # The float of v is off by 2^-53 of it at most, its root by half a place: too large by 1 at most, never too small.
+    # The float of v has a relative error of at most 2^-53, its root at most half an ulp: at most 1 too large, never too
+    # small.
     return r - (r * r > v)
 
 
 def cordic(phi, width: int):
-    """``ik_sincos``: (sin, cos) of phi/2 in words with one integer bit, phi a binary angle (one turn = 2^width)."""
+    """Compute ``ik_sincos``: (sin, cos) of phi/2 in words with one integer bit; one turn of phi = 2^width."""
     drop = TABLE_BITS - (width + SINCOS_GUARD)
-    inner = width + SINCOS_GUARD - 2  # fraction bits inside
+    inner = width + SINCOS_GUARD - 2  # internal fraction bits
     angles = [round_shift(a, drop) for a in atan_table()]
     z = phi << SINCOS_GUARD
     x = np.full_like(z, round_shift(cordic_gain(), TABLE_BITS - inner))
@@ -87,7 +88,7 @@ def cordic(phi, width: int):
 
 
 class Bits(Domain):
-    """Runs the dataflow in integers.  ``overflow`` keeps for every product, sum and quotient where it did not fit."""
+    """Dataflow in integers.  ``overflow`` maps every product, sum and quotient to a mask of words that did not fit."""
 
     def __init__(self, width: int, datapath: str = "paper") -> None:
         path = CONFIGURATIONS[datapath]
@@ -121,7 +122,7 @@ class Bits(Domain):
         return floor_root(n.value, 2 * fmt.frac - n.format.frac)
 
     def product3(self, name, a, b, fmt, scale):
-        # What the format does not hold is cut off: only the words of a clamped target ever lose bits here.
+        # Bits beyond the format are dropped: only words of a clamped target lose bits here.
         shift, widths = self.cut(a, b, fmt, scale)
         return wrap(lean_cores.mul3(a.value, b.value, shift, *widths, self.tile), fmt.width)
 
@@ -129,13 +130,13 @@ class Bits(Domain):
         return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
 
     def reciprocal_root(self, name, m, fmt, twice):
-        # A root has no more fraction bits than its mantissa is made for; an inner word may have more.
+        # A root has no more fraction bits than its mantissa supports; an inner word may have more.
         frac = m.format.frac - 3
         y = lean_cores.rsqrt(m.value, frac, self.tile) << (fmt.frac - frac)
         return y << np.where(twice.value, 1, 0) if twice else y
 
     def half_sincos(self, names, phi, fmt):
-        width = effective_width(self.width)  # a shorter angle ends in zeros
+        width = effective_width(self.width)  # a shorter angle is padded with zeros
         frac = min(fmt.frac, lean_trig.FRACS[-1])
         pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac, self.tile)
         return tuple(v << (fmt.frac - frac) for v in pair)
@@ -150,7 +151,7 @@ class Bits(Domain):
 
 @dataclass(frozen=True)
 class Answer:
-    """What the datapath gives for N targets: ``results`` (N, 6) words in the order of ``RESULT_FIELDS``, ``flags``
+    """Outputs of the datapath for N targets: ``results`` (N, 6) words in the order of ``RESULT_FIELDS``, ``flags``
     (N,), and every node."""
 
     results: np.ndarray
@@ -159,18 +160,18 @@ class Answer:
 
 
 def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
-    """Runs N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
+    """Run N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
     return answer(words, Bits(width, datapath))
 
 
 def latency(datapath: str, width: int) -> int:
-    """Clocks of ``ik_axis`` from a target in to its result out, when nobody stalls."""
+    """Return the clocks of ``ik_axis`` from a target's input to its result's output, without stalls."""
     nodes = run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
     return max(node.time for node in nodes.values()) + CONFIGURATIONS[datapath].behind
 
 
 def answer(words: np.ndarray, bits: Bits) -> Answer:
-    """The same in a domain that has not been run yet."""
+    """Run N targets, as :func:`run`, in an unused domain."""
     columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
     CONFIGURATIONS[bits.datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
     times = CONFIGURATIONS[bits.datapath].times

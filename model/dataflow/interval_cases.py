@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cases that the input words of the paper's datapath fall into, and what geometry knows of lengths in each.
+"""Cases of the paper datapath's input words, and the geometric bounds on lengths in each.
 
 :mod:`model.bounds.ranges` runs the dataflow on the cases (:func:`cases`); a node's range is their union:
 
-* ``exact``: in reach, and the arms leave room for a shift: their words lose nothing when they are halved;
+* ``exact``: in reach, and the arms leave room for a shift: halving loses no bit of their words;
 * ``long``: in reach, d1 + d2 >= 2: halving rounds odd lengths, so d1 + d2 is off by ulps (d1 - d2 stays exact);
-* ``clamped``: everything else; it takes the way of an arm d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
+* ``clamped``: everything else; computed as an arm d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
 
 @dataclass(frozen=True)
 class Case:
-    """A part of the input domain: bounds of the arms and of j in their own unit, and of |p_w| and |b|."""
+    """Part of the input domain: bounds of the arms and of j in their own unit, and of |p_w| and |b|."""
 
     name: str
     clamped: bool
@@ -29,19 +29,19 @@ class Case:
     p: tuple[float, float] = (0.5, SQRT3)
     b: tuple[float, float] = (0.5, SQRT2)
     ulp: float = 0.0  # of the arms
-    elbow: float = 0.0  # the last place of p_e
+    elbow: float = 0.0  # an ulp of p_e
     tilt: float = 0.0  # sine of the angle between p_w and the plane of the words pi_swivel
-    straight: float = 0.0  # how far the words of p_e are from a + t m of the words (model.dataflow.paper.off_length)
-    square: float = 0.0  # and their |p_e|^2 from exact arithmetic
+    straight: float = 0.0  # distance of the words of p_e from a + t m of the words (model.dataflow.paper.off_length)
+    square: float = 0.0  # distance of the words' |p_e|^2 from exact arithmetic
 
     def tilted(self, error: float) -> Case:
-        """With the words pi_swivel, which are off by ``error``, for exact ones."""
+        """Return the case with the words pi_swivel, which have an error of ``error``, taken as exact."""
         b = self.b[0] - error, self.b[1] + error
         return replace(self, b=b, tilt=error / b[0])
 
     @property
     def excess(self) -> float:
-        """What rounded arms add to |k_e|: the rounding of d1 + d2, times |d1 - d2|."""
+        """Increase of |k_e| by rounded arms: the rounding of d1 + d2, times |d1 - d2|."""
         return 4 * self.ulp if self.long else 0.0
 
     @property
@@ -62,12 +62,12 @@ class Case:
 
     @property
     def tmp1(self) -> tuple[float, float]:
-        """(d1 sin a)^2 |PP^-|^2: |pi|^2 ((2 d1 |p_w|)^2 - k_e^2), where rounded arms are."""
+        """(d1 sin a)^2 |PP^-|^2: |pi|^2 ((2 d1 |p_w|)^2 - k_e^2), where the arms are rounded."""
         most = (min(self.d_high, 0.5) * self.pp[1]) ** 2
         tilted = (self.pp[1] * self.p_e * self.tilt) ** 2
         if not self.long:
             return -tilted, most
-        # by |k_e| <= 2 d1 |p_w| + excess, or by |k_e| alone
+        # from |k_e| <= 2 d1 |p_w| + excess, or from |k_e| alone
         near = 4 * self.d_high * self.p[1] * self.excess + self.excess**2
         # Where j >= 2, |d1 - d2| <= |p_a| + ulps leaves d1 >= 1/8.
         least = (self.p[0] / 4) ** 2 if self.j[0] >= 3 else 0.0
@@ -75,7 +75,7 @@ class Case:
 
     @property
     def t_e(self) -> tuple[float, float]:
-        """p_e (p_e - p_w), d1 d2 times a cosine."""
+        """p_e (p_e - p_w): d1 d2 times a cosine."""
         if self.clamped:
             return 0.0, 0.75
         most = (self.p_e + self.elbow) ** 2 if self.long else 0.25 + (self.p_e * self.tilt) ** 2
@@ -83,17 +83,17 @@ class Case:
 
     @property
     def p_e_words(self) -> float:
-        """|p_e|, as the words have it."""
+        """|p_e| of the words."""
         return math.sqrt(self.p_e**2 + self.square)
 
 
 EDGES_P = (0.5, math.sqrt(0.5), 1.0, SQRT2, SQRT3)
 EDGES_B = (0.5, math.sqrt(0.5), 1.0, SQRT2)
-"""Where the lengths of the two mantissa vectors are cut: within a part, numerators and divisors keep step."""
+"""Boundaries of the lengths of the two mantissa vectors: within a part, numerators and divisors are correlated."""
 
 
 def cases(width: int) -> list[Case]:
-    """The parts of the input domain; together they hold every input word."""
+    """Return the parts of the input domain; together they contain every input word."""
     ulp = 2.0 ** (1 - width)
     last = 1 - 2 * ulp  # d1 + d2 <= 1 - ulp, d2 >= ulp
     whole = [

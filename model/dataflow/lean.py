@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dataflow of ``rtl/lean``, written once: the paper's answers from reciprocal square roots in two levels.
+"""Dataflow of ``rtl/lean``, written once: the paper's results from reciprocal square roots in two levels.
 
-docs/generated/lean.md derives it from (10)-(18).  :func:`lean` is written against the same operations as the paper's
-dataflow
+docs/generated/lean.md derives it from (10)-(18).  :func:`lean` uses the same operations as the paper's dataflow
 (:class:`model.dataflow.nodes.Domain`) and runs in the same ways: in integers, in double precision, as a table of
 formats and clocks.
 
 Exact part.  Squares, their sums, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2 are integers of
 2W + 2 bits; their signs are the flags.  Every root takes its argument normalized by an even shift, so its relative
-precision does not depend on how small the argument is.
+precision does not depend on the size of the argument.
 
 Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
 root has at most 31 fraction bits, and 22 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
 1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
 
-Rounding.  ``mul3`` leaves out the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
+Rounding.  ``mul3`` omits the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
 the results are rounded half up to W - 2 fraction bits.
 """
 
@@ -58,10 +57,10 @@ SECTIONS = {
     "turn": "shoulder quaternion",
     "results": "what leaves the datapath",
 }
-"""Section name -> what it is; the RTL module is ``ik_lean_<section>``, its instance ``u_<section>``."""
+"""Section name -> description; the RTL module is ``ik_lean_<section>``, its instance ``u_<section>``."""
 
 
-# What geometry says of the nodes: ranges in exact arithmetic, and why.
+# Exact ranges of the nodes from geometry, with the reason.
 
 SQUARES = "squares of words in [-2, 2)"
 MANTISSA = Within(0.0, 1.0, "mantissa", below=True)
@@ -84,7 +83,7 @@ LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
 LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4, or 0 and |d1 - d2| a place or more")
 K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
-# And how errors come out, and what sections compute themselves, in Verilog.
+# Error growth, and the Verilog of nodes that sections compute themselves.
 
 ROUNDED = "((1 <<< (DROP - 1)) {}) >>> DROP"
 TWO = Limited("2, which powers of two can give, becomes the largest word")
@@ -92,49 +91,49 @@ ONE = Limited("1, which powers of two can give, becomes the largest word")
 
 
 def not_negative(why: str) -> Within:
-    """Of a shift count, 6 bits."""
+    """Return the range of a 6-bit shift count."""
     return Within(0.0, 63.0, why)
 
 
 WIDTHS = range(3, 33)
-"""Word lengths that the lean datapath can be built with: below 16 only so that all inputs can be tried."""
+"""Word lengths supported by the lean datapath: below 16 only so that all inputs can be tested."""
 
 
 class Lean:
-    """The formats of the lean dataflow at one word length."""
+    """Formats of the lean dataflow at one word length."""
 
     def __init__(self, width: int) -> None:
         frac = inner_frac(width)
         self.frac = frac
-        self.even_width = width + width % 2  # container of an arm's length, whose shifts are even
+        self.even_width = width + width % 2  # width of an arm's length rounded up to even, as its shifts are even
         self.odd = width % 2
         self.inner = Format(frac + 2, frac, "FRAC")
         root = root_frac(width)
         self.mantissa = Format(root + 3, root + 3, "ROOT_FRAC + 3", signed=False)
         self.exact = Format(2 * width + 2, 2 * width - 4, "2*W - 4")
         self.length = Format(width + 1, width - 2, "W - 2")
-        self.doubled = Format(frac + 3, frac, "FRAC")  # 2 and a little fits
+        self.doubled = Format(frac + 3, frac, "FRAC")  # fits slightly more than 2
         self.raised = Format(frac + 5, frac, "FRAC")  # shifted left by 2
         effective = effective_width(width)
         self.pad = effective - width  # zeros below a coordinate
         self.shifted = Format(effective + 1, effective, "WX")
         self.count = Format(6, 0, "0", signed=False)
         self.result = Format(width, width - 2, "W - 2")
-        self.drop = frac - self.result.frac  # what a result's rounding drops of an inner word
+        self.drop = frac - self.result.frac  # bits of an inner word that a result's rounding drops
 
 
 def lean(d: Domain, target: dict[str, Node]) -> None:
-    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
+    """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
     results.
 
-    Every node ends up in ``d.nodes`` under its name, which is also the name of its signal in the RTL.
+    Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
     """
     guard(d, target)
     sections(d, target["phi"])
 
 
 def sections(d: Domain, phi: Node) -> None:
-    """Everything after :func:`guard`, whose nodes ``d.nodes`` holds."""
+    """Build everything after :func:`guard`, whose nodes are in ``d.nodes``."""
     formats = Lean(d.width)
     direction(d, formats)
     triangle(d, formats)
@@ -142,7 +141,7 @@ def sections(d: Domain, phi: Node) -> None:
 
 
 def guard(d: Domain, target: dict[str, Node]) -> None:
-    """Exact integers of the input words, and the flags that they decide."""
+    """Build the exact integers of the input words, and the flags decided by them."""
     f = Lean(d.width)
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
@@ -177,13 +176,13 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
 
 
 def direction(d: Domain, f: Lean) -> None:
-    """(u_x, u_y) = (x, y)/rho, sin_el = z/|p|, cos_el = rho/|p|, and the half angles of azimuth and tilt."""
+    """Build (u_x, u_y) = (x, y)/rho, sin_el = z/|p|, cos_el = rho/|p|, and the half angles of azimuth and tilt."""
     n, L = d.nodes, d.line
     d.at("direction")
     root(L(8), f, "rho", n["rho_sq"], 2 * d.width)
     root(L(9), f, "s", n["s"], 2 * d.width)
 
-    # in the root's own unit: |x| <= rho, so nothing is lost at the top
+    # in the root's own unit: |x| <= rho, so no high bit is lost
     unit = Shift(-2, 1, left=f.pad, width=f.shifted.width)
     L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
     L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
@@ -201,7 +200,7 @@ def direction(d: Domain, f: Lean) -> None:
     L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
-    # azimuth 0 is taken: (1, 1)/2.
+    # the azimuth is 0: (1, 1)/2.
     half_length(L(29), f, "az_sq", ("u_y",))
     # Its parts do not wait for the squared length.
     az, length = ("u_y", "u_y", "u_x", "on_axis"), half_of("u_y")
@@ -209,7 +208,8 @@ def direction(d: Domain, f: Lean) -> None:
     half_part(L(32), f, "az_c", az, c, f"(u_y < 0 || on_axis_at_u_y) ? ({length}) : (u_x >>> 1)")
     s = HalfPart(lambda u_y, on_axis: u_y >= 0, length=HalfLength(f.frac))
     half_part(L(33), f, "az_s", az, s, f"u_y < 0 ? (u_x >>> 1) : ({length})")
-    # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, +z is taken: (1, 0).
+    # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
+    # (1, 0).
     half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
     tilt = ("tilt_sq", "sin_el", "cos_el")
     large, small = "tilt_sq_at_cos_el", "(cos_el >>> 1)"
@@ -218,7 +218,7 @@ def direction(d: Domain, f: Lean) -> None:
 
 
 def triangle(d: Domain, f: Lean) -> None:
-    """Qe (14) and the angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|), as half angle."""
+    """Build Qe (14) and half the angle a at the shoulder: cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|)."""
     n, L = d.nodes, d.line
     d.at("triangle")
     root(L(10), f, "far", n["a_far"], 2 * d.width)
@@ -227,7 +227,7 @@ def triangle(d: Domain, f: Lean) -> None:
     root(L(13), f, "2", n["d2"], f.even_width)
     L(19).mul3("root_far", n["inv_far"], n["m_far"], f.inner, scale=1, within=ROOT)
     L(20).mul3("root_near", n["inv_near"], n["m_near"], f.inner, scale=1, within=ROOT)
-    # 1/(4 sqrt(m_1 m_2)), and its shift to the unit of sqrt A: their product is a number up to 1, and root_far >= 1/2
+    # 1/(4 sqrt(m_1 m_2)), shifted to the unit of sqrt A: their product is at most 1, and root_far >= 1/2
     fine = Format(f.frac + 2, f.frac + 1, "FRAC + 1")
     L(21).mul3("inv_12_raw", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
     limited(d, f, "inv_12", INVERSES, fine, ONE)
@@ -295,7 +295,7 @@ def triangle(d: Domain, f: Lean) -> None:
 
     half_part(L(36), f, "arm_c", arm, HalfPart(toward, none), f"swap_at_sin_a ? {small} : {large}")
     half_part(L(37), f, "arm_s", arm, HalfPart(lambda *c: ~toward(*c), none), f"swap_at_sin_a ? {large} : {small}")
-    # For three products instead of four: c + s, and the difference of the larger part and the smaller.
+    # Operands for three products instead of four: c + s, and the larger part minus the smaller.
     d.at()
     d.op("arm_swap", ("cos_a", "clamp", "away"), d.bit, "mux", lambda *c: ~toward(*c))
 
@@ -308,7 +308,7 @@ def triangle(d: Domain, f: Lean) -> None:
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
-    """Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, divided by their length."""
+    """Build Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, and normalized."""
     n, L = d.nodes, d.line
     d.at("turn")
     d.trig(("sin_h", "cos_h"), phi, f.inner, lines=(38, 39), within=(CIRCLE, UPPER_HALF))
@@ -325,7 +325,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_far", within=PART)
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_far", within=PART)
     L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, kind="mul3_far", within=PART)
-    # Three products a pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
+    # Three products per pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
     for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
         both = first + second
         parts = f"{first}_0", f"{second}_0"
@@ -341,7 +341,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
             less = " - ".join(terms)
             if arm == "sum":
                 L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM, exact=less)
-            else:  # the larger part less the smaller is s - c where they are swapped
+            else:  # the larger part minus the smaller is s - c where they are swapped
                 L(line).op(
                     f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), Turned(),
                     within=PART, grows=SUM, exact=f"swap_at_wi_c ? {' + '.join(terms)} : {less}",
@@ -351,7 +351,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
     L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner, within=Within(0.125, 1.0, "a product of such"))
     quarter = 1 << (f.frac - 2)
-    mantissa = Mantissa(f.mantissa.frac - f.frac, f.mantissa.high)  # of four times the length, where it is below 1/4
+    mantissa = Mantissa(f.mantissa.frac - f.frac, f.mantissa.high)  # of four times the length where it is below 1/4
     low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
     L(57).op(
         "m_q", ("length_sq", low), f.mantissa, "mux", mantissa, mantissa.real,
@@ -360,10 +360,10 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
         " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
     )  # fmt: skip
-    # Doubled where the mantissa was taken from four times the length.
+    # Doubled where the mantissa is of four times the length.
     inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
 
-    # The k part is not negative.
+    # The k part is nonnegative.
     rounded = Result(f.drop)
     d.at()
     d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
@@ -377,11 +377,11 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         )  # fmt: skip
 
 
-# -- what the sections share -----------------------------------------------------------------------------------------
+# -- shared by the sections ------------------------------------------------------------------------------------------
 
 
 def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
-    """e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
+    """Build e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
     d.even(f"e_{name}", f"m_{name}", value, width, f.count, f.mantissa, within=MANTISSA)
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
 
@@ -389,8 +389,8 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
 def limited(
     d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = None, limited: Limited = TWO,
 ) -> Node:  # fmt: skip
-    """``name`` from ``name``_raw: 2, which powers of two can give, becomes the largest inner word, or 1 the largest of
-    another format."""
+    """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
+    of another format."""
     limit, most = Limit(f.inner.high), "((1 <<< (N - 1)) - 1)"
     return d.op(
         name, (f"{name}_raw",), fmt or f.inner, "mux", limit, limit.real,
@@ -399,12 +399,12 @@ def limited(
 
 
 def half_of(cosine: str) -> str:
-    """:class:`HalfLength` in Verilog."""
+    """Return :class:`HalfLength` in Verilog."""
     return f"((1 <<< FRAC) + ({cosine} < 0 ? -1 - {cosine} : {cosine})) >>> 1"
 
 
 def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
-    """(1 + |c|)/2 of the first operand; 1 where the second, a mask, says so."""
+    """Build (1 + |c|)/2 of the first operand; 1 where the second, a mask, is set."""
     cosine, *mask = operands
     exact = half_of(cosine)
     if mask:
@@ -414,6 +414,6 @@ def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> Non
 
 
 def half_part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], part: HalfPart, exact: str) -> None:
-    """A part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the part
-    does not wait for the squared length."""
+    """Build a part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the
+    part does not wait for the squared length."""
     d.op(name, operands, f.inner, "mux", part, part.real, FLOOR, within=HALF_ANGLE, exact=exact)

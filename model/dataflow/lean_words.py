@@ -13,7 +13,7 @@ from .nodes import wrap
 
 @dataclass(frozen=True)
 class Addition:
-    """The first plus ``sign`` times the second."""
+    """The first operand plus ``sign`` times the second."""
 
     sign: int
 
@@ -36,13 +36,13 @@ times, square = Product(2), Product(1)
 
 
 def half_up(words, drop: int):
-    """Without their last ``drop`` bits, rounded half up."""
+    """Drop the last ``drop`` bits, rounding half up."""
     return (words + (1 << (drop - 1))) >> drop
 
 
 @dataclass(frozen=True)
 class Count:
-    """A shift count of six bits: other counts times ``factors``, and a constant."""
+    """Shift count of six bits: other counts times ``factors``, and a constant."""
 
     factors: tuple[int, ...]
     constant: int = 0
@@ -55,8 +55,8 @@ class Count:
 
 @dataclass(frozen=True)
 class Shift:
-    """v 2^(power + sign count), cut off: of words (v 2^(left + sign count)) 2^-right, the low ``width`` bits of it if
-    there is one."""
+    """v 2^(power + sign count), truncated; for words (v 2^(left + sign count)) 2^-right, and its low ``width`` bits if
+    ``width`` is given."""
 
     power: int
     sign: int
@@ -88,7 +88,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Result:
-    """A result: a word, or minus that where the mask says so, rounded."""
+    """Result: a word, negated where the mask is set, rounded."""
 
     drop: int
 
@@ -101,7 +101,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Elbow:
-    """A result: a word times ``sign``, rounded; ``folded`` or ``straight`` of ``one`` where the elbow is clamped."""
+    """Result: a word times ``sign``, rounded; ``folded`` or ``straight`` times ``one`` where the elbow is clamped."""
 
     drop: int
     sign: int
@@ -119,8 +119,8 @@ class Elbow:
 
 @dataclass(frozen=True)
 class Mantissa:
-    """A word raised by ``up`` bits, and by two more where the mask says so, but not above ``top``; as a real value four
-    times the word where the mask says so."""
+    """A word shifted left by ``up`` bits, and by two more where the mask is set, but at most ``top``; as a real value,
+    four times the word where the mask is set."""
 
     up: int
     top: int
@@ -132,13 +132,13 @@ class Mantissa:
         return np.where(low, 4 * t, t)
 
 
-# h(c, s) is the quaternion of the rotation with cosine c and sine s, not of unit length: (1 + c, s)/2, or (s, 1 - c)/2
+# h(c, s) is the quaternion of the rotation with cosine c and sine s, not normalized: (1 + c, s)/2, or (s, 1 - c)/2
 # where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 
 
 @dataclass(frozen=True)
 class HalfLength:
-    """(1 + |c|)/2 of words of ``frac`` fraction bits; 1 where a mask says so."""
+    """(1 + |c|)/2 of words of ``frac`` fraction bits; 1 where a mask is set."""
 
     frac: int
 
@@ -151,8 +151,8 @@ class HalfLength:
 
 @dataclass(frozen=True)
 class HalfPart:
-    """A part of h: the squared length g where ``large`` says so of the cosine and the masks, else half the sine, or 0
-    where ``none`` says so of the masks.  The part does not wait for the length if it has one of its own."""
+    """Part of h: the squared length g where ``large`` of the cosine and masks holds, else half the sine, or 0 where
+    ``none`` of the masks holds.  The part does not wait for g if it has its own ``length``."""
 
     large: Callable
     none: Callable | None = None
@@ -171,7 +171,7 @@ class HalfPart:
 
 @dataclass(frozen=True)
 class PartSum:
-    """The squared length plus ``sign`` times half the sine, or nothing where the mask says so."""
+    """The squared length plus ``sign`` times half the sine, or plus 0 where the mask is set."""
 
     sign: int
 
@@ -184,17 +184,17 @@ class PartSum:
 
 @dataclass(frozen=True)
 class Turned:
-    """The first less the second, their sum where the mask says so."""
+    """The first operand minus the second; their sum where the mask is set."""
 
     def __call__(self, whole, part, swap):
         return np.where(swap, whole + part, whole - part)
 
 
 def magnitude(words):
-    """|c|, or one less: the one's complement of what is negative."""
+    """Return |c| for c >= 0, and |c| - 1, the one's complement, for c < 0."""
     return np.where(words < 0, ~words, words)
 
 
 def truth(mask):
-    """A mask that ``~`` negates."""
+    """Return a mask that ``~`` negates."""
     return np.asarray(mask).astype(bool)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The language in which the dataflows are written: formats, nodes, latencies, and the operations of a domain.
+"""Building blocks of the dataflows: formats, nodes, latencies, and the operations of a domain.
 
 A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`) is written once against a small set of operations
 (:class:`Domain`) and therefore runs in several ways:
@@ -10,12 +10,12 @@ A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`) is written 
 * as a table of formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
 Formats.  A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i``
-fraction bits.  Products that wait for the sum they belong to, and sums of such products that feed a root or a
-division, carry ``GUARD`` more fraction bits (``wide``).
+fraction bits.  Products that feed a sum, and sums of such products that feed a root or a division, have ``GUARD`` more
+fraction bits (``wide``).
 
 Rounding.  ``mul`` and ``sum`` round half up (add half an ulp, drop the bits); ``div`` and ``root`` take the floor.
-A product always fits its format; a sum and a quotient are narrowed by geometry (|p_e| <= d1, ...), and saturate: by
-proof (:mod:`model.bounds.ranges`) none does but those that a node's ``limited`` names.
+A product always fits its format; a sum and a quotient are narrowed by geometry (|p_e| <= d1, ...), and saturate.  By
+proof (:mod:`model.bounds.ranges`) only nodes with ``limited`` ever saturate.
 """
 
 from __future__ import annotations
@@ -36,47 +36,47 @@ from .trig import FRACS, trig_clocks
 from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
 
 GUARD = 8
-"""Extra fraction bits of a product that waits for its sum."""
+"""Extra fraction bits of a product that feeds a sum."""
 
 EXACT = (0.0, 0.0)
 HALF_UP = (-0.5, 0.5)
 FLOOR = (-1.0, 0.0)
 JAM = (-1.0, 1.0)
 CORDIC = (-2.0, 2.0)
-"""What each rounding rule adds, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded ulps
-each in both coordinates, the angle left over is below one ulp, and the result is rounded."""
+"""Error range of each rounding rule, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded
+ulps each in both coordinates, the residual angle is below one ulp, and the result is rounded."""
 
 WIDTHS = range(16, 33)
-"""Word lengths that the datapaths are built for."""
+"""Word lengths supported by the datapaths."""
 
 INNER_FRAC = 33
-"""Most fraction bits of an inner word of the lean datapath: with two integer bits two tiles of 18 bits hold it."""
+"""Maximum fraction bits of an inner word of the lean datapath: with two integer bits it fits two tiles of 18 bits."""
 
 ROOT_FRACS = 22, 31
-"""Fraction bits of its roots: up to 18 bits a word, where the short form of a root does, and at most."""
+"""Fraction bits of the lean roots: for words of up to 18 bits, where the short form suffices, and the maximum."""
 
 
 def effective_width(width: int) -> int:
-    """The word length that the lean formats follow: the shorter words of the exhaustive test count as the least."""
+    """Return the word length that sets the lean formats: the shorter words of the exhaustive test use the minimum."""
     return max(width, WIDTHS[0])
 
 
 def inner_frac(width: int) -> int:
-    """F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
+    """Return F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
     return max(min(effective_width(width) + 5, INNER_FRAC), ROOT_FRACS[0])
 
 
 def root_frac(width: int) -> int:
-    """Fraction bits of the lean datapath's roots at word length ``width``."""
+    """Return the fraction bits of the lean datapath's roots at word length ``width``."""
     short, most = ROOT_FRACS
     return short if width <= 18 else min(inner_frac(width), most)
 
 
 class FormatError(ValueError):
-    """A node's format does not go with its operands'; the text names the node."""
+    """Node format that does not match its operands' formats; the text names the node."""
 
 
-Value = Any  # what a domain computes with: an array over targets, an interval, an affine form
+Value = Any  # a domain's values: an array over targets, an interval, an affine form
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Latency:
     width: int
     tile: int = TILE  # of :class:`Domain`
 
-    # kind -> (clocks a bit of the word, clocks besides, what they are)
+    # kind -> (clocks per bit of the word, fixed clocks, description)
     TABLE = {
         "mul": (0, 4, "operands, tile products, tile sums, rounding"),
         "sum2": (0, 2, "add, round and saturate"),
@@ -110,7 +110,7 @@ class Latency:
         "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
     }
 
-    # kind -> (the fraction bits that choose its form, up to how many it is short, its clocks at so many)
+    # kind -> (fraction bits that select the form, largest number for the short form, clocks for a number of bits)
     FORMS = {
         "rsqrt": ("ROOT_FRAC", SHORT_FRAC, rsqrt_clocks),
         "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac, tile=TILE: rsqrt_clocks(frac, tile) + 1),
@@ -118,7 +118,7 @@ class Latency:
     }
 
     def __getitem__(self, kind: str) -> int:
-        """Clocks of operation ``kind``."""
+        """Return the clocks of operation ``kind``."""
         if kind in self.FORMS:
             frac, _, clocks = self.FORMS[kind]
             return clocks(root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width), self.tile)
@@ -127,7 +127,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """The same as a Verilog expression; the small form takes as long as the long one."""
+        """Return the clocks as a Verilog expression; the small form takes as long as the long one."""
         if kind in cls.FORMS:
             frac, most, clocks = cls.FORMS[kind]
             return f"(TILE < {TILE} || {frac} > {most}) ? {clocks(most + 1)} : {clocks(most)}"
@@ -137,7 +137,7 @@ class Latency:
 
 @dataclass(frozen=True)
 class Format:
-    """A fixed-point format: ``width`` bits of which ``frac`` are fraction bits.
+    """Fixed-point format: ``width`` bits of which ``frac`` are fraction bits.
 
     ``frac_expr`` is the same fraction length as a Verilog expression of ``W`` (and ``GUARD``).
     """
@@ -159,18 +159,18 @@ class Format:
 
     @property
     def ulp(self) -> float:
-        """Value of the last place."""
+        """Value of the LSB."""
         return 2.0**-self.frac
 
 
 @dataclass
 class Node:
-    """One named value of the dataflow.
+    """Named value of the dataflow.
 
-    ``time`` counts clocks from the clock in which the target is at the input; ``value`` is whatever the domain
-    computes with (an array over targets).  ``after`` is a node that the operation waits for without using it, to
-    leave together with its neighbours.  ``error`` is the range, in ulps, of the rounding that the operation adds, and
-    ``facts`` what else the dataflow says of the node.
+    ``time`` counts clocks from the clock in which the target is at the input; ``value`` is of the domain's type (an
+    array over targets).  ``after`` is a node that the operation waits for without using it, to align its result with
+    its neighbours.  ``error`` is the range, in ulps, of the rounding added by the operation, and ``facts`` holds the
+    dataflow's annotations.
     """
 
     name: str
@@ -191,60 +191,60 @@ class Node:
 
     @property
     def instance(self) -> str:
-        """The instance in ``ik_paper`` that holds the node's signal: its section's; none for inputs and final flags."""
+        """Instance in ``ik_paper`` that holds the node's signal: its section's; none for inputs and final flags."""
         return "" if self.op == "input" or self.section == "results" else f"u_{self.section}"
 
 
 @dataclass(frozen=True)
 class Negated:
-    """A node with a minus sign in front of it, as a term of a sum."""
+    """Negated node, as a term of a sum."""
 
     node: Node
 
 
 class Domain(ABC):
-    """The operations that :func:`paper` is written in.  Each makes one named node, one or more clocks later."""
+    """Operations of a dataflow.  Each creates one or more named nodes."""
 
     def __init__(self, width: int, widths: range = WIDTHS, tile=TILE) -> None:
         if width not in widths:
             raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
         self.width = width
-        self.tile = tile  # of mul3; roots and sines have other tables with less than 18 bits
+        self.tile = tile  # of mul3; below 18 bits, roots and sines use other tables
         self.latency = Latency(width, tile)
         self.nodes: dict[str, Node] = {}
-        self.facts: defaultdict[str, Facts] = defaultdict(Facts)  # by node, before it is made
+        self.facts: defaultdict[str, Facts] = defaultdict(Facts)  # by node, set before the node is created
         self._section = "guard"
         self._equation = ""
 
-    # ---- where we are in the paper -------------------------------------------------------------------------------
+    # ---- section and equation ------------------------------------------------------------------------------------
 
     def at(self, section: str | None = None, equation: str = "") -> None:
-        """Names the section and the equation that the following nodes belong to."""
+        """Set the section and the equation of the following nodes."""
         self._section = section or self._section
         self._equation = equation
 
     def line(self, number: int) -> Domain:
-        """The same for a lean equation, :mod:`model.reference.lean_table`: what follows belongs to (L``number``)."""
+        """Set the lean equation of the following nodes, (L``number``) of :mod:`model.reference.lean_table`."""
         self._equation = f"(L{number})"
         return self
 
     # ---- formats -------------------------------------------------------------------------------------------------
 
     def word(self, i: int) -> Format:
-        """A ``W``-bit word with ``i`` integer bits."""
+        """Return a ``W``-bit format with ``i`` integer bits."""
         return Format(self.width, self.width - 1 - i, f"W - {1 + i}" if i != -1 else "W")
 
     def wide(self, i: int) -> Format:
-        """A product before its rounding: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
+        """Return the format of an unrounded product: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
         return Format(self.width + GUARD, self.width + GUARD - 1 - i, f"W + GUARD - {1 + i}")
 
     def unsigned(self, width: int, frac: int, frac_expr: str) -> Format:
-        """An unsigned format: masks, shift counts and the radicands of half angles."""
+        """Return an unsigned format: masks, shift counts and the radicands of half angles."""
         return Format(width, frac, frac_expr, signed=False)
 
     @property
     def bit(self) -> Format:
-        """A yes or no."""
+        """Format of a mask, one bit."""
         return self.unsigned(1, 0, "0")
 
     # ---- making nodes --------------------------------------------------------------------------------------------
@@ -252,7 +252,7 @@ class Domain(ABC):
     def make(
         self, name, op, operands: tuple[Node, ...], fmt: Format, latency: str | None, value, after=None, error=EXACT
     ) -> Node:
-        """Records a node that is ready ``latency`` after the last of its operands (and of ``after``)."""
+        """Record a node that is ready ``latency`` after the last of its operands (and of ``after``)."""
         if name in self.nodes:
             raise ValueError(f"node {name} is made twice")
         start = max((n.time for n in (*operands, after) if n), default=0)
@@ -264,29 +264,29 @@ class Domain(ABC):
         return node
 
     def inputs(self, value: Callable[[str, Format], Value]) -> dict[str, Node]:
-        """The input words, in the clock in which the target is accepted."""
+        """Create the input words, in the clock in which the target is accepted."""
         formats = {name: self.word(int(name in LENGTHS)) for name in FIELDS}
         return {name: self.make(name, "input", (), fmt, None, value(name, fmt)) for name, fmt in formats.items()}
 
-    # ---- what is known from here on ------------------------------------------------------------------------------
+    # ---- hooks for ranges ----------------------------------------------------------------------------------------
 
     def learn(self, fact: Callable[[Case], Case]) -> None:  # noqa: B027 - of ranges only
-        """What the nodes so far tell of the lengths in a case; only ranges are computed case by case."""
+        """Tighten the length bounds of a case from the nodes so far; only ranges are computed case by case."""
 
     def restart(self, *names: str) -> None:  # noqa: B027 - of ranges only
-        """The words of these nodes, a plane, stand for exact ones: any plane will do for what follows."""
+        """Treat the words of these nodes, a plane, as exact: everything after them holds for any plane."""
 
     # ---- operations ----------------------------------------------------------------------------------------------
 
-    # ``facts`` are those of :class:`Facts`.
+    # ``facts`` are the fields of :class:`Facts`.
 
     def op(
         self, name: str, operands, fmt: Format, latency: str | None, bits: Callable, real: Callable | None = None,
         error=EXACT, **facts,
     ) -> Node:  # fmt: skip
-        """A choice, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
+        """Create a selection, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
 
-        ``real`` is None where the answer is a decision (a mask, a shift count) that only integers can take.
+        ``real`` is None where the result is a decision (a mask, a shift count) that requires integers.
         """
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
         self.facts[name] = Facts(**facts)
@@ -294,7 +294,7 @@ class Domain(ABC):
         return self.make(name, "choose", operands, fmt, latency, value, error=error)
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
-        """a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
+        """Create a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
         spare = a.format.frac + b.format.frac - scale - fmt.frac
         if spare < 0:
             raise FormatError(f"{name}: {fmt.frac} fraction bits, the product has only {fmt.frac + spare}")
@@ -303,7 +303,8 @@ class Domain(ABC):
         return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if spare else EXACT)
 
     def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None, **facts) -> Node:
-        """Sum of two or three terms of one format, rounded half up and saturated; raises :class:`FormatError`."""
+        """Create a sum of two or three terms of one format, rounded half up and saturated; raises
+        :class:`FormatError`."""
         signs = tuple(-1 if isinstance(t, Negated) else 1 for t in terms)
         nodes = tuple(t.node if isinstance(t, Negated) else t for t in terms)
         if len({n.format.frac for n in nodes}) != 1:
@@ -316,13 +317,13 @@ class Domain(ABC):
         return self.make(name, "sum", nodes, fmt, f"sum{len(nodes)}", value, after, error)
 
     def div(self, name: str, n: Node, d: Node, fmt: Format, **facts) -> Node:
-        """floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
+        """Create floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
         self.facts[name] = Facts(**facts)
         value = self.quotient(name, n, d, fmt)
         return self.make(name, "div", (n, d), fmt, "div", value, error=FLOOR)
 
     def root(self, name: str, n: Node, fmt: Format, **facts) -> Node:
-        """floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
+        """Create floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
         self.facts[name] = Facts(**facts)
         value = self.square_root(name, n, fmt)
         return self.make(name, "root", (n,), fmt, "root", value, error=FLOOR)
@@ -331,8 +332,8 @@ class Domain(ABC):
         self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, kind: str = "mul3", after: Node | None = None,
         **facts,
     ) -> Node:  # fmt: skip
-        """a * b * 2^scale by three tiles (:func:`model.dataflow.cores.mul3`); the ``kind`` mul3_far
-        has a register for operands that have a long way; it waits for ``after``, too."""
+        """Create a * b * 2^scale from three tiles (:func:`model.dataflow.cores.mul3`); the kind mul3_far adds an
+        operand register for long routes.  The node also waits for ``after``."""
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
         value = self.product3(name, a, b, fmt, scale)
@@ -340,22 +341,22 @@ class Domain(ABC):
 
     @staticmethod
     def cut(a: Node, b: Node, fmt: Format, scale: int) -> tuple[int, tuple[int, int]]:
-        """What :meth:`mul3` drops of the product's fraction bits, and the widths of its operands as signed words."""
+        """Return the number of fraction bits that :meth:`mul3` drops, and its operands' widths as signed words."""
         first, second = (n.format.width + (not n.format.signed) for n in (a, b))
         return a.format.frac + b.format.frac - scale - fmt.frac, (first, second)
 
     def even(
         self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format, **facts
     ) -> None:  # fmt: skip
-        """Shifts the low ``width`` bits left by pairs until the first is not empty: the shift and a mantissa."""
+        """Shift the low ``width`` bits left by pairs until the first pair is not 0; create shift count and mantissa."""
         self.facts[name] = Facts(**facts)
         shift, mantissa = self.even_mantissa(count, name, value, width, fmt)
         self.make(count, "even", (value,), count_fmt, "even", shift)
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
     def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, twice: Node | None = None, **facts) -> Node:
-        """1/(2 sqrt(m)) of a mantissa in [1/4, 1); 1 where m = 0; that doubled where ``twice``.  ``far``: the
-        table's address has a register of its own."""
+        """Create 1/(2 sqrt(m)) of a mantissa in [1/4, 1); 1 where m = 0; doubled where ``twice``.  ``far`` adds a
+        register for the table's address."""
         self.facts[name] = Facts(**facts)
         value = self.reciprocal_root(name, m, fmt, twice)
         latency = "rsqrt_far" if far else "rsqrt"
@@ -367,22 +368,22 @@ class Domain(ABC):
     def trig(
         self, names: tuple[str, str], phi: Node, fmt: Format, lines: tuple[int, int], within: tuple[Within, Within]
     ) -> None:
-        """Sine and cosine of phi/2, the lean equations of these numbers."""
+        """Create sine and cosine of phi/2 as the lean equations of numbers ``lines``."""
         for name, limits in zip(names, within, strict=True):
             self.facts[name] = Facts(within=limits)
         for name, line, value in zip(names, lines, self.half_sincos(names, phi, fmt), strict=True):
             self.line(line).make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
 
     def sincos(self, names: tuple[str, str], phi: Node, **facts) -> tuple[Node, ...]:
-        """Sine and cosine of phi/2, words with one integer bit."""
+        """Create sine and cosine of phi/2, words with one integer bit."""
         self.facts |= dict.fromkeys(names, Facts(**facts))
         values = zip(names, self.cordic(names, phi), strict=True)
         return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC) for n, v in values)
 
     def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str, **facts) -> Node:
-        """Shifts words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
+        """Shift words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
 
-        Makes the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
+        Creates the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
         """
         width = words[0].format.width
         counts = self.op(
@@ -396,13 +397,13 @@ class Domain(ABC):
             self.make(name, "normalize", words, self.word(0), "norm", self.mantissa(name, word, words, counts, fill))
         return counts
 
-    # ---- what a domain computes: the value of a node, of whatever kind its values are ------------------------------
+    # ---- evaluation in a domain: values of its own type ------------------------------------------------------------
 
     @abstractmethod
     def apply(
         self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None
     ) -> Value:
-        """The value of :meth:`op`."""
+        """Return the value of :meth:`op`."""
 
     # The paper's datapath.
 
@@ -422,11 +423,11 @@ class Domain(ABC):
         raise NotImplementedError
 
     def cordic(self, names: tuple[str, str], phi: Node) -> tuple[Value, ...]:
-        """Sine and cosine of phi/2."""
+        """Return sine and cosine of phi/2."""
         raise NotImplementedError
 
     def constant(self, value: float, fmt: Format) -> Node:
-        """A constant: wiring, ready at any time."""
+        """Return a constant: wiring, ready at any time."""
         raise NotImplementedError
 
     # The lean datapath.
@@ -435,19 +436,19 @@ class Domain(ABC):
         raise NotImplementedError
 
     def even_mantissa(self, count: str, name: str, value: Node, width: int, fmt: Format) -> tuple[Value, Value]:
-        """The shift ``count`` and the mantissa ``name``."""
+        """Return the shift ``count`` and the mantissa ``name``."""
         raise NotImplementedError
 
     def reciprocal_root(self, name: str, m: Node, fmt: Format, twice: Node | None) -> Value:
         raise NotImplementedError
 
     def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format) -> tuple[Value, ...]:
-        """Sine and cosine of phi/2."""
+        """Return sine and cosine of phi/2."""
         raise NotImplementedError
 
 
 def _faithful(fmt: Format, frac: int, most: float = 1.0) -> tuple[float, float]:
-    """At ``most`` a place of ``frac`` fraction bits, in places of ``fmt``, which may have more."""
+    """Return the error range of ``most`` ulps of ``frac`` fraction bits, in ulps of ``fmt``, which may have more."""
     bound = most * 2.0 ** max(fmt.frac - frac, 0)
     return -bound, bound
 
@@ -457,13 +458,13 @@ def _all_zero(words):
 
 
 def room(words, width: int):
-    """How far ``width``-bit words can be shifted left without overflow; ``width - 1`` for 0 and -1."""
+    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
     magnitude = np.where(words < 0, ~words, words)
     # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
     return width - 1 - np.frexp(magnitude.astype(np.float64))[1].astype(np.int64)
 
 
 def wrap(words, width: int):
-    """The low ``width`` bits as a signed word: only the words of a clamped target ever lose bits here."""
+    """Return the low ``width`` bits as a signed word: only words of a clamped target lose bits here."""
     half = 1 << (width - 1)
     return ((words + half) & (2 * half - 1)) - half

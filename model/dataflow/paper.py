@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dataflow of ``rtl/paper``, written once: the paper's equations (10)-(19) as the RTL computes them.
+"""Dataflow of ``rtl/paper``, written once: the paper's equations (10)-(19) as the RTL computes them.
 
 Sections 3.3 to 3.5 are in :mod:`model.dataflow.paper_turns`.
 
-Scale.  Four things are free in the equations and are used to keep words full, without touching a digit of the
-result: the unit of length of the arms, the unit of length of the target in (11)-(13), the length of the swivel
-plane's normal, and the length of L_m.  Each is chosen as a power of two by a count of leading sign bits
-(:meth:`model.dataflow.nodes.Domain.normalize`), so small arms, targets near the shoulder, near the z axis and elbows
+Scale.  Four scales are free in the equations and keep words full without changing the result: the unit of length of
+the arms, the unit of length of the target in (11)-(13), the length of the swivel plane's normal, and the length of
+L_m.  Each is a power of two chosen by a count of leading sign bits
+(:meth:`model.dataflow.nodes.Domain.normalize`), so small arms, targets near the shoulder or the z axis, and elbows
 near the z axis lose no precision.
 """
 
@@ -30,21 +30,21 @@ SECTIONS = {
     "to_elbow": "3.4 rotate to the elbow position",
     "to_wrist": "3.5 rotate to the wrist location",
 }
-"""Section name -> what it is; the RTL module is ``ik_<section>``, its instance in ``ik_paper`` is ``u_<section>``."""
+"""Section name -> description; the RTL module is ``ik_<section>``, its instance in ``ik_paper`` is ``u_<section>``."""
 
 
 def paper(d: Domain, target: dict[str, Node]) -> None:
-    """The whole datapath: from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
+    """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
     results.
 
-    Every node ends up in ``d.nodes`` under its name, which is also the name of its signal in the RTL.
+    Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
     """
     guard(d, target)
     sections(d, target["phi"])
 
 
 def sections(d: Domain, phi: Node) -> None:
-    """Sections 3.1 to 3.5; ``d.nodes`` holds what :func:`guard` made."""
+    """Build sections 3.1 to 3.5; ``d.nodes`` holds the nodes of :func:`guard`."""
     swivel(d, phi)
     elbow(d)
     elbow_quaternion(d)
@@ -53,15 +53,12 @@ def sections(d: Domain, phi: Node) -> None:
 
 
 def half_of(words, clamp, clamped=0):
-    """Without the last bit, which is or-ed into the place above it, so that a length never becomes 0; ``clamped`` of
-    a clamped target."""
+    """Halve, or-ing the last bit into the bit above so that a length never becomes 0; ``clamped`` replaces the result
+    for a clamped target."""
     return np.where(clamp, clamped, (words >> 1) | (words & 1))
 
 
-"""The same in Verilog."""
-
-
-# What geometry says of the nodes is stated before each section: ranges of exact arithmetic, case by case, and why.
+# Exact ranges from geometry are stated before each section, case by case, with their reason.
 
 CLAMPED = Given("", lambda c: (int(c.clamped), int(c.clamped)))
 REACHABLE = Given("", lambda c: (0, int(c.clamped)))
@@ -80,9 +77,9 @@ ARM = Given("arms' unit", lambda c: (0.25, 0.25) if c.clamped else (c.ulp, c.d_h
 
 
 def guard(d: Domain, target: dict[str, Node]) -> None:
-    """Decides exactly which targets lie outside the equations' domain, and scales what goes into them.
+    """Classify targets outside the equations' domain exactly, and scale the operands of the equations.
 
-    The comparisons are exact: squares of input words, never rounded, therefore wider than ``W`` bits.
+    The comparisons are exact: squares of input words are not rounded, so they are wider than ``W`` bits.
     """
     w = d.width
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
@@ -108,8 +105,8 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("too_near", near, d.bit, "mux", lambda s, q, bad: (s < q).astype(bool) & ~bad, within=REACHABLE)
 
     # A clamped target has no elbow in the sense of (13): the arm is straight or folded along the line to the target.
-    # It takes its way through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three things are
-    # set from outside: p_e, c4 and the vector whose side decides the sign in (17).
+    # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three values are
+    # overridden: p_e, c4 and the vector whose side decides the sign in (17).
     d.op(
         "clamp", ("too_far", "too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda f, n, s, b: f | n | s | b,
         within=CLAMPED,
@@ -118,9 +115,9 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("fold", bad, d.bit, "mux", lambda n, s, b: (n | s) & ~b, within=REACHABLE)
     d.op("away", ("too_near", d_raw), d.bit, "mux", lambda n, q: n & (q < 0), within=REACHABLE)
 
-    # The target in a unit of length of its own; at the shoulder "straight up" is taken.
+    # The target in its own unit of length; a target at the shoulder becomes "straight up".
     lz_p = d.normalize(("p_w_z", "p_w_x", "p_w_y"), (z, x, y), "lz_p", within=TARGET_UNIT)
-    # The horizontal direction of the target in a unit of its own; on the z axis azimuth 0 is taken.
+    # The target's horizontal direction in its own unit; on the z axis the azimuth is 0.
     d.normalize(("b_x", "b_y"), (x, y), "lz_b", within=DIRECTION_UNIT)
     # The arms in a unit of length that brings d1 + d2 to [1/2, 1), and the target in the same unit.
     lz_r = d.op(
@@ -141,15 +138,15 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
             f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM,
             within=IN_REACH,
         )  # fmt: skip
-    # d1 - d2 in the target's unit, from the exact difference: with rounded arms, a target close to the shoulder could
-    # come to lie out of their reach.
+    # d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder out
+    # of reach.
     finer = Format(w + 1, w - 1, "W - 1")
     d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1), within=NOT_NEAR_SH)
     d.op(
         "d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR,
         within=NOT_NEAR,
     )  # fmt: skip
-    # How much finer the target's own unit is than the arms': p_w = 2^j p_a.
+    # Ratio of the two units: p_w = 2^j p_a.
     d.op(
         "scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1),
         within=Given("target's unit", lambda c: c.j),
@@ -183,8 +180,8 @@ PLANE = Rule(
 def swivel(d: Domain, phi: Node) -> None:
     """Section 3.1: |L_sw| (10) and the swivel plane (11).
 
-    Every term of (11) has the target's horizontal direction (p_x, p_y) as a factor.  It is taken from
-    (b_x, b_y) = 2^k (p_x, p_y), which gives the plane's normal another length and leaves the plane what it is.
+    Every term of (11) has the target's horizontal direction (p_x, p_y) as a factor.  It is replaced by
+    (b_x, b_y) = 2^k (p_x, p_y), which scales the plane's normal and leaves the plane unchanged.
     """
     n = d.nodes
     p_x, p_y, p_z, b_x, b_y = (n[k] for k in ("p_w_x", "p_w_y", "p_w_z", "b_x", "b_y"))
@@ -219,7 +216,7 @@ def swivel(d: Domain, phi: Node) -> None:
     d.sum("pi_num_z", d.constant(0.0, d.wide(2)), -n["sa_z"], fmt=d.wide(2), after=n["lcb_y"], within=PLANE_NUM)
     for axis in "xyz":
         d.div(f"pi_swivel_{axis}", n[f"pi_num_{axis}"], l_sw, d.word(1), within=PLANE)
-    # (12) and all that follows hold for any plane.  Exact arithmetic with the words gives k_e / 2 = p_e p_w and
+    # (12) and everything after it hold for any plane.  Exact arithmetic on the words gives k_e / 2 = p_e p_w and
     # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
     d.restart("pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
 
@@ -268,15 +265,14 @@ ELBOW = Rule(
 
 
 def off_length(c: Case, d: Domain) -> Case:
-    """How far p_e is off.  The root of (13) may lose half of its digits, and p_e with it, but across
-    |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 at right angles to it) the square undoes
-    the root."""
+    """Bound the error of p_e.  The root of (13), and p_e with it, may lose half of its digits; the square in
+    |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 perpendicular) undoes the root."""
     n = d.nodes
     t, inf, worst = n["tmp_sqr"], n["inf_pp"].value, 0.0
     if min(inf.low, inf.word[0]) <= 0:
-        return c  # the division says so
+        return c  # the division gives the bound
     for axis, m in zip("xyz", "123", strict=True):
-        if f"e_{axis}_pp" not in n:  # as the first, at the most
+        if f"e_{axis}_pp" not in n:  # at most the first axis's
             axis, m = "x", max("123", key=lambda k: n[f"pp_{k}_m"].value.error)
         pp = n[f"e_{axis}_pp"]
         num = pp.value.error + t.value.word[1] * n[f"pp_{m}_m"].value.error + pp.format.ulp
@@ -289,8 +285,8 @@ def off_length(c: Case, d: Domain) -> Case:
 def elbow(d: Domain) -> None:
     """Section 3.2: the point pair (12), in the form (19), and the elbow point (13).
 
-    PP is homogeneous.  As in (19) it is scaled by 2 throughout, and the target's own unit of length (2^j finer than
-    the arms') is one more common factor; p_e comes out in the arms' unit.
+    PP is homogeneous.  As in (19) it is scaled by 2 throughout; the target's own unit of length (2^j finer than the
+    arms') is another common factor; p_e is in the arms' unit.
     """
     n = d.nodes
     d.at("elbow", "(12)")
@@ -329,7 +325,7 @@ def elbow(d: Domain) -> None:
     d.sum("pp_pm", n["pp_1_pm"], n["pp_2_pm"], n["pp_3_pm"], fmt=d.wide(5), within=ORTHOGONAL_ARM)
     tmp1 = d.sum("tmp1", n["pp_pm"], -n["pp_sq"], fmt=d.word(3), within=HEIGHT_SQ)
     tmp_sqr = d.root("tmp_sqr", tmp1, d.word(2), within=HEIGHT)
-    # Straight or folded to the last place: the target lies on the line of the arm and cannot tell a side in (17).
+    # Straight or folded within an ulp: the target lies on the line of the arm and gives no side in (17).
     d.op("flat", ("clamp", "tmp1"), d.bit, "mux", lambda c, t: c | (t <= 0))
     d.op("back", ("clamp", "away", "k_e"), d.bit, "mux", lambda c, a, k: np.where(c, a, k < 0))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dataflow of ``rtl/paper`` from the elbow point on, sections 3.3 to 3.5: the two quaternions (14)-(18)."""
+"""Dataflow of ``rtl/paper`` from the elbow point on, sections 3.3 to 3.5: the two quaternions (14)-(18)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .nodes import HALF_UP, Domain
 
 
 def signed(magnitude, sign):
-    """The magnitude with the sign of the other; 0 counts as positive."""
+    """Return the magnitude with the sign of the other operand; 0 counts as positive."""
     return np.where(sign < 0, -magnitude, magnitude)
 
 
 def forearm(c: Case) -> float:
-    """|p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded arms do not reach."""
+    """Return |p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded arms do not reach."""
     return math.sqrt((c.p_e + c.elbow) ** 2 + c.square) + 2 * c.ulp
 
 
@@ -45,7 +45,7 @@ def elbow_quaternion(d: Domain) -> None:
         )  # fmt: skip
         d.mul(f"t_{a}", n[f"p_e_{a}"], n[f"f_{a}"], d.wide(1))
 
-    def rounding(c: Case) -> float:  # of |p_e|^2 - p_e p_w, whose error is that of the square
+    def rounding(c: Case) -> float:  # of |p_e|^2 - p_e p_w, whose error is the square's
         own = 1.5 * d.wide(1).ulp + SQRT3 * d.word(1).ulp * c.p_e + 0.5 * d.word(-1).ulp
         return math.inf if c.clamped else c.square + c.straight + own
 
@@ -70,7 +70,7 @@ def elbow_quaternion(d: Domain) -> None:
 
 
 def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
-    """(1 + sign cosine) / 2 of (6) and (7), held in [0, 1]: an unsigned word, so that 1 fits."""
+    """Compute (1 + sign cosine) / 2 of (6) and (7), limited to [0, 1]: an unsigned word, so that 1 fits."""
     w = d.width
     d.op(
         name, (cosine,), d.unsigned(w, w - 1, "W - 1"), "mux",
@@ -100,10 +100,10 @@ ALL_UPPER_ARM = Limited(
 def rotate_to_elbow(d: Domain) -> None:
     """Section 3.4: Q12 (15), the middle line L_m divided by its length.
 
-    L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely.  The factor d1 goes.  With the
-    elbow above the shoulder, d1 - p_ez cancels; there p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez) allows to divide by
-    d1 - p_ez: L_m ~ (p_ex, p_ey, d1 + p_ez).  With the elbow below, one factor (p_ex, p_ey) is scaled up to (u_x, u_y).
-    On the z axis itself the first form is (0, 0, 2 d1) and the second (d1, 0, 0): never 0/0.
+    L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely.  The factor d1 is dropped.
+    With the elbow above the shoulder, d1 - p_ez cancels; there p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez) permits
+    division by d1 - p_ez: L_m ~ (p_ex, p_ey, d1 + p_ez).  With the elbow below, one factor (p_ex, p_ey) is scaled up to
+    (u_x, u_y). On the z axis itself the first form is (0, 0, 2 d1) and the second (d1, 0, 0): never 0/0.
     """
     n = d.nodes
     d.at("to_elbow", "(15)")
@@ -157,7 +157,7 @@ def rotate_to_wrist(d: Domain) -> None:
     pi_x, pi_y, pi_z = (n[f"pi_swivel_{a}"] for a in "xyz")
     q_i, q_j, q_k = (n[f"q12_{u}"] for u in "ijk")
     d.at("to_wrist", "(17)")
-    # 1/|pi_swivel| is ready long before it is needed
+    # 1/|pi_swivel| is ready long before its use
     for a in "xyz":
         d.mul(f"pi_sq_{a}", n[f"pi_swivel_{a}"], n[f"pi_swivel_{a}"], d.wide(2))
     d.sum("pi_sq", n["pi_sq_x"], n["pi_sq_y"], n["pi_sq_z"], fmt=d.word(2), within=PLANE_SQ)
@@ -175,7 +175,7 @@ def rotate_to_wrist(d: Domain) -> None:
     d.sum("c3_num", n["c3_r"], -n["c3_g"], fmt=d.word(1), within=ROTATED)
     d.mul("c3", n["c3_num"], pi_inv, d.word(1), within=COSINE)
 
-    # sign: on which side of the rotated plane the target lies.  A flat arm's target lies in the plane; there the
+    # sign: the side of the rotated plane on which the target lies.  A flat arm's target lies in the plane; there the
     # elbow's side of the line decides: -PP^- for a target in the direction of the elbow, +PP^- behind the shoulder.
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
         d.op(
@@ -195,7 +195,7 @@ def rotate_to_wrist(d: Domain) -> None:
     _half(d, "h3_m", "c3", -1)
     q3_scalar = d.root("q3_scalar", n["h3_p"], d.word(1))
     d.root("q3_abs", n["h3_m"], d.word(1))
-    # 0 counts as positive: both signs are right there.
+    # 0 counts as positive: either sign is correct there.
     q3_k = d.op(
         "q3_k", ("q3_abs", "sign"), d.word(1), "mux", signed, signed,
         grows=SAME,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A function from a table, as ``ik_quadratic`` computes it: c0 -+ u (c1 -+ c2 u) in each of many segments.
+"""Table-based function, as ``ik_quadratic`` computes it: c0 -+ u (c1 -+ c2 u) in each segment.
 
-u is how far the argument is from the segment's middle.  Here are the words of the table, the bits of the result, and
+u is the distance of the argument from the segment's middle.  This module has the table's words, the result's bits and
 the proof of its error; ``cores.py`` has the reciprocal square root, ``trig.py`` the sine.
 """
 
@@ -13,16 +13,16 @@ from dataclasses import dataclass
 import mpmath
 
 PRECISION = 200
-"""Bits that tables and proofs are computed with; 2^-190 changes nothing in either."""
+"""Precision of tables and proofs in bits; an error of 2^-190 changes neither."""
 
 Function = Callable[[mpmath.mpf], mpmath.mpf]
 Segment = tuple[mpmath.mpf, mpmath.mpf]
-"""Its left end and its width."""
+"""Left end and width of a segment."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """What an error is proved to lie in."""
+    """Proved range of an error."""
 
     low: mpmath.mpf
     high: mpmath.mpf
@@ -38,35 +38,35 @@ class Interval:
 
 @dataclass(frozen=True)
 class Form:
-    """The words of ``ik_quadratic``.  Without a c2 the slope is c1, and the function is taken as straight."""
+    """Formats of ``ik_quadratic``.  Without c2 the slope is c1, and the function is treated as linear."""
 
     rows: int
     u_frac: int  # fraction bits of u, u_low of them below its tile
     u_low: int
     c_frac: tuple[int, ...]  # of the table's words, all unsigned
-    c_bits: tuple[int, ...]  # and their widths
+    c_bits: tuple[int, ...]  # widths of the table's words
     slope_frac: int  # of c1 -+ c2 u, slope_low of them below its tile
     slope_low: int
-    sum_frac: int  # of what is added to c0
+    sum_frac: int  # fraction bits of the term added to c0
 
     @property
     def tiles(self) -> int:
-        """Of slope times u: the tile of the low parts is left out."""
+        """Number of tiles of slope times u; the product of the low parts is omitted."""
         return 3 if self.slope_low else 1
 
     @property
     def index_bits(self) -> int:
-        """Of the number of a row."""
+        """Bits of a row number."""
         return self.rows.bit_length() - 1
 
     @property
     def clocks(self) -> int:
-        """Of ``ik_quadratic``: operands, slope times u, sum, result; before them operands, c2 u, slope."""
+        """Latency of ``ik_quadratic``: with c2, operands, c2 u, slope; then operands, slope times u, sum, result."""
         return 4 + (len(self.c_frac) > 2) * 3
 
 
 def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath.mpf]:
-    """c0, c1, and c2 if the form has one, with their signs: the function is met at the Chebyshev nodes."""
+    """Return signed c0, c1, and c2 if the form has it: the interpolant at the Chebyshev nodes."""
     left, width = segment
     middle = left + width / 2
     a = mpmath.sqrt(len(form.c_frac)) / 4 * width
@@ -77,8 +77,8 @@ def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath
 
 
 def words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
-    """A row of the table, magnitudes: each rounded to nearest, c0 after half of what the rounding of c2 does at the
-    segment's ends has been taken off."""
+    """Return a row of the table as magnitudes, each rounded to nearest; c0 is first reduced by half the effect of the
+    rounding of c2 at the segment's ends."""
     c0, *c = interpolant(form, function, segment)
     rounded = [mpmath.nint(abs(value) * 2**frac) for value, frac in zip(c, form.c_frac[1:], strict=True)]
     for word, value, frac in list(zip(rounded, c, form.c_frac[1:], strict=True))[1:]:
@@ -87,8 +87,8 @@ def words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
 
 
 def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
-    """c0 + u slope, or c0 - u slope unless the function ``rises``; the slope is c1 + c2 u where it becomes steeper with
-    u, ``bends_up``, else c1 - c2 u.  ``sum_frac`` fraction bits."""
+    """Return c0 + u slope, or c0 - u slope unless the function ``rises``; the slope is c1 + c2 u where it grows with u
+    (``bends_up``), else c1 - c2 u.  ``sum_frac`` fraction bits."""
     c0, c1, *c2 = row
     u_hi, u_lo = u >> form.u_low, u & (1 << form.u_low) - 1
     u_frac = form.u_frac - form.u_low
@@ -105,23 +105,23 @@ def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
 
 
 def interpolation_error(form: Form, segment: Segment, derivative: mpmath.mpf) -> mpmath.mpf:
-    """Largest |c0 + c1 u + c2 u^2 - function| in a segment, before the coefficients' rounding.
+    """Return the largest |c0 + c1 u + c2 u^2 - function| in a segment, before the coefficients are rounded.
 
-    ``derivative`` is the largest magnitude in the segment of the derivative after the last that the form follows.  The
-    error is the third derivative /6 times (u + a) u (u - a), at most 1/32 of the cube of the segment's width; of a
-    straight form, the second one /2 times (u + a) (u - a), at most 1/8 of its square.
+    ``derivative`` is the largest magnitude in the segment of the first derivative that the form does not follow.  The
+    error is the third derivative /6 times (u + a) u (u - a), at most 1/32 of the cube of the segment's width; for a
+    linear form, the second one /2 times (u + a) (u - a), at most 1/8 of its square.
     """
     width = segment[1]
     return derivative * width**2 / 16 if len(form.c_frac) < 3 else derivative * width**3 / 192
 
 
 def error(form: Form, function: Function, segment: Segment, row, derivative: mpmath.mpf, rises: bool) -> Interval:
-    """:func:`polynomial` of a row of the table, as it is, less the function, for all u of its segment.
+    """Return the range of :func:`polynomial` for a row of the table, minus the function, over its segment.
 
     * The interpolation (:func:`interpolation_error`).
-    * The coefficients' rounding, as it is: r0 + r1 u + r2 u^2.
-    * The slope is off by less than one of its places and c2 times a place of u's upper part; times u.
-    * Each tile is too small by less than a place of the sum; and the tile left out.
+    * The actual rounding of the coefficients: r0 + r1 u + r2 u^2.
+    * The slope's error is less than one ulp of the slope plus c2 times an ulp of u's upper part; times u.
+    * Each tile is truncated by less than an ulp of the sum; and the omitted tile.
     """
     width = segment[1]
     exact = interpolant(form, function, segment)

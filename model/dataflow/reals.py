@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dataflow in double precision, with any node moved off its exact value: what :mod:`model.bounds.predict` runs."""
+"""Dataflow in double precision, with any node moved off its exact value; used by :mod:`model.bounds.predict`."""
 
 from __future__ import annotations
 
@@ -13,10 +13,9 @@ from .nodes import Domain, Node
 
 
 class Real(Domain):
-    """The dataflow in double precision at the pose of ``bits``, with some nodes moved.
+    """Dataflow in double precision at the pose of ``bits``, with some nodes moved.
 
-    ``moves`` maps a node's name to an array (N,), in ulps.  Decisions and everything of the guard come from the run
-    in integers.
+    ``moves`` maps a node's name to an array (N,), in ulps.  Decisions and the guard's nodes come from the integer run.
     """
 
     def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
@@ -59,11 +58,11 @@ class Real(Domain):
         return self._moved(name, np.where(empty, 0.5 if fill else 0.0, scaled), self.word(0))
 
     def cordic(self, names, phi):
-        # phi's word has its sign in the top bit: half a turn is 1
+        # phi's word has its sign in the MSB: half a turn is 1
         half = phi.value * (np.pi / 2)
         return tuple(self._moved(n, v, self.word(1)) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
 
-    # of the lean datapath; nodes of several results are moved where they are made
+    # lean datapath; operations with several results move their nodes where they create them
 
     def product3(self, name, a, b, fmt, scale):
         return self.product(name, a, b, fmt, scale)
@@ -83,10 +82,10 @@ class Real(Domain):
         return tuple(self._moved(n, v, fmt) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
 
     def points(self, d1, d2) -> tuple[np.ndarray, np.ndarray]:
-        """Elbow and wrist (N, 3) of an arm d1, d2 in the pose found."""
+        """Return elbow and wrist (N, 3) of an arm d1, d2 in the computed pose."""
         q = np.stack([self.nodes[k].value for k in RESULT_FIELDS], axis=1)
         return forward(q[:, :4], q[:, 4:], d1, d2)
 
     def hand(self, d1, d2) -> np.ndarray:
-        """The wrist."""
+        """Return the wrist (N, 3) of an arm d1, d2."""
         return self.points(d1, d2)[1]

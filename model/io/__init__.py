@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets: words of the core, files, trajectories, stimuli, flags, scores."""
+"""Targets: core words, files, trajectories, stimuli, flags, scores."""

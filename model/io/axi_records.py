@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records of 32 bytes in memory, as ``rtl/ik_axi.v`` reads and writes them, and the words of the core.
 
-A record is eight words of 32 bits, little endian, the same for every word length of the core.  Target: x, y, z
+A record is eight 32-bit words, little endian, independent of the core's word length.  Target: x, y, z
 (Q2.30), phi (one turn = 2^32), d1, d2 (Q2.30), tag, 0.  Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i (Q2.30), flags << 24
 | tag (24 bits), index of the record in its job.
 """
@@ -32,7 +32,7 @@ def target_records(words: np.ndarray, tags: np.ndarray) -> bytes:
 def core_words(records: bytes, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Decode target records into words of `width` bits: (N, 6) int64 and tags (N,).
 
-    Half up; a length that would leave the format saturates, an angle wraps.
+    Words are rounded half up; a length beyond the format saturates, an angle wraps.
     """
     table = np.frombuffer(records, dtype=WORD).astype(np.int64).reshape(-1, BYTES // 4)
     dropped = 32 - width

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of targets: CSV with a header, in the user's units; and how every file is written.
+"""Target files: CSV with a header, in the user's units; and atomic writing of any file.
 
-Every mistake in a file is a `TargetError`, whose text is one line that names file, row, column and value.
+Every error in a file is a `TargetError`, whose text is one line that names file, row, column and value.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_er
 REQUIRED = ("x", "y", "z")
 SEPARATORS = (",", ";", "\t")
 
-# What float() takes beyond this (underscores, non-ASCII digits) is a slip in a target file.
+# Other forms that float() accepts (underscores, non-ASCII digits) are errors in a target file.
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 
@@ -35,13 +35,13 @@ def read_csv(
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
-    Columns x, y, z are required; phi (rad), d1 and d2 may be left out and then come from the arguments (None: the
-    default arm; pi: the elbow below). Columns may be in any order and their names be in either case; others are
-    kept as they are, for whoever writes the results. Cells are separated by commas, semicolons (then a comma may also
-    be the decimal point) or tabs, whichever the header has. A byte order mark, CRLF, blank lines and lines that begin
-    with # are accepted. Rows in messages are line numbers, as an editor shows them.
+    Columns x, y, z are required; phi (rad), d1 and d2 are optional and default to the arguments (None: the default arm;
+    pi: the elbow below). Columns may be in any order, with names in either case; other columns are kept for the results
+    file. Cells are separated by commas, semicolons (then a comma may also be the decimal point) or tabs, whichever the
+    header uses. A byte order mark, CRLF, blank lines and lines that begin with # are accepted. Row numbers in messages
+    are line numbers, as in an editor.
 
-    Raises TargetError for everything that is wrong with the file or with a value in it.
+    Raises TargetError for any error in the file or in a value.
     """
     path = os.fspath(path)
     defaults = {
@@ -79,7 +79,7 @@ def read_csv(
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """The file's rows that say something, each with the number of its first line, and what separates their cells."""
+    """Return the rows that are not blank or comments, each with its first line number, and the cell separator."""
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
@@ -112,8 +112,8 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """The column names in the file's order, those of targets in lower case. Raises TargetError for repeated, empty or
-    missing ones."""
+    """Return the column names in the file's order, target columns in lower case. Raises TargetError for repeated, empty
+    or missing ones."""
     columns = [cell.strip() for cell in header]
     columns = [column.lower() if column.lower() in FIELDS else column for column in columns]
     if not set(columns) & set(REQUIRED):
@@ -131,7 +131,7 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
 
 
 def _length_error(path: str, row: int, cells: list[str], columns: list[str]) -> TargetError:
-    """The error for a row whose number of cells is not that of the header."""
+    """Return the error for a row whose number of cells differs from the header's."""
     count = f"the header has {len(columns)} columns, this row has {len(cells)}"
     if len(cells) > len(columns):
         extra = len(columns)
@@ -156,7 +156,7 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
 
 
 def _value_reason(column: str, value: float) -> str | None:
-    """Why `value` cannot be in `column`, or None when it can."""
+    """Return the reason why `value` is not allowed in `column`, or None."""
     if not math.isfinite(value):
         return "is not a finite number"
     if column in ("d1", "d2") and value <= 0:
@@ -165,7 +165,7 @@ def _value_reason(column: str, value: float) -> str | None:
 
 
 def format_csv(targets: Targets) -> str:
-    """The text of a target file: a header with all six columns and a row a target, every bit kept."""
+    """Return the text of a target file: a header with all six columns and one row per target, exact to the last bit."""
     lines = [",".join(FIELDS)]
     table = np.column_stack([getattr(targets, field) for field in FIELDS])
     lines += [",".join(map(repr, row)) for row in table.tolist()]
@@ -173,7 +173,7 @@ def format_csv(targets: Targets) -> str:
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file in one step: a reader, or a user who presses Ctrl-C, finds the old file or the new one.
+    """Write a file in one step: a concurrent reader, or a user after Ctrl-C, finds either the old file or the new one.
 
     Raises OSError, whose filename is `path`.
     """

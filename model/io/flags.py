@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flag bits above the tag in `m_axis_tuser`, and the exact rule for each.
+"""Flag bits above the tag in `m_axis_tuser`, and the exact rule for each.
 
 A flagged result is still a defined value: a clamped pose, or a pose by convention.
 """
@@ -18,14 +18,14 @@ BAD_LENGTH = 1 << 4
 SATURATED = 1 << 5
 
 FLAG_BITS = 8
-"""Width of the flag field; the bits without a name are 0."""
+"""Width of the flag field; unnamed bits are 0."""
 
 UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
-"""Flags of a target whose pose is clamped: the hand cannot be at the target."""
+"""Flags of a target whose pose is clamped: the hand cannot reach the target."""
 
 
 class Flag(NamedTuple):
-    """One flag: its name, its bit mask, and its meaning in one line."""
+    """Flag: its name, its bit mask, and its meaning in one line."""
 
     name: str
     bit: int
@@ -43,7 +43,7 @@ FLAGS = (
 
 
 def names(flags: int) -> str:
-    """The names of the set flags, joined by '+'; '-' when none is set. A bit without a name is 'bitN'."""
+    """Return the names of the set flags, joined by '+'; '-' when none is set. An unnamed bit is 'bitN'."""
     known = {flag.bit: flag.name for flag in FLAGS}
     bits = [1 << n for n in range(FLAG_BITS) if flags >> n & 1]
     return "+".join(known.get(bit, f"bit{bit.bit_length() - 1}") for bit in bits) or "-"
@@ -58,8 +58,8 @@ def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
     half = 2 ** (width - 1)
     if ((words < -half) | (words >= half)).any():
         raise ValueError(f"a word does not fit {width} bits")
-    x, y, z, _, d1, d2 = words.T  # a swivel angle is never out of range: it wraps
-    # Exact: three squares of 32-bit words, and the square of a sum of positive ones, fit 64 bits without a sign.
+    x, y, z, _, d1, d2 = words.T  # any swivel angle is valid: it wraps
+    # Exact: three squares of 32-bit words, and the square of a sum of positive ones, fit unsigned 64 bits.
     squared = sum((v * v).astype(np.uint64) for v in (x, y, z))
     furthest, nearest = ((np.abs(v).astype(np.uint64)) ** 2 for v in (d1 + d2, d1 - d2))
     on_axis = (x == 0) & (y == 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random targets through the paper's dataflow: words, errors and overflows observed at every node."""
+"""Monte Carlo runs of the paper's dataflow: words, errors and overflows observed at every node."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ CHUNK = 20000
 
 
 def edges(count: int, width: int, seed: int) -> np.ndarray:
-    """Targets in reach where words are most likely to be too short: arms that fill their words and a target a few lsb
-    from the shoulder, and a forearm of a few lsb on an upper arm along the z axis."""
+    """Return reachable targets whose words are most likely to be too short: arms that fill their words with a target a
+    few lsb from the shoulder, and a forearm of a few lsb on an upper arm along the z axis."""
     random = np.random.default_rng((seed, width, 5))
     top = (1 << (width - 1)) - 1
     near = np.arange(count) % 2 == 0
     small = np.exp2(random.uniform(0, width / 2, count)).astype(np.int64)
-    # near the shoulder
+    # target near the shoulder
     position = np.rint(random.normal(size=(count, 3)) * small[:, None] * 0.5).astype(np.int64)
     length = np.floor(np.sqrt((position.astype(np.float64) ** 2).sum(axis=1))).astype(np.int64)
     d2 = random.integers(1 << (width - 3), top - 2 * small.max(), count)
@@ -51,7 +51,7 @@ def edges(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def chunk(number: int, count: int, width: int, seed: int) -> np.ndarray:
-    """The ``number``-th chunk of random targets: three quarters in reach, an eighth clamped, an eighth at edges."""
+    """Return the ``number``-th chunk of random targets: 3/4 in reach, 1/8 clamped, 1/8 from :func:`edges`."""
     own = seed + 1000003 * number
     parts = [unreachable(count // 8, width, own), edges(count // 8, width, own)]
     parts.append(random_reachable(count - sum(map(len, parts)), width, own))
@@ -59,18 +59,18 @@ def chunk(number: int, count: int, width: int, seed: int) -> np.ndarray:
 
 
 REACH = 1.9
-"""d1 + d2 of the arms of random regular poses, in the core's unit: nearly as long as its words hold."""
+"""d1 + d2 of the arms of random regular poses, in the core's unit: nearly the largest that its words hold."""
 
 
 def default_arm() -> tuple[float, float]:
-    """d1 and d2 of the default arm in the core's unit, scaled as its targets are; at all word lengths the same."""
+    """Return d1 and d2 of the default arm in the core's unit, scaled as its targets are; equal at all word lengths."""
     exponent = scale_exponent(trajectories.make(trajectories.DEFAULT), WIDTHS[-1])
     return math.ldexp(DEFAULT_D1, exponent), math.ldexp(DEFAULT_D2, exponent)
 
 
 def regular_poses(count: int, seed: int, arm: tuple[float, float] | None = None) -> Targets:
-    """Poses at least 0.2 rad off every singular one: of an ``arm`` d1, d2, or of arms of :data:`REACH` and shares of 30
-    to 70 %."""
+    """Return poses at least 0.2 rad from every singular one: of an ``arm`` d1, d2, or of arms with d1 + d2 =
+    :data:`REACH` and shares of 30 to 70 %."""
     random = np.random.default_rng((seed, 6))
     columns = np.zeros((6, 0))
     while columns.shape[1] < count:
@@ -88,7 +88,7 @@ def regular_poses(count: int, seed: int, arm: tuple[float, float] | None = None)
 
 
 def words_of(targets: Targets, width: int) -> np.ndarray:
-    """Input words of targets whose lengths are below 2."""
+    """Return the input words of targets whose lengths are below 2."""
     scale = 2.0 ** (width - 2)
     lengths = [np.rint(getattr(targets, k) * scale) for k in ("x", "y", "z", "d1", "d2")]
     lengths.insert(3, np.rint(targets.phi / (2 * np.pi) * 2.0**width))
@@ -113,13 +113,13 @@ class Seen:
 
     @property
     def rms(self) -> float:
-        """Root of the mean squared error."""
+        """Root mean square error."""
         return float(np.sqrt(self.squares / self.count)) if self.count else 0.0
 
 
 @dataclass
 class Observed:
-    """Observations of all nodes.  Targets with a node beyond its format count in ``beyond`` and nowhere else."""
+    """Observations of all nodes.  Targets with a node beyond its format are only counted, in ``beyond``."""
 
     nodes: dict[str, Seen] = field(default_factory=dict)
     beyond: dict[str, int] = field(default_factory=dict)
@@ -129,7 +129,7 @@ class Observed:
 
 
 def shown(nodes: dict[str, Node]) -> list[str]:
-    """The nodes of the table: all but the one-bit decisions."""
+    """Return the nodes of the table: all but the one-bit decisions."""
     return [name for name, node in nodes.items() if node.format.width > 1]
 
 
@@ -174,7 +174,7 @@ def monte_carlo(targets: int, width: int, seed: int, step=lambda done: None) -> 
     """Observe ``targets`` random targets, chunk by chunk."""
     result = Observed()
     for number, start in enumerate(range(0, targets, CHUNK)):
-        # A chunk is always made in full, so that fewer targets are the first of more.
+        # A chunk is always generated in full, so that a smaller run is the start of a larger one.
         observe(result, chunk(number, CHUNK, width, seed)[: targets - start], width)
         step(result.targets)
     return result
@@ -184,7 +184,7 @@ def monte_carlo(targets: int, width: int, seed: int, step=lambda done: None) -> 
 
 
 def hand_errors(width: int, poses: Targets) -> np.ndarray:
-    """Distance of the hand from the target as it was given / reach."""
+    """Return the distance of the hand from the unrounded target / reach."""
     values = result_values(fixed.run(words_of(poses, width), width).results, width)
     _, wrist = forward(values[:, :4], values[:, 4:], poses.d1, poses.d2)
     return np.linalg.norm(wrist - poses.position, axis=1) / poses.reach

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scores of a trajectory that ran through the core: how far off the hand is, and whether that is good enough.
+"""Scores of a trajectory run through the core: the hand's error, and whether it meets the bar.
 
-What is compared with what:
+Comparisons:
 
-* the hand: forward kinematics of the core's quaternions, with the arm as the user gave it, against the
-  target as the user gave it; so quantisation of the target counts as an error of the core
-* angles and elbow point: against double precision at the words that the core was really asked
-* a target that cannot be reached: the hand against that of the clamped pose, apart from the reachable targets
+* the hand: forward kinematics of the core's quaternions, with the user's arm, against the user's target;
+  quantisation of the target therefore counts as an error of the core
+* angles and elbow point: against double precision at the core's input words
+* an unreachable target: the hand against the clamped pose's, separately from the reachable targets
 
-Lengths are scaled by the power of two that `targets.scale_exponent` found before anything is squared, so
-that arms in any unit are scored alike; errors of the hand and the elbow are relative to d1+d2.
+Lengths are scaled by the power of two from `targets.scale_exponent` before anything is squared, so arms in any unit are
+scored alike; errors of the hand and the elbow are relative to d1+d2.
 
-What an error is held to, its bar, is of one table, `model.bounds.tolerances`, unless the user asks for an accuracy of
-their own. Where neither says anything, `outcome` says that nothing was asked.
+The bar for an error comes from one table, `model.bounds.tolerances`, unless the user requests an accuracy. Without
+either, `outcome` states that no accuracy was requested.
 """
 
 from __future__ import annotations
@@ -37,16 +37,15 @@ from .files import write_atomically
 from .words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
 
 ELBOW_FIELDS = ("elbow_x", "elbow_y", "elbow_z")
-"""Columns of results.csv: where the elbow is, in the user's unit and frame."""
+"""Columns of results.csv for the elbow's position, in the user's unit and frame."""
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
-    """What is singular in equations (10)-(18) -> distance (rad) of each target's pose from it; shapes (N,).
+    """Return singularity of equations (10)-(18) -> distance (rad) of each target's pose from it; shapes (N,).
 
-    They are: the angle of wrist and of elbow to the z axis (either pole), and the distances of the half
-    angles theta_3/2 and theta_4/2 from 0 and from pi/2, where a square root in (14) or (17) ends at 0; theta_4
-    is the elbow's. A target out of reach has an arm that is straight or folded. Raises ValueError for lengths
-    outside `equations.LENGTH_RANGE`.
+    The singularities are: wrist and elbow on the z axis (either pole; the distance is the angle to it), and the half
+    angles theta_3/2 and theta_4/2 at 0 or pi/2, where a square root in (14) or (17) ends at 0; theta_4 is the elbow's.
+    An unreachable target has a straight or folded arm. Raises ValueError for lengths outside `equations.LENGTH_RANGE`.
     """
     pose = solve_clamped(targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
     wrist = np.arctan2(np.hypot(targets.x, targets.y), np.abs(targets.z))
@@ -65,17 +64,17 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
 
 
 def singular_distance(targets: Targets) -> np.ndarray:
-    """Distance (rad) of each target's pose from the nearest singular pose; shape (N,). 0 for a target out of reach."""
+    """Return the distance (rad) of each pose from the nearest singular pose, (N,). 0 for an unreachable target."""
     return np.min(list(singular_distances(targets).values()), axis=0)
 
 
 @dataclass(frozen=True, eq=False)
 class Each:
-    """What a score is made of, target by target: points (N, 3) in scaled lengths and the user's frame, errors (N,) in
-    parts of the reach or in rad.
+    """Score components per target: points (N, 3) in scaled lengths and the user's frame, errors (N,) relative to the
+    reach or in rad.
 
-    `hand_error` is against the target; where it is out of reach (`clamped`), `judged_error` is against the nearest
-    pose instead.
+    `hand_error` is against the target; for an unreachable one (`clamped`), `judged_error` is against the nearest pose
+    instead.
     """
 
     elbow: np.ndarray
@@ -90,14 +89,13 @@ class Each:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """The figures of one trajectory; all but `each` stand in score.json under the same names.
+    """Scores of one trajectory; all but `each` are stored in score.json under the same names.
 
-    Errors named `_max` and `_rms` are over the reachable targets and None when there are none; those of
-    `clamped_error` are over the targets out of reach. `hand_error_bar` and `clamped_error_bar` are what they
-    must not exceed, and None where nobody asked; `hand_error_over_bar` is the largest error in units of its bar.
-    `hand_error_target` is the number of the target with the largest error and `hand_error_pose` how far it is from
-    which singular pose. `failures` is empty exactly when `passed`, and `outcome` says in words what was asked and what
-    was reached.
+    Errors named `_max` and `_rms` are over the reachable targets and None when there are none; `clamped_error` is over
+    the unreachable targets. `hand_error_bar` and `clamped_error_bar` are their limits, None without one.
+    `hand_error_over_bar` is the largest error in units of its bar. `hand_error_target` is the number of the target with
+    the largest error and `hand_error_pose` its distance from the nearest singular pose. `failures` is empty exactly
+    when `passed`, and `outcome` states the requested and the measured accuracy.
     """
 
     trajectory: str
@@ -132,7 +130,7 @@ class Score:
     each: Each
 
     def as_json(self) -> dict[str, Any]:
-        """The object of this trajectory in score.json."""
+        """Return the object of this trajectory in score.json."""
         # Not dataclasses.asdict: it would copy the arrays too.
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "each"}
 
@@ -154,18 +152,18 @@ def score(
     predicted: np.ndarray | None,
     bar: float | None = None,
 ) -> Score:
-    """Score what the core answered.
+    """Score the core's results.
 
-    * targets: N of them, as the user gave them
-    * words (N, 6), exponent: what `targets.to_words` made of them
+    * targets: N of them, in the user's units
+    * words (N, 6), exponent: output of `targets.to_words`
     * results (N, 6): the core's signed words, columns as `RESULT_FIELDS`; flags (N,): its flag bits
-    * latency_cycles: clocks from the first target in to the first result out; None where nobody saw them
+    * latency_cycles: clocks from the first target in to the first result out; None if not measured
     * total_cycles: clocks from the first target in to the last result out, both counted; likewise
-    * predicted (N,): hand error / reach that word length and conditioning explain; None where nobody asked
-    * bar: hand error / reach that the user asks for, in the place of the table of tolerances
+    * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
+    * bar: hand error / reach requested by the user, replacing the table of tolerances
 
-    Raises ValueError for arrays whose shapes do not fit, since a lost result would otherwise go unseen, and
-    for a prediction that is not positive and finite.
+    Raises ValueError for arrays whose shapes do not match, since a lost result would otherwise go undetected, and for a
+    prediction that is not positive and finite.
     """
     count = len(targets)
     shapes = {"words": (count, 6), "results": (count, 6), "flags": (count,), "predicted": (count,)}
@@ -239,7 +237,7 @@ def score(
         singular_distance_min=float(distance.min()),
         latency_cycles=latency_cycles,
         total_cycles=total_cycles,
-        # While results flow: over the clocks from the first result to the last, both counted.
+        # Throughput from the first result to the last, both counted.
         results_per_cycle=None if total_cycles is None else count / (total_cycles - (latency_cycles or 0)),
         flagged=int(np.count_nonzero(flags)),
         scale_exponent=int(exponent),
@@ -260,12 +258,12 @@ def score(
 
 
 def _distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Distance between points a and b, both (N, 3); (N,)."""
+    """Return the distance between points a and b, both (N, 3); (N,)."""
     return np.linalg.norm(a - b, axis=1)
 
 
 def _as_quaternion(qe: np.ndarray) -> np.ndarray:
-    """Q_e (N, 2) as quaternions (N, 4): it has no j and k."""
+    """Return Q_e (N, 2) as quaternions (N, 4): its j and k are 0."""
     return np.column_stack((qe, np.zeros_like(qe)))
 
 
@@ -274,13 +272,13 @@ def _max(values: np.ndarray, where: np.ndarray) -> float | None:
 
 
 def _pose(distances: dict[str, float]) -> str:
-    """How far a pose is from the nearest singular one."""
+    """Describe the distance of a pose from the nearest singular one."""
     what, far = min(distances.items(), key=lambda item: item[1])
     return f"{far:.3f} rad from singular: {what}"
 
 
 def _outcome(passed: bool, bar: float | None, error: float) -> str:
-    """What was asked and what was reached, in plain words. error: the largest."""
+    """Describe the requested and the measured accuracy; ``error`` is the largest."""
     verdict = "pass" if passed else "FAIL"
     if bar is None:
         bits = "bits, flags and norms are right" if passed else "bits, flags or norms are wrong"
@@ -298,7 +296,7 @@ def _mismatch_failures(count: int, first: str | None) -> list[str]:
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
-    """Flags other than those owed; `saturated` is reserved, and never owed."""
+    """Report flags that differ from the expected ones; `saturated` is reserved, and never expected."""
     wrong = flags != expected
     if not wrong.any():
         return []
@@ -310,7 +308,7 @@ def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
 
 
 def _bar_failures(what: str, error: np.ndarray, bar: float | None, where: np.ndarray) -> list[str]:
-    """The target that is furthest above the bar, if there is one and any is."""
+    """Report the target with the largest error above the bar, if any."""
     above = where & (error > (np.inf if bar is None else bar))
     if not above.any():
         return []
@@ -331,11 +329,11 @@ def write_results_csv(
     flags: np.ndarray,
     result: Score,
 ) -> None:
-    """Write results.csv: a row a target in input order, lengths in the user's unit and frame, angles in rad; at its
-    end what the file of targets had beside ours.
+    """Write results.csv: one row per target in input order, lengths in the user's unit and frame, angles in rad,
+    followed by the other columns of the target file.
 
-    Every float is written so that reading it gives the same bits. The bytes depend on the arguments only,
-    so the files of two simulators can be compared. Raises OSError; then the file is what it was before.
+    Every float is written so that reading it gives the same bits. The bytes depend on the arguments only, so the files
+    of two simulators can be compared. Raises OSError; then the file is unchanged.
     """
     values = result_values(results, result.width)
     columns: dict[str, list] = {"n": list(range(len(targets)))}
@@ -356,8 +354,8 @@ def write_results_csv(
 def write_results_npz(
     path: str | os.PathLike[str], targets: Targets, results: np.ndarray, flags: np.ndarray, result: Score
 ) -> None:
-    """Write results.npz, the same as arrays: points (N, 3), phi, d1, d2 (N,), qs, qe (N, 4) as w, i, j, k with signs
-    that make them continuous, flags (N,), elbow, wrist (N, 3), hand_error (N,). Raises OSError."""
+    """Write results.npz, the same data as arrays: points (N, 3), phi, d1, d2 (N,), qs, qe (N, 4) as w, i, j, k with
+    signs that make them continuous, flags (N,), elbow, wrist (N, 3), hand_error (N,). Raises OSError."""
     values = result_values(results, result.width)
     arrays = {
         "points": targets.position, "phi": targets.phi, "d1": targets.d1, "d2": targets.d2,
@@ -373,9 +371,9 @@ def write_results_npz(
 
 
 def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> None:
-    """Write score.json: a list, an object a trajectory. Raises OSError; then the file is what it was before.
+    """Write score.json: a list with one object per trajectory. Raises OSError; then the file is unchanged.
 
-    Holds nothing that changes from run to run: no times, no paths.
+    It contains nothing that changes from run to run: no times, no paths.
     """
     text = json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False)
     write_atomically(Path(path), text + "\n")

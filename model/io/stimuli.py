@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets for testbenches: (N, 6) signed input words of a width, the same ones for the same seed.
+"""Targets for testbenches: (N, 6) signed input words of a width, reproducible from the seed.
 
 Columns are ``FIELDS`` of :mod:`model.io.files`: x, y, z, phi, d1, d2.
 """
@@ -16,10 +16,10 @@ from .words import FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Targets without any flag: directions and swivel angles uniform, arms of all sizes.
+    """Return targets without any flag: directions and swivel angles uniform, arms of all sizes.
 
     Every other target has arms that fill their words; the size of the others is spread evenly over the bits, so small
-    arms, unequal arms and targets near the shoulder or near the end of the reach all come up.
+    arms, unequal arms and targets near the shoulder or near full reach all occur.
     """
     random = np.random.default_rng((seed, width, 1))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -30,7 +30,7 @@ def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
 
 def _reachable(random, count: int, width: int) -> np.ndarray:
     one = 2.0 ** (width - 2)
-    size = np.where(np.arange(count) % 2, 0.0, random.uniform(3 - width, 0, count))  # log2 of d1 + d2, or nearly
+    size = np.where(np.arange(count) % 2, 0.0, random.uniform(3 - width, 0, count))  # log2 of d1 + d2, approximately
     total = np.exp2(size) * random.uniform(0.5, 1.9, count)
     share = random.uniform(0.03, 0.97, count)
     d1, d2 = total * share, total * (1 - share)
@@ -44,8 +44,8 @@ def _reachable(random, count: int, width: int) -> np.ndarray:
 
 
 def unreachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Clamped targets, the kinds in turn: too far, too near (either arm the longer), at the shoulder, on the axis and
-    out of reach, arms without a length."""
+    """Return clamped targets, the kinds in turn: too far, too near (either arm the longer), at the shoulder, on the
+    axis and out of reach, arms without a length."""
     random = np.random.default_rng((seed, width, 2))
     top = (1 << (width - 1)) - 1
     number = np.arange(count)
@@ -79,11 +79,11 @@ def unreachable(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def corners(width: int) -> dict[str, tuple[int, ...]]:
-    """Named targets at the edges of formats, reach and equations."""
+    """Return named targets at the limits of formats, reach and equations."""
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
     k = 1 << (width - 6)  # exact multiples: 3-4-5 and 1-2-2-3
     half_turn, quarter = low, 1 << (width - 2)
-    place = (3 * k, 2 * k, k)  # somewhere in reach of (3k, 2k)
+    place = (3 * k, 2 * k, k)  # a point in reach of (3k, 2k)
     arm = (3 * k, 2 * k)
     return {
         # words
@@ -157,7 +157,7 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
 
 
 def extremes(count: int, width: int, seed: int) -> np.ndarray:
-    """Words that are each lowest, highest, around 0 or anything: most of them targets that make no sense."""
+    """Return words that are each lowest, highest, around 0 or random: most form meaningless targets."""
     random = np.random.default_rng((seed, width, 3))
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
     edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(FIELDS)))
@@ -166,26 +166,27 @@ def extremes(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def special(width: int) -> tuple[int, ...]:
-    """Twelve words: both ends, around 0 and around 1, -1, one of alternating bits."""
+    """Return twelve words: both ends, around 0 and around 1, -1, one of alternating bits."""
     low, one, top = -(1 << (width - 1)), 1 << (width - 2), (1 << (width - 1)) - 1
     return (low, low + 1, -one, -1, 0, 1, top // 3, one - 1, one, one + 1, top - 1, top)
 
 
 SPECIAL = 12 ** len(FIELDS)
-"""How many targets there are of special words alone."""
+"""Number of targets made of special words only."""
 
 
 def of_special(first: int, count: int, width: int) -> np.ndarray:
-    """Targets ``first`` to ``first + count`` of all :data:`SPECIAL` whose words are special; x changes fastest."""
+    """Return ``count`` of the :data:`SPECIAL` targets of special words, from ``first`` on; x varies fastest."""
     numbers = np.arange(first, min(first + count, SPECIAL))
     words = np.array(special(width), dtype=np.int64)
     return np.column_stack([words[numbers // 12**k % 12] for k in range(len(FIELDS))])
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
-    """All of the above, shuffled: every corner, the rest half reachable, a quarter clamped, a quarter extreme.
+    """Return a shuffled mix of all of the above: every corner, and of the rest half reachable, a quarter clamped, a
+    quarter extreme.
 
-    With a ``count`` below that of the corners, some of the corners.
+    With a ``count`` below the number of corners, only some of the corners.
     """
     random = np.random.default_rng((seed, width, 4))
     rows = np.array(list(corners(width).values()), dtype=np.int64)
@@ -215,12 +216,12 @@ REGIONS = {
     "elbow near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
     "where a branch changes": "x, y, z, the cosine at the shoulder or the k part of Qs within a few lsb of 0",
 }
-"""Parts of the reachable workspace, most of them near singular poses of equations (10)-(18), and what is in them."""
+"""Region of the reachable workspace -> description; most are near singular poses of equations (10)-(18)."""
 
 
 def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
-    """Targets of one of the ``REGIONS``, all in reach.  Arms are of all sizes and up to 1:20 where nothing else is
-    said; a quarter of the swivel angles lies within 2 lsb of a multiple of an eighth of a turn."""
+    """Return targets of one of the ``REGIONS``, all in reach.  Unless stated otherwise arms are of all sizes, up to
+    1:20; a quarter of the swivel angles lies within 2 lsb of a multiple of an eighth of a turn."""
     random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
@@ -269,7 +270,7 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
             total = floor + (floor.astype(object) ** 2 < squares) + np.floor(gap * floor).astype(np.int64)
             d1 = np.clip(np.rint(total * share).astype(np.int64), 1, np.maximum(total - 1, 1))
             d2 = total - d1
-        else:  # the longer arm, where the shorter one is given
+        else:  # the longer arm; the shorter one is given
             part = random.uniform(-1, 1, count) if "shoulder" in name else 1 - gap
             longer = np.minimum(d1, d2) + np.rint(floor * part).astype(np.int64)
             d1, d2 = np.where(d1 < d2, d1, longer), np.where(d1 < d2, longer, d2)
@@ -277,7 +278,7 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
 
 
 def _near_z(random, count: int) -> np.ndarray:
-    """Directions next to the z axis and on it."""
+    """Return directions near the z axis and on it."""
     off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count), 0)
     azimuth = random.uniform(-np.pi, np.pi, count)
     side = random.choice([-1, 1], count)
@@ -285,10 +286,10 @@ def _near_z(random, count: int) -> np.ndarray:
 
 
 def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
-    """The wrist where the swivel plane at phi = 0 (half a turn for an elbow below) holds the z axis."""
+    """Return the wrist for which the swivel plane at phi = 0 (half a turn for an elbow below) contains the z axis."""
     count = len(d1)
     elbow = _near_z(random, count) * d1[:, None]
-    # Of a forearm that points away from the wrist's side the elbow would be on the other side.
+    # A forearm that points away from the wrist's side would put the elbow on the other side.
     bend = random.uniform(0, np.pi, count)
     azimuth = random.uniform(-np.pi, np.pi, count)
     side = np.column_stack([np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend)])
@@ -300,7 +301,7 @@ def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
 
 
 def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
-    """Around 0, in turn: each word of the position, the cosine of the angle at the shoulder, k of Qs."""
+    """Return targets with a value around 0, in turn: each position word, the cosine of the shoulder angle, k of Qs."""
     count = len(phi)
     kind = np.arange(count) % 5
     few = random.integers(-4, 5, count)
@@ -314,7 +315,8 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
 
 
 def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
-    """The same targets with such swivel angles.  Qs is q_0 cos(phi/2) + q_pi sin(phi/2), each up to its sign."""
+    """Return the targets with swivel angles for which k of Qs is around 0.  Qs is q_0 cos(phi/2) + q_pi sin(phi/2),
+    each up to its sign."""
     x, y, z, _, d1, d2 = rows.T.astype(float)
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
     both = [2 * np.arctan2(-at_0, side * at_pi) for side in (1, -1)]
@@ -326,15 +328,16 @@ def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
 
 
 SINGULAR = ("the z axis", "full stretch", "full fold", "the shoulder")
-"""Targets toward which the equations of the paper lose digits."""
+"""Singular poses, toward which the paper's equations lose digits."""
 
 
 def at_distance(kind: str, distance: float, count: int, width: int, seed: int) -> np.ndarray:
-    """Targets in reach about so far from one of the ``SINGULAR``, by up to a factor of 3 either way.
+    """Return reachable targets at about ``distance`` from one of the ``SINGULAR`` poses, within a factor of 3 either
+    way.
 
-    ``distance`` is the angle to the z axis, a part of the reach that is left to the stretched or folded arm, or the
-    distance from the shoulder as a part of the reach.  Arms are at most as unequal as 1:3 and large: a distance below
-    an lsb is 0 or 1.
+    ``distance`` is the angle to the z axis, the remaining fraction of the reach of the stretched or folded arm, or the
+    distance from the shoulder as a fraction of the reach.  Arms are large and at most as unequal as 1:3: a distance
+    below an lsb is 0 or 1.
     """
     random = np.random.default_rng((seed, width, 11, SINGULAR.index(kind)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -358,7 +361,7 @@ def at_distance(kind: str, distance: float, count: int, width: int, seed: int) -
             length = off * 2 * d2
         position = np.rint(direction * length[:, None]).astype(np.int64)
         floor = np.array([isqrt(v) for v in (position.astype(object) ** 2).sum(axis=1)])
-        if kind == "full stretch":  # by d2, so that the rounding of the position does not matter
+        if kind == "full stretch":  # through d2, so that the rounding of the position does not matter
             d2 = floor - d1 + 1 + np.floor(off * reach).astype(np.int64)
         elif kind == "full fold":
             d1 = d2 + random.choice([-1, 1], more) * np.maximum(floor - np.floor(off * 2 * d2).astype(np.int64), 0)

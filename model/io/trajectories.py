@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The built-in trajectories: 100 targets each, in metres and radians.
+"""Built-in trajectories: 100 targets each, in metres and radians.
 
-The shoulder is at the origin, z points up, x forward, y to the left; the arm is a right arm. Swivel angle 0
-puts the elbow above the line from shoulder to wrist and pi below it, where a relaxed arm has it; a little
-less than pi turns a right elbow outward.
+The shoulder is at the origin, z points up, x forward, y to the left; the arm is a right arm. Swivel angle 0 puts the
+elbow above the line from shoulder to wrist and pi below it, the position of a relaxed arm; slightly less than pi turns
+a right elbow outward.
 
 A trajectory is a function without arguments that returns `Targets`, registered under its own name. Those in
 `REGULAR` keep at least 0.2 rad from every singular pose of the paper's equations
@@ -12,7 +12,7 @@ within reach.
 
     python -m model.io.trajectories NAME > FILE.csv      write one as a target file; without NAME, list them
 
-So the files of `EXAMPLES` in `examples/` were made; a test says when they need to be made again.
+This command made the files of `EXAMPLES` in `examples/`; a test fails when they are out of date.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .files import format_csv
 from .words import DEFAULT_D1, DEFAULT_D2, Targets
 
 STEPS = 100
-"""Targets a trajectory: the paper's test scenario has 100 steps."""
+"""Targets per trajectory: the paper's test scenario has 100 steps."""
 
 DEFAULT = "reach"
 
@@ -35,24 +35,24 @@ TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 """All built-in trajectories by name, in the order in which they are listed and run."""
 
 REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")
-"""The trajectories that keep away from singular poses."""
+"""Trajectories that keep away from singular poses."""
 
 EXAMPLES = ("reach", "two_arms")
-"""The trajectories that are in `examples/` as CSV files too."""
+"""Trajectories that are also in `examples/` as CSV files."""
 
 
 def make(name: str) -> Targets:
-    """The targets of the built-in trajectory `name`. Raises KeyError for an unknown name."""
+    """Return the targets of the built-in trajectory `name`. Raises KeyError for an unknown name."""
     return TRAJECTORIES[name]()
 
 
 def describe(name: str) -> str:
-    """What the trajectory `name` does, in one sentence. Raises KeyError for an unknown name."""
+    """Return a one-sentence description of the trajectory `name`. Raises KeyError for an unknown name."""
     return TRAJECTORIES[name].__doc__ or ""
 
 
 def trajectory(function: Callable[[], Targets]) -> Callable[[], Targets]:
-    """Decorator: register a trajectory under the name of its function."""
+    """Register a trajectory under the name of its function (decorator)."""
     TRAJECTORIES[function.__name__] = function
     return function
 
@@ -61,18 +61,18 @@ def trajectory(function: Callable[[], Targets]) -> Callable[[], Targets]:
 
 
 def _time(steps: int = STEPS) -> np.ndarray:
-    """Time from 0 to 1, both included, shape (steps,)."""
+    """Return times from 0 to 1, both included, shape (steps,)."""
     return np.linspace(0.0, 1.0, steps)
 
 
 def _minimum_jerk(t: np.ndarray) -> np.ndarray:
-    """Progress 0..1 of a minimum-jerk motion over time 0..1: at rest at both ends (Flash and Hogan, 1985)."""
+    """Return minimum-jerk progress 0..1 over time 0..1: at rest at both ends (Flash and Hogan, 1985)."""
     t = np.clip(t, 0.0, 1.0)
     return t**3 * (10 - 15 * t + 6 * t**2)
 
 
 def _via(points: list[tuple[float, ...]], times: list[float], steps: int = STEPS) -> np.ndarray:
-    """Minimum-jerk motion that rests at each of K `points` (D values each) at its time; (steps, D)."""
+    """Return a minimum-jerk motion that rests at each of K `points` (D values each) at its time; (steps, D)."""
     rests = np.asarray(points, dtype=np.float64)
     t = _time(steps)
     path = np.tile(rests[0], (steps, 1))
@@ -83,7 +83,7 @@ def _via(points: list[tuple[float, ...]], times: list[float], steps: int = STEPS
 
 
 def _spherical(r: ArrayLike, azimuth: ArrayLike, elevation: ArrayLike) -> np.ndarray:
-    """Points (N, 3) at distance r (m), azimuth from x toward y and elevation from the x-y plane (rad)."""
+    """Return points (N, 3) at distance r (m), azimuth from x toward y and elevation from the x-y plane (rad)."""
     return np.column_stack(
         np.broadcast_arrays(
             r * np.cos(azimuth) * np.cos(elevation),
@@ -100,8 +100,8 @@ def _targets(
     d1: np.ndarray | float = DEFAULT_D1,
     d2: np.ndarray | float = DEFAULT_D2,
 ) -> Targets:
-    """Targets from positions (N, 3) in m; angles (rad) and lengths (m) are (N,) or scalars."""
-    # Rounded to nm and nrad, so that they are the same on machines whose sines differ in the last place.
+    """Return targets from positions (N, 3) in m; angles (rad) and lengths (m) are (N,) or scalars."""
+    # Rounded to nm and nrad, so that machines whose sines differ in the last place give equal targets.
     x, y, z = np.round(position.T, 9)
     return Targets(name=name, x=x, y=y, z=z, phi=np.round(phi, 9), d1=np.asarray(d1), d2=np.asarray(d2))
 
@@ -139,8 +139,7 @@ def wave() -> Targets:
     """Raise the hand from the desk and wave it three times from side to side."""
     t = _time()
     lift = _via([(0.34, -0.10, -0.18, np.pi), (0.34, -0.16, 0.30, np.pi - 0.1)], [0, 0.4])
-    # The swing starts when the hand is up, and its size grows and fades smoothly, so that it does so
-    # without a jerk.
+    # The swing starts when the hand is up; its size grows and fades smoothly, to avoid a jerk.
     size = _minimum_jerk((t - 0.35) / 0.2) * _minimum_jerk((1 - t) / 0.2)
     swing = size * np.sin(2 * np.pi * 3 * (t - 0.35) / 0.65)
     position = lift[:, :3] + swing[:, None] * np.array([0.0, 0.11, -0.01])
@@ -240,7 +239,7 @@ def two_arms() -> Targets:
 @trajectory
 def random_walk() -> Targets:
     """Wander at random, but smoothly and from a fixed seed, within the space that the arm reaches."""
-    # RandomState: its stream is frozen, while that of numpy's newer generators may change between versions.
+    # RandomState: its stream is frozen; numpy's newer generators may change between versions.
     random = np.random.RandomState(2008)
     home = np.array([0.30, -0.10, -0.10, np.pi])
     noise = np.array([0.004, 0.004, 0.004, 0.02])

@@ -2,9 +2,8 @@
 """Targets of the arm in the user's units, and the fixed-point words of the core.
 
 A target is a wrist position x, y, z, a swivel angle phi and the two arm lengths d1 (upper arm: shoulder to
-elbow) and d2 (forearm: elbow to wrist). Lengths are in whatever unit the user likes; kinematics is
-scale-free, so `scale_exponent` picks one power of two for a whole set of targets that brings every length into
-the format of the core:
+elbow) and d2 (forearm: elbow to wrist). Lengths may have any unit; kinematics is scale-free, so `scale_exponent`
+chooses one power of two for a set of targets that brings every length into the format of the core:
 
 * x, y, z, d1, d2: signed words of `width` bits with `width`-2 fraction bits, so [-2, 2)
 * phi: a binary angle, one turn = 2^width, as a signed word
@@ -26,7 +25,7 @@ RESULT_FIELDS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 """Fields of a result word, lowest bits first; all signed with width-2 fraction bits."""
 
 ARMS = ("d1", "d2")
-"""Positive, or the target is clamped."""
+"""Arm lengths; unless both are positive, the target is clamped."""
 
 LENGTHS = ("x", "y", "z", *ARMS)
 
@@ -37,24 +36,24 @@ DEFAULT_D2 = 0.27
 """Forearm of the default arm (m)."""
 
 HEADROOM_BITS = 4
-"""How many low bits the scaling may give up for targets further out than the arm reaches."""
+"""Maximum number of low bits that the scaling gives up for targets beyond the arm's reach."""
 
 SHOWN = 40  # characters of a bad value that a message repeats
 
 
 class TargetError(ValueError):
-    """A target, or a file of targets, that cannot be used. The text is one line for the user."""
+    """Invalid target, or file of targets. The text is one line for the user."""
 
 
 @dataclass(frozen=True, eq=False)
 class Targets:
     """N targets in the user's units; every array is float64 of shape (N,).
 
-    `path` and `rows` say where the targets came from (line numbers in the file), so that a mistake which is
-    found only later, in the scaling, can still name its row; both are None for targets made in Python.
-    `default_arm` says which of the lengths nobody gave, `others` holds the columns that the file has beside ours.
+    `path` and `rows` are the origin of the targets (line numbers in the file), so that an error found later, in the
+    scaling, can still name its row; both are None for targets created in Python.
+    `default_arm` names the arm lengths that were defaulted, `others` holds the file's additional columns.
 
-    `frame`, (4,) or (N, 4), is the quaternion of R, which takes the user's frame to that of the core, where z is the
+    `frame`, (4,) or (N, 4), is the quaternion of R, which takes the user's frame to the core's, where z is the
     reference axis; None is the core's own frame. `arm` (N,) names the arm of each target; None is one arm.
     """
 
@@ -73,7 +72,7 @@ class Targets:
     arm: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        """Make every field float64 (N,), broadcasting scalars. ValueError for shapes that do not fit."""
+        """Convert every field to float64 (N,), broadcasting scalars. ValueError for shapes that do not match."""
         columns = [np.asarray(getattr(self, name), dtype=np.float64) for name in FIELDS]
         shape = np.broadcast_shapes((1,), *(column.shape for column in columns))
         if len(shape) != 1:
@@ -91,7 +90,7 @@ class Targets:
 
     @property
     def arm_note(self) -> str:
-        """For a message that depends on the arm: which of its lengths are the default ones."""
+        """Note for messages that depend on the arm: the names of its defaulted lengths."""
         return f" (by default {' and '.join(self.default_arm)})" if self.default_arm else ""
 
     @property
@@ -102,11 +101,11 @@ class Targets:
         return (matrix(self.frame) @ self.position[:, :, None])[:, :, 0]
 
     def from_core(self, qs: np.ndarray) -> np.ndarray:
-        """Shoulder quaternions (N, 4) in the user's frame: R~ Qs."""
+        """Return shoulder quaternions (N, 4) in the user's frame: R~ Qs."""
         return qs if self.frame is None else multiply(conjugate(self.frame), qs)
 
     def points_from_core(self, points: np.ndarray) -> np.ndarray:
-        """Points (N, 3) in the user's frame."""
+        """Return points (N, 3) in the user's frame."""
         return points if self.frame is None else rotate(conjugate(self.frame), points)
 
     @property
@@ -115,7 +114,7 @@ class Targets:
         return self.d1 + self.d2
 
     def error(self, n: int, column: str, reason: str) -> TargetError:
-        """The TargetError for the value in `column` of target `n` (counted from 0)."""
+        """Return the TargetError for the value in `column` of target `n` (counted from 0)."""
         value = repr(float(getattr(self, column)[n]))
         if self.rows is None:
             return TargetError(f"{self.name}: target {n}, column {column}: '{value}' {reason}")
@@ -123,7 +122,7 @@ class Targets:
 
 
 def cell_error(path: str | None, row: int, column: str, value: str, reason: str) -> TargetError:
-    """The TargetError for a value of a file; long values are shortened."""
+    """Return the TargetError for a value of a file; long values are shortened."""
     shown = value if len(value) <= SHOWN else value[:SHOWN] + "..."
     return TargetError(f"{path}: row {row}, column {column}: {shown!r} {reason}")
 
@@ -132,13 +131,13 @@ def cell_error(path: str | None, row: int, column: str, value: str, reason: str)
 
 
 def scale_exponent(targets: Targets, width: int) -> int:
-    """The exponent e of the host's scaling: the core works on lengths times 2^e.
+    """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
     One power of two serves the whole file. The largest reach d1+d2 comes to [1, 2). Where a coordinate
-    would then leave [-2, 2), e is lowered by at most `HEADROOM_BITS` more, which costs as many low bits.
+    would then leave [-2, 2), e is lowered by at most `HEADROOM_BITS` more, at the cost of as much precision.
 
-    Raises TargetError for a coordinate that is further out than that, and for an arm length that is so
-    small beside the others that its word would be 0.
+    Raises TargetError for a coordinate beyond that limit, and for an arm length so small relative to the others that
+    its word would be 0.
     """
     with np.errstate(over="ignore"):
         reach = targets.reach
@@ -147,7 +146,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
         raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
     exponent = 1 - math.frexp(reach[longest])[1]
 
-    # -2 itself fits and +2 does not, hence two bounds.
+    # -2 fits and +2 does not, hence two bounds.
     position = targets.core_position
     low, high = position.min(), position.max()
     lowest = exponent - HEADROOM_BITS
@@ -178,26 +177,26 @@ def scale_exponent(targets: Targets, width: int) -> int:
 
 
 def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
-    """values * 2^exponent; beyond double precision it is inf, which is out of every format."""
+    """Return values * 2^exponent; beyond double precision it is inf, which is outside every format."""
     with np.errstate(over="ignore", under="ignore"):
         return np.ldexp(values, exponent)
 
 
 def _quantise(values: np.ndarray, width: int) -> np.ndarray:
-    """int64 words with width-2 fraction bits of `values` in [-2, 2): round half to even, saturate.
+    """Return int64 words with width-2 fraction bits of `values` in [-2, 2): round half to even, saturate.
 
-    Only a value within half an ulp of +2 saturates, to 2 - ulp; without that it would wrap to -2.
+    Only a value within half an ulp of +2 saturates, to 2 - ulp; it would otherwise wrap to -2.
     """
     words = np.rint(np.ldexp(values, width - 2))
     return np.clip(words, -(2 ** (width - 1)), 2 ** (width - 1) - 1).astype(np.int64)
 
 
 def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple[np.ndarray, int]:
-    """The core's input words and the exponent of the scaling.
+    """Return the core's input words and the exponent of the scaling.
 
-    Returns words (N, 6) int64, signed, columns as `FIELDS`, and the exponent e: a length word is the length
-    times 2^(e + width - 2), rounded half to even. `exponent` None asks `scale_exponent` for it. Angles wrap
-    to one turn. Raises TargetError as `scale_exponent` does.
+    The words (N, 6) are int64, signed, columns as `FIELDS`; a length word is the length times 2^(e + width - 2) with
+    the exponent e, rounded half to even. With `exponent` None, `scale_exponent` chooses it. Angles wrap to one turn.
+    Raises TargetError as `scale_exponent` does.
     """
     if exponent is None:
         exponent = scale_exponent(targets, width)
@@ -212,9 +211,10 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
 
 
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
-    """The targets that `words` (N, 6) stand for: what the core was really asked, in the user's units, its own frame.
+    """Return the targets that `words` (N, 6) represent: the core's actual input, in the user's units and the core's
+    frame.
 
-    Exact for lengths; phi comes back in [-pi, pi). `to_words(..., exponent=exponent)` gives `words` again.
+    Exact for lengths; phi is in [-pi, pi). `to_words(..., exponent=exponent)` gives `words` again.
     """
     columns = np.asarray(words, dtype=np.int64).T
     values = {
@@ -227,10 +227,9 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
-    """The tdata integers of signed words `fields` (N, 6): field 0 in the lowest `width` bits.
+    """Return the tdata integers of signed words `fields` (N, 6): field 0 in the lowest `width` bits.
 
-    Serves targets (`FIELDS`) and results (`RESULT_FIELDS`) alike. Raises ValueError for a word that does
-    not fit.
+    Works for targets (`FIELDS`) and results (`RESULT_FIELDS`). Raises ValueError for a word that does not fit.
     """
     half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
@@ -241,7 +240,7 @@ def pack(fields: np.ndarray, width: int) -> list[int]:
 
 
 def unpack(data: list[int], width: int) -> np.ndarray:
-    """The signed words (N, 6) int64 of tdata integers; the inverse of `pack`."""
+    """Return the signed words (N, 6) int64 of tdata integers; the inverse of `pack`."""
     half = 2 ** (width - 1)
     mask = 2**width - 1
     rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(len(FIELDS))] for value in data]
@@ -249,5 +248,5 @@ def unpack(data: list[int], width: int) -> np.ndarray:
 
 
 def result_values(words: np.ndarray, width: int) -> np.ndarray:
-    """The real values, exact in float64, of result words with width-2 fraction bits; same shape."""
+    """Return the real values, exact in float64, of result words with width-2 fraction bits; same shape."""
     return np.ldexp(np.asarray(words, dtype=np.float64), 2 - width)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The reference axis: the direction that plays the part of the paper's z axis, from which the swivel angle counts.
+"""Reference axis: the direction that replaces the paper's z axis, from which the swivel angle is measured.
 
-The equations are singular where the wrist lies on this axis, so it should point where no hand goes.  The core knows z
-only; the host turns coordinates by R, which takes the axis to z, and multiplies Qs by R~ afterwards.  Which R takes the
-axis to z does not matter: a turn about z more changes azimuth and Qs by the same angle, and phi not at all.
+The equations are singular where the wrist lies on this axis, so it should point where no hand goes.  The core uses z
+only; the host rotates coordinates by R, which takes the axis to z, and multiplies Qs by R~ afterwards.  Any R that
+takes the axis to z will do: a further turn about z changes azimuth and Qs by the same angle, and leaves phi unchanged.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ import numpy as np
 from ..reference.kinematics import multiply
 
 Axis = str | Sequence[float] | np.ndarray
-"""A name of :data:`NAMED`, or a vector of three in any length."""
+"""A name of :data:`NAMED`, or a vector of three, of any length."""
 
 _HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: -z becomes z
 _TO_Z = {"x": (0.5, -0.5, -0.5, -0.5), "y": (0.5, 0.5, 0.5, 0.5), "z": (1.0, 0.0, 0.0, 0.0)}
-"""Turns that exchange the axes in a circle: they only permute coordinates, so not a bit is lost."""
+"""Cyclic exchanges of the axes: they only permute coordinates, so no bit is lost."""
 
 NAMED = ("z", "-z", "x", "-x", "y", "-y")
 
 
 class AxisError(ValueError):
-    """An axis that is none; the text is one line for the user."""
+    """Invalid axis; the text is one line for the user."""
 
 
 def direction(axis: Axis) -> np.ndarray:
-    """The unit vector (3,) of an axis.  Raises :class:`AxisError`."""
+    """Return the unit vector (3,) of an axis.  Raises :class:`AxisError`."""
     if isinstance(axis, str):
         if axis not in NAMED:
             raise AxisError(f"axis {axis!r} is none of {', '.join(NAMED)} and no vector of three")
@@ -41,12 +41,12 @@ def direction(axis: Axis) -> np.ndarray:
     size = np.abs(vector).max(initial=0.0)
     if vector.shape != (3,) or not np.isfinite(vector).all() or size == 0:
         raise AxisError(f"axis {axis!r} is no vector of three finite numbers, one of which is not 0")
-    vector = vector / size  # squares of very long or short ones would not be numbers
+    vector = vector / size  # squares of very long or short vectors would overflow or underflow
     return vector / np.linalg.norm(vector)
 
 
 def parse(text: str) -> Axis:
-    """An axis as it is typed: a name, or three numbers between commas.  Raises :class:`AxisError`."""
+    """Parse an axis: a name, or three numbers separated by commas.  Raises :class:`AxisError`."""
     if "," not in text:
         direction(text)
         return text
@@ -59,7 +59,7 @@ def parse(text: str) -> Axis:
 
 
 def to_z(axis: Axis) -> np.ndarray:
-    """The quaternion (4,) w, i, j, k of R, which takes the axis to z.  Raises :class:`AxisError`."""
+    """Return the quaternion (4,) w, i, j, k of R, which takes the axis to z.  Raises :class:`AxisError`."""
     a = direction(axis)
     for name in NAMED:
         if (a == direction(name)).all():

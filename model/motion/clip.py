@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A BVH clip: its arms as targets of the core, and the clip again with its arms turned by the core's quaternions.
+"""BVH clip: its arms as targets of the core, and the clip with its arms turned by the core's quaternions.
 
-Everything is in the clip's own frame and unit.  An arm is three joints: where the upper arm begins, the elbow, the
-wrist.  The core sees each target from the shoulder, in a frame that may move: with the world's axes, or with those of
-the torso, whose outward-and-up axis no hand comes near.
+Everything is in the clip's own frame and unit.  An arm is three joints: the start of the upper arm, the elbow, the
+wrist.  Each target is relative to the shoulder, in a frame that may move: with the world's axes, or with the torso's,
+whose outward-and-up axis no hand comes near.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from .pose import swivel
 
 SIDES = ("left", "right")
 TORSO = "torso"
-"""The axis that points outward and up from the torso."""
+"""Name of the axis that points outward and up from the torso."""
 
 STEMS = {
     "upper arm": ("arm", "uparm", "upperarm", "shldr", "shoulder", "humerus"),
     "forearm": ("forearm", "lowarm", "lowerarm", "elbow", "radius"),
     "hand": ("hand", "wrist"),
 }
-"""What joints are called without their side, whose bone begins there: CMU and Mixamo (LeftArm, LeftForeArm, LeftHand),
+"""Names of joints without their side, each at the start of its bone: CMU and Mixamo (LeftArm, LeftForeArm, LeftHand),
 Unity (LeftUpperArm, ..), 3ds Max (Bip01 L UpperArm, ..), Poser (lShldr, ..), SMPL (L_Shoulder, L_Elbow, L_Wrist),
 Blender (upper_arm.L, ..).  A shoulder above a joint named arm is the collar bone."""
 
@@ -43,12 +43,12 @@ PREFIX = r"(?:mixamorig\d*|bip\d*|jbip|character\d*)?"
 
 
 class ClipError(TargetError):
-    """A clip, or an arm of it, that cannot be used; the text is one line for the user."""
+    """Unusable clip, or arm of a clip; the text is one line for the user."""
 
 
 @dataclass(frozen=True)
 class Arm:
-    """Joints of an arm by their numbers, and of the torso that carries both arms."""
+    """Numbers of an arm's joints, and of the torso joint that carries both arms."""
 
     side: str
     upper: int
@@ -59,25 +59,25 @@ class Arm:
 
 @dataclass(frozen=True)
 class Clip:
-    """A clip of F frames and J joints, as it was read."""
+    """Clip of F frames and J joints, as read."""
 
     path: Path
     bvh: pybvh.Bvh
 
     @cached_property
     def parents(self) -> list[int]:
-        """Of each joint; -1 of the root."""
+        """Parent of each joint; -1 for the root."""
         nodes = [node for node in self.bvh.nodes if not node.is_end_site()]
         return [-1 if node.parent is None else self.bvh.joint_index[node.parent.name] for node in nodes]
 
     @cached_property
     def local(self) -> np.ndarray:
-        """Rotation matrices (F, J, 3, 3) of the joints against their parents."""
+        """Rotation matrices (F, J, 3, 3) of the joints relative to their parents."""
         return self.bvh.to_rotmat()[1]
 
     @cached_property
     def world(self) -> np.ndarray:
-        """Rotation matrices (F, J, 3, 3) of the joints against the world."""
+        """Rotation matrices (F, J, 3, 3) of the joints relative to the world."""
         found = np.empty_like(self.local)
         for joint, parent in enumerate(self.parents):  # parents come first
             found[:, joint] = self.local[:, joint] if parent < 0 else found[:, parent] @ self.local[:, joint]
@@ -85,17 +85,17 @@ class Clip:
 
     @cached_property
     def positions(self) -> np.ndarray:
-        """Of the joints, (F, J, 3)."""
+        """Positions of the joints, (F, J, 3)."""
         return self.bvh.joint_positions()
 
     @cached_property
     def rest(self) -> np.ndarray:
-        """Positions (J, 3) of the joints when nothing is turned."""
+        """Positions (J, 3) of the joints in the rest pose."""
         index = self.bvh.node_index
         return self.bvh.rest_pose_positions()[[index[name] for name in self.bvh.joint_names]]
 
     def ancestors(self, joint: int) -> list[int]:
-        """From the parent up to the root."""
+        """Return the ancestors of a joint, from the parent up to the root."""
         found = []
         while (joint := self.parents[joint]) >= 0:
             found.append(joint)
@@ -103,11 +103,11 @@ class Clip:
 
 
 def read(path: Path) -> Clip:
-    """Raises :class:`ClipError` for a file that is no BVH clip or cannot be read, with what is wrong."""
+    """Read a BVH clip.  Raises :class:`ClipError`, with the reason, for a file that is not BVH or cannot be read."""
     try:
-        path.open("rb").close()  # what it raises says why
+        path.open("rb").close()  # raises OSError with the reason
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it guesses which way is up, and says where two guesses differ
+            warnings.simplefilter("ignore")  # pybvh guesses the up direction, and warns where two guesses differ
             bvh = pybvh.read_bvh_file(path)
     except OSError as error:
         raise ClipError(f"{path}: cannot be read: {error.strerror}") from None
@@ -126,10 +126,10 @@ def read(path: Path) -> Clip:
 
 
 def _wrong_number(path: Path) -> str:
-    """The first line with something else than the finite numbers it should hold: line, joint, word; or nothing."""
+    """Describe the first entry that is not a finite number: line, joint, word; or return an empty string."""
     joint, channels, frames = "", [], False
     for line, words in enumerate(map(str.split, path.read_text(errors="replace").splitlines()), 1):
-        numbers, of = words[1:], []  # and the joints that they are of
+        numbers, of = words[1:], []  # the joints of the numbers
         match words:
             case ["ROOT" | "JOINT", *name]:
                 joint = f", joint {' '.join(name)}"
@@ -158,13 +158,13 @@ def _is_finite(word: str) -> bool:
         return False
 
 
-# -- which joints ------------------------------------------------------------------------------------------------------
+# -- joints ------------------------------------------------------------------------------------------------------------
 
 
 def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -> list[Arm]:
-    """The arms of a clip, "left", "right" or "both": known by name, or one of them named by its three joints.
+    """Return the arms of a clip, "left", "right" or "both": found by name, or one of them given by its three joints.
 
-    Raises :class:`ClipError`, which lists the joints, where names do not tell.
+    Raises :class:`ClipError`, which lists the joints, where names are not sufficient.
     """
     sides = SIDES if which == "both" else (which,)
     if joints is not None and which == "both":
@@ -176,7 +176,7 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -
 
 
 def _torso(clip: Clip, upper: int, common: list[set[int]]) -> int:
-    """The lowest joint that carries all known arms; of a lone arm, what carries its collar bone."""
+    """Return the lowest joint that carries all arms found; for a single arm, the joint that carries its collar bone."""
     above = clip.ancestors(upper)
     if not above:
         return upper
@@ -221,7 +221,7 @@ def _known(clip: Clip, side: str, must: bool = True) -> tuple[int, int, int] | N
 
 @dataclass(frozen=True)
 class Motion:
-    """What an arm does in F frames, from the shoulder, in the clip's frame and unit.
+    """Motion of an arm in F frames, from the shoulder, in the clip's frame and unit.
 
     * elbow, wrist (F, 3); d1, d2: lengths of upper arm and forearm
     * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's
@@ -238,13 +238,13 @@ class Motion:
 
     @property
     def typical_phi(self) -> float:
-        """The mean direction (rad) of the clip's own swivel angles, each as much as the arm is bent."""
+        """Mean direction (rad) of the clip's own swivel angles, each weighted by the bend of the arm."""
         bent = np.linalg.norm(np.cross(self.elbow, self.wrist), axis=1)
         return float(np.angle((bent * np.exp(1j * self.phi)).sum()))
 
 
 def outward_and_up(clip: Clip, arm: Arm) -> np.ndarray:
-    """The direction (3,) between the arm's side and up, of the body at rest, in whose frame the torso's axes are."""
+    """Return the direction (3,) between the arm's side and up, of the body at rest, in the torso's frame."""
     up = np.zeros(3)
     up["xyz".index(clip.bvh.rest_up[1])] = -1.0 if clip.bvh.rest_up[0] == "-" else 1.0
     out = clip.rest[arm.upper] - clip.rest[arm.torso]
@@ -255,7 +255,7 @@ def outward_and_up(clip: Clip, arm: Arm) -> np.ndarray:
 
 
 def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
-    """What an arm does, seen along a reference axis of the world's frame, or "torso": outward and up from the torso."""
+    """Return the motion of an arm for a reference axis of the world's frame, or "torso": outward and up from it."""
     bones = clip.rest[arm.fore] - clip.rest[arm.upper], clip.rest[arm.hand] - clip.rest[arm.fore]
     d1, d2 = (float(np.linalg.norm(bone)) for bone in bones)
     if min(d1, d2) == 0:
@@ -273,13 +273,13 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
 
 
 def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
-    """The wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
+    """Return the wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
 
-    Of an arm that is straight, rounding to words of ``width`` bits would leave open whether its elbow sticks out by the
-    root of an ulp; so it is asked to reach two ulps further than it can, and is straight.
+    For a straight arm, rounding to words of ``width`` bits could make the elbow stick out by the root of an ulp, so its
+    target is moved two ulps out of reach, which keeps it straight.
     """
     count = len(moves[0].wrist)
-    ulp = 2.0 ** (2 - width)  # at most, of the reach
+    ulp = 2.0 ** (2 - width)  # upper bound, relative to the reach
     wrists = []
     for move in moves:
         distance, reach = np.linalg.norm(move.wrist, axis=1, keepdims=True), move.d1 + move.d2
@@ -302,15 +302,15 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
     )
 
 
-# -- the clip again ----------------------------------------------------------------------------------------------------
+# -- the turned clip ---------------------------------------------------------------------------------------------------
 
 
 def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]]) -> pybvh.Bvh:
-    """The clip with arms turned by Qs and Qe, (F, 4) each, in the clip's frame; the rest of the body stays as it was.
+    """Return the clip with arms turned by Qs and Qe, (F, 4) each, in the clip's frame; the rest of the body is
+    unchanged.
 
-    A joint has its own idea of how a bone is turned about itself at rest.  The core's hinge, about which the elbow
-    bends, is fixed in both bones, and is laid where the clip's own is on average.  Hands keep their direction in the
-    world.
+    Rigs differ in how a bone is turned about itself at rest.  The core's hinge, about which the elbow bends, is fixed
+    in both bones, and is aligned with the clip's average hinge.  Hands keep their direction in the world.
     """
     local = clip.local.copy()
     for move, qs, qe in moves:
@@ -328,13 +328,13 @@ def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]]) -
             local[:, joint] = np.swapaxes(np.broadcast_to(carried, local[:, joint].shape), 1, 2) @ world[joint]
             carried = world[joint]
         for low, high in ((arm.fore, arm.upper), (arm.hand, arm.fore)):
-            for between in clip.ancestors(low)[: clip.ancestors(low).index(high)]:  # of a bone that twists
+            for between in clip.ancestors(low)[: clip.ancestors(low).index(high)]:  # twist joints within a bone
                 local[:, between] = np.eye(3)
     return clip.bvh.from_rotmat(clip.bvh.root_pos, local)
 
 
 def _to_rest(clip: Clip, joint: int, below: int, normal: np.ndarray, bone: tuple[float, float, float]) -> np.ndarray:
-    """The rotation (3, 3) from a joint's bone at rest to the core's, which has it along `bone` and bends it about x."""
+    """Return the rotation (3, 3) from a joint's bone at rest to the core's, along `bone` and with hinge x."""
     along = clip.rest[below] - clip.rest[joint]
     along = along / np.linalg.norm(along)
     hinge = (np.swapaxes(clip.world[:, joint], 1, 2) @ normal[:, :, None])[:, :, 0].sum(axis=0)
@@ -342,7 +342,7 @@ def _to_rest(clip: Clip, joint: int, below: int, normal: np.ndarray, bone: tuple
     if np.linalg.norm(hinge) <= 1e-9 * np.linalg.norm(normal, axis=1).sum():  # never bent, or about every axis
         hinge = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
     hinge /= np.linalg.norm(hinge)
-    # the core's arm bends so that upper arm x forearm points along HINGE
+    # The core's arm bends so that upper arm x forearm points along HINGE.
     here = np.stack((along, hinge, np.cross(along, hinge)), axis=1)
     there = np.stack((bone, HINGE, np.cross(bone, HINGE)), axis=1)
     return there @ here.T

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A clip as an animated glTF 2.0 binary: its joints as nodes, a small double pyramid for each bone."""
+"""Clip as an animated glTF 2.0 binary: its joints as nodes, a small double pyramid for each bone."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ RING = ((1, 2), (2, 3), (3, 4), (4, 1))
 FACES = np.array([*((0, a, b) for a, b in RING), *((5, b, a) for a, b in RING)], dtype=np.uint8)
 
 TO_Y = {"x": (0.5, 0.5, 0.5, 0.5), "y": (1.0, 0.0, 0.0, 0.0), "z": (0.5, -0.5, -0.5, -0.5)}
-"""wxyz: what turns the axis that points up in the clip to glTF's y by exchanging the axes in a circle."""
+"""wxyz quaternions of the cyclic axis exchanges that take the clip's up axis to glTF's y."""
 
 
 def animated(bvh: pybvh.Bvh, name: str) -> bytes:
-    """The bytes of a .glb file; lengths are the clip's numbers, up is y whatever it is in the clip."""
+    """Return the bytes of a .glb file; lengths are the clip's numbers, up is always y."""
     file = gltf.GLTF2(asset=gltf.Asset(generator="cga-ik"), scene=0)
     data = _Data(file)
     corners = data.put(POINTS, gltf.VEC3, gltf.ARRAY_BUFFER, bounds=True)
@@ -32,7 +32,7 @@ def animated(bvh: pybvh.Bvh, name: str) -> bytes:
 
     up = bvh.world_up
     turn = np.array(TO_Y[up[1]])
-    if up[0] == "-":  # half a turn first, about the axis after it
+    if up[0] == "-":  # first half a turn, about the next axis
         turn = multiply(turn, np.eye(4)[1 + ("xyz".index(up[1]) + 1) % 3])
     file.nodes = [gltf.Node(name=name, rotation=np.roll(turn, -1).tolist(), children=[1])]
     file.scenes = [gltf.Scene(nodes=[0])]
@@ -65,7 +65,7 @@ def animated(bvh: pybvh.Bvh, name: str) -> bytes:
 
 
 class _Data:
-    """What goes into the buffer, and the accessors that tell of it."""
+    """Contents of the buffer, and their accessors."""
 
     KINDS = {"f": gltf.FLOAT, "u": gltf.UNSIGNED_BYTE}
 
@@ -73,7 +73,7 @@ class _Data:
         self.file, self.bytes = file, bytearray()
 
     def put(self, values: np.ndarray, kind: str, target: int | None = None, bounds: bool = False) -> int:
-        """The number of the accessor."""
+        """Append values to the buffer and return the number of their accessor."""
         view = gltf.BufferView(buffer=0, byteOffset=len(self.bytes), byteLength=values.nbytes, target=target)
         self.bytes += values.tobytes() + bytes(-values.nbytes % 4)
         self.file.bufferViews.append(view)
@@ -89,7 +89,7 @@ class _Data:
 
 
 def _bone(offset: np.ndarray) -> gltf.Node:
-    """The double pyramid from a joint to the next."""
+    """Return the double pyramid from a joint to the next."""
     length = float(np.linalg.norm(offset))
     x, y, z = offset / length
     turn = np.array((z, 0.0, -x, 1 + y)) if y > -1 + 1e-9 else np.array((1.0, 0.0, 0.0, 0.0))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses of an arm from Python: what `cga_ik` is imported for.
+"""Poses of an arm from Python: the public functions of `cga_ik`.
 
-Frame: the shoulder at the origin, x forward, y to the left, z up, unless the reference axis says otherwise (see
+Frame: the shoulder at the origin, x forward, y to the left, z up, unless the reference axis differs (see
 :mod:`model.motion.axes`).  Lengths are in any one unit, angles in radians.  Quaternions are Hamilton's and give the
 right-handed rotation; at rest the upper arm points along z and the forearm is folded back on it:
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 Order = Literal["wxyz", "xyzw"]
-"""Where a quaternion has its scalar part: first, or last as scipy and most engines have it."""
+"""Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
 
 __all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
 
@@ -44,8 +44,8 @@ class Pose:
 
     * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; in words of ``width`` bits their values are exact
     * flags (N,): int64, see :mod:`model.io.flags`; 0 where the hand is at the target
-    * elbow, wrist (N, 3): where forward kinematics puts them, in the unit of the targets
-    * phi (N,): the swivel angle that was asked for, rad
+    * elbow, wrist (N, 3): positions from forward kinematics, in the unit of the targets
+    * phi (N,): the requested swivel angle, rad
     """
 
     qs: np.ndarray
@@ -57,7 +57,7 @@ class Pose:
     order: Order = "wxyz"
 
     def to_scipy(self) -> tuple[Rotation, Rotation]:
-        """Shoulder and elbow as :class:`scipy.spatial.transform.Rotation`, which has matrices, Euler angles, slerp."""
+        """Return shoulder and elbow as :class:`scipy.spatial.transform.Rotation` (matrices, Euler angles, slerp)."""
         from scipy.spatial.transform import Rotation
 
         scalar_first = self.order == "wxyz"
@@ -78,7 +78,7 @@ def solve(
     datapath: str = "lean",
     order: Order = "wxyz",
 ) -> Pose:
-    """Shoulder and elbow of arms whose wrists are to be at points, (10)-(18) of the paper.
+    """Return shoulder and elbow of arms for wrist targets, (10)-(18) of the paper.
 
     * points (N, 3) or (3,): wrist targets, the shoulder at the origin
     * phi: swivel angle, rad: 0 is the elbow in the plane of axis and wrist, on the side to which the axis points.
@@ -86,11 +86,11 @@ def solve(
     * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
-    * datapath: "lean", "paper", or "lean25", which is lean with other products
+    * datapath: "lean", "paper", or "lean25", which is lean with products cut for 25x18-bit multipliers
 
-    A target out of reach gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
-    numbers that are not finite, an unknown width, datapath or order, and (as TargetError, of which it is the base)
-    for a target that does not fit the core's format beside the others.
+    An unreachable target gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
+    numbers that are not finite, an unknown width, datapath or order, and (as its subclass TargetError)
+    for a target that does not fit the core's format together with the others.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
@@ -126,18 +126,18 @@ def solve(
 def forward(
     qs: ArrayLike, qe: ArrayLike, d1: ArrayLike = DEFAULT_D1, d2: ArrayLike = DEFAULT_D2, *, order: Order = "wxyz"
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Elbow and wrist (N, 3) of arms whose joints are at Qs and Qe, (N, 4) each, in the unit of the lengths.
+    """Return elbow and wrist (N, 3) of arms whose joints are at Qs and Qe, (N, 4) each, in the unit of the lengths.
 
-    d1, d2: numbers or (N,).  Any reference axis: it is part of Qs.  Raises ValueError for shapes that do not fit.
+    d1, d2: numbers or (N,).  Any reference axis: it is part of Qs.  Raises ValueError for shapes that do not match.
     """
     return kinematics.forward(_from(order, qs), _from(order, qe), d1, d2)
 
 
 def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> np.ndarray:
-    """The swivel angle (N,), rad in [-pi, pi], of arms whose joints are at these points, (N, 3) each or (3,).
+    """Return the swivel angle (N,), rad in [-pi, pi], of arms whose joints are at these points, (N, 3) each or (3,).
 
-    What :func:`solve` takes as phi to put the elbow there.  It is arbitrary where the arm is straight or folded, and as
-    far off as rounding can move the elbow's direction from the line beside it.
+    Passed to :func:`solve` as phi, it reproduces the elbow.  It is arbitrary where the arm is straight or folded;
+    near those poses, rounding of the elbow's offset from the line limits its accuracy.
     """
     shoulder = np.asarray(shoulder, dtype=np.float64)
     turn = matrix(axes.to_z(axis)).T
@@ -153,9 +153,9 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
 
 
 def hanging(axis: Axis = "z") -> float:
-    """The swivel angle (rad) for which the elbow of an arm that reaches forward (x) hangs straight down (-z).
+    """Return the swivel angle (rad) for which the elbow of an arm that reaches forward (x) hangs straight down (-z).
 
-    pi for z, 0 for -z.  Where the axis is x itself, of an arm that reaches to the left (y).
+    It is pi for z, 0 for -z.  Where the axis is x itself, the arm reaches to the left (y) instead.
     """
     reach = (0.0, 1.0, 0.0) if abs(axes.direction(axis)[0]) == 1 else (1.0, 0.0, 0.0)
     return float(swivel((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), reach, axis)[0])

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Double precision: conformal algebra, the geometry, the paper's and the lean equations, forward kinematics."""
+"""Double precision: conformal algebra, geometry, the paper's and the lean equations, forward kinematics."""

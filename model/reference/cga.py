@@ -6,9 +6,9 @@ vectors are e_inf = e- + e+ and e_0 = (e- - e+)/2, so that e_0^2 = e_inf^2 = 0 a
 .. PP_35 of the paper's (12) are coefficients on this same orthogonal basis: read them as `mv.e14` ..
 `mv.e35`.
 
-Every function takes coefficients of any one kind: numbers, numpy arrays of N values (results are then arrays
-of N), or sympy expressions. Lengths may have any unit; angles are in radians. A coefficient multiplies from
-the right and as a multivector, `mv * scalar(c)`: numpy would take a multivector on its right apart.
+Every function accepts coefficients of one kind: numbers, numpy arrays of N values (results are then arrays
+of N), or sympy expressions. Lengths may have any unit; angles are in radians. Multiply a coefficient from
+the right and as a multivector, `mv * scalar(c)`: numpy would iterate over a multivector on its right.
 """
 
 import numpy as np
@@ -53,7 +53,7 @@ BLADES = (
 
 
 def _expand(value):
-    """Kingdon's filter for symbolic coefficients: exact rationals (0.5 is 1/2), expanded so zeros show."""
+    """Simplify symbolic coefficients for kingdon: exact rationals (0.5 is 1/2), expanded so that zeros are found."""
     return sympy.expand(sympy.nsimplify(value, rational=True)) if isinstance(value, sympy.Expr) else value
 
 
@@ -62,18 +62,18 @@ _VECTOR_KEYS = tuple(ALGEBRA.canon2bin[name] for name in ("e1", "e2", "e3", "e4"
 
 
 def _functions(value):
-    """The library whose sqrt, cos and sin fit `value`."""
+    """Return the library whose sqrt, cos and sin accept `value`."""
     return sympy if isinstance(value, sympy.Expr) else np
 
 
 def scalar(value):
-    """The multivector of grade 0 with this value."""
+    """Return the multivector of grade 0 with this value."""
     return ALGEBRA.multivector(keys=(0,), values=[value])
 
 
 def vector(x=0, y=0, z=0, inf=0, zero=0):
-    """The grade-1 multivector x e1 + y e2 + z e3 + inf e_inf + zero e_0."""
-    # One division, last, is exact for symbols too: zero / 2 alone would be the floating-point 0.5.
+    """Return the grade-1 multivector x e1 + y e2 + z e3 + inf e_inf + zero e_0."""
+    # A single division, at the end, is exact for symbols: zero / 2 alone would be the floating-point 0.5.
     plus, minus = (2 * inf - zero) / 2, (2 * inf + zero) / 2
     return ALGEBRA.multivector(keys=_VECTOR_KEYS, values=[x, y, z, plus, minus])
 
@@ -93,15 +93,15 @@ k = e2 ^ e1  # (3)
 
 
 def coefficients(mv):
-    """The 32 coefficients of a multivector on the blades of table 2.
+    """Return the 32 coefficients of a multivector on the blades of table 2.
 
-    Returns a dict from blade name to coefficient, in the order of table 2; absent blades are 0.
+    The dict maps blade name to coefficient, in the order of table 2; absent blades are 0.
     """
     return {blade: coefficient(mv, blade) for blade in BLADES}
 
 
 def coefficient(mv, blade):
-    """The coefficient of a multivector on one blade, named as in BLADES. KeyError if table 2 has it not."""
+    """Return the coefficient of a multivector on one blade, named as in BLADES. KeyError if table 2 lacks it."""
     if blade not in BLADES:
         raise KeyError(f"{blade!r} is not a blade of table 2")
     factors = [] if blade == "1" else blade.split("^")
@@ -120,10 +120,10 @@ def coefficient(mv, blade):
 
 
 def dual(mv):
-    """The paper's star: X* = X I^-1. It turns the direct representation into the standard one.
+    """Return the paper's star: X* = X I^-1. It converts the direct representation to the standard one.
 
     With this sign the dual of a direct line, e_0 ^ x ^ e_inf, is the quaternion unit of the rotation that is
-    right-handed about x. Since I^2 = -1, a second dual gives back -X: the same entity, which is homogeneous.
+    right-handed about x. Since I^2 = -1, a second dual gives -X: the same entity, as entities are homogeneous.
     """
     return mv * PSEUDOSCALAR_INVERSE
 
@@ -132,32 +132,32 @@ def dual(mv):
 
 
 def point(x, y, z):
-    """P = x + x^2/2 e_inf + e_0."""
+    """Return P = x + x^2/2 e_inf + e_0."""
     return vector(x, y, z, inf=(x * x + y * y + z * z) / 2, zero=1)
 
 
 def sphere(centre, radius):
-    """s = P - r^2/2 e_inf, from its centre point P and its radius."""
+    """Return s = P - r^2/2 e_inf, from its centre point P and its radius."""
     return centre - e_inf * scalar(radius * radius / 2)
 
 
 def plane(n_x, n_y, n_z, d):
-    """pi = n + d e_inf, from its unit normal n and its distance d from the origin along n."""
+    """Return pi = n + d e_inf, from its unit normal n and its distance d from the origin along n."""
     return vector(n_x, n_y, n_z, inf=d)
 
 
 def circle(s_1, s_2):
-    """z = s1 ^ s2, the intersection of two spheres (or of a sphere and a plane)."""
+    """Return z = s1 ^ s2, the intersection of two spheres (or of a sphere and a plane)."""
     return s_1 ^ s_2
 
 
 def line(pi_1, pi_2):
-    """l = pi1 ^ pi2, the intersection of two planes."""
+    """Return l = pi1 ^ pi2, the intersection of two planes."""
     return pi_1 ^ pi_2
 
 
 def point_pair(s_1, s_2, s_3):
-    """Pp = s1 ^ s2 ^ s3, the intersection of three spheres (or planes, one sphere at least)."""
+    """Return Pp = s1 ^ s2 ^ s3, the intersection of three spheres (or planes, one sphere at least)."""
     return s_1 ^ s_2 ^ s_3
 
 
@@ -166,27 +166,27 @@ def point_pair(s_1, s_2, s_3):
 
 
 def sphere_direct(x_1, x_2, x_3, x_4):
-    """s* = x1 ^ x2 ^ x3 ^ x4."""
+    """Return s* = x1 ^ x2 ^ x3 ^ x4."""
     return x_1 ^ x_2 ^ x_3 ^ x_4
 
 
 def plane_direct(x_1, x_2, x_3):
-    """pi* = x1 ^ x2 ^ x3 ^ e_inf."""
+    """Return pi* = x1 ^ x2 ^ x3 ^ e_inf."""
     return x_1 ^ x_2 ^ x_3 ^ e_inf
 
 
 def circle_direct(x_1, x_2, x_3):
-    """z* = x1 ^ x2 ^ x3."""
+    """Return z* = x1 ^ x2 ^ x3."""
     return x_1 ^ x_2 ^ x_3
 
 
 def line_direct(x_1, x_2):
-    """l* = x1 ^ x2 ^ e_inf."""
+    """Return l* = x1 ^ x2 ^ e_inf."""
     return x_1 ^ x_2 ^ e_inf
 
 
 def point_pair_direct(x_1, x_2):
-    """Pp* = x1 ^ x2."""
+    """Return Pp* = x1 ^ x2."""
     return x_1 ^ x_2
 
 
@@ -194,29 +194,29 @@ def point_pair_direct(x_1, x_2):
 
 
 def inner(o_1, o_2):
-    """The scalar coefficient of o_1 . o_2, for two entities of the same grade."""
+    """Return the scalar coefficient of o_1 . o_2, for two entities of the same grade."""
     return (o_1 | o_2).e
 
 
 def norm(o):
-    """|o| = sqrt(|o . o|): the entity's length, whichever sign its square has."""
+    """Return |o| = sqrt(|o . o|): the entity's length, for either sign of its square."""
     square = abs(inner(o, o))
     return _functions(square).sqrt(square)
 
 
 def euclidean_coordinates(p):
-    """(x, y, z) of a point with any scale: it is first divided by its e_0 coefficient, -e_inf . P."""
+    """Return (x, y, z) of a point of any scale, after division by its e_0 coefficient, -e_inf . P."""
     weight = -inner(e_inf, p)
     return p.e1 / weight, p.e2 / weight, p.e3 / weight
 
 
 def centre(o):
-    """The centre of a sphere, circle or point pair, as a point of any scale: e_inf reflected in it."""
+    """Return the centre of a sphere, circle or point pair, as a point of any scale: e_inf reflected in it."""
     return (o * e_inf * o).grade(1)
 
 
 def radius(o):
-    """The radius of a sphere or a circle; nan for the circle of spheres that do not meet, whose square is positive."""
+    """Return the radius of a sphere or a circle; nan for the circle of disjoint spheres, whose square is positive."""
     square = inner(o, o) / inner(e_inf | o, e_inf | o)
     if o.grades == (2,):
         square = -square
@@ -225,26 +225,26 @@ def radius(o):
 
 
 def direction(o):
-    """(x, y, z) of length 1: the normal of a plane, the direction of a line, both in standard representation."""
+    """Return (x, y, z) of length 1: the normal of a plane, the direction of a line, both in standard representation."""
     x, y, z = (o.e1, o.e2, o.e3) if o.grades == (1,) else quaternion_coefficients(o)[1:]
     length = _functions(x).sqrt(x * x + y * y + z * z)
     return x / length, y / length, z / length
 
 
 def cos_angle(o_1, o_2):
-    """(5): cos(theta) = o1 . o2 / (|o1| |o2|) of two lines or two planes in the same representation.
+    """Return (5): cos(theta) = o1 . o2 / (|o1| |o2|) of two lines or two planes in the same representation.
 
-    Lines squared are +1 in direct and -1 in standard representation, planes the other way round. So direct
-    lines and standard planes give the cosine between the directions (normals), and the other two give minus
-    that. The paper uses the latter on purpose: c4 from standard lines, c3 from direct planes.
+    Squares of lines are +1 in direct and -1 in standard representation, of planes vice versa. Direct lines and standard
+    planes therefore give the cosine between the directions (normals), and the other two its negative. The paper uses
+    the latter on purpose: c4 from standard lines, c3 from direct planes.
     """
     return inner(o_1, o_2) / (norm(o_1) * norm(o_2))  # (5)
 
 
 def half_angle(cos_phi):
-    """(cos(phi/2), sin(phi/2)) from cos(phi), both roots taken >= 0: "the signs depend on the application".
+    """Return (cos(phi/2), sin(phi/2)) from cos(phi), both roots >= 0: "the signs depend on the application".
 
-    A cosine that roundoff has carried past +-1 counts as +-1.
+    A cosine beyond +-1 by roundoff counts as +-1.
     """
     plus, minus = 1 + cos_phi, 1 - cos_phi
     if not isinstance(cos_phi, sympy.Expr):
@@ -254,7 +254,7 @@ def half_angle(cos_phi):
 
 
 def half_angle_between(o_1, o_2):
-    """(8), (9): (cos(phi/2), sin(phi/2)) of the angle phi that `cos_angle` measures, both roots >= 0."""
+    """Return (8), (9): (cos(phi/2), sin(phi/2)) of the angle phi measured by `cos_angle`, both roots >= 0."""
     return half_angle(cos_angle(o_1, o_2))
 
 
@@ -262,17 +262,17 @@ def half_angle_between(o_1, o_2):
 
 
 def quaternion(w, q_i, q_j, q_k):
-    """w + q_i i + q_j j + q_k k."""
+    """Return w + q_i i + q_j j + q_k k."""
     return scalar(w) + i * scalar(q_i) + j * scalar(q_j) + k * scalar(q_k)
 
 
 def quaternion_coefficients(q):
-    """(w, q_i, q_j, q_k) of a quaternion. Other blades, which a quaternion has not, are not looked at."""
+    """Return (w, q_i, q_j, q_k) of a quaternion. Other blades, absent from a quaternion, are ignored."""
     return q.e, -q.e23, q.e13, -q.e12
 
 
 def rotation(axis, phi):
-    """(4): Q = cos(phi/2) + L sin(phi/2), the rotation by phi (rad) about the line L = `axis`.
+    """Return (4): Q = cos(phi/2) + L sin(phi/2), the rotation by phi (rad) about the line L = `axis`.
 
     `axis` is a line in standard representation with |L| = 1, such as i. The rotation is right-handed.
     """
@@ -281,5 +281,5 @@ def rotation(axis, phi):
 
 
 def rotate(q, mv):
-    """Q X Q~ for a unit quaternion (rotor) Q. The result has the grades of X."""
+    """Return Q X Q~ for a unit quaternion (rotor) Q. The result has the grades of X."""
     return (q * mv * ~q).grade(*mv.grades)

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 3 of the reference: equations (10)-(18) of the paper in double precision, with their corrections.
 
-Corrected against the print: the squared cosine in the x and y rows of (11); d1 is the upper arm and d2 the
+Corrections of the print: the squared cosine in the x and y rows of (11); d1 is the upper arm and d2 the
 forearm. Where the print is 0/0 (target or elbow on the z axis, P_w in the plane pi_yz2) a rule is given at the
 line.
 
-Three sums are taken in a form that is equal to the print but does not cancel: tmp1 with the products PP_m^+
+Three sums use a form that is equal to the print but does not cancel: tmp1 with the products PP_m^+
 PP_m^- of (19), since the squares it replaces are nearly equal unless d1 is about 1; and in (15) d1 - p_e_z
-and tmp2, factored, since both lose all digits for an elbow near the z axis. So results do not depend on the
+and tmp2, factored, since both lose all digits for an elbow near the z axis. Results therefore do not depend on the
 unit of length.
 
-`solve` is for reachable targets. `solve_clamped` takes any target and answers with flags, as the core does.
+`solve` is for reachable targets. `solve_clamped` accepts any target and returns flags, as the core does.
 Lengths have any one unit, angles are in radians, arrays are float64 of shape (N,).
 """
 
@@ -21,17 +21,17 @@ import numpy as np
 from ..io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
 
 LENGTH_RANGE = (1e-15, 1e15)
-"""Arm lengths outside this range are refused: products of six lengths would leave the range of doubles."""
+"""Accepted arm lengths: outside this range, products of six lengths would exceed the range of doubles."""
 
 REACH_TOLERANCE = 1e-9
-"""How far (of d1+d2) beyond the exact limits `solve` still takes a target as reached."""
+"""Fraction of d1+d2 beyond the exact limits at which `solve` still accepts a target as reachable."""
 
 _TINY = 1e-30  # ratio of lengths below which products of the printed equations could underflow
 _SIDE_NOISE = 1e-13  # the inner product of (17), over |p_w|, is roundoff below this
 
 
 def columns(**values):
-    """The arguments as float64 arrays of one shape (N,). ValueError for other shapes, nan and inf."""
+    """Return the arguments as float64 arrays of one shape (N,). ValueError for other shapes, nan and inf."""
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in values.values()))
     if arrays[0].ndim != 1:
         raise ValueError(f"inputs must be numbers or of shape (N,), not {arrays[0].shape}")
@@ -56,9 +56,9 @@ def _check_reachable(x, y, z, d1, d2):
 
 
 def swivel_normal(x, y, z, phi):
-    """n = pi_swivel/|pi_swivel|, the unit normal of the swivel plane, for every target; returns (N, 3).
+    """Return n = pi_swivel/|pi_swivel|, the unit normal of the swivel plane, for every target; (N, 3).
 
-    On the z axis, where (11) is 0, azimuth 0 is taken: (u_x, u_y) = (1, 0). A target at the shoulder counts
+    On the z axis, where (11) is 0, azimuth 0 is used: (u_x, u_y) = (1, 0). A target at the shoulder counts
     as one on the positive z axis. phi in radians. Raises ValueError for inputs that are not finite or do not
     broadcast.
     """
@@ -82,9 +82,9 @@ def swivel_normal(x, y, z, phi):
 
 
 def shoulder_quaternion(n, e):
-    """Qs (N, 4: w, i, j, k; k >= 0) from the swivel plane's normal n and the elbow's direction e, (N, 3).
+    """Return Qs (N, 4: w, i, j, k; k >= 0) from the swivel plane's normal n and the elbow's direction e, (N, 3).
 
-    It is the rotation with the columns -n, e x (-n), e, which (15)-(18) compute in other words. n and e are
+    It is the rotation with the columns -n, e x (-n), e, equivalent to (15)-(18). n and e are
     orthogonal unit vectors. This form has no singular pose, so it also serves the clamped ones.
     """
     x_axis = -n
@@ -93,8 +93,7 @@ def shoulder_quaternion(n, e):
     r00, r11, r22 = r[:, 0, 0], r[:, 1, 1], r[:, 2, 2]
     w_i, w_j, w_k = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]
     i_j, i_k, j_k = r[:, 1, 0] + r[:, 0, 1], r[:, 0, 2] + r[:, 2, 0], r[:, 2, 1] + r[:, 1, 2]
-    # Each row is the quaternion times four times one of its components; the largest diagonal is the safest
-    # divisor.
+    # Each row is the quaternion times four times one of its components; the largest diagonal is the safest divisor.
     rows = np.stack(
         (
             np.stack((1 + r00 + r11 + r22, w_i, w_j, w_k), axis=-1),
@@ -111,21 +110,21 @@ def shoulder_quaternion(n, e):
 
 
 def _half_angle(c):
-    """Cosine and sine, both >= 0, of half the angle whose cosine is c."""
+    """Return cosine and sine, both >= 0, of half the angle whose cosine is c."""
     return np.sqrt(np.clip(1 + c, 0, 2) / 2), np.sqrt(np.clip(1 - c, 0, 2) / 2)  # (6), (7)
 
 
 def _swivel_plane(x, y, z, phi, at_shoulder):
-    """Section 3.1."""
+    """Compute section 3.1."""
     rho = np.hypot(x, y)
     l_sw = np.hypot(rho, z)  # (10)
     length = np.where(at_shoulder, 1.0, l_sw)
     cos_half, sin_half = np.cos(phi / 2), np.sin(phi / 2)
-    # Corrected: the last factor of the first two rows is squared.
+    # Correction: the last factor of the first two rows is squared.
     pi_swivel_x = (2 * cos_half * sin_half * z * x - y * length + 2 * y * length * cos_half**2) / length  # (11)
     pi_swivel_y = (2 * cos_half * sin_half * z * y + x * length - 2 * x * length * cos_half**2) / length  # (11)
     pi_swivel_z = -2 * sin_half * cos_half * (x**2 + y**2) / length  # (11)
-    # (11) is rho long: it vanishes on the z axis. A plane is homogeneous, so there take the unit normal.
+    # (11) has length rho and vanishes on the z axis. A plane is homogeneous, so the unit normal is used there.
     p_x, p_y, p_z = (np.where(at_shoulder, 0.0, p) for p in (x, y, z))
     n = swivel_normal(p_x, p_y, p_z, phi)
     on_axis = at_shoulder | (rho <= _TINY * l_sw)
@@ -138,7 +137,7 @@ def _swivel_plane(x, y, z, phi, at_shoulder):
 
 
 def _elbow_point(x, y, z, d1, d2, at_shoulder, pi_swivel_x, pi_swivel_y, pi_swivel_z):
-    """Section 3.2."""
+    """Compute section 3.2."""
     pp_i = pi_swivel_x * (x**2 + z**2 + y**2 + d1**2 - d2**2) / 2  # (12)
     pp_j = pi_swivel_y * (x**2 + z**2 + y**2 + d1**2 - d2**2) / 2  # (12)
     pp_k = pi_swivel_z * (x**2 + z**2 + y**2 + d1**2 - d2**2) / 2  # (12)
@@ -177,20 +176,20 @@ def _elbow_point(x, y, z, d1, d2, at_shoulder, pi_swivel_x, pi_swivel_y, pi_swiv
 
 
 def _elbow_quaternion(x, y, z, d1, d2, p_e_x, p_e_y, p_e_z):
-    """Section 3.3."""
+    """Compute section 3.3."""
     c4 = (p_e_x**2 - p_e_x * x + p_e_y**2 - p_e_y * y - p_e_z * z + p_e_z**2) / (d1 * d2)  # (14)
     qe_w, sin_half = _half_angle(c4)  # (14)
     return {"c4": c4, "qe_w": qe_w, "qe_i": -sin_half}  # (14)
 
 
 def _rotate_to_elbow(d1, p_e_x, p_e_y, p_e_z):
-    """Section 3.4."""
+    """Compute section 3.4."""
     rho_sqr = p_e_x**2 + p_e_y**2
     # d1 - p_e_z, which cancels for an elbow near +z; there it is rho^2 / (d1 + p_e_z), as |p_e| = d1.
     below = np.where(p_e_z > 0, rho_sqr / (d1 + np.abs(p_e_z)), d1 - p_e_z)
     tmp2 = d1**2 * rho_sqr * (below**2 + rho_sqr)  # (15), the printed polynomial factored
     l_m = np.sqrt(tmp2)  # (15)
-    # L_m vanishes for an elbow on the z axis. Any half turn that brings e3 there does: Q_3 makes up for it.
+    # L_m vanishes for an elbow on the z axis. Any half turn that takes e3 there will do: Q_3 compensates for it.
     on_axis = np.hypot(p_e_x, p_e_y) <= _TINY * d1
     up, down = on_axis & (p_e_z > 0), on_axis & (p_e_z <= 0)
     divisor = np.where(on_axis, 1.0, l_m)
@@ -201,16 +200,16 @@ def _rotate_to_elbow(d1, p_e_x, p_e_y, p_e_z):
 
 
 def _rotate_to_wrist(x, y, z, p_e, l_sw, pi_swivel, q12_i, q12_j, q12_k):
-    """Section 3.5. p_e and pi_swivel are triples of arrays (N,)."""
+    """Compute section 3.5. p_e and pi_swivel are triples of arrays (N,)."""
     pi_swivel_x, pi_swivel_y, pi_swivel_z = pi_swivel
     c3 = (
         pi_swivel_x * (q12_k**2 + q12_j**2 - q12_i**2) - 2 * q12_i * (q12_j * pi_swivel_y + q12_k * pi_swivel_z)
     ) / np.sqrt(pi_swivel_x**2 + pi_swivel_y**2 + pi_swivel_z**2)  # (17)
-    # (17), what is called sign at first
+    # (17), the quantity first called sign
     side = x * (q12_i**2 - q12_k**2 - q12_j**2) + 2 * q12_i * (q12_k * z + q12_j * y)
-    # A straight or folded arm has P_w in pi_yz2 whatever theta_3 is. The side that P_w leaves it on is then
-    # that of p_e x pi_swivel, by the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: both
-    # signs are right.
+    # A straight or folded arm has P_w in pi_yz2 for every theta_3. The side of P_w is then the side of
+    # p_e x pi_swivel, by the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is
+    # right.
     b_x, b_y, b_z = np.cross(np.stack(p_e, axis=-1), np.stack(pi_swivel, axis=-1)).T
     limit = b_x * (q12_i**2 - q12_k**2 - q12_j**2) + 2 * q12_i * (q12_k * b_z + q12_j * b_y)
     side = np.where(np.abs(side) <= _SIDE_NOISE * l_sw, limit, side)
@@ -221,7 +220,7 @@ def _rotate_to_wrist(x, y, z, p_e, l_sw, pi_swivel, q12_i, q12_j, q12_k):
 
 
 def solve(x, y, z, phi, d1, d2):
-    """Equations (10)-(18) for N reachable targets.
+    """Solve equations (10)-(18) for N reachable targets.
 
     x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or
     arrays that broadcast to (N,). Returns a dict of float64 arrays (N,), one for every quantity of the paper,
@@ -258,7 +257,7 @@ def solve(x, y, z, phi, d1, d2):
 
 
 def _compare(x, y, z, radius):
-    """Sign (-1, 0, 1) of |p|^2 - radius^2, exact: what rounding could decide is done in rational numbers."""
+    """Return the sign (-1, 0, 1) of |p|^2 - radius^2, exact: cases that rounding could decide use rational numbers."""
     distance = np.hypot(np.hypot(x, y), z)
     sign = np.sign(distance - np.abs(radius))
     for n in np.flatnonzero(np.abs(distance - np.abs(radius)) <= 1e-14 * distance):
@@ -269,11 +268,11 @@ def _compare(x, y, z, radius):
 
 
 def pose_flags(x, y, z, d1, d2):
-    """The flags of `model.io.flags` for N targets in double precision, (N,) int64, exact for the given doubles.
+    """Return the flags of `model.io.flags` for N targets in double precision, (N,) int64, exact for the given doubles.
 
-    Lengths in one unit. With bad_length the arm has no reach, so too_far and too_near stay clear. d1 + d2 and
-    d1 - d2 must be exact in double precision for the flags to be, as they are for words of the core. Raises
-    ValueError for inputs that are not finite or do not broadcast.
+    Lengths in one unit. With bad_length the arm has no reach, so too_far and too_near stay clear. The flags are exact
+    only if d1 + d2 and d1 - d2 are exact in double precision, as they are for words of the core. Raises ValueError for
+    inputs that are not finite or do not broadcast.
     """
     x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
     on_axis = (x == 0) & (y == 0)
@@ -289,7 +288,7 @@ def pose_flags(x, y, z, d1, d2):
 
 
 def clamp(x, y, z, d1, d2):
-    """The nearest pose for targets with none of their own: too far, too near, at the shoulder, bad lengths.
+    """Return the nearest pose for targets without one: too far, too near, at the shoulder, bad lengths.
 
     Lengths in one unit, numbers or arrays that broadcast to (N,). Returns a dict of arrays (N,): flags
     (int64), clamped (bool), the elbow's direction e_x, e_y, e_z (unit vector), qe_w, qe_i; the last five are
@@ -318,7 +317,7 @@ def clamp(x, y, z, d1, d2):
 
 
 def solve_clamped(x, y, z, phi, d1, d2):
-    """A pose for any N targets, with flags: `solve` where the target can be reached, `clamp` where it cannot.
+    """Return a pose for any N targets, with flags: `solve` for reachable targets, `clamp` for the others.
 
     Arguments as for `solve`, but lengths need not be positive nor targets in reach. Returns a dict of arrays
     (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z (user's unit), flags (int64). A

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 2 of the reference: section 3 of the paper as geometry in the conformal algebra.
 
-Planes, spheres, circles and lines are built, intersected and rotated as the text says; no component of any
-equation (11)-(18) is written down here. That is what `model.reference.equations` does, and the two must agree.
+Planes, spheres, circles and lines are constructed, intersected and rotated as in the text; no component of any
+equation (11)-(18) is written down here. `model.reference.equations` has the components, and the two must agree.
 
-The functions, one a subsection, take multivectors of any coefficients that `model.reference.cga` takes, so they also
-work on sympy symbols; `solve` runs them over N targets. Names are the paper's: capital letters are
+The functions, one per subsection, accept multivectors with any coefficients of `model.reference.cga`, including
+sympy symbols; `solve` runs them over N targets. Names are the paper's: capital letters are
 multivectors, and `pi_...` are planes. Lengths have the user's unit, angles are in radians.
 """
 
@@ -17,24 +17,24 @@ from .cga import e1, e3, e_0, e_inf
 
 
 def swivel_plane(P_w, phi):
-    """3.1: the line L_sw from shoulder to wrist and the swivel plane, turned by phi (rad) about that line.
+    """Construct (3.1) the line L_sw from shoulder to wrist and the swivel plane, turned by phi (rad) about that line.
 
     Returns (L_sw, |L_sw|, pi_swivel), both entities in standard representation. At phi = 0 the plane is the
     vertical one, through the z axis and P_w, with normal (p_wy, -p_wx, 0). Undefined for P_w on the z axis.
     """
     L_sw = cga.dual(cga.line_direct(e_0, P_w))
     length = cga.norm(L_sw)  # (10)
-    # The direction e3 stands for any second point of the z axis; this order gives the normal its sign.
+    # The direction e3 represents a second point of the z axis; this order determines the normal's sign.
     pi_vertical = cga.dual(e_0 ^ e3 ^ P_w ^ e_inf)
     turn = cga.rotation(L_sw * cga.scalar(1 / length), phi)  # (4)
     return L_sw, length, cga.rotate(turn, pi_vertical)  # (11)
 
 
 def elbow_point_pair(P_w, pi_swivel, d1, d2):
-    """3.2: the two possible elbows. Returns (S_1, S_2, Z_e, PP), all in standard representation.
+    """Construct (3.2) the two possible elbows. Returns (S_1, S_2, Z_e, PP), all in standard representation.
 
-    The forearm's length d2 is the radius about the wrist, the upper arm's d1 that about the shoulder: table 3
-    names them the other way round.
+    The forearm's length d2 is the radius about the wrist, the upper arm's d1 the radius about the shoulder: table 3
+    swaps the names.
     """
     S_1 = cga.sphere(P_w, d2)
     S_2 = cga.sphere(e_0, d1)
@@ -44,16 +44,16 @@ def elbow_point_pair(P_w, pi_swivel, d1, d2):
 
 
 def elbow_point(PP):
-    """3.2: the point of the pair PP that (13) decides for: P_e, with e_0 coefficient 1.
+    """Select (3.2) the point of the pair PP as in (13): P_e, with e_0 coefficient 1.
 
-    With pi_swivel's normal n, it lies on the side of L_sw that n x p_w points to.
+    With pi_swivel's normal n, it lies on the side of L_sw to which n x p_w points.
     """
     pair = cga.dual(PP)
     square = cga.inner(pair, pair)
     if isinstance(square, sympy.Expr):
         root = sympy.sqrt(square)
     else:
-        # Roundoff goes below 0 at full stretch and full fold, where the pair is one point.
+        # Roundoff can make this negative at full stretch and full fold, where the pair is one point.
         root = np.sqrt(np.maximum(square, 0.0))
     # The two points of a pair are (PP* -+ |PP*|) / (e_inf . PP*); the divisor is a vector.
     direction = e_inf | pair
@@ -62,9 +62,9 @@ def elbow_point(PP):
 
 
 def elbow_quaternion(P_e, P_w):
-    """3.3: the rotation at the elbow, about the local x axis. Returns (L_se, L_ew, c4, Q_e).
+    """Return the rotation at the elbow (3.3), about the local x axis: (L_se, L_ew, c4, Q_e).
 
-    L_ew runs through elbow and wrist; the text says "shoulder and wrist".
+    L_ew runs through elbow and wrist; the text has "shoulder and wrist".
     """
     L_se = cga.dual(cga.line_direct(e_0, P_e))
     L_ew = cga.dual(cga.line_direct(P_e, P_w))
@@ -75,7 +75,7 @@ def elbow_quaternion(P_e, P_w):
 
 
 def elbow_rotation(P_e, d1):
-    """3.4: the half turn Q_12 that brings the z axis to the elbow. Returns (P_ze, pi_m, pi_e, L_m, Q_12).
+    """Return the half turn Q_12 (3.4) that takes the z axis to the elbow: (P_ze, pi_m, pi_e, L_m, Q_12).
 
     Undefined for an elbow on the z axis.
     """
@@ -87,7 +87,7 @@ def elbow_rotation(P_e, d1):
 
 
 def wrist_rotation(Q_12, pi_swivel, P_w):
-    """3.5: the rotation about the upper arm that brings the wrist home. Returns (pi_yz2, c3, sign, Q_3)."""
+    """Return the rotation about the upper arm (3.5) that takes the wrist to the target: (pi_yz2, c3, sign, Q_3)."""
     pi_yz = e1
     pi_yz2 = cga.rotate(Q_12, pi_yz)
     c3 = cga.cos_angle(cga.dual(pi_yz2), cga.dual(pi_swivel))  # (5); planes in direct representation
@@ -101,7 +101,7 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
 
 
 def solve(x, y, z, phi, d1, d2):
-    """Inverse kinematics of N targets by geometry.
+    """Solve the inverse kinematics of N targets by geometry.
 
     x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or
     arrays that broadcast to (N,). Returns a dict: float64 arrays (N,) under qs_w, qs_i, qs_j, qs_k, qe_w,
@@ -110,7 +110,7 @@ def solve(x, y, z, phi, d1, d2):
 
     Domain: reachable targets off the z axis, with the elbow off the z axis and the arm neither straight nor
     folded. Elsewhere a plane or line of the text vanishes, and the result may be nan; `model.reference.equations` has
-    rules for that. Raises ValueError for inputs that do not broadcast.
+    rules for those cases. Raises ValueError for inputs that do not broadcast.
     """
     inputs = np.broadcast_arrays(*np.atleast_1d(x, y, z, phi, d1, d2))
     x, y, z, phi, d1, d2 = (np.asarray(values, dtype=np.float64) for values in inputs)

@@ -2,15 +2,15 @@
 """Quaternions as arrays (N, 4) in the order w, i, j, k, and the arm's forward kinematics.
 
 The units are Hamilton's, i^2 = j^2 = k^2 = ijk = -1, as the paper's (1)-(3) are, and Q v Q~ is the
-right-handed rotation (4). Vectors are arrays (N, 3). Nothing here normalizes: a quaternion that is not of
-unit length scales what it rotates by its squared length, so errors of length show.
+right-handed rotation (4). Vectors are arrays (N, 3). Nothing here normalizes: a non-unit quaternion scales the
+rotated vector by its squared length, so errors of length are visible.
 """
 
 import numpy as np
 
 
 def multiply(a, b):
-    """Hamilton product a b of quaternions (N, 4) and (N, 4), either of which may be (4,)."""
+    """Return the Hamilton product a b of quaternions (N, 4) and (N, 4), either of which may be (4,)."""
     a_w, a_i, a_j, a_k = np.moveaxis(np.asarray(a, dtype=np.float64), -1, 0)
     b_w, b_i, b_j, b_k = np.moveaxis(np.asarray(b, dtype=np.float64), -1, 0)
     return np.stack(
@@ -25,24 +25,24 @@ def multiply(a, b):
 
 
 def conjugate(q):
-    """Q~ of quaternions (N, 4): the reverse rotation."""
+    """Return Q~ of quaternions (N, 4): the reverse rotation."""
     return np.asarray(q, dtype=np.float64) * (1.0, -1.0, -1.0, -1.0)
 
 
 def rotate(q, v):
-    """Q v Q~ for quaternions (N, 4) and vectors (N, 3), either of which may be one only. Returns (N, 3)."""
+    """Return Q v Q~ for quaternions (N, 4) and vectors (N, 3), either of which may be a single one; (N, 3)."""
     v = np.asarray(v, dtype=np.float64)
     pure = np.concatenate((np.zeros_like(v[..., :1]), v), axis=-1)
     return multiply(multiply(q, pure), conjugate(q))[..., 1:]
 
 
 def matrix(q):
-    """The rotation matrices (N, 3, 3) of unit quaternions (N, 4), or the one (3, 3) of one (4,)."""
+    """Return the rotation matrices (N, 3, 3) of unit quaternions (N, 4), or one (3, 3) for a single one (4,)."""
     return np.stack([rotate(q, e) for e in np.eye(3)], axis=-1)
 
 
 def angle_between(a, b):
-    """Angle (rad, 0 .. pi) of the rotation from a to b, quaternions (N, 4). Returns (N,).
+    """Return the angle (rad, 0 .. pi) of the rotation from a to b, quaternions (N, 4); (N,).
 
     The signs and lengths of a and b do not matter. The arc tangent keeps tiny angles exact, where the arc
     cosine of a . b would lose half the digits.
@@ -52,7 +52,7 @@ def angle_between(a, b):
 
 
 def forward(qs, qe, d1, d2):
-    """Elbow and wrist of the arm whose joints are at Qs and Qe.
+    """Return elbow and wrist of the arm whose joints are at Qs and Qe.
 
         elbow = Qs (d1 e3) Qs~
         wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~          Qe = qe_w + qe_i i
@@ -71,11 +71,11 @@ def forward(qs, qe, d1, d2):
 
 
 def continuous(q, arm=None):
-    """Quaternions (N, 4) in either order with signs chosen so that none is further than 90 degrees from the one before.
+    """Return quaternions (N, 4) in either order with signs chosen so that none is more than 90 degrees from its
+    predecessor.
 
     Q and -Q are the same rotation, and the core keeps k >= 0: from one target to the next all four components may
-    change sign, which whoever interpolates them must not see.  ``arm`` (N,) names the arm of each; each arm is taken by
-    itself.
+    change sign, which would break interpolation.  ``arm`` (N,) names the arm of each; arms are processed separately.
     """
     q = np.array(q, dtype=np.float64)
     of = np.zeros(len(q), dtype=int) if arm is None else np.asarray(arm)

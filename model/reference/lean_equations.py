@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean dataflow in double precision: the answers of (10)-(18) without division, elbow point or half angle roots.
+"""Lean dataflow in double precision: the results of (10)-(18) without division, elbow point or half-angle roots.
 
-docs/generated/lean.md derives it from the paper's equations; the lines (L1), (L2), ... and their names are those of
-:mod:`model.reference.lean_table`, the dataflow's and the RTL's. For a target in reach:
+docs/generated/lean.md derives it from the paper's equations; the lines (L1), (L2), ... and their names are shared with
+:mod:`model.reference.lean_table`, the dataflow and the RTL. For a target in reach:
 
     d_sum, d_dif = d1 + d2, d1 - d2    rho_sq = x^2 + y^2    s = |p|^2                (L1)-(L4)
     a_far = d_sum^2 - s    b_near = s - d_dif^2    k_law = s + d_sum d_dif           (L5)-(L7): A, B, K
@@ -11,10 +11,10 @@ docs/generated/lean.md derives it from the paper's equations; the lines (L1), (L
     cos_a = K/(2 d1 |p|)    sin_a = sqrt(A) sqrt(B)/(2 d1 |p|)                       (L26)-(L28)
     Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                  (L29)-(L61), the paper's (18)
 
-Each factor of Qs is a quaternion along half its angle, but not of unit length (`half`), so one reciprocal root at the
-end makes up for all of them. Every root takes an argument that was scaled by an even power of two, as in the core.
+Each factor of Qs is a quaternion along half its angle, but not of unit length (`half`), so a single reciprocal root at
+the end normalizes the product. Every root takes an argument scaled by an even power of two, as in the core.
 
-A, B and K come from sums of exact products, rounded once: like the core, which has them as integers, this model keeps
+A, B and K are sums of exact products, rounded once: like the core, which has them as integers, this model keeps
 its relative precision next to the z axis, the stretched and the folded arm, where `equations.solve` loses up to half
 of its digits. Lengths have any one unit, angles are in radians, arrays are float64 of shape (N,).
 """
@@ -28,37 +28,37 @@ _SPLIT = 2.0**27 + 1
 
 
 def half(c, s):
-    """A quaternion (c', s') along half the angle whose cosine and sine are c and s, of squared length (1 + |c|)/2.
+    """Return a quaternion (c', s') along half the angle with cosine c and sine s, of squared length (1 + |c|)/2.
 
     ((1 + c)/2, s/2) for c >= 0, (s/2, (1 - c)/2) for c < 0: no root, and no difference of nearly equal numbers.
-    Which of the two opposite quaternions it is depends on the branch.
+    The branch determines which of the two opposite quaternions it is.
     """
     large, small = (1 + np.abs(c)) / 2, s / 2
     return np.where(c >= 0, large, small), np.where(c >= 0, small, large)
 
 
 def _scaled(*columns):
-    """The columns times 2^-e, and e (N,): the largest magnitude of each row comes to lie in [1/2, 1)."""
+    """Return the columns times 2^-e, and e (N,): the largest magnitude of each row is then in [1/2, 1)."""
     _, e = np.frexp(np.max(np.abs(columns), axis=0))
     return *(np.ldexp(v, -e) for v in columns), e
 
 
 def _even(v):
-    """v 4^-k in [1/4, 1), and k; for v > 0."""
+    """Return v 4^-k in [1/4, 1), and k; for v > 0."""
     _, e = np.frexp(v)
     k = (e + 1) // 2
     return np.ldexp(v, -2 * k), k
 
 
 def _two_sum(a, b):
-    """a + b rounded, and what the rounding left out: exact together."""
+    """Return a + b rounded, and the rounding error: exact together."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
 
 
 def _two_product(a, b):
-    """a b rounded, and what the rounding left out: exact together for numbers of moderate size."""
+    """Return a b rounded, and the rounding error: exact together for numbers of moderate size."""
     product = a * b
     a_high, b_high = (v * _SPLIT - (v * _SPLIT - v) for v in (a, b))
     a_low, b_low = a - a_high, b - b_high
@@ -66,7 +66,7 @@ def _two_product(a, b):
 
 
 def _sum_of_products(*pairs):
-    """The sum of the products of the pairs, as if summed with 150 bits and rounded once."""
+    """Return the sum of the products of the pairs, as if summed with 150 bits and rounded once."""
     terms = [part for pair in pairs for part in _two_product(*pair)]
     for _ in range(2):
         for n in range(1, len(terms)):
@@ -75,7 +75,7 @@ def _sum_of_products(*pairs):
 
 
 def _directions(x, y, z, on_axis, at_shoulder):
-    """Azimuth and elevation of the target."""
+    """Compute azimuth and elevation of the target."""
     x_r, y_r, e_rho = _scaled(x, y)
     x_s, y_s, z_s, e_s = _scaled(x, y, z)
     rho_sq, s = x_r**2 + y_r**2, x_s**2 + y_s**2 + z_s**2
@@ -93,7 +93,7 @@ def _directions(x, y, z, on_axis, at_shoulder):
 
 
 def _triangle(x, y, z, d1, d2, inv_s, e_s):
-    """The triangle shoulder, elbow, wrist: elbow quaternion and angle at the shoulder, for a target in reach."""
+    """Compute elbow quaternion and shoulder angle from the triangle shoulder, elbow, wrist of a reachable target."""
     d_sum, sum_low = _two_sum(d1, d2)  # (L1)
     d_dif, dif_low = _two_sum(d1, -d2)  # (L2)
 
@@ -116,8 +116,8 @@ def _triangle(x, y, z, d1, d2, inv_s, e_s):
         "k_law": np.ldexp(k_law, 2 * e_k),  # (L7)
     }
     inv_12, inv_law = inv_1 * inv_2 / 2, inv_1**2 * inv_s / 2  # (L21) (L24) (L25)
-    # Where d1 + d2 or d1 - d2 is not a double, a target may be out of reach by less than its rounding, A or B be
-    # negative, and the other of each pair above 1: then it is at the limit.
+    # Where d1 + d2 or d1 - d2 is not a double, a target may be out of reach by less than its rounding; then A or B is
+    # negative and the other value of each pair above 1, and the target counts as at the limit.
     return nodes, {
         "qe_w": np.minimum(np.ldexp(root_far * inv_12, e_a - k1 - k2), 1.0),  # (L22), the paper's (14)
         "qe_i": -np.minimum(np.ldexp(root_near * inv_12, e_b - k1 - k2), 1.0),  # (L23), the paper's (14)
@@ -127,7 +127,7 @@ def _triangle(x, y, z, d1, d2, inv_s, e_s):
 
 
 def _shoulder(u_x, u_y, sin_el, cos_el, cos_a, sin_a, phi):
-    """Qs, (15)-(18), as a product of four rotations about coordinate axes."""
+    """Return Qs, (15)-(18), as a product of four rotations about coordinate axes."""
     az_c, az_s = half(-u_y, u_x)  # (L32) (L33): z, azimuth + 90 deg
     tilt_c, tilt_s = half(sin_el, cos_el)  # (L34) (L35): x, 90 deg - elevation
     arm_c, arm_s = half(cos_a, sin_a)  # (L36) (L37): x, -a
@@ -151,16 +151,15 @@ def _shoulder(u_x, u_y, sin_el, cos_el, cos_a, sin_a, phi):
 
 
 def solve_lean(x, y, z, phi, d1, d2):
-    """A pose for any N targets, with flags, by the lean dataflow.
+    """Return a pose for any N targets, with flags, by the lean dataflow.
 
     x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or arrays that
-    broadcast to (N,). Targets need not be in reach nor lengths positive: such targets get the pose that
-    `equations.solve_clamped` gives them. Returns a dict of arrays (N,): rho_sq, s, a_far, b_near, k_law (squares of
-    the user's unit; 0 or inf where a double cannot hold them, which the others do not depend on), u_x, u_y, sin_el,
-    cos_el, cos_a, sin_a, az_c, az_s, tilt_c, tilt_s, arm_c, arm_s, cos_h, sin_h (of phi/2), length_sq, qs_w, qs_i,
-    qs_j, qs_k (k >= 0), qe_w, qe_i, flags (int64). Never nan, provided that d1 + d2 and d1 - d2 are finite. Raises
-    ValueError for inputs that are not finite or do not broadcast, and for arm lengths outside LENGTH_RANGE of a target
-    in reach.
+    broadcast to (N,). Targets need not be in reach nor lengths positive: such targets get the pose of
+    `equations.solve_clamped`. Returns a dict of arrays (N,): rho_sq, s, a_far, b_near, k_law (squares of the user's
+    unit; 0 or inf beyond the range of doubles, without effect on the others), u_x, u_y, sin_el, cos_el, cos_a, sin_a,
+    az_c, az_s, tilt_c, tilt_s, arm_c, arm_s, cos_h, sin_h (of phi/2), length_sq, qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w,
+    qe_i, flags (int64). Never nan, provided that d1 + d2 and d1 - d2 are finite. Raises ValueError for inputs that are
+    not finite or do not broadcast, and for arm lengths outside LENGTH_RANGE of a target in reach.
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)
@@ -173,7 +172,7 @@ def solve_lean(x, y, z, phi, d1, d2):
         if (~clamped & ~((d >= low) & (d <= high))).any():
             raise ValueError(f"{name} of a target in reach must lie in [{low:g}, {high:g}]")
 
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):  # squares; triangles that are not used
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):  # squares; unused triangles
         directions, root = _directions(x, y, z, on_axis, at_shoulder)
         squares, triangle = _triangle(x, y, z, d1, d2, *root)
     rule = {

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean equations, (L1), (L2), ...: what docs/generated/lean.md derives, and the names that model and RTL share.
+"""Lean equations, (L1), (L2), ...: derived in docs/generated/lean.md, with the names that model and RTL share.
 
-A line has one number and one name.  The name is the quantity's everywhere: in ``scripts/paper/derivation``, in
+A line has one number and one name.  The name is used everywhere: in ``scripts/paper/derivation``, in
 :mod:`model.reference.lean_equations`, in :mod:`model.dataflow.lean`, in ``rtl/lean`` and in its page.  In the core
-a root and what is made of it hold the quantity in units of a power of two, that of its argument's normalization.
+a root and its dependents hold the quantity in units of a power of two, from the normalization of its argument.
 
-Right sides are text in the names above them and of the inputs ``x, y, z, phi, d1, d2``.  ``rsqrt`` is the reciprocal
+Right sides are text in the names above them and the inputs ``x, y, z, phi, d1, d2``.  ``rsqrt`` is the reciprocal
 square root, ``half_c`` and ``half_s`` are the two parts of :data:`HALF`.
 """
 
@@ -96,4 +96,4 @@ HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
 """(half_c, half_s)(c, s), by branch: a quaternion along half the angle with cosine c and sine s."""
 
 NUMBER = {name: f"(L{n})" for n, name in enumerate((name for group in LEAN.values() for name in group), 1)}
-"""Name -> the number of its line."""
+"""Name -> line number."""

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Equations (10)-(19) as the paper prints them, as sympy expressions: faults of the print included.
+"""Equations (10)-(19) as printed in the paper, as sympy expressions, including errors of the print.
 
 ``PRINTED["(11)"]["pi_swivel_x"]`` is the right-hand side of that line.  The expressions are not evaluated: their trees
-are what is in print, so that operations can be counted (``scripts/paper/operations.py``); ``expression.doit()``
+match the print, so that operations can be counted (``scripts/paper/operations.py``); ``expression.doit()``
 gives the ordinary, evaluated form.  :mod:`model.reference.equations` has the equations with their corrections.
 
 Symbols are real.  Inputs: ``p_w_x, p_w_y, p_w_z, phi, d1, d2``; every other symbol is a name of a line above.
-``sign_raw`` is what (17) calls sign at first.
+``sign_raw`` is the quantity that (17) first calls sign.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ _FUNCTIONS = {"sqrt": sympy.sqrt, "cos": sympy.cos, "sin": sympy.sin, "Abs": sym
 
 
 def symbol(name: str) -> sympy.Symbol:
-    """The symbol that stands for ``name`` in all expressions."""
+    """Return the symbol for ``name`` in all expressions."""
     return sympy.Symbol(name, real=True)
 
 
@@ -95,4 +95,4 @@ def _parse(text: str) -> sympy.Expr:
 PRINTED: dict[str, dict[str, sympy.Expr]] = {
     number: {name: _parse(text) for name, text in lines.items()} for number, lines in TEXT.items()
 }
-"""Equation -> line -> right-hand side, unevaluated.  (16) is left out: it is in (17) again, but for its sign."""
+"""Equation -> line -> right-hand side, unevaluated.  (16) is omitted: (17) repeats it except for its sign."""

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How accurate the tables, the cores and the datapaths are, as figures: a group a core and length, a few numbers each.
+"""Accuracy figures of the tables, the arithmetic modules and the datapaths: one group per module or datapath and
+length.
 
     python -m model.bounds.tests.figures
 
-writes figures.json beside this file from the present code. A figure that gets worse is a regression, or a change to be
-explained where it is made: model and RTL agree in a wrong table as well as in a right one.
+writes figures.json in this folder from the current code. A worse figure is a regression, or a change that must be
+explained where it is made: model and RTL agree on a wrong table as well as on a right one.
 
-What each is of, in parts of the reach for a hand, radians for an angle, places of the result for a core:
+Units: fraction of the reach for a hand, radians for an angle, ulps of the result for an arithmetic module.
 
-* ``proved``: the largest error that the proof leaves, of the table as it is; rounded up at the fourth digit.
-* ``max``, ``rms``, ``median``: of errors that were measured, always in the same arguments or targets.
-* ``node rms``: of what the rounding of an inner word adds.
+* ``proved``: the largest error permitted by the proof, for the actual table; rounded up at the fourth digit.
+* ``max``, ``rms``, ``median``: of measured errors, always for the same arguments or targets.
+* ``node rms``: of the error added by rounding an inner word.
 * ``products``: of the lean datapath, the worst of them.
-* ``inner``: the hand of the lean datapath before results are rounded, which hides what is inside at most lengths.
+* ``inner``: the hand of the lean datapath before results are rounded, which masks inner errors at most word lengths.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ PI = np.longdouble("3.14159265358979323846264338")
 
 
 def measured(**errors: np.ndarray) -> Figures:
-    """The largest and the root mean square of each."""
+    """Return the maximum and the root mean square of each error."""
     found = {}
     for name, error in errors.items():
         found[f"{name} max"] = float(np.abs(error).max())
@@ -56,18 +57,19 @@ def measured(**errors: np.ndarray) -> Figures:
     return found
 
 
-# -- cores -------------------------------------------------------------------------------------------------------------
+# -- arithmetic modules ------------------------------------------------------------------------------------------------
 
 
 def around(first: int, last: int, points: int, seed: int) -> np.ndarray:
-    """Words from ``first`` to ``last``, excluded: 60000 any, the others next to so many points at equal distances."""
+    """Return words in [``first``, ``last``): 60000 random ones, the others around ``points`` equidistant points."""
     anywhere = np.random.default_rng(seed).integers(first, last, 60000)
     near = (np.arange(points + 1)[:, None] * ((last - first) // points) + first + np.arange(-8, 8)).ravel()
     return np.concatenate([anywhere, near[(near >= first) & (near < last)]])
 
 
 def reciprocal_root(frac: int, tile: int) -> Figures:
-    """A mantissa is any number that it was cut off from: that in the middle; the largest error is at either end."""
+    """Return the figures of ``rsqrt``.  The mean is measured at the middle of the interval truncated to a mantissa, the
+    largest error at its ends."""
     m = around(1 << frac + 1, 1 << frac + 3, 3072, frac)
     y = cores.rsqrt(m, frac, tile)
     low, middle, high = (
@@ -100,33 +102,33 @@ def cordic(width: int) -> Figures:
 
 @cache
 def everywhere(width: int) -> np.ndarray:
-    """Targets of every kind, most next to where the paper's equations are singular; the last are out of reach."""
+    """Return targets of every kind, most near singularities of the paper's equations; the last are out of reach."""
     return np.concatenate([*(region(name, 1000, width, 12) for name in REGIONS), unreachable(2000, width, 12)])
 
 
 @cache
 def regular(width: int) -> np.ndarray:
-    """Targets that keep 0.2 rad from every singular pose."""
+    """Return targets at least 0.2 rad from every singular pose."""
     words = random_reachable(20000, width, 12)
     return words[singular_distance(from_words(words, 0, width, "random")) > 0.2]
 
 
 @cache
 def poses(targets: Callable[[int], np.ndarray], width: int, lean: bool):
-    """The targets, where they can be reached, their poses in double precision."""
+    """Return the targets, a mask of the reachable ones, and their poses in double precision."""
     words = targets(width)
     asked = from_words(words, 0, width, "words")
     pose = solve_clamped(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
     exact = np.column_stack([pose[name] for name in RESULT_FIELDS])
     reached = expected_flags(words, width) & UNREACHABLE == 0
-    if lean:  # which is exact next to singular poses, too
+    if lean:  # exact next to singular poses as well
         near = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
         exact[reached] = np.column_stack([near[name] for name in RESULT_FIELDS])[reached]
     return asked, reached, exact
 
 
 def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> Figures:
-    """Hand, angles and norms of the targets' answers."""
+    """Return the errors of hand, angles and norms of the targets' results."""
     lean = datapath.startswith("lean")
     asked, reached, exact = poses(targets, width, lean)
     run = fixed.run(targets(width), width, datapath)
@@ -143,7 +145,7 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
     found = measured(norm=norms)
     if not reached.all():
         found["clamped max"] = float(hand(q)[~reached].max())
-    if not lean:  # a few targets next to singular ones are all of a largest error, or of a root mean square
+    if not lean:  # a few targets near singular poses dominate the maximum and the root mean square
         middle = np.median([hand(q)[reached], angles[reached]], axis=1).tolist()
         return found | dict(zip(("hand median", "angle median"), middle, strict=True))
     found |= measured(hand=hand(q)[reached], angle=angles[reached])
@@ -154,11 +156,11 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
 
 
 INNER = ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")
-"""Nodes of the lean datapath that results are rounded from."""
+"""Nodes of the lean datapath that are rounded to results."""
 
 
 class Local(Real):
-    """Every node from the words of its operands, in double precision: ``off`` is what its own rounding does."""
+    """Every node from the words of its operands, in double precision: ``off`` is the error of its own rounding."""
 
     def __init__(self, bits: fixed.Bits) -> None:
         self.off: dict[str, np.ndarray] = {}
@@ -171,11 +173,11 @@ class Local(Real):
 
 
 NOISE = 1e-14
-"""Of double precision, where most words are exact."""
+"""Noise of double precision, where most words are exact."""
 
 
 def nodes(width: int, datapath: str) -> Figures:
-    """The rounding of every node, not in ulps, so that it shows when a word is shorter."""
+    """Return the rms rounding error of every node, not in ulps, so that a shortened word is detected."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
     off = Local(fixed.run(words, width, datapath).bits).off
@@ -187,7 +189,7 @@ def nodes(width: int, datapath: str) -> Figures:
 
 
 def groups() -> dict[str, Callable[[], Figures]]:
-    """By name: a core or a datapath, its length, and what is special."""
+    """Return name -> function: a module or a datapath, its length, and its variant."""
     found: dict[str, Callable[[], Figures]] = {}
     for frac, tile in ROOTS:
         found[f"rsqrt-{frac}" + "-small" * (tile == SMALL)] = lambda f=frac, t=tile: reciprocal_root(f, t)
@@ -209,7 +211,7 @@ def groups() -> dict[str, Callable[[], Figures]]:
 
 
 def rounded(name: str, figure: float) -> float:
-    """Four digits; of what is proved rounded up."""
+    """Round to four digits; proved figures are rounded up."""
     if not name.endswith("proved"):
         return float(f"{figure:.3e}")
     place = 10.0 ** (math.floor(math.log10(figure)) - 3)

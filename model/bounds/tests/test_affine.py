@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Affine arithmetic encloses what the bit-true model does, at every node and at the hand, and loses little."""
+"""Affine arithmetic encloses the bit-true model at every node and at the hand, and is tight."""
 
 import numpy as np
 import pytest
@@ -23,11 +23,11 @@ def test_every_node_is_enclosed(width):
             continue
         bound = forms.error_ulps(name)
         seen = np.abs(node.value - exact[name].value / node.format.ulp)
-        # double precision has only a few digits more than wide words
+        # double precision has only a few more digits than wide words
         assert (seen <= bound * (1 + 1e-6) + 1e-3).all(), name
         if node.error != (0.0, 0.0):
             checked += 1
-            # ... and not by far: a bound that is never approached proves nothing
+            # ... and is tight: a bound that is never approached proves nothing
             assert seen.max() > np.median(bound) / 50, name
     assert checked > 100
 
@@ -94,7 +94,7 @@ def test_no_bound_where_a_divisor_or_a_root_may_be_zero():
 
 
 class _Both(ranges.Ranges):
-    """Ranges with an affine form beside each interval of products and sums; ``narrowed`` by them."""
+    """Ranges with an affine form per interval of products and sums; ``narrowed`` lists the nodes that forms narrow."""
 
     def __init__(self, *arguments):
         super().__init__(*arguments)
@@ -111,7 +111,7 @@ class _Both(ranges.Ranges):
         if 2 * form.radius < (bound.high - bound.low) * (1 - 1e-9):
             self.narrowed.append(name)
         if 2 * form.radius <= (bound.high - bound.low) * (1 + 1e-9):
-            # what is not linear is a symbol of its own here, so that it cancels too
+            # the nonlinear part gets its own symbol here, so that it cancels as well
             self.forms[name] = Form(form.centre, {**form.terms, name: form.rest}, np.float64(0))
         return bound
 
@@ -127,7 +127,7 @@ class _Both(ranges.Ranges):
 
 
 def test_affine_forms_narrow_no_range():
-    """What docs/generated/wordlengths.md says: over whole ranges intervals and rules are as good."""
+    """Check the statement of docs/generated/wordlengths.md: over whole ranges intervals and rules are as good."""
     for case in ranges.cases(32):
         assert _Both(32, case).run().narrowed == []
 

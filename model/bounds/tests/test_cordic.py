@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bit-true CORDIC keeps within the bound that is derived for it."""
+"""Tests that the bit-true CORDIC stays within its derived bound."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from model.dataflow.fixed import cordic
 
 
 def errors(phi, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of sine and cosine, in last places; double precision is exact enough beside a last place of 2^-30."""
+    """Return the errors of sine and cosine in ulps; double precision is exact enough for an ulp of 2^-30."""
     sin, cos = cordic(phi, width)
     half = np.pi * phi.astype(np.float64) / 2**width
     one = 1 << width - 2
@@ -20,7 +20,7 @@ def errors(phi, width: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("width", [16, 18, 24, 27, 32])
 def test_cordic_is_within_its_bound(width):
-    """Every angle of 16 and 18 bits, 300000 of the others, both ends and the quarter turns among them."""
+    """Every angle of 16 and 18 bits, 300000 of the others, including both ends and the quarter turns."""
     half = 1 << width - 1
     if width <= 18:
         phi = np.arange(-half, half)
@@ -36,7 +36,7 @@ def test_cordic_is_within_its_bound(width):
     print(f"cordic, {width} bits: largest error {largest[worst]:.3f} last places, bound {bound:.3f}")
     assert largest[worst] <= bound, f"{largest[worst]:.3f} last places at phi={phi[worst]}, bound {bound:.3f}"
     assert largest[worst] >= 0.5, f"largest error {largest[worst]:.3f}: the rounding alone costs half a place"
-    # Half up with 6 guard bits leaves 1/128 of a place, the iterations about as much; cutting the bits off leaves 1/2.
+    # Rounding half up with 6 guard bits leaves 1/128 ulp, the iterations about as much; truncation leaves 1/2.
     means = [float(e.mean()) for e in off]
     assert max(map(abs, means)) < 1 / 16, f"mean errors of sine and cosine: {means} last places"
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""No table, core or datapath is less accurate than figures.json says, nor much better: then the file is old.
+"""Tests that no table, module or datapath is less accurate than figures.json, nor much better: then the file is old.
 
-Model and RTL are made from the same tables and formats, so that a worse one leaves them equal; it shows here.
+Model and RTL are built from the same tables and formats, so a worse table leaves them equal; it is detected here.
 """
 
 import json
@@ -14,11 +14,11 @@ RECORDED = json.loads(figures.FILE.read_text(encoding="utf-8"))
 GROUPS = figures.groups()
 
 WORSE = {"proved": 1.0, "max": 1.1, "rms": 1.02, "median": 1.02}
-"""How many times its figure an error may be.  Always the same targets are measured, and a bit fewer in one of many
-words makes an rms a few percent worse; the largest error is that of a single target."""
+"""Largest permitted ratio of a figure to its record.  The targets are always the same; a bit fewer in one of many
+words increases an rms by a few percent; the largest error depends on a single target."""
 
 BETTER = {"proved": 0.98, "max": 0.0, "rms": 0.9, "median": 0.9}
-"""At least; less is said of a single target."""
+"""Smallest permitted ratio; the largest error, of a single target, has none."""
 
 
 def test_every_group_has_its_figures():

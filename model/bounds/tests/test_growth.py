@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How errors come out of choices, shifts and sums (`grows` at the node): operands that are off by much show it."""
+"""Tests of error growth in selections, shifts and sums (`grows` at the node), with large operand errors."""
 
 import numpy as np
 import pytest
@@ -11,12 +11,12 @@ from model.io.stimuli import REGIONS, random_reachable, region
 from model.io.words import FIELDS
 
 OFF = 1024
-"""Ulps by which every operand is off, up or down; the operations' own rounding is little beside it."""
+"""Operand error in ulps, up or down; the operations' own rounding is small compared with it."""
 
 
 class Moved(fixed.Bits):
-    """Holds every operation in integers against the same one in reals on operands that are off; what the guard makes
-    is exact.  ``beyond``: node -> error seen / error that the dataflow says, where it is more."""
+    """Compares every integer operation with its real counterpart on operands with errors; the guard's nodes are exact.
+    ``beyond``: node -> observed error / stated error, where it exceeds 1."""
 
     def __init__(self, width, datapath):
         super().__init__(width, datapath)
@@ -30,10 +30,10 @@ class Moved(fixed.Bits):
         usual = ~np.asarray(self.nodes["clamp"].value).astype(bool)
         exact = []
         for node, error in zip(operands, off, strict=True):
-            if error:  # no decision of the other sign
+            if error:  # no decision that the error could reverse
                 usual = usual & (np.abs(node.value) > 2 * OFF)
             moved = node.value * node.format.ulp if node.format.frac else node.value
-            if isinstance(within := node.facts.within, Within):  # a word beyond, by its rounding, is no real number's
+            if isinstance(within := node.facts.within, Within):  # a word rounded beyond its range is not a real value
                 usual = usual & (moved >= within.low) & (moved <= within.high)
             exact.append(moved + error * self.random.choice((-1, 1), len(usual)) if error else moved)
         worst = np.abs(np.asarray(value * fmt.ulp - real(*exact), dtype=np.float64))[usual].max(initial=0.0)

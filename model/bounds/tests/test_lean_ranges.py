@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges of the lean dataflow: they fit, hold what targets do, and name a node whose format is too short."""
+"""Proved ranges of the lean dataflow: they fit, contain random targets, and name a node whose format is too short."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ def test_every_node_fits(width):
 )
 def test_a_format_too_short_is_named(name, width):
     fmt = lean_ranges.LeanRanges(width).nodes[name].format
-    spare = {"rho_sq": 2, "length_sq": 2, "u_x": 2}.get(name, 1)  # one bit, or the spare one and another
+    spare = {"rho_sq": 2, "length_sq": 2, "u_x": 2}.get(name, 1)  # one bit, or the spare one and one more
     failed = lean_ranges.LeanRanges(width, {name: replace(fmt, width=fmt.width - spare)}).failed
     assert list(failed) == [name] and name in failed[name] and f"W = {width}" in failed[name]
 
@@ -51,7 +51,7 @@ def test_targets_stay_inside(name, width):
         )
         if node.section not in ("guard", "results") and node.name != "phi":
             real = np.broadcast_to(np.asarray(exact[node.name].value, dtype=np.float64), usual.shape)[usual]
-            # double precision knows a few digits more than the longest word
+            # double precision has a few more digits than the longest word
             assert (np.abs(value - real) <= bound.error + 1e-13).all(), node.name
 
 

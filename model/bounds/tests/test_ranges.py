@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges: they fit the formats, hold what random targets do, and name a node whose format is too short."""
+"""Proved ranges: they fit the formats, contain random targets, and name a node whose format is too short."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ WIDTHS = (16, 18, 24, 32)
 
 
 def saturating(width: int) -> set[tuple[str, bool]]:
-    """Sums and quotients that may not fit, and whether only of clamped targets: nothing else can saturate."""
+    """Return the sums and quotients that may saturate, and whether only for clamped targets."""
     found = set()
     for case in ranges.cases(width):
         run = ranges.Ranges(width, case).run()
@@ -27,7 +27,7 @@ def saturating(width: int) -> set[tuple[str, bool]]:
 
 
 BY_DESIGN = {("t_e", True), ("c4_quo", False)}
-"""What is replaced where there is no elbow, and what (14) limits to [-1, 1]: all else fits, so there is no flag."""
+"""Nodes replaced where there is no elbow, or limited to [-1, 1] by (14): all others fit, so there is no flag."""
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_random_targets_stay_inside_the_proved_ranges(width, kind):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_proved_errors_hold_in_the_swivel_plane(width):
-    """Before the first restart an error that is seen and one that is proved are the same thing."""
+    """Before the first restart the observed and the proved error are the same quantity."""
     seen = monte_carlo.monte_carlo(monte_carlo.CHUNK, width, 2).nodes
     table = ranges.proved(width)
     checked = [n for n, p in table.items() if p.node.section == "swivel" and n in seen and seen[n].count]

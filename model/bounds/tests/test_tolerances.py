@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of tolerances: what it may not be widened to, and that the hardest kinds of targets keep it."""
+"""Tolerance table: limits on widening it, and tests that the hardest kinds of targets meet it."""
 
 import itertools
 
@@ -16,7 +16,7 @@ from model.reference.lean_equations import solve_lean
 
 
 def exact(words: np.ndarray, width: int) -> np.ndarray:
-    """Results (N, 6) in double precision of input words (N, 6)."""
+    """Return results (N, 6) in double precision of input words (N, 6)."""
     at = from_words(words, 0, width, "words")
     pose = solve_lean(at.x, at.y, at.z, at.phi, at.d1, at.d2)
     return np.stack([pose[name] for name in RESULT_FIELDS], axis=1)
@@ -29,7 +29,7 @@ def test_a_shorter_word_never_has_the_smaller_tolerance():
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_word_length_keeps_it(width):
-    """The largest error also exceeds an eighth of it."""
+    """The largest error also exceeds an eighth of the tolerance."""
     words = np.concatenate([region(name, 1000, width, 5) for name in REGIONS])
     q, at = result_values(fixed.run(words, width, "lean").results, width), result_values(words, width)
     wrist = forward(q[:, :4], q[:, 4:], at[:, 4], at[:, 5])[1]
@@ -39,7 +39,7 @@ def test_every_word_length_keeps_it(width):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_rounding_of_results_alone(width):
-    """Half an ulp to either side of six results: the worst of 64 choices in many poses, and in the worst pose."""
+    """Half an ulp to either side of six results: the worst of 64 combinations in many poses, and in the worst pose."""
     words = random_reachable(1000, width, seed=8)
     q = exact(words, width)
     q = np.concatenate([q, [(0.5**0.5, 0, 0.5**0.5, 0, 0, -1)]])

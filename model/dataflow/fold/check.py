@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Symbolic check that a program computes the dataflow.
 
-The machine here is that of ``rtl/fold``, register by register, and knows the codes of a step's fields but no schedule.
-Several targets go through it, one a lap.  What comes out, as an expression of the inputs, must be what the steps of the
-dataflow give one after the other for that target: a word that is read before it is written, or after the next target
-has written it, a field that two steps need, a count or a flag that is not there yet all give another expression.
+:class:`Machine` models ``rtl/fold`` register by register; it decodes the fields of a step but has no schedule.
+Several targets pass through it, one per lap.  Each result, as an expression of the inputs, must equal the result of
+the dataflow's steps in sequence for that target: a word read before it is written, or after the next target has
+overwritten it, a field needed by two steps, or a count or flag that is not ready gives a different expression.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ MARKS = ("first_result", "last_result", "hold", "last_input")
 
 
 class WrongProgramError(ValueError):
-    """A program that computes other results than the steps."""
+    """Program whose results differ from the steps'."""
 
 
 class Expressions:
-    """Expressions as numbers, equal where they are equal."""
+    """Expressions as numbers; equal expressions have equal numbers."""
 
     def __init__(self) -> None:
         self.known: dict[tuple, int] = {}
@@ -35,7 +35,7 @@ class Expressions:
         return self.known.setdefault(parts, len(self.known))
 
     def flag(self, name: str, registers: dict[str, int], count: int) -> Any:
-        """A flag of the codes, or one that leaves: an expression of registers, and of the count."""
+        """Return a flag of the codes, or an output flag: an expression of registers, and of the count."""
         if name in ("", "always"):
             return name
         if name in (NO_COUNT, "n<bits"):
@@ -46,7 +46,7 @@ class Expressions:
         return self(name, *map(get, sorted(roots_of(name)))) if name in MADE_OF else get(name)
 
     def operand(self, flag: Any, second: int, words: Sequence[Any]) -> Any:
-        """One of two words that a flag chooses; words of a pair are (flag, word) each."""
+        """Return one of two words selected by a flag; words of a pair are (flag, word) each."""
         if any(isinstance(word, tuple) for word in words):
             if all(isinstance(word, tuple) and word[0] == flag for word in words):
                 return words[second][1]
@@ -157,12 +157,12 @@ def expected(groups: list[Group], of: Expressions, target: int) -> dict[str, Any
 
 
 def window(write: Write) -> str:
-    """Its code where no flag chooses."""
+    """Return the code of the window where no flag selects it."""
     return write.double_by or ("plain" if write.window == 1 else "double")
 
 
 def addend_of(of: Expressions, choice: str, flag: Any, total: Any, row: Any) -> int:
-    """S."""
+    """Return the addend S."""
     if choice in ("T", "T_half"):
         return of(choice, total)
     if choice in ("slope", "slope_less", "value"):
@@ -171,17 +171,17 @@ def addend_of(of: Expressions, choice: str, flag: Any, total: Any, row: Any) -> 
 
 
 def product_of(of: Expressions, factors: tuple[Any, Any], cut: str, registers: dict, count: Any) -> int:
-    """A product; one with a power also depends on whether the count is small."""
+    """Return a product; with a power it also depends on whether the count is small."""
     return of("product", *factors, cut, of.flag("n<bits", registers, count) if cut == "power" else "")
 
 
 def sum_of(of: Expressions, addend: Any, product: Any, minus: Any, carry: str) -> int:
-    """T."""
+    """Return the sum T."""
     return of("sum", addend, product, minus, carry if carry != "minus" or minus != "" else "")
 
 
 class Machine:
-    """The registers of ``rtl/fold`` with expressions in them."""
+    """Registers of ``rtl/fold``, holding expressions."""
 
     def __init__(self, of: Expressions) -> None:
         self.of = of
@@ -210,7 +210,7 @@ class Machine:
         return self.words[place]
 
     def step(self, f: dict[str, Any], target: int) -> None:
-        """A clock with these fields."""
+        """Execute one clock with these fields."""
         of = self.of
         flag = lambda name: of.flag(f[name], self.flags, self.count)  # noqa: E731
         read = (
@@ -266,7 +266,7 @@ class Machine:
 
 
 def fields(word: int) -> dict[str, Any]:
-    """Field -> name of its code, or number."""
+    """Return field -> name of its code, or number."""
     found: dict[str, Any] = {}
     for name, bits in FIELDS.items():
         number = word & (1 << bits) - 1
@@ -276,7 +276,7 @@ def fields(word: int) -> dict[str, Any]:
 
 
 def in_order(decoded: list[dict[str, Any]]) -> None:
-    """The first and the last result of a target are marked, the clock before them, and the last word loaded."""
+    """Check the marks: a target's first and last result, the clock before the first, and the last word loaded."""
     period = len(decoded)
     marked = {name: [n for n, f in enumerate(decoded) if f[name]] for name in MARKS}
     for name, clocks in marked.items():
@@ -293,7 +293,7 @@ def in_order(decoded: list[dict[str, Any]]) -> None:
 
 
 def check(words: list[int], groups: list[Group]) -> None:
-    """Raises :class:`WrongProgramError` where the program of a lap, a word a clock, does not compute the steps."""
+    """Raise :class:`WrongProgramError` if the program of a lap, one word per clock, does not compute the steps."""
     of = Expressions()
     machine = Machine(of)
     decoded = [fields(word) for word in words]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words of the folded machine at one word length: where the bits of a node lie in a word of its memory.
+"""Words of the fold datapath at one word length: the position of a node's bits in a memory word.
 
-Each word is as far to the left as its largest value allows, so that products of all formats are cut at the same
-places.  ``weight`` w of a word: its first bit counts -2^w.  The product of two words has 2 ``bits`` bits, and its bit
-2 ``bits`` - 2 counts 2^(w + w'); what is written back is taken from its :data:`PLAIN` or :data:`DOUBLE` window.
+Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
+places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit
+2 ``bits`` - 2 weighs 2^(w + w'); the word written back is its :data:`PLAIN` or :data:`DOUBLE` window.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from functools import cached_property
 from ..nodes import inner_frac, root_frac
 
 PLAIN, DOUBLE = 1, 2
-"""A window begins so many bits below the highest bit of a product but one."""
+"""Distance of a window's first bit from a product's second-highest bit."""
 
 EXACT_WEIGHT = 2
-"""Of input words and their sums, which squares are made of."""
+"""Weight of input words and their sums, the operands of squares."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The machine's words at word length ``width``, even."""
+    """Memory words at an even word length ``width``."""
 
     width: int
 
@@ -33,5 +33,5 @@ class Layout:
 
     @cached_property
     def bits(self) -> int:
-        """Of a word of the memory: an inner word, or a mantissa with a sign."""
+        """Bits of a memory word: an inner word, or a mantissa with a sign."""
         return max(self.inner, root_frac(self.width) + 4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A schedule as the words of the program: what every part of the machine does in a clock.
+"""Schedule encoded as program words: the operation of every part of the datapath in each clock.
 
 Fields belong to clocks and not to steps: in one clock the memory reads for one step, the multiplier works for another,
 and T of a third one is written.
@@ -32,23 +32,23 @@ from .steps import (
 from .timing import INPUTS, Placed, Schedule
 
 PLACES = 64
-"""Of the memory that are written; the powers are as many."""
+"""Read/write words of the memory; an equal number of powers follows."""
 
 A_BY = ("", "u_y<0", "at_shoulder", "clamp")
 B_BY = ("", "sin_el<0", "arm_swap")
 W_BY = ("", "u_y<0", "sin_el<0", "arm_swap")
-"""Flags that choose one of two places."""
+"""Flags that select one of two places."""
 
 S_BY = ("", "on_axis", "at_shoulder", "clamp")
-"""Flags that choose an addend."""
+"""Flags that select an addend."""
 
 MINUS_BY = (
     "", ALWAYS, NO_COUNT, "phi<0", "u_y<0", "sin_el<0 & ~at_shoulder", "cos_a<0 & ~clamp", "~arm_swap", "minus",
 )  # fmt: skip
-"""Flags that choose the sign of a product."""
+"""Flags that select the sign of a product."""
 
 SIGNS = ("", "d1<0", "d2<0", "d_dif<0", "a_far<0", "b_near<0", "u_y<0", "sin_el<0", "cos_a<0", "k_1<0")
-"""Signs of T that are kept."""
+"""Signs of T that are stored."""
 
 WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")
@@ -72,7 +72,7 @@ PLAIN_BITS = {
     "a": 7, "b": 7, "b_count": 1, "r": 6, "a_bend": 1, "b_high": 1, "limit": 1, "w": 6, "n_minus": 1, "n_twice": 1,
     "last_input": 1, "hold": 1, "first_result": 1, "last_result": 1,
 }  # fmt: skip
-"""Field -> bits, of those that are numbers."""
+"""Numeric field -> bits."""
 
 FIELDS = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in CODES.items()} | PLAIN_BITS
 """Field -> bits."""
@@ -80,7 +80,7 @@ FIELDS = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in CODES.i
 
 @dataclass
 class Program:
-    """The words of a program, one a clock of the lap, and where nodes and variables are."""
+    """Program words, one per clock of the lap, and the places of nodes and variables."""
 
     period: int
     clocks: list[dict[str, int]] = field(default_factory=list)
@@ -89,7 +89,7 @@ class Program:
     loads: dict[str, int] = field(default_factory=dict)
 
     def word(self, clock: int) -> int:
-        """The fields of a clock, the first of :data:`FIELDS` lowest."""
+        """Return the packed fields of a clock, the first of :data:`FIELDS` lowest."""
         word = at = 0
         for name, bits in FIELDS.items():
             word |= self.clocks[clock][name] << at
@@ -98,11 +98,11 @@ class Program:
 
 
 class ConflictError(ValueError):
-    """Two steps need the same field in a clock."""
+    """Field needed by two steps in the same clock."""
 
 
 def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, int]]:
-    """Variable -> the first clock in which it is written and the last one in which it is read."""
+    """Return variable -> the first clock in which it is written and the last one in which it is read."""
     first: dict[str, int] = dict(loads)
     last: dict[str, int] = {}
     for placed in steps:
@@ -115,7 +115,7 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
 
 
 def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[str, int]:
-    """Variable -> its place; a pair takes an even one and the next.  A zero of a pair stays where it is."""
+    """Return variable -> its place; a pair takes an even place and the next.  Pairs are not shared."""
     operands = (o for p in steps for o in (p.step.a, p.step.b, p.step.write and p.step.write.to))
     doubles = {of.pair for of in operands if isinstance(of, Pick)}
     life = lives(steps, loads)
@@ -141,7 +141,7 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
 
 
 def encode(groups: list[Group], of: Schedule) -> Program:
-    """The program of a schedule."""
+    """Return the program of a schedule."""
     steps = timing.placed_steps(groups, of.starts)
     loads, period = of.loads, of.period
     program = Program(period, [dict.fromkeys(FIELDS, 0) for _ in range(period)], {}, steps, loads)
@@ -211,17 +211,17 @@ def encode(groups: list[Group], of: Schedule) -> Program:
 
 
 SCHEDULE = Path(__file__).with_name("schedule.json")
-"""What :mod:`.solve` found."""
+"""Schedule found by :mod:`.solve`."""
 
 
 @cache
 def schedule() -> Schedule:
-    """The one on file."""
+    """Return the schedule on file."""
     return Schedule(**json.loads(SCHEDULE.read_text(encoding="utf-8")))
 
 
 @cache
 def program(width: int) -> tuple[Lowering, Program]:
-    """The machine at a word length: the dataflow's steps, and the program of the schedule on file."""
+    """Return the dataflow's steps at a word length, and the program of the schedule on file."""
     lowering, groups = lower(Layout(width))
     return lowering, encode(groups, schedule())

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where and when the folded machine has each node of the dataflow: what testbenches compare, and waves show.
+"""Place and clock of each node of the dataflow in the fold datapath, for testbenches and waves.
 
-A node is a word that is written, T, a product, a mantissa, a count, a flag or a result; ``ik_fold_nodes.vh`` keeps it
-in a register of its name, which nothing reads.
+A node is a written word, T, a product, a mantissa, a count, a flag or a result; ``ik_fold_nodes.vh`` keeps it in a
+register of its name, which no logic reads.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ FLAGS = ("bad_length", "on_axis", "at_shoulder", "too_far", "too_near", "clamp",
 
 @dataclass(frozen=True)
 class Shown:
-    """A node: its value is ``text`` in ``clocks`` of its target, where ``when`` holds."""
+    """Node whose value is ``text`` in ``clocks`` of its target, where ``when`` holds."""
 
     node: Node
     clocks: tuple[int, ...]
@@ -32,12 +32,12 @@ class Shown:
 
     @property
     def time(self) -> int:
-        """The clock of its target from which on the register has it."""
+        """Clock of its target from which the register holds the node."""
         return max(self.clocks) + 1
 
 
 def width_of(node: Node) -> str:
-    """Bits of a node's word, for Verilog."""
+    """Return the bits of a node's word, for Verilog."""
     return f"{node.format.frac_expr} + {node.format.width - node.format.frac}"
 
 
@@ -76,7 +76,7 @@ class _Finder:
         return self.bits("t", last, name)
 
     def of_product(self, cut: str) -> str:
-        """The product, rounded."""
+        """Return the rounded product."""
         if cut == "exact":
             return "p[2*D-1 -: XW]"
         return f"p_{cut}[FRAC+2:1]"

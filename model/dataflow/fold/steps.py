@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the folded machine can do in a step, and the lean dataflow as a list of steps.
+"""Steps of the fold datapath, and the lean dataflow as a list of steps.
 
-A step reads two words, multiplies them, adds the product to the addend S or takes it from it, and writes what comes of
-it: T.  All that the dataflow asks for is said so, because a product with a power of two is a copy or a shift.  Steps of
-a :class:`Group` have a fixed distance: their addend is the T of a step before.
+A step reads two words, multiplies them, adds the product to the addend S or subtracts it, and writes the sum T.  This
+covers the whole dataflow, because a product with a power of two is a copy or a shift.  Steps of a :class:`Group` have
+a fixed distance: their addend is the T of an earlier step.
 
-:class:`Lowering` is a domain of the dataflow: it makes the steps of a node from what the dataflow says of it, and knows
-no node by its name but the flags.
+:class:`Lowering` is a domain of the dataflow: it derives the steps of a node from its operation, and uses no node
+names except the flags'.
 """
 
 from __future__ import annotations
@@ -36,35 +36,34 @@ from ..nodes import Domain, Node
 from .layout import DOUBLE, EXACT_WEIGHT, PLAIN, Layout
 
 ZERO, ONE, HALF, POWER = "0", "1", "1/2", "2^-n"
-"""Words of the memory that are constants; ``POWER`` is chosen by the count."""
+"""Constant memory words; ``POWER`` is selected by the count."""
 
 ONE_WEIGHT = 1
-"""Of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
+"""Weight of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
 
 POSITION = ("x", "y", "z")
 
 CUTS = ("exact", "power", "plain", "double", "word", "root", "sine")
-"""Where the tiles of a product are cut off: nowhere, and the power of a large count is that of a smaller one; two bits
-below the last place of either window; at that of the plain one; at the last place of the sum of a function from a
-table."""
+"""Position at which a product's tiles are cut: none; none, with the power of a large count replaced by a smaller one's;
+two bits below the last place of either window; at the last place of the plain one; at the last place of a table
+function's sum."""
 
 ADDENDS = (
     "hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half", "slope", "slope_less",
     "value", "length", "none_or_half",
 )  # fmt: skip
-"""What S is for a step: what it was; constants, of which the halves round, to a result, too; the T of the step two
-before, or that with a half that rounds; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
+"""Addend S of a step: its previous value; constants, of which the halves round, also to a result; the T of the step two
+before, or that plus a rounding half; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
 
 NORMS = ("even", "inverse", "arm", "count", "unit")
-"""How T is normalized: by pairs; by pairs, inverted; by pairs without the sign of an arm; by the count; by
-pairs, without what is below its last place, and limited."""
+"""Normalization of T: by pairs; by pairs, inverted; by pairs without the sign of an arm; by the count; by pairs, with
+bits below the last place dropped, and limited."""
 
 
 @dataclass(frozen=True)
 class Pick:
-    """One of two words at places next to each other: the larger and the smaller part of a rotation, which a flag puts
-    into the first place or the second; or a word and 0.  ``second``: of the two places the second one, and the other
-    one where the flag is set."""
+    """One of two words at adjacent places: the larger and the smaller part of a rotation, which a flag assigns to the
+    first or second place; or a word and 0.  ``second`` selects the second place; the flag swaps the two."""
 
     pair: str
     flag: str
@@ -76,18 +75,18 @@ Operand = str | Pick
 
 @dataclass(frozen=True)
 class Write:
-    """T, from one of its windows, into the memory."""
+    """Write of T, from one of its windows, to the memory."""
 
     to: Operand
     window: int = PLAIN
-    double_by: str = ""  # flag that takes the double window
-    limit: bool = False  # what is above the window becomes the largest word
-    last: str = "inner"  # the last place that is kept: of an inner word, a root, a sine, a slope
+    double_by: str = ""  # flag that selects the double window
+    limit: bool = False  # values above the window become the largest word
+    last: str = "inner"  # the last place kept: of an inner word, a root, a sine, a slope
 
 
 @dataclass(frozen=True)
 class Normal:
-    """T, normalized, into the memory, and how far it was shifted into a register."""
+    """Write of the normalized T to the memory, and of its shift count to a register."""
 
     kind: str
     to: str
@@ -96,7 +95,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Row:
-    """Of a table: the ``function``, its words for the slope (and the bend) or for the value, in the row of a word."""
+    """Row of a table, addressed by a word: the ``function``, and its words for the slope (and bend) or the value."""
 
     function: str  # root, sine or cosine
     of: str
@@ -105,7 +104,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Counted:
-    """The count that a step needs: ``base`` and terms (factor, register); more than the ``node`` by ``offset``."""
+    """Count that a step needs: ``base`` and terms (factor, register); it exceeds the ``node`` by ``offset``."""
 
     base: int
     terms: tuple[tuple[int, str], ...]
@@ -123,26 +122,26 @@ class Step:
     cut: str = "exact"
     addend: str = "zero"
     addend_by: str = ""  # the flag of the addends length and none_or_half
-    minus: str = ""  # the product is taken from the addend: "always", or the flag that says so
-    carry: str = ""  # a carry below the last bit of the sum: "minus": with it
-    place: str = ""  # b is the place in a row's segment: "all" of it, or its "high" part
+    minus: str = ""  # subtract the product from the addend: "always", or the flag that selects it
+    carry: str = ""  # carry into the last bit of the sum: "minus": with subtraction
+    place: str = ""  # b is the position in a row's segment: "all" of it, or its "high" part
     write: Write | None = None
     norm: Normal | None = None
     result: str = ""  # T becomes this result
     rows: tuple[Row, ...] = ()  # read for c2, and for the addend
     count: Counted | None = None
-    sign: str = ""  # flag that is T's sign
-    term: str = ""  # the product, where that is another node than T
+    sign: str = ""  # flag set to T's sign
+    term: str = ""  # the product, where it is not the node T
 
     @property
     def reads(self) -> tuple[Operand, ...]:
-        """The words of the memory that it needs."""
+        """Memory words that it needs."""
         operands = tuple(o for o in (self.a, self.b) if o is not None)
         return operands + tuple(row.of for row in self.rows)
 
     @property
     def flags(self) -> set[str]:
-        """The flags that it needs."""
+        """Flags that it needs."""
         named = {self.addend_by, self.minus, self.write.double_by if self.write else ""}
         named |= {o.flag for o in (self.a, self.b, self.write and self.write.to) if isinstance(o, Pick)}
         return named - {"", "always"}
@@ -156,55 +155,55 @@ class Group:
 
     @property
     def name(self) -> str:
-        """That of its first step."""
+        """Name of the first step."""
         return self.steps[0][1].name
 
     def add(self, after: int, step: Step) -> None:
-        """A step so many slots after the first."""
+        """Add a step ``after`` slots after the first."""
         self.steps.append((after, step))
 
 
 ALWAYS, NO_COUNT = "always", "n=0"
-"""Flags besides masks and signs: the step's count is 0."""
+"""Flags besides masks and signs: unconditional, and the step's count is 0."""
 
 
 @dataclass(frozen=True)
 class Sum:
-    """A node that is its group's first term, or a sum before it, and the term of another name."""
+    """Sum of a group's first term, or of an earlier sum, and the term of another name."""
 
     name: str
     term: str
-    minus: str = ""  # the term is taken away: "always" or by a flag
-    inverse: bool = False  # T becomes the inverted node, as what is before is not taken from the term but it from that
+    minus: str = ""  # the term is subtracted: "always" or by a flag
+    inverse: bool = False  # T is the inverted node: the term is subtracted from the addend, not vice versa
     write: Write | None = None
 
 
 def sign(name: str, unless: str = "") -> str:
-    """The flag that a node is negative."""
+    """Return the name of the flag that a node is negative."""
     return f"{name}<0" + (f" & ~{unless}" if unless else "")
 
 
 class Lowering(Domain):
-    """The lean dataflow as steps: run it, then :meth:`groups`."""
+    """Lean dataflow as steps: run it, then call :meth:`groups`."""
 
     def __init__(self, layout: Layout) -> None:
         super().__init__(layout.width, lean.WIDTHS)
         self.layout = layout
         self.weight: dict[str, int] = {}
-        self.terms: dict[str, Step] = {}  # products, and what is computed like one, without an addend before them
+        self.terms: dict[str, Step] = {}  # products, and nodes computed like one, without an earlier addend
         self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
         self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # of a term or a sum
         self.counts: dict[str, tuple[Count, tuple[str, ...]]] = {}
         self.signs: set[str] = set()  # nodes whose signs are flags
-        self.pairs: dict[str, tuple[str, str]] = {}  # the parts of a rotation's two that are written by a flag
-        self.picks: dict[str, Pick] = {}  # where a squared length is, and a word that may count for 0
+        self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
+        self.picks: dict[str, Pick] = {}  # place of a squared length, or a word that a flag replaces by 0
 
     def inputs(self, value=lambda name, fmt: None):
         inputs = super().inputs(value)
         self.weight |= dict.fromkeys(inputs, EXACT_WEIGHT)
         return inputs
 
-    # ---- what a node is made of ----------------------------------------------------------------------------------
+    # ---- operations and their operands ---------------------------------------------------------------------------
 
     def op(self, name, operands, fmt, latency, bits, real=None, error=(0.0, 0.0), **facts):
         node = super().op(name, operands, fmt, latency, bits, real, error, **facts)
@@ -247,14 +246,14 @@ class Lowering(Domain):
         return node
 
     def _weight(self, node: Node) -> int:
-        """Of an inner word: its last place is where that of all inner words is."""
+        """Return the weight of an inner word: all inner words share the last place."""
         return self.layout.inner - 1 - node.format.frac
 
     def _plus(self, node: Node, first: str, second: str, less: bool) -> None:
         name = node.name
-        if first in ARMS:  # halved: T is what an arm is normalized from
+        if first in ARMS:  # halved: an arm is normalized from T
             window = Write(name, DOUBLE)
-            half = f"{first}/2"  # not the T that is normalized: both would be written in the same clock
+            half = f"{first}/2"  # not the normalized T: both would be written in the same clock
             for term, arm in ((first, first), (half, first), (second, second)):
                 self.terms[term] = Step(term, arm, HALF, write=None)
             self.sums[half].append(Sum(name, second, ALWAYS if less else "", write=window))
@@ -271,7 +270,7 @@ class Lowering(Domain):
 
     def _shift(self, node: Node, shift: Shift, value: str, count: str) -> None:
         self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
-        if shift.sign > 0:  # to the left, by the normalizer, whose first bit without a shift counts twice a product's
+        if shift.sign > 0:  # to the left, by the normalizer, whose first bit has twice a product's weight
             is_word = value in self.weight
             first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
             normal = Normal("count", node.name), self._counted(count, shift.power + first - weight)
@@ -288,7 +287,7 @@ class Lowering(Domain):
             )  # fmt: skip
 
     def _counted(self, name: str, offset: int) -> Counted:
-        """A count plus ``offset``; an arm is shifted a pair further than its node says (:data:`NORMS`)."""
+        """Return a count plus ``offset``; an arm is shifted one pair more than its node's count (:data:`NORMS`)."""
         count, registers = self.counts.get(name, (Count((1,)), (name,)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
         terms = tuple(zip(count.factors, registers, strict=True))
@@ -306,8 +305,8 @@ class Lowering(Domain):
         )
 
     def _half_part(self, node: Node, part: HalfPart, length: str, cosine: str, sine: str, *masks: str) -> None:
-        """The larger part is written with the squared length, the smaller one by a step of its own; both when the
-        second of them comes by."""
+        """Record the parts of a rotation: the larger is written with the squared length, the smaller by its own step;
+        both are created on the second call."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
         length = next(name for name in lengths if cosine in map(self._variable, self.terms[name].reads))
@@ -369,7 +368,7 @@ class Lowering(Domain):
         return None, None
 
     def _table(self, name: str, row: Row, write: Write) -> None:
-        """A quadratic: the slope in the row's segment, and the value."""
+        """Add the steps of a quadratic: the slope in the row's segment, and the value."""
         self.weight[name] = 1
         falls = "" if row.function == "sine" else ALWAYS
         bends_down = "" if row.function == "cosine" else ALWAYS
@@ -389,7 +388,7 @@ class Lowering(Domain):
     # ---- groups --------------------------------------------------------------------------------------------------
 
     def groups(self) -> list[Group]:
-        """All steps, those whose addends are the T of others in one group with them."""
+        """Return all steps; a step whose addend is the T of another is in its group."""
         read = {name for step in self.terms.values() for name in map(self._variable, step.reads)}
         groups = []
         for name, step in self.terms.items():
@@ -405,7 +404,7 @@ class Lowering(Domain):
         return operand.pair if isinstance(operand, Pick) else operand
 
     def _picked(self, operand: Operand | None) -> Operand | None:
-        """A word of a pair, or one that may count for 0."""
+        """Return a word of a pair, or one that a flag replaces by 0, as a :class:`Pick`; others unchanged."""
         if not isinstance(operand, str):
             return operand
         for pair in self.pairs.values():
@@ -414,7 +413,7 @@ class Lowering(Domain):
         return self.picks.get(operand, operand)
 
     def _extend(self, group: Group, at: int, step: Step) -> None:
-        """A step, and those whose addend is its T."""
+        """Add a step, and the steps whose addend is its T."""
         normal, counted = self.norms.get(step.name, (None, step.count))
         step = replace(
             step, a=self._picked(step.a), b=self._picked(step.b) or ZERO, norm=normal, count=counted,
@@ -435,7 +434,7 @@ class Lowering(Domain):
 
 
 def lower(layout: Layout) -> tuple[Lowering, list[Group]]:
-    """The lean dataflow on a machine of these words."""
+    """Lower the lean dataflow to steps with these words."""
     lowering = Lowering(layout)
     lean.lean(lowering, lowering.inputs())
     return lowering, lowering.groups()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a step of the folded machine reads, computes and writes, in clocks after it is issued.
+"""Clocks in which a step of the fold datapath reads, computes and writes, counted from its issue.
 
-A program repeats with a period, the clocks of a lap, and two targets are in the machine around the lap's end.  Clocks
-here are a target's own, from the beginning of its lap on: modulo the period they are places in the program.
+A program repeats with the period of a lap, and around the lap's end two targets are in flight.  Clocks here count from
+the start of the target's own lap: modulo the period they are places in the program.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from .steps import ALWAYS, NO_COUNT, POWER, Group, Pick, Step
 
 BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
-"""Clocks of a step, from its issue: the row for c2 is read; the words; the row for the addend; the addend is taken, and
-the sign of the product; the product is there; T is written, its sign taken; what is normalized is written."""
+"""Clocks of a step, from its issue: read the row for c2; read the words; read the row for the addend; take the addend
+and the product's sign; product ready; write T and take its sign; write the normalized word."""
 
 FETCH = 3
-"""Clocks from the place of a step in the program to the step."""
+"""Clocks from a step's place in the program to its issue."""
 
 INPUTS = ("x", "y", "z", "phi", "d1", "d2")
 
@@ -25,12 +25,12 @@ ELBOW = ("qe_w", "qe_i")
 """Results that are constants where there is no elbow."""
 
 CLOCKED = (ALWAYS, NO_COUNT, "")
-"""Flags that need no step before."""
+"""Flags that depend on no earlier step."""
 
 
 @dataclass(frozen=True)
 class Placed:
-    """A step and the clock of its issue."""
+    """Step with the clock of its issue."""
 
     at: int
     step: Step
@@ -38,7 +38,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class Use:
-    """A word, a flag or a count is needed in a clock."""
+    """Use of a word, flag or count in a clock."""
 
     of: str
     at: int
@@ -85,10 +85,10 @@ def flag_uses(placed: Placed) -> list[Use]:
 
 
 EVENS = ("e_rho", "e_s", "e_far", "e_near", "e_1", "e_2", "e_q")
-"""Registers of counts that normalizations set."""
+"""Count registers set by normalizations."""
 
 ZEROS = {"e_rho": "on_axis", "e_s": "at_shoulder", "e_1": "no_1", "e_2": "no_2"}
-"""Registers of counts and the flag that the normalized was 0."""
+"""Count register -> flag set when the normalized word was 0."""
 
 MADE_OF = {
     "clamp": ("a_far<0", "b_near<0", "at_shoulder", "d1<0", "d2<0", "no_1", "no_2"),
@@ -102,7 +102,7 @@ MADE_OF = {
     "low": ("e_q",),
     "flags": ("clamp", "away", "on_axis"),
 }
-"""Flags that are logic of others; ``flags`` are those that leave with the results."""
+"""Flags derived from others; ``flags`` are those output with the results."""
 
 
 def terms_of(flag: str) -> list[tuple[str, bool]]:
@@ -130,20 +130,20 @@ def flag_sets(placed: Placed) -> list[Use]:
 
 
 def first_count(placed: Placed) -> int:
-    """The clock in which the first term of a step's count is added: the last one is, just before it is needed."""
+    """Return the clock that adds the first term of a step's count; the last is added just before its use."""
     assert placed.step.count
     return placed.at + (WRITE if placed.step.norm else READ) - len(placed.step.count.terms)
 
 
 def last_count(placed: Placed) -> int:
-    """The last clock in which the count is needed."""
+    """Return the last clock in which the count is needed."""
     return placed.at + (NORM if placed.step.norm else ADD)
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """A program: the clocks of a lap, the clock in which each input is loaded, and in which each group's first step,
-    which names it, is issued."""
+    """Program schedule: the clocks of a lap, the clock in which each input is loaded, and the clock in which the first
+    step of each group, which names the group, is issued."""
 
     period: int
     loads: dict[str, int]

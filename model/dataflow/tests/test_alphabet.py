@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One alphabet: the lean table, the lean dataflow and rtl/lean have the same numbers at the same names."""
+"""Tests that the lean table, the lean dataflow and rtl/lean give the same names the same numbers."""
 
 import re
 from pathlib import Path
@@ -18,11 +18,11 @@ DECLARED = re.compile(
     r"^\s*(?:output\s+)?(?:wire|reg)\s+(?:signed\s+)?(?:\[[^]]*\]\s*)?(?P<name>\w+)[^/\n]*(?://(?P<comment>.*))?$",
     re.MULTILINE,
 )
-"""An output, a wire or a register, and the comment behind it."""
+"""Declaration of an output, a wire or a register, and the comment after it."""
 
 
 def numbers(section: str) -> dict[str, list[str]]:
-    """What rtl/lean declares in a section's module: name -> the numbers behind it."""
+    """Return the declarations in the module of a section of rtl/lean: name -> the numbers in its comment."""
     text = (ROOT / LEAN.folder / f"{LEAN.module(section)}.v").read_text(encoding="utf-8")
     return {m["name"]: re.findall(r"\(L\d+\)", m["comment"] or "") for m in DECLARED.finditer(text)}
 
@@ -39,7 +39,7 @@ def test_a_node_has_a_number_of_the_table_or_is_a_decision():
 
 def test_the_verilog_has_each_number_at_the_nodes_declaration():
     for section in LEAN.sections:
-        if section == "results":  # no module of its own
+        if section == "results":  # has no module
             continue
         own = [n for n in NODES.values() if n.section == section and n.operands]
         in_model = {n.name: [n.equation] if n.equation else [] for n in own}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean datapath's cores against their definitions, and the reciprocal square root's proof against measurements."""
+"""Lean arithmetic modules against their definitions; the proof for the reciprocal square root against measurements."""
 
 from fractions import Fraction
 
@@ -46,7 +46,7 @@ def signed(width: int):
 
 @st.composite
 def factors(draw):
-    """Factors, their widths, and a shift that leaves each of the low parts beyond the two bits that are kept."""
+    """Draw factors, their widths, and a shift that keeps both low parts below the two extra bits."""
     widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
     tile = draw(st.sampled_from([TILE, 25, 16, 5]))
     least = 2 + max(map(sum, zip(cuts(*widths, tile), reversed(unseen(*widths, tile)), strict=True)))
@@ -62,8 +62,8 @@ def factors(draw):
 @example((-1, (1 << 21) - 1, 20, 22, 22, TILE))
 @example((-(1 << 24), (1 << 24) - 1, 23, 25, 25, 25))
 def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
-    """And a guess at the fourth, where there is room below the highest."""
-    a, b, shift, *widths = case  # and the tile
+    """The fourth tile is estimated where there is room below the highest."""
+    a, b, shift, *widths = case  # widths and tile
     (a_one, b_one), place = (1 << cut for cut in cuts(*widths)), 1 << shift
     exact = a * b
     a, b = (word >> bits << bits for word, bits in zip((a, b), unseen(*widths), strict=True))
@@ -83,7 +83,7 @@ def test_mul3_is_three_tiles_cut_off_two_bits_below_the_last_place(case):
 
 
 def normalized(v: int, width: int, bits: int) -> tuple[int, int]:
-    """The most pairs of places by which v goes left and still fits, and v there, cut."""
+    """Return the number of pairs by which v can be shifted left and still fits, and the shifted v, truncated."""
     k = max(k for k in range(width // 2) if v << 2 * k < 1 << width)
     return k, (Fraction(v << 2 * k, 1 << width) * (1 << bits)).__floor__()
 
@@ -102,7 +102,7 @@ def test_even_is_its_definition(pairs, bits, data):
 
 @pytest.mark.parametrize(("width", "bits"), [(16, 24), (32, 34), (36, 24), (50, 31), (62, 34), (64, 24), (64, 34)])
 def test_even_of_arrays_is_its_definition(width, bits):
-    """Of every length of a word, at and next to each power of two."""
+    """Words of every length, at and next to each power of two."""
     random = np.random.default_rng(width)
     corners = [v for k in range(width) for v in ((1 << k) - 1, 1 << k, (1 << k) + 1)] + [(1 << width) - 1]
     values = [int(random.integers(1 << 62)) << 2 >> 64 - int(size) for size in random.integers(1, width + 1, 5000)]
@@ -123,10 +123,10 @@ TILES = [(frac, TILE) for frac in range(19, 32)] + [(frac, SMALL_TILE) for frac 
 
 @pytest.mark.parametrize("frac", [19, 20, 21, pytest.param(22, marks=[pytest.mark.slow, pytest.mark.cost(8)])])
 def test_rsqrt_of_every_mantissa_is_faithful(frac):
-    """y - 1 < 1/(2 sqrt V) < y + 1 in places, for V from m to all but m + 1: squared, in integers.
+    """Check y - 1 < 1/(2 sqrt V) < y + 1 in ulps, for V from m to just below m + 1: squared, in integers.
 
-    (y +- 1)^2 m is compared with 2^(3 frac + 1) by their difference modulo 2^64, which is the difference: in double
-    precision it is seen to be small.
+    (y +- 1)^2 m is compared with 2^(3 frac + 1) by their difference modulo 2^64.  It equals the true difference,
+    because double precision shows that to be small.
     """
     bits = frac + 3
     square = 2 ** (3 * frac + 1) % 2**64
@@ -148,15 +148,15 @@ def test_rsqrt_of_every_mantissa_is_faithful(frac):
 
 @pytest.mark.parametrize(("frac", "tile"), TILES)
 def test_rsqrt_is_proved_faithful(frac, tile):
-    """But for the longest word of the small form."""
+    """All results but the longest word of the small form are faithful."""
     assert (places(frac, tile) == 1) == ((frac, tile) != (SMALL_FRAC, SMALL_TILE))
     assert rsqrt_error_bound(frac, tile) < places(frac, tile)
-    # Rounding costs 5/8 of a place and 3/8, cutting m off up to a quarter: a bound below is wrong.
+    # Rounding costs 5/8 and 3/8 ulp, truncating m up to a quarter: a bound below that is wrong.
     assert rsqrt_error(frac, tile).low < -0.625 and rsqrt_error(frac, tile).high > 0.625
 
 
 def mantissas(frac: int) -> np.ndarray:
-    """A million: any, at and next to the segments' ends and middles, the first and the last."""
+    """Return a million mantissas: random, at and next to the segments' ends and middles, the first and the last."""
     bits = frac + 3
     first, last = 1 << bits - 2, 1 << bits
     rng = np.random.default_rng(frac)
@@ -173,12 +173,12 @@ def test_table_fits_its_words(form):
     rows = rsqrt_rows(form)
     assert len(rows) == form.rows
     for c0, *rest in rows:
-        # With all that is ever added to round a result, c0 stays below 1, and its highest bit is a one.
+        # With the largest rounding constant, c0 stays below 1, and its MSB is 1.
         most = c0 + (rounding(form, min(FRACS[form])) >> form.sum_frac - form.c_frac[0])
         assert c0 >> form.c_frac[0] - 1 == most >> form.c_frac[0] - 1 == 1
         assert form.c_bits[0] == form.c_frac[0] - 1
         assert all(0 < word < 1 << bits for word, bits in zip(rest, form.c_bits[1:], strict=True))
-    # A slope is never more than the first one at its left end.
+    # No slope exceeds the first one at its left end.
     _, c1, *c2 = rows[0]
     _, width = segment(form, 0)
     bend = c2[0] * width / 2 / 2 ** form.c_frac[2] if c2 else 0
@@ -198,7 +198,7 @@ def test_place_is_the_distance_from_the_segments_middle(frac, tile):
 
 @pytest.mark.parametrize(("frac", "tile"), [(21, TILE), (31, TILE), (29, SMALL_TILE)])
 def test_parts_of_the_proof(frac, tile):
-    """Segment by segment: interpolation where it is worst, next to its bound; then the polynomial within its own."""
+    """Per segment: the largest interpolation error is close to its bound; the polynomial is within its own."""
     form = form_of(frac, tile)
     rng = np.random.default_rng(3)
     with mpmath.workdps(100):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bit-true datapaths: accuracy over the reachable workspace, and unit quaternions and exact flags for any words.
+"""Bit-true datapaths: accuracy over the reachable workspace, and unit quaternions and exact flags for any words.
 
-Bars are in ulps of a result, 2^(2 - W), in radians and in parts of the reach.
+Bars are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
 """
 
 from math import isqrt
@@ -29,7 +29,7 @@ WORST = {
     27: (67077117, 0, 768, -67108864, 49495, 67108861),
     32: (2043587052, -2652, 1444, 84162352, 65595619, 2049611425),
 }
-"""Word length -> the target with the largest hand error that a search has found for the lean datapath."""
+"""Word length -> the target with the largest hand error found by a search for the lean datapath."""
 
 ANGLE_ULPS = {16: 3, 18: 3, 24: 3, 27: 3, 32: 21}
 """Largest error of the shoulder and elbow angles of the lean datapath; 2e-8 rad at W = 32."""
@@ -38,12 +38,12 @@ every_width = pytest.mark.parametrize("width", TESTED)
 
 
 def ulp(width: int) -> float:
-    """Last place of a result word."""
+    """Return the ulp of a result word."""
     return 2.0 ** (2 - width)
 
 
 class Run:
-    """Results of a datapath for input words, with their errors against double precision (parts of the reach, rad)."""
+    """Results of a datapath for input words, with errors against double precision (relative to the reach, rad)."""
 
     def __init__(self, words: np.ndarray, width: int, datapath: str = "lean", solve=solve_lean) -> None:
         self.words, self.width = words, width
@@ -91,7 +91,7 @@ class Run:
 
 
 def any_words(count: int, width: int, seed: int) -> np.ndarray:
-    """Input words of all sizes and signs, the ends of the format included; most have positive lengths."""
+    """Return input words of all sizes and signs, the ends of the format included; most have positive lengths."""
     random = np.random.default_rng((seed, width))
     top = 1 << (width - 1)
     words = random.integers(-top, top, (count, 6))
@@ -106,7 +106,7 @@ def any_words(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def awkward_words(count: int, width: int, seed: int) -> np.ndarray:
-    """Long arms with the target a few lsb from the shoulder, and long upper arms with the target above or below."""
+    """Return long arms with targets a few lsb from the shoulder, and long upper arms with targets above or below."""
     random = np.random.default_rng((seed, width))
     top, low = (1 << (width - 1)) - 1, -(1 << (width - 1))
     phi = random.integers(low, top, count)
@@ -120,7 +120,7 @@ def awkward_words(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def shaken(width: int) -> np.ndarray:
-    """Targets out of reach by little or much: targets of the regions with other arms or positions."""
+    """Return targets slightly or far out of reach: targets of the regions with other arms or positions."""
     random = np.random.default_rng((width, 5))
     rows = np.concatenate([region(name, 500, width, 5) for name in REGIONS])
     factor = np.where(random.random((len(rows), 6)) < 0.5, 1, np.exp2(random.uniform(-4, 0.2, (len(rows), 6))))
@@ -133,7 +133,7 @@ def shaken(width: int) -> np.ndarray:
 
 
 def walks(width: int) -> np.ndarray:
-    """Targets whose words count up, one lsb a step, across each limit at which a flag or a branch changes."""
+    """Return targets whose words count up, one lsb per step, across each limit at which a flag or a branch changes."""
     random = np.random.default_rng((width, 31))
     top, rows = (1 << (width - 1)) - 1, []
 
@@ -237,7 +237,7 @@ def test_hand_error_of_the_paper_stays_below_its_prediction(width):
 
 
 def test_angles_of_the_paper():
-    """Singular poses included, hence the quantiles."""
+    """Singular poses are included, hence the quantiles."""
     run = Run(random_reachable(20000, 32, 5), 32, "paper", solve_clamped)
     assert np.median(run.shoulder_angle) < 2e-8 and np.quantile(run.shoulder_angle, 0.99) < 2e-6
 
@@ -260,7 +260,7 @@ def test_only_clamped_elbows_and_limited_cosines_saturate(width):
 
 
 def test_words_are_at_most_32_bits():
-    """Exceptions: products before their rounding, sums of such products, and the exact squares of the guard."""
+    """Exceptions: unrounded products, sums of such products, and the exact squares of the guard."""
     for name, node in fixed.run(random_reachable(1, 32, 1), 32).bits.nodes.items():
         if node.format.width > 32 and node.section != "guard":
             assert node.op in ("mul", "sum") and node.format.width == 32 + GUARD, name
@@ -286,7 +286,7 @@ def test_scale_does_not_matter(datapath, width):
     words = np.concatenate([region(name, 200, width, 9) for name in REGIONS])
     words[:, lengths] &= ~3
     words = words[(words[:, 4:] > 0).all(axis=1)]
-    if datapath == "paper":  # drops a bit of long arms
+    if datapath == "paper":  # paper drops a bit of long arms
         words = words[(words[:, 4:].sum(axis=1) < 1 << (width - 1)) & (expected_flags(words, width) == 0)]
     assert len(words) > 100
     quarter = words.copy()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The primitives of the bit-true model against other people's arithmetic: APyTypes, Python integers, ``math``.
+"""Primitives of the bit-true model against independent arithmetic: APyTypes, Python integers, ``math``.
 
-The model and the RTL could share a misunderstanding; what they are compared with here shares nothing with either.
+Model and RTL could share an error; the references used here share nothing with either.
 """
 
 import math
@@ -16,7 +16,7 @@ from model.dataflow.fixed import Bits, floor_div, floor_root, round_shift
 from model.dataflow.nodes import Format
 
 ROOT_LIMIT = 1 << 63
-"""Arguments of floor_root stay below this; none in the datapath reaches 2^62."""
+"""Upper bound of floor_root's arguments; none in the datapath reaches 2^62."""
 
 
 def signed(width: int):
@@ -45,7 +45,7 @@ def test_round_shift_is_apytypes_round_half_up(value, shift):
 
 # ---- products and sums of the dataflow -------------------------------------------------------------------------------
 
-W = 16  # of these nodes; nothing in the operations depends on it
+W = 16  # word length of these nodes; no operation depends on it
 
 
 def node(bits: Bits, name: str, words, fmt: Format):
@@ -58,7 +58,7 @@ def apy(words, fmt: Format) -> APyFixedArray:
 
 
 def narrowed(value: APyFixedArray, fmt: Format) -> tuple[list[int], list[bool]]:
-    """APyTypes' rounding and saturation to ``fmt``; and where that saturated."""
+    """Return the value rounded and saturated to ``fmt`` by APyTypes; and a mask of saturated elements."""
     cast = {"int_bits": fmt.width - fmt.frac, "frac_bits": fmt.frac, "quantization": QuantizationMode.RND}
     words = value.cast(**cast, overflow=OverflowMode.SAT)
     wide = value.cast(**{**cast, "int_bits": value.int_bits + 2 + fmt.width})
@@ -101,7 +101,7 @@ def test_sum_is_apytypes_sum(triples, integer_bits, minus_b, minus_c, three):
     total = a - b if minus_b else a + b
     if three:
         total = total - c if minus_c else total + c
-    fmt = bits.word(max(integer_bits, 0))  # a sum never gets fraction bits
+    fmt = bits.word(max(integer_bits, 0))  # a sum never gains fraction bits
     result = bits.sum("q", *signs[: 3 if three else 2], fmt=fmt)
     words, saturated = narrowed(total, fmt)
     assert result.value.tolist() == words
@@ -112,7 +112,7 @@ def test_sum_is_apytypes_sum(triples, integer_bits, minus_b, minus_c, three):
 
 
 def divided(n: int, d: int, shift: int, fmt: Format) -> tuple[int, bool]:
-    """The quotient as it is written down: floor, saturated, by the sign of n where d <= 0."""
+    """Return the quotient by its definition: floor, saturated, by the sign of n where d <= 0."""
     if d <= 0:
         return (fmt.low if n < 0 else fmt.high), True
     q = math.floor(Fraction(n << shift, d))
@@ -135,7 +135,7 @@ def test_floor_div_is_the_floor_of_a_fraction(n, d):
 
 @given(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1))
 def test_floor_div_beside_exact_quotients(d, q, beside):
-    """n 2^22 / d next to an integer: where a float would go wrong."""
+    """n 2^22 / d next to an integer, where a float would be wrong."""
     n = (q * d >> 22) + beside
     if -(1 << 39) <= n < 1 << 39:
         got, bad = floor_div(np.array([n]), np.array([d]), 22, Format(32, 30, ""))
@@ -159,7 +159,7 @@ def test_floor_root_is_isqrt(n, shift):
 @example(1 << 31, -1)
 @example((1 << 31) - 1, -1)
 def test_floor_root_beside_squares(r, beside):
-    """Next to a square of more digits than a float has."""
+    """Next to a square with more digits than a float."""
     v = r * r + beside
     assert int(floor_root(np.array([v]), 0)[0]) == math.isqrt(v)
 

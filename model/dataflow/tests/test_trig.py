@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bit-true sine and cosine of half an angle against mpmath and long doubles, and its tables and bound."""
+"""Bit-true sine and cosine of half an angle against mpmath and long doubles, with its tables and bound."""
 
 import mpmath
 import numpy as np
@@ -26,18 +26,18 @@ WIDTHS = range(16, 33)
 PI = np.longdouble("3.14159265358979323846264338")
 TILES = [(width, TILE) for width in WIDTHS] + [(width, 16) for width in range(16, 25)]
 AIM = 0.95
-"""Last places that the proved bound has to stay below."""
+"""Upper limit of the proved bound, in ulps."""
 
 RANDOM = 200_000
 
 
 def frac(width: int) -> int:
-    """Fraction bits of the datapath's sines and cosines."""
+    """Return the fraction bits of the datapath's sines and cosines."""
     return min(inner_frac(width), FRACS[-1])
 
 
 def angles(width: int) -> np.ndarray:
-    """All of them where they are few; else random ones, and those around the ends and middles of the segments."""
+    """Return all angles at short words; otherwise random ones, and those around ends and middles of segments."""
     low, high = -(1 << width - 1), (1 << width - 1) - 1
     if width <= 18:
         return np.arange(low, high + 1)
@@ -49,7 +49,7 @@ def angles(width: int) -> np.ndarray:
 
 
 def errors(phi: np.ndarray, width: int, bits: int, tile: int = TILE) -> tuple[np.ndarray, np.ndarray]:
-    """Of sine and cosine in last places of ``bits`` fraction bits, against long doubles."""
+    """Return the errors of sine and cosine in ulps of ``bits`` fraction bits, against long doubles."""
     sin, cos = half_sincos(phi, width, bits, tile)
     half = phi.astype(np.longdouble) * PI / 2**width
     one = np.longdouble(2) ** bits
@@ -63,7 +63,7 @@ def test_error_stays_below_the_bound(width, tile):
     for name, error in zip(("sin", "cos"), errors(angles(width), width, frac(width), tile), strict=True):
         worst = float(abs(error).max())
         assert worst <= bound, f"width {width}: {name} is off by {worst} last places, bound {bound}"
-        # a bound that is far from anything seen would be a bound of something else
+        # a bound far above all measured errors would be wrong
         assert worst > 0.5, f"width {width}: {name} is off by only {worst} last places"
 
 
@@ -73,7 +73,7 @@ LENGTHS += [(24, f, 16) for f in FRACS if f <= SMALL_FRAC]
 
 @pytest.mark.parametrize(("width", "result", "tile"), LENGTHS)
 def test_every_length_of_the_result_keeps_the_bound(width, result, tile):
-    """Also those that the datapath does not ask for at this width."""
+    """Includes result lengths that the datapath does not use at this width."""
     bound = error_bound(result, tile)
     assert bound < AIM
     assert np.abs(errors(angles(width)[::7], width, result, tile)).max() <= bound
@@ -105,12 +105,12 @@ def test_symmetry_and_range(width, tile):
 
 @pytest.mark.parametrize("form", [SHORT, LONG, SMALL], ids=["short", "long", "small"])
 def test_table_is_the_sine(form):
-    """At the middle of each segment, by floats; its words fit, c0 with what rounds the result, too."""
+    """Each segment's middle matches floats; the words fit, including c0 plus the rounding constant."""
     rows = np.array(sine_rows(form), dtype=np.int64)
     middle = np.sin((np.arange(form.rows, dtype=np.longdouble) + 0.5) / form.rows * PI / 2)
-    # a straight form is at its middle half of the bend above the chord through its nodes
+    # at its middle, a linear form lies half of the bend above the chord through its nodes
     bend = (PI / 2 / form.rows) ** 2 / 16 if rows.shape[1] < 3 else 0
-    # to half a place, and what the rounding of c2 puts on c0
+    # within half an ulp, plus the effect on c0 of rounding c2
     off = 2.0 ** -form.c_frac[0] / 2 + sum(2.0**-frac / 16 / form.rows**2 for frac in form.c_frac[2:])
     assert abs(rows[:, 0] / np.longdouble(2) ** form.c_frac[0] - middle * (1 - bend)).max() < 1.01 * off
     assert all((0 < column).all() for column in rows.T)
@@ -121,7 +121,7 @@ def test_table_is_the_sine(form):
 
 @pytest.mark.parametrize("form", [SHORT, LONG, SMALL], ids=["short", "long", "small"])
 def test_parts_of_the_proof(form):
-    """Interpolation at its worst, next to its bound, in the segments where the derivative hardly changes."""
+    """The largest interpolation error is close to its bound, in segments of nearly constant derivative."""
     with mpmath.workdps(60):
         for row in range(form.rows // 10, form.rows - form.rows // 10, 7):
             left, width = segment(form, row)

@@ -45,7 +45,7 @@ def assert_same(a, b):
 
 @pytest.fixture
 def read(tmp_path):
-    """Write text (or bytes) to a file and read it as targets."""
+    """Return a function that writes text (or bytes) to a file and reads it as targets."""
 
     def read(content, **defaults):
         path = tmp_path / "t.csv"
@@ -98,7 +98,7 @@ def test_accepted_forms(read, content):
 
 
 def test_other_columns_are_kept(read):
-    """A time, a name, an empty heading, as a spreadsheet has them."""
+    """A time, a name and an empty heading, as in spreadsheets, are kept."""
     result = read('t,Name,y,,PHI,x,z\n0.1,"a, b",2,,0.5,1,3\n0.2,c,2,-,0.5,1,3\n')
     assert_same(result, Targets("t", 1, [2, 2], 3, 0.5, DEFAULT_D1, DEFAULT_D2))
     assert result.others == {"t": ["0.1", "0.2"], "Name": ["a, b", "c"], "column 4": ["", "-"]}
@@ -199,7 +199,7 @@ def test_reach_is_scaled_to_one_or_above(d1, d2, exponent):
 
 
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
-    """The arm reaches 1, so the format ends at 2, and at 2 * 2^HEADROOM_BITS after giving up all headroom."""
+    """The arm reaches 1, so the format ends at 2, and at 2 * 2^HEADROOM_BITS with all headroom used."""
     arm = {"d1": 0.5, "d2": 0.5}
     limit = 2.0 * 2**HEADROOM_BITS
     assert scale_exponent(targets(x=math.nextafter(2, 0), **arm), 32) == 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flags that the core owes, from exact integers."""
+"""Expected flags, from exact integers."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ LOW = -(2**31)
         ((9, 9, 9, 0, 3, 0), BAD_LENGTH),
         ((9, 9, 9, 0, -3, -3), BAD_LENGTH),
         ((0, 0, 0, 0, -1, 3), BAD_LENGTH | ON_AXIS | AT_SHOULDER),
-        ((TOP, TOP, TOP, 0, TOP, TOP), 0),  # squares whose sum needs 64 bits and more
+        ((TOP, TOP, TOP, 0, TOP, TOP), 0),  # squares whose sum needs 64 bits or more
         ((LOW, LOW, LOW, LOW, TOP, TOP), 0),
         ((LOW, LOW, LOW, 0, TOP, 2**30), TOO_FAR),
     ],
@@ -47,7 +47,7 @@ def test_expected_flags(target, flags):
 
 
 def in_python_integers(x, y, z, phi, d1, d2) -> int:
-    """The flags of one target, apart from :mod:`model.io.flags`."""
+    """Return the flags of one target, independently of :mod:`model.io.flags`."""
     flags = ON_AXIS * (x == y == 0) | AT_SHOULDER * (x == y == z == 0)
     if d1 <= 0 or d2 <= 0:
         return flags | BAD_LENGTH
@@ -62,11 +62,11 @@ def test_arrays_of_64_bits_decide_as_python_integers_do(width):
 
 
 def test_one_ulp_decides_at_full_word_length():
-    """The limits are exact: near 2^31, doubles of the squares could not tell these apart."""
+    """The limits are exact: near 2^31, squares in double precision are equal."""
     d1, d2 = 2**30 + 1, 2**30 - 3
     words = np.array([[reach, 0, 0, 0, d1, d2] for reach in (d1 + d2, d1 + d2 + 1, d1 - d2, d1 - d2 - 1)])
     assert expected_flags(words, 32).tolist() == [0, TOO_FAR, 0, TOO_NEAR]
-    slanted = np.array([[d1 + d2, 1, 0, 0, d1, d2]])  # further than d1 + d2 by 2^-33 of it
+    slanted = np.array([[d1 + d2, 1, 0, 0, d1, d2]])  # further than d1 + d2 by a factor of 1 + 2^-33
     assert expected_flags(slanted, 32).tolist() == [TOO_FAR]
 
 

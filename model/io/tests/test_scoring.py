@@ -31,7 +31,7 @@ ULP = 2.0**-30
 
 
 class Case:
-    """A trajectory with the answers of an ideal core, double precision rounded to words; tests spoil it."""
+    """Trajectory with the results of an ideal core, double precision rounded to words; tests corrupt it."""
 
     def __init__(self, targets, width=32, predicted=1e-6):
         self.targets, self.width = targets, width
@@ -125,7 +125,7 @@ def test_clocks(case):
 
 
 def test_hand_error_is_measured_at_the_users_target():
-    """A target 0.4 ulp beside its word is asked of the core as that word; rounding counts as its error."""
+    """A target 0.4 ulp from its word is sent to the core as that word; the rounding counts as its error."""
     words, exponent = to_words(make("reach"), 16)
     on_grid = from_words(words, exponent, 16, "reach")
     aside = dataclasses.replace(on_grid, x=on_grid.x + 0.4 * 2.0 ** (-14 - exponent))
@@ -218,7 +218,7 @@ def test_each_fault_fails_and_is_named(case, fault):
 
 
 def test_bars_by_regularity_word_length_and_request(case):
-    """The table has a bar for regular targets at W = 32 only; a bar that the user gives replaces it."""
+    """The table has a bar for regular targets at W = 32 only; a bar given by the user replaces it."""
     near = Case(make("punch"), predicted=1e-12)
     assert case.score().hand_error_bar == REGULAR
     for other in (near, Case(make("reach"), width=31)):
@@ -266,7 +266,7 @@ def test_clamped_targets_are_judged_apart():
     assert case.flags.tolist() == [0, TOO_FAR, TOO_NEAR]
     result = case.score()
     assert result.passed and result.flagged == 2
-    # In the file, the distance to the target itself; apart from that, to the nearest point in reach.
+    # In the file, the distance to the target itself; in the score, to the nearest reachable point.
     assert result.each.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
     assert result.each.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
     assert result.hand_error_max == result.each.hand_error[0] < 1e-8
@@ -297,7 +297,7 @@ def test_targets_at_the_poles_and_at_the_shoulder():
     assert result.hand_error_max < 1e-8
 
 
-# -- what the caller hands in ----------------------------------------------------------------------
+# -- arguments -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["words", "results", "flags", "predicted"])
@@ -340,7 +340,7 @@ def test_results_file_gives_every_bit_back(tmp_path):
 
 
 def test_results_file_can_be_read_again(tmp_path):
-    """Also with columns of the file's own, which it has kept."""
+    """The target file's own columns are kept as well."""
     case = Case(make("two_arms"))
     others = {"t": [str(n) for n in range(100)], "na,me": ["x;y"] * 100, "flags": ["?"] * 100}
     given = dataclasses.replace(case.targets, others=others)
@@ -356,7 +356,7 @@ def test_results_file_can_be_read_again(tmp_path):
 
 
 def test_results_in_the_users_frame(tmp_path):
-    """What the core answered in its own frame, turned back; the errors are those of the core."""
+    """The core's results, in its own frame, are rotated back; the errors are the core's."""
     core = Case(make("two_arms"))
     frame = to_z((0.3, 1.0, 0.0))
     there = core.targets.position

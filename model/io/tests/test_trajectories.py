@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The built-in trajectories: what each promises, and the example files made from them."""
+"""Built-in trajectories: the properties each promises, and the example files made from them."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ NAMES = list(trajectories.TRAJECTORIES)
 
 
 def relative_distance(targets):
-    """|p| / (d1+d2)."""
+    """Return |p| / (d1+d2)."""
     return np.linalg.norm(targets.position, axis=1) / targets.reach
 
 
@@ -40,14 +40,14 @@ def test_only_out_of_reach_leaves_the_reach(name, width):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_distance_from_singular_poses(name):
-    """The trajectories with the fixed bar keep away from singular poses; the others do come near one."""
+    """Trajectories with the fixed bar keep away from singular poses; the others approach one."""
     least = singular_distance(trajectories.make(name)).min()
     assert (least >= REGULAR_DISTANCE) == (name in trajectories.REGULAR), f"{name}: {least:.3f} rad"
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_motion_is_smooth(name):
-    """In one step no hand moves more than 5 cm (8 % of the reach) or changes its step by 2 cm."""
+    """Hands move at most 5 cm (8 % of the reach) per step and change their step by less than 2 cm."""
     targets = trajectories.make(name)
     arms = 2 if name == "two_arms" else 1
     for arm in range(arms):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH clips of a figure of our own, written in many ways: names, which way is up, rest pose, order of angles."""
+"""BVH clips of a synthetic figure in many variants: names, up direction, rest pose, order of angles."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ UPPER, FORE = 3.1, 2.6
 
 
 def joints(names: str, side: str) -> tuple[str, ...]:
-    """Upper arm, forearm and hand of a side."""
+    """Return upper arm, forearm and hand of a side."""
     return tuple(form.format(Side=side.title(), S=side[0].upper(), s=side[0]) for form in NAMES[names][1:])
 
 
@@ -38,10 +38,10 @@ def write(
     path: Path, names: str = "cmu", up: str = "y", rest: str = "t", order: str = "ZYX", frames: int = 60, seed: int = 1,
     sides: tuple[str, ...] = ("left", "right"),
 ) -> Path:  # fmt: skip
-    """A figure whose body sways and whose arms swing, smoothly and at random."""
+    """Write a figure whose body sways and whose arms swing, smoothly and at random."""
     random = np.random.default_rng(seed)
-    spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # where right, forward and up go
-    flip = np.array((1, -1 if up == "y" else 1, 1))  # right-handed, as before
+    spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # positions of right, forward and up
+    flip = np.array((1, -1 if up == "y" else 1, 1))  # keeps the frame right-handed
 
     def offset(vector) -> str:
         out = np.zeros(3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The reference axis: what is turned to z, exactly where it has a name."""
+"""Reference axis: R takes it to z, exactly for named axes."""
 
 import re
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clips of motion capture: arms found and followed, and the clip written again."""
+"""Motion-capture clips: arms found and followed, and the clip written back."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,7 @@ ELBOW = {None: 1e-12, 32: 2e-8, 18: 2e-4}
 
 
 def followed(clip, axis, width=None, phi=None):
-    """Each arm of a clip, solved: motion, shoulder and elbow quaternion in the clip's frame."""
+    """Solve each arm of a clip: motion, shoulder and elbow quaternion in the clip's frame."""
     moves = [motion(clip, arm, axis) for arm in arms(clip)]
     targets = clips.targets(clip, moves, [move.phi if phi is None else phi(move) for move in moves], width or 52)
     pose = solve(targets.core_position, targets.phi, targets.d1, targets.d2, width=width)
@@ -43,7 +43,7 @@ def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
     for move, qs, qe in moves:
         assert (move.d1, move.d2) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
         elbow, wrist = forward(qs, qe, move.d1, move.d2)
-        # Where a pose is nearly singular, what rounding does to the target moves the elbow further.
+        # Near a singular pose, rounding of the target moves the elbow further.
         beside = np.linalg.norm(rotate(move.frame, move.wrist)[:, :2], axis=1) / np.linalg.norm(move.wrist, axis=1)
         bent = np.linalg.norm(np.cross(move.elbow, move.wrist), axis=1) / (move.d1 * move.d2)
         regular = (beside > 0.3) & (bent > 0.3)
@@ -54,7 +54,7 @@ def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
 
 @pytest.mark.parametrize(("up", "axes"), [("y", {"left": (-1, 1, 0), "right": (1, 1, 0)}), ("z", {"right": (1, 0, 1)})])
 def test_axis_of_the_torso(tmp_path, up, axes):
-    """It moves with the torso, and is what the core takes for z."""
+    """The axis moves with the torso, and R takes it to the core's z."""
     clip = read(figure.write(tmp_path / "clip.bvh", up=up))
     for side, axis in axes.items():
         (arm,) = arms(clip, side)
@@ -86,7 +86,7 @@ def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
 
 
 def test_bones_turn_about_themselves_as_in_the_clip_on_average(tmp_path):
-    """A figure whose elbow is a hinge, as the core's: not only the joints but all of their turns come back."""
+    """A figure whose elbow is a hinge, as in the core: all joint rotations are reproduced, not only the positions."""
     clip = read(figure.write(tmp_path / "clip.bvh"))
     angles = clip.bvh.joint_angles.copy()
     for arm in arms(clip):
@@ -186,7 +186,7 @@ def test_a_binary_file_and_none(tmp_path):
 
 @pytest.mark.parametrize("path", MOCAP, ids=lambda path: path.stem)
 def test_motion_capture(path, tmp_path):
-    """People: with a constant swivel angle from the torso's axis, no arm turns much faster than theirs."""
+    """Human motion: with a constant swivel angle from the torso's axis, no arm turns much faster than the original."""
     clip = read(path)
     for width, tolerance in ELBOW.items():
         moves = followed(clip, "torso", width)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The animated file: valid, and its nodes are where the clip's joints are."""
+"""Animated file: it is valid, and its nodes are at the clip's joints."""
 
 import numpy as np
 import pygltflib
@@ -13,7 +13,7 @@ from model.motion.tests import figure
 
 
 def values(file, accessor):
-    """The numbers of an accessor, (count, components)."""
+    """Return the numbers of an accessor, (count, components)."""
     about = file.accessors[accessor]
     view = file.bufferViews[about.bufferView]
     kind = {pygltflib.FLOAT: np.float32, pygltflib.UNSIGNED_BYTE: np.uint8}[about.componentType]
@@ -29,7 +29,7 @@ def values(file, accessor):
 def test_nodes_are_where_the_joints_are(tmp_path, up):
     clip = read(figure.write(tmp_path / "clip.bvh", up=up))
     if up == "x":
-        clip.bvh.world_up = "+x"  # which nobody would guess
+        clip.bvh.world_up = "+x"  # an up direction that cannot be guessed
     assert clip.bvh.world_up == f"+{up}"
     angles = clip.bvh.joint_angles.copy()
     angles[:, 0, 0] += np.linspace(0, 20, len(angles))  # three turns, through both signs of the quaternion
@@ -65,7 +65,7 @@ def test_nodes_are_where_the_joints_are(tmp_path, up):
 
     walk(file.scenes[file.scene].nodes[0], Rotation.identity(count), np.zeros((count, 3)))
     assert found["a figure"].max() == 0
-    order = {"x": [2, 0, 1], "y": [0, 1, 2], "z": [1, 2, 0]}[up]  # which of the clip's axes becomes x, y, z
+    order = {"x": [2, 0, 1], "y": [0, 1, 2], "z": [1, 2, 0]}[up]  # the clip's axes that become x, y, z
     expected = clip.bvh.node_positions()[:, :, order]
     for name, n in clip.bvh.node_index.items():
         np.testing.assert_allclose(found[name], expected[:, n], atol=1e-5)

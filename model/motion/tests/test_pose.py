@@ -21,7 +21,7 @@ COUNT = 500
 
 @pytest.fixture(scope="module")
 def reachable():
-    """Points (N, 3) and swivel angles (N,)."""
+    """Return points (N, 3) and swivel angles (N,)."""
     random = np.random.default_rng(1)
     points = random.normal(size=(COUNT, 3))
     points *= (random.uniform(0.1, 0.59, COUNT) / np.linalg.norm(points, axis=1))[:, None]
@@ -43,7 +43,7 @@ def test_hand_and_swivel_in_the_users_frame(reachable, axis, datapath):
 
 @pytest.mark.parametrize("axis", AXES)
 def test_swivel_turns_the_elbow_about_the_line_to_the_wrist(reachable, axis):
-    """By its definition: a right-handed turn about p, from the half plane in which the axis points."""
+    """Definition: a right-handed turn about p, from the half plane in which the axis points."""
     points, phi = reachable
     unit = points / np.linalg.norm(points, axis=1)[:, None]
     zero, turned = solve(points, 0, axis=axis), solve(points, phi, axis=axis)
@@ -54,7 +54,7 @@ def test_swivel_turns_the_elbow_about_the_line_to_the_wrist(reachable, axis):
 
 
 def test_the_frame_is_a_turn_of_the_core(reachable):
-    """The same arm seen from a turned frame has turned points and a turned shoulder."""
+    """The same arm in a rotated frame has rotated points and a rotated shoulder."""
     points, phi = reachable
     r = axes.to_z((0.3, 1.0, 0.0))
     ours, core = solve(points, phi, axis=(0.3, 1.0, 0.0)), solve(rotate(r, points), phi)
@@ -76,7 +76,7 @@ def test_a_width_gives_the_words_of_the_core(reachable, datapath, width):
 
 @pytest.mark.parametrize("axis", axes.NAMED)
 def test_a_named_axis_loses_no_bit(reachable, axis):
-    """The words are those of permuted coordinates, and Qs holds sums of four of them over 2, exact in a double."""
+    """The words are those of permuted coordinates; Qs holds sums of four of them over 2, exact in a double."""
     points, phi = reachable
     r = axes.to_z(axis)
     there = (matrix(r) @ points.T).T
@@ -154,7 +154,7 @@ def test_order_and_scipy(reachable):
 
 
 def test_continuous():
-    """No component jumps along an arm, whatever arm comes between; nothing but signs changes."""
+    """Components do not jump along an arm, even if arms are interleaved; only signs change."""
     t = np.linspace(0, 4 * np.pi, 400)
     circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
     other = np.random.default_rng(3).permutation(circle)

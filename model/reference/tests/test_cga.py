@@ -13,7 +13,7 @@ RNG = np.random.default_rng(20080101)
 
 
 def values(mv):
-    """The 32 coefficients as an array (32, N)."""
+    """Return the 32 coefficients as an array (32, N)."""
     return np.stack(np.broadcast_arrays(*cga.coefficients(mv).values())).astype(float).reshape(32, -1)
 
 
@@ -26,7 +26,7 @@ def assert_zero(mv, what):
 
 
 def assert_same_entity(a, b, what):
-    """Equal up to a scale that is not 0."""
+    """Assert equality up to a nonzero scale."""
     a, b = values(a), values(b)
     lengths = np.linalg.norm(a, axis=0) * np.linalg.norm(b, axis=0)
     assert lengths.min() > 1e-6, f"{what}: an entity vanishes"
@@ -35,7 +35,7 @@ def assert_same_entity(a, b, what):
 
 
 def grade(mv):
-    """The one grade whose coefficients are not all 0."""
+    """Return the only grade with a nonzero coefficient."""
     present = [g for g in range(6) for b, v in cga.coefficients(mv).items() if len(factors(b)) == g and np.any(v)]
     assert len(set(present)) == 1, f"grades {set(present)}"
     return present[0]
@@ -94,7 +94,7 @@ def points_on_sphere(centre, radius, count):
 
 
 def circle_frame(size=20):
-    """A circle's centre (3, N), two orthogonal unit vectors in its plane, and that plane's unit normal."""
+    """Return a circle's centre (3, N), two orthogonal unit vectors in its plane, and that plane's unit normal."""
     frame = np.linalg.qr(RNG.normal(size=(size, 3, 3)))[0]
     return RNG.normal(size=(3, size)), frame[:, :, 0].T, frame[:, :, 1].T, frame[:, :, 2].T
 
@@ -104,7 +104,7 @@ def plane_through(centre, normal):
 
 
 def assert_entity(standard, direct, grades, points, what):
-    """Both representations have the grades of table 1, are each other's dual, and hold these points and no other."""
+    """Assert that both representations have table 1's grades, are dual, and contain exactly these points."""
     assert (grade(standard), grade(direct)) == grades, "grades of table 1"
     assert_same_entity(standard, cga.dual(direct), what)
     for p in points:
@@ -168,7 +168,7 @@ def test_point_pair():
 
 
 def test_centre_radius_and_direction():
-    """Of what is built from them, and of a circle and a pair as intersections."""
+    """Entities built from a given centre, radius and direction, and a circle and a pair as intersections."""
     centre, radius = RNG.normal(size=(3, 20)), RNG.uniform(0.5, 2, 20)
     sphere = cga.sphere(cga.point(*centre), radius)
     np.testing.assert_allclose(cga.radius(sphere), radius, atol=1e-12)

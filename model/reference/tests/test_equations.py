@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 3, equations (10)-(18): against forward kinematics, the print, and at poses the print leaves out.
+"""Layer 3, equations (10)-(18): against forward kinematics, the print, and at poses that the print omits.
 
 Measured largest errors over 10^5 targets of the domain of `random_targets`: with theta_3 0.05 rad or more
 from 0 and pi, hand 2e-14 of the reach and shoulder 3e-14 rad against the rotation matrix; with any theta_3,
@@ -16,11 +16,11 @@ from model.reference.equations import pose_flags, shoulder_quaternion, solve, so
 PHIS = np.linspace(-np.pi, np.pi, 17)
 
 HALF_OF_THE_DIGITS = 6e-8
-"""Rad, and of the reach: what the roots of (14) and (17) leave at a half angle of 0 or pi/2."""
+"""Bound (rad, and relative to the reach) for the roots of (14) and (17) at a half angle of 0 or pi/2."""
 
 
 def random_targets(size, seed):
-    """x, y, z, phi, d1, d2 of reachable targets all over the workspace, off the singular poses.
+    """Return x, y, z, phi, d1, d2 of reachable targets all over the workspace, off the singular poses.
 
     The elbow's interior angle is 0.05 rad or more from 0 and pi, wrist and elbow are 0.05 rad or more from
     the z axis. theta_3 is not restricted.
@@ -38,7 +38,7 @@ def random_targets(size, seed):
 
 
 def elbow_direction(targets):
-    """p_e/d1 (N, 3) by the law of cosines, no equation of the paper used."""
+    """Return p_e/d1 (N, 3) by the law of cosines, without the paper's equations."""
     x, y, z, phi, d1, d2 = (np.asarray(column, dtype=float) for column in targets)
     p = np.stack((x, y, z), axis=-1)
     distance = np.linalg.norm(p, axis=1)
@@ -60,14 +60,14 @@ def vector(result, name):
 
 
 def hand_error(result, targets):
-    """Distance of the forward kinematics' wrist from the target, over the reach."""
+    """Return the distance of the forward kinematics' wrist from the target, over the reach."""
     *p, _, d1, d2 = targets
     _, wrist = kinematics.forward(shoulder(result), elbow(result), d1, d2)
     return np.linalg.norm(wrist - np.stack(p, axis=-1), axis=1) / (np.asarray(d1) + d2)
 
 
 def matrix_form(targets):
-    """The shoulder from the directions of normal and elbow, which has no singular pose."""
+    """Return the shoulder from the directions of normal and elbow, a form without singular poses."""
     return shoulder_quaternion(swivel_normal(*targets[:4]), elbow_direction(targets))
 
 
@@ -88,7 +88,7 @@ def assert_defined(result):
 
 
 def assert_pose(targets):
-    """Defined, with the hand at the target and the shoulder of the matrix form, which has no singular pose."""
+    """Assert a defined pose, with the hand at the target and the shoulder of the non-singular matrix form."""
     result = solve(*targets)
     assert_defined(result)
     assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
@@ -125,7 +125,7 @@ def test_shoulder_is_the_rotation_of_the_matrix_form():
 
 
 def signed_swivel(targets, normal):
-    """Angle (rad) of the plane with this normal from the vertical plane, about the way to the wrist."""
+    """Return the angle (rad) of the plane with this normal from the vertical plane, about the wrist's direction."""
     p = np.stack(targets[:3], axis=-1)
     axis = p / np.linalg.norm(p, axis=1, keepdims=True)
     vertical = np.stack((p[:, 1], -p[:, 0], 0 * p[:, 0]), axis=-1)
@@ -133,7 +133,7 @@ def signed_swivel(targets, normal):
 
 
 def test_swivel_angle_is_phi():
-    """Modulo a turn, with its sign, of the plane and of the arm."""
+    """Modulo a turn, with its sign, for the plane and the arm."""
     found, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), *TARGETS[4:])
     arm = np.cross(np.stack(TARGETS[:3], axis=-1), found)
     for what, normal in (("pi_swivel (11)", vector(RESULT, "pi_swivel")), ("the arm itself", arm)):
@@ -164,7 +164,7 @@ def test_unit_of_length_does_not_matter(exponent):
 def test_target_on_the_z_axis_takes_azimuth_0(z):
     targets = columns(0, 0, z, PHIS, 0.3, 0.4)
     result = assert_pose(targets)
-    # The limit of a target that comes to the axis along +x, as its azimuth is 0.
+    # The limit of a target that approaches the axis along +x, as its azimuth is 0.
     limit = solve(*columns(1e-12, 0, z, PHIS, 0.3, 0.4))
     gap = kinematics.angle_between(shoulder(result), shoulder(limit))
     assert gap.max() < HALF_OF_THE_DIGITS, "shoulder against a target 1e-12 off the axis in the direction of x"
@@ -173,12 +173,12 @@ def test_target_on_the_z_axis_takes_azimuth_0(z):
 @pytest.mark.parametrize("up", [1, -1], ids=["elbow up", "elbow down"])
 @pytest.mark.parametrize("bend", [0.3, 1.5, 2.8])
 def test_elbow_on_the_z_axis(up, bend):
-    """Exactly for a wrist in the x-z or y-z plane, where roundoff allows; else but for roundoff."""
+    """Exact for a wrist in the x-z or y-z plane, where roundoff permits; otherwise up to roundoff."""
     azimuth = np.linspace(0, 2 * np.pi, 33)
     direction = np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend) * up
     phi = 0 if up > 0 else np.pi
     targets = columns(0.25 * direction[0], 0.25 * direction[1], 0.5 * up + 0.25 * direction[2], phi, 0.5, 0.25)
-    # An elbow that is on the axis but for roundoff has a Q_12 of no meaning; Q_3 must make up for it.
+    # For an elbow on the axis up to roundoff, Q_12 is meaningless; Q_3 must compensate for it.
     result = assert_pose(targets)
     assert np.hypot(result["p_e_x"], result["p_e_y"]).max() < 1e-14, "the pose that was meant"
 
@@ -191,7 +191,7 @@ def test_inner_product_of_0_gives_sign_plus():
 @pytest.mark.parametrize("p", [(0.75, 0, 0), (0, -0.75, 0), (0.25, 0.5, 0.5), (-0.5, 0.25, -0.5), (0, 0, 0.75)])
 @pytest.mark.parametrize("lengths", [(0.5, 0.25), (1.25, 0.5), (0.5, 1.25)], ids=["straight", "folded", "folded back"])
 def test_straight_and_folded_arm_keep_their_swivel(p, lengths):
-    """Reached exactly. P_w is then in pi_yz2 for every theta_3, and the printed sign is only roundoff."""
+    """The target is reached exactly. P_w is then in pi_yz2 for every theta_3, and the printed sign is only roundoff."""
     targets = columns(*p, PHIS, *lengths)
     assert (pose_flags(*targets[:3], *lengths) & ~ON_AXIS == 0).all(), "these targets are in reach"
     assert_pose(targets)
@@ -199,7 +199,7 @@ def test_straight_and_folded_arm_keep_their_swivel(p, lengths):
 
 @pytest.mark.parametrize("exponent", range(-1, -13, -1))
 def test_near_singular_poses(exponent):
-    """10^-1 .. 10^-12 off full stretch, full fold, wrist on the axis, elbow on the axis; else random."""
+    """Poses 10^-1 .. 10^-12 from full stretch, full fold, wrist on the axis, elbow on the axis; otherwise random."""
     rng = np.random.default_rng(-exponent)
     off, size = 10.0**exponent, 300
     d1, d2, azimuth, phi = (
@@ -224,8 +224,7 @@ def test_near_singular_poses(exponent):
         result = solve(*targets)
         assert_defined(result)
         assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, f"{kind}: hand"
-        # At the fold the elbow's direction is as uncertain as roundoff over |p|: compare against the elbow
-        # found.
+        # At the fold the elbow's direction is as uncertain as roundoff over |p|: compare with the computed elbow.
         e = vector(result, "p_e")
         e /= np.linalg.norm(e, axis=1, keepdims=True)
         expected = shoulder_quaternion(swivel_normal(*targets[:4]), e)
@@ -268,7 +267,7 @@ CLAMPED = {
         for d1, d2 in ((0, 0.3), (0.3, 0), (-0.1, 0.3), (0.3, -1), (0, 0), (-1, -1))
     },
 }
-"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, folded or straight."""
+"""Return case -> positions, lengths, flags, elbow and wrist along the direction of the target, folded or straight."""
 
 
 @pytest.mark.parametrize("case", CLAMPED)
@@ -290,7 +289,7 @@ def test_clamped_arms_lie_along_the_target(case):
 
 
 def test_flags_are_exact_at_the_limits():
-    """3-4-5 triangles of 31-bit words and one last place more, which squares in doubles cannot tell apart."""
+    """3-4-5 triangles of 31-bit words and one ulp more, which squares in doubles cannot distinguish."""
     ulp = 2.0**-30
     x, y = 3 * (2**28 - 1) * ulp, 4 * (2**28 - 1) * ulp
     reach = 5 * (2**28 - 1) * ulp
@@ -335,7 +334,7 @@ def test_a_clamped_pose_continues_the_reachable_ones():
         assert gap.max() < 1e-3, "shoulder: the root of 1e-9 is the natural step"
 
 
-# -- refused input
+# -- rejected input
 
 
 @pytest.mark.parametrize(

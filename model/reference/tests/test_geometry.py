@@ -19,12 +19,12 @@ EQUATIONS = equations.solve(*TARGETS)
 
 
 def normal(plane):
-    """The (not unit) normal of a plane in standard representation, (N, 3)."""
+    """Return the (non-unit) normal of a plane in standard representation, (N, 3)."""
     return np.stack([cga.coefficient(plane, name) for name in ("e1", "e2", "e3")], axis=-1)
 
 
 def assert_incident(entity, point, what):
-    """The point lies on the entity, which is in standard representation."""
+    """Assert that the point lies on the entity, which is in standard representation."""
     product = np.stack([v for v in cga.coefficients(point | entity).values() if np.shape(v)])
     size = np.stack([v for v in cga.coefficients(entity).values() if np.shape(v)])
     assert (np.abs(product).max(axis=0) < 1e-11 * np.abs(size).max(axis=0)).all(), what
@@ -97,7 +97,7 @@ def test_numbers_and_arrays_broadcast():
 
 
 def test_symbols_give_the_papers_swivel_plane():
-    """(11) comes out of the geometry, with the squared cosine that the print has not."""
+    """The geometry yields (11), with the squared cosine that the print lacks."""
     x, y, z, phi = sympy.symbols("p_wx p_wy p_wz phi", real=True)
     _, length, pi_swivel = geometry.swivel_plane(cga.point(x, y, z), phi)
     assert sympy.simplify(length - sympy.sqrt(x**2 + y**2 + z**2)) == 0, "(10)"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean dataflow in double precision: against the paper's equations, forward kinematics and exact integers.
+"""Lean dataflow in double precision: against the paper's equations, forward kinematics and exact integers.
 
 Measured largest differences: 10^5 targets of the whole workspace 3e-11 rad (shoulder) and 9e-14 rad (elbow) from
-`equations.solve`, which has 1e-11 of the reach as hand error there; the lean form has 1.4e-15. Next to singular poses
+`equations.solve`, whose hand error there is 1e-11 of the reach; the lean form has 1.4e-15. Next to singular poses
 (`singular`) the print evaluated with 80 digits is 1e-15 rad from the lean form and up to 3e-8 rad from `solve`.
 """
 
@@ -25,7 +25,7 @@ NODES = (
     "az_c", "az_s", "tilt_c", "tilt_s", "arm_c", "arm_s", "cos_h", "sin_h", "length_sq",
 )  # fmt: skip
 ROUNDOFF = 5e-15
-"""Rad, and of the reach."""
+"""Bounds in rad, and relative to the reach."""
 
 EDGES = np.array([0.0, 1e-3, 1e-7, 1e-12, 1e-15])
 
@@ -48,7 +48,7 @@ def assert_defined(result):
 
 
 def workspace(size, seed):
-    """Reachable targets, no pose left out: any direction, any distance between fold and stretch, any swivel."""
+    """Return reachable targets of all poses: any direction, any distance between fold and stretch, any swivel."""
     rng = np.random.default_rng(seed)
     d1, d2 = rng.uniform(0.2, 1, (2, size))
     near = np.abs(d1 - d2)
@@ -58,7 +58,7 @@ def workspace(size, seed):
 
 
 def singular(size, seed):
-    """Reachable targets 1e-2 to 1e-12 (relative) from the poses where a root of the paper loses digits, by kind."""
+    """Return reachable targets 1e-2 to 1e-12 (relative) from poses where a root of the paper loses digits, by kind."""
     rng = np.random.default_rng(seed)
     d1, d2 = rng.uniform(0.2, 1, (2, size))
     near, reach = np.abs(d1 - d2), d1 + d2
@@ -89,14 +89,14 @@ def singular(size, seed):
 
 
 def _swivel_of_theta_3(v, distance, d1, d2, off):
-    """phi at which qs_w is near 0, by bisection: theta_3 is 0 there."""
+    """Return phi at which qs_w is near 0, by bisection: theta_3 is 0 there."""
     low, high = np.zeros_like(off), np.full_like(off, 2 * np.pi)
 
     def signed(phi):
         result = solve_lean(*(v * distance), phi, d1, d2)
         return result["qs_w"] * np.sign(result["qs_k"])
 
-    # Qs turns its sign over a full turn of phi, so w has a zero unless k, which is kept >= 0, has one first.
+    # Qs changes its sign over a full turn of phi, so w has a zero unless k, which is kept >= 0, has one first.
     first = signed(low)
     for _ in range(60):
         middle = (low + high) / 2
@@ -109,10 +109,10 @@ def _swivel_of_theta_3(v, distance, d1, d2, off):
 
 
 def the_print():
-    """(10)-(18) as printed but for the square in (11): a function of six numbers of mpmath, answering with a dict."""
+    """Return (10)-(18) as printed, except for the square in (11): a function from six mpmath numbers to a dict."""
     lines = {}
     for number, rows in printed.TEXT.items():
-        if number == "(19)":  # the same sums once more
+        if number == "(19)":  # repeats the same sums
             continue
         for name, text in rows.items():
             if name in ("pi_swivel_x", "pi_swivel_y"):
@@ -149,7 +149,7 @@ SINGULAR = singular(100, seed=2)
 
 @pytest.mark.parametrize("kind", SINGULAR)
 def test_agrees_with_the_print_next_to_singular_poses(kind):
-    """There double precision is not enough for the paper's equations: they are evaluated with 80 digits."""
+    """Double precision is insufficient for the paper's equations there: they are evaluated with 80 digits."""
     targets = SINGULAR[kind]
     lean = solve_lean(*targets)
     with mpmath.workdps(80):
@@ -214,7 +214,7 @@ def test_words_of_the_core():
 
 
 def test_sums_are_exact_next_to_the_limits():
-    """A, B and K against rational numbers, with links up to 10^14 apart and targets at the limits but for one ulp."""
+    """A, B and K against rational numbers, with links up to 10^14 apart and targets within an ulp of the limits."""
     rng = np.random.default_rng(10)
     size = 400
     d1 = rng.uniform(0.5, 1, size)
@@ -222,7 +222,7 @@ def test_sums_are_exact_next_to_the_limits():
     limit = np.where(rng.random(size) < 0.5, d1 + d2, d1 - d2)
     x = np.where(rng.random(size) < 0.5, limit, d1) * np.where(rng.random(size) < 0.2, 0.6, 1)
     y = np.sqrt(np.maximum(limit * limit - x * x, 0)) * rng.choice([1, 1 + 2e-16, 1 - 1e-16], size)
-    y = np.where((x == d1) & (rng.random(size) < 0.5), np.sqrt(2 * d1 * d2), y)  # x^2 + y^2 = r^2 but for d2^2
+    y = np.where((x == d1) & (rng.random(size) < 0.5), np.sqrt(2 * d1 * d2), y)  # x^2 + y^2 = r^2 except for d2^2
     d1, d2 = (np.where(swap, b, a) for swap in (rng.random(size) < 0.5,) for a, b in ((d1, d2), (d2, d1)))
     lean = solve_lean(x, y, 0.0, 0.3, d1, d2)
     assert_defined(lean)
@@ -313,7 +313,7 @@ def test_defined_at_the_ends_of_the_number_range():
 
 
 def test_arms_of_very_unequal_links():
-    """The limits of LENGTH_RANGE: the elbow's angle at the shoulder keeps its digits."""
+    """Limits of LENGTH_RANGE: the elbow's angle at the shoulder keeps its digits."""
     for d1, d2 in ((1e-15, 1.0), (1.0, 1e-15), (1e-15, 1e15), (1e15, 1e-15), (1e-3, 1e3), (1e-9, 1e6)):
         near = (1 + np.arange(-3, 4) * 2.0**-52) * max(d1, d2)
         targets = columns(np.append(near, 0.6 * max(d1, d2)), 0.0, np.append(0 * near, 0.8 * max(d1, d2)), 0.7, d1, d2)

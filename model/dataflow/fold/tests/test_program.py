@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The program on file computes the dataflow, and the checker that says so notices what is wrong with one."""
+"""Tests that the program on file computes the dataflow, and that the checker detects wrong programs."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def words(made) -> list[int]:
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_program_computes_the_dataflow(width):
-    """It is the same at every word length."""
+    """The program is the same at every word length."""
     _, made = program(width)
     check(words(made), lower(Layout(width))[1])
     assert words(made) == words(program(24)[1])
@@ -33,8 +33,8 @@ def test_the_program_computes_the_dataflow(width):
 @pytest.mark.slow
 @pytest.mark.cost(26)
 def test_every_field_matters():
-    """Each field of each clock that says something, changed: but for a few that change nothing, such as an addend that
-    is 0 anyway."""
+    """Change each nonzero field of each clock: the checker must fail, except for a few changes without effect, such as
+    an addend that is 0 anyway."""
     right, at, unnoticed = words(program(24)[1]), 0, []
     for name, bits in FIELDS.items():
         for clock, word in enumerate(right):
@@ -45,7 +45,7 @@ def test_every_field_matters():
                 try:
                     check(wrong, GROUPS)
                     unnoticed.append((name, clock))
-                except (WrongProgramError, IndexError, KeyError, AssertionError):  # some have no such code, or place
+                except (WrongProgramError, IndexError, KeyError, AssertionError):  # some have no such code or place
                     pass
         at += bits
     assert len(unnoticed) <= 6, unnoticed
@@ -54,14 +54,14 @@ def test_every_field_matters():
 @pytest.mark.parametrize("step", ["d2", "x_n", "u_x", "cos_a", "wi_c", "w_q"])
 @pytest.mark.parametrize("early", [1, 6, -40])
 def test_a_step_in_another_clock_is_refused(step, early):
-    """By the encoder, where two steps need a field or a place; else by the checker."""
+    """The encoder rejects it where two steps need a field or a place; otherwise the checker does."""
     moved = replace(schedule(), starts=schedule().starts | {step: schedule().starts[step] - early})
     with pytest.raises((ConflictError, WrongProgramError)):
         check(words(encode(GROUPS, moved)), GROUPS)
 
 
 def test_a_place_that_is_still_wanted(monkeypatch):
-    """Two words in one place."""
+    """Two live words share one place."""
     made = program(24)[1]
     other = {**made.places, "inv_law": made.places["root_far"]}
     monkeypatch.setattr("model.dataflow.fold.program.allocate", lambda *_: other)
