@@ -83,9 +83,13 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
 
     def core(
-        self, sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int = WIDTHS[-1], most: int = 1,
+        self,
+        sim: str = SIMULATORS[0],
+        datapath: str | None = DEFAULT,
+        width: int = WIDTHS[-1],
+        most: int = 1,
         sims: Sequence[str] = SIMULATORS,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Add --sim, --datapath and --width. With `most` above 1 --datapath takes up to that number of names; None as
         its default stands for all dataflows in the paper's scenario, otherwise the first."""
         default = "(default: %(default)s)"
@@ -437,8 +441,13 @@ def progress(name: str, total: int, first: int = 0, every: float = EVERY) -> Ite
                 _meters[-1].said = meter.said
         return
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
-        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
-    )  # fmt: skip
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=console, transient=True, speed_estimate_period=RECENT) as bar:
         yield Meter(name, total, first, bar=bar)

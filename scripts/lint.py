@@ -35,8 +35,13 @@ MODULE_SETS = {
     "ik_axi_write": BUSES,
     "ik_axi_result": [{"W": w, "DATA_W": d} for w, d in ((32, 64), (18, 32), (16, 128))],
     "ik_axi_target": [{"W": w} for w in (32, 31, 18, 16)],
-    "ik_axis": [{"W": 32}, {"W": 18}, {"W": 18, "DATAPATH": 0, "DIGIT": 1},
-                {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
+    "ik_axis": [
+        {"W": 32},
+        {"W": 18},
+        {"W": 18, "DATAPATH": 0, "DIGIT": 1},
+        {"W": 18, "TILE": 25},
+        {"W": 24, "DATAPATH": 2},
+    ],
     "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}],
     "ik_div_digit": [
         {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 34},
@@ -77,6 +82,7 @@ GENERATED = re.compile(r"rtl/.*(_nodes|_table|latency|program)\.vh|.*/ik_regs\..
 
 TOOLS = {
     "ruff": ["ruff", "check", "--quiet", "."],
+    "ruff format": ["ruff", "format", "--check", "--quiet", "."],
     "imports (import-linter)": ["lint-imports", "--no-logo", "--cache-dir", "build/import_linter"],
     "types of the model (mypy)": ["mypy"],
 }

@@ -86,11 +86,17 @@ def page(results: list[Result], count: int, seed: int) -> str:
     commit = ["git", "describe", "--always", "--dirty"]
     commit = subprocess.run(commit, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     return render(
-        "mutants", today=date.today().isoformat(), commit=commit or "unknown", count=count, seed=seed, head=HEAD,
-        rows=campaign.rows(results), designs=[design.name for design in campaign.DESIGNS],
+        "mutants",
+        today=date.today().isoformat(),
+        commit=commit or "unknown",
+        count=count,
+        seed=seed,
+        head=HEAD,
+        rows=campaign.rows(results),
+        designs=[design.name for design in campaign.DESIGNS],
         mean=sum(result.seconds for result in results) / max(len(results), 1),
         survivors=sorted(result.mutant for result in results if result.verdict == SURVIVED),
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

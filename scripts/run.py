@@ -49,20 +49,31 @@ def score_runs(
     """Return each run with its score, and with predicted errors if `predict` is set."""
     scores = [
         score(
-            item.targets, item.words, item.exponent, run.results, run.flags,
-            width=arguments.width, datapath=datapath, simulator=arguments.sim,
-            latency_cycles=run.latency_cycles, total_cycles=run.total_cycles,
-            bit_mismatches=run.bit_mismatches, first_mismatch=run.first_mismatch,
+            item.targets,
+            item.words,
+            item.exponent,
+            run.results,
+            run.flags,
+            width=arguments.width,
+            datapath=datapath,
+            simulator=arguments.sim,
+            latency_cycles=run.latency_cycles,
+            total_cycles=run.total_cycles,
+            bit_mismatches=run.bit_mismatches,
+            first_mismatch=run.first_mismatch,
             predicted=hand_bar(item.words, arguments.width, datapath) if predict else None,
             bar=arguments.bar,
         )
         for item, run in zip(prepared, runs, strict=True)
-    ]  # fmt: skip
+    ]
     return list(zip(runs, scores, strict=True))
 
 
 def run_and_score(
-    arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None,
+    arguments: argparse.Namespace,
+    datapath: str,
+    prepared: Sequence[Prepared],
+    waves: Path | None = None,
     predict: bool = True,
 ) -> list[tuple[Run, Score]]:
     """Run all trajectories through a datapath in one simulation; return them with scores. Raises SimulationError."""

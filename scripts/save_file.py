@@ -157,9 +157,14 @@ class _Save:
         self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
     def word(
-        self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None,
+        self,
+        path: tuple[str, ...],
+        fmt: Format,
+        label: str,
+        lowest: int = 0,
+        of: int | None = None,
         color: GTKWColor | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Add a word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
         if fmt.width == 1:
             self.writer.trace(self.name_of(path), alias=label, datafmt="bin", color=color)

@@ -61,7 +61,7 @@ from scripts.console import (
     show,
     whole,
     writing,
-)  # fmt: skip
+)
 from scripts.generate.render import render
 from scripts.paper.table6.compiled import SOURCE, library
 from scripts.tables import table_of_hardest, table_of_soak
@@ -289,12 +289,21 @@ def code(datapath: str) -> str:
 def _keep(core: Core, of: str, found: Found, first: int) -> None:
     """Add a row to the figures, and write the page."""
     row = {
-        "datapath": core.datapath, "width": core.width, "of": of, "simulator": core.sim, "from": first,
-        "date": date.today().isoformat(), "code": code(core.datapath),
-        "targets": found.targets, "reachable": found.reachable,
-        "hand": found.hand_error_max, "tolerance": tolerances.hand(core.width, core.datapath),
-        "norm": found.norm_error_max, "flags": dict(found.flags), "apart": found.apart,
-    }  # fmt: skip
+        "datapath": core.datapath,
+        "width": core.width,
+        "of": of,
+        "simulator": core.sim,
+        "from": first,
+        "date": date.today().isoformat(),
+        "code": code(core.datapath),
+        "targets": found.targets,
+        "reachable": found.reachable,
+        "hand": found.hand_error_max,
+        "tolerance": tolerances.hand(core.width, core.datapath),
+        "norm": found.norm_error_max,
+        "flags": dict(found.flags),
+        "apart": found.apart,
+    }
     rows = dict(sorted((recorded() | {f"{core.datapath}, {core.width} bits, {of}": row}).items()))
     with writing():
         write_atomically(FIGURES, json.dumps(rows, indent=1) + "\n")

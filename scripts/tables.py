@@ -73,11 +73,15 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
         clamped = _number(result.clamped_error_max), _asked(result.clamped_error_bar)
         rows.append(("error of the clamped hand / reach, largest", *clamped))
     occurred = int(np.bitwise_or.reduce(flags))
-    clocks = [
-        (LATENCY, str(result.latency_cycles)),
-        (CLOCKS, str(result.total_cycles)),
-        (RATE, f"{result.results_per_cycle:.3f}"),
-    ] if result.results_per_cycle else []  # fmt: skip
+    clocks = (
+        [
+            (LATENCY, str(result.latency_cycles)),
+            (CLOCKS, str(result.total_cycles)),
+            (RATE, f"{result.results_per_cycle:.3f}"),
+        ]
+        if result.results_per_cycle
+        else []
+    )
     return [
         *rows,
         ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
@@ -161,18 +165,20 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
         ("targets", str(found.targets)),
         ("of them in reach", str(found.reachable)),
         ("bits that differ from the bit-true model", "0", "0"),
-        ("hand error / reach, largest", f"{found.hand_error_max:.2e}",
-         "not asked" if most is None else f"{most:.2e}"),
+        ("hand error / reach, largest", f"{found.hand_error_max:.2e}", "not asked" if most is None else f"{most:.2e}"),
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
         *([] if most else [("targets seen above their prediction", str(found.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),
         *(
-            (f"{of}, {n} targets: largest difference of a result", f"{most_apart:.2e}",
-             f"{tolerances.lean(core.width):.2e}")
+            (
+                f"{of}, {n} targets: largest difference of a result",
+                f"{most_apart:.2e}",
+                f"{tolerances.lean(core.width):.2e}",
+            )
             for of, (n, most_apart) in found.apart.items()
         ),
         ("targets a second, build excluded", f"{rate:.0f}"),
-    ):  # fmt: skip
+    ):
         table.add_row(*row)
     return table
 

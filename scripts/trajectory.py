@@ -44,10 +44,17 @@ class Prepared:
 
 
 def parser_of(
-    command: str, description: str, *, out: str, written: str,
-    passes: str = "all trajectories pass", fails: str = "one fails", datapath: str | None = DEFAULT,
-    most: int = 1, core: bool = True,
-) -> Parser:  # fmt: skip
+    command: str,
+    description: str,
+    *,
+    out: str,
+    written: str,
+    passes: str = "all trajectories pass",
+    fails: str = "one fails",
+    datapath: str | None = DEFAULT,
+    most: int = 1,
+    core: bool = True,
+) -> Parser:
     """Return the parser of a command that runs trajectories.
 
     out: default of --out; written: files there, for its help; passes, fails: as for `Parser`; datapath: the default,
@@ -65,10 +72,13 @@ def parser_of(
     if core:
         parser.core(datapath=datapath, most=most)
         parser.choice(
-            "--cores", "cores", CORES, CORES[0],
+            "--cores",
+            "cores",
+            CORES,
+            CORES[0],
             "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
             "the results are the same (default: %(default)s)",
-        )  # fmt: skip
+        )
     about = (
         "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
         "targets; it should point where no wrist goes; torso, of a clip: outward and up (default: z; of a clip: torso)"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A GTKWave save file for a VCD of ``ik_axis`` that a simulator of your own recorded.
 
-    python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
+python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
 """
 
 from __future__ import annotations

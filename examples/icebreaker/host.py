@@ -127,9 +127,13 @@ def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
 
 def _parser() -> Parser:
     parser = parser_of(
-        "run", "Send targets through a board with examples/icebreaker and score its answers.", out="build/icebreaker",
-        written="results.csv and score.json", fails="one fails or the board does not answer", core=False,
-    )  # fmt: skip
+        "run",
+        "Send targets through a board with examples/icebreaker and score its answers.",
+        out="build/icebreaker",
+        written="results.csv and score.json",
+        fails="one fails or the board does not answer",
+        core=False,
+    )
     parser.prog = "python -m examples.icebreaker.host"
     parser.add_argument("port", metavar="PORT", help="the serial port, such as /dev/ttyUSB1")
     default = "(default: %(default)s)"

@@ -58,8 +58,13 @@ class Datapath:
 
 DATAPATHS = {
     "lean": Datapath(
-        "lean", lean.lean, lean.sections, lean.SECTIONS, {"DATAPATH": 1, "TILE": TILE}, lean.WIDTHS,
-    ),  # fmt: skip
+        "lean",
+        lean.lean,
+        lean.sections,
+        lean.SECTIONS,
+        {"DATAPATH": 1, "TILE": TILE},
+        lean.WIDTHS,
+    ),
     "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"DATAPATH": 0}),
 }
 """Dataflows by name."""
@@ -70,17 +75,30 @@ DEFAULT = "lean"
 LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"DATAPATH": 1, "TILE": 25}, tile=25)
 
 LEAN16 = replace(
-    DATAPATHS["lean"], name="lean16", parameters={"DATAPATH": 1, "TILE": 16}, tile=16, widths=range(16, 25),
-)  # fmt: skip
+    DATAPATHS["lean"],
+    name="lean16",
+    parameters={"DATAPATH": 1, "TILE": 16},
+    tile=16,
+    widths=range(16, 25),
+)
 
 FOLD = replace(
-    DATAPATHS["lean"], name="fold", parameters={"DATAPATH": 2, "TILE": TILE}, widths=range(20, 33, 2),
-    times=shown.times, period=program.schedule().period, behind=0,
-)  # fmt: skip
+    DATAPATHS["lean"],
+    name="fold",
+    parameters={"DATAPATH": 2, "TILE": TILE},
+    widths=range(20, 33, 2),
+    times=shown.times,
+    period=program.schedule().period,
+    behind=0,
+)
 
 FOLD16 = replace(
-    FOLD, name="fold16", parameters={"DATAPATH": 2, "TILE": 16}, tile=16, widths=range(18, 25, 2),
-)  # fmt: skip
+    FOLD,
+    name="fold16",
+    parameters={"DATAPATH": 2, "TILE": 16},
+    tile=16,
+    widths=range(18, 25, 2),
+)
 
 CONFIGURATIONS = DATAPATHS | {path.name: path for path in (LEAN25, LEAN16, FOLD, FOLD16)}
 """Everything that can be run, by its ``DATAPATH=`` name: the dataflows, the lean one with products cut for multipliers

@@ -59,7 +59,6 @@ SECTIONS = {
 }
 """Section name -> description; the RTL module is ``ik_lean_<section>``, its instance ``u_<section>``."""
 
-
 # Exact ranges of the nodes from geometry, with the reason.
 
 SQUARES = "squares of words in [-2, 2)"
@@ -192,9 +191,14 @@ def direction(d: Domain, f: Lean) -> None:
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
     L(18).op(
-        "n_el", ("e_rho", "e_s"), f.count, "mux", Count((1, -1)),
-        within=not_negative(RISES), exact="e_rho_at_e_s - e_s",
-    )  # fmt: skip
+        "n_el",
+        ("e_rho", "e_s"),
+        f.count,
+        "mux",
+        Count((1, -1)),
+        within=not_negative(RISES),
+        exact="e_rho_at_e_s - e_s",
+    )
     down = Shift(0, -1)
     L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, down.real, FLOOR, within=RISEN)
     L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
@@ -235,15 +239,26 @@ def triangle(d: Domain, f: Lean) -> None:
     arms, down = Count((1, -1, -1), 2 + f.odd), Shift(3, -1, left=2)
     for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
         L(line).op(
-            f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms,
+            f"n_{side}",
+            (f"e_{side}", "e_1", "e_2"),
+            f.count,
+            "mux",
+            arms,
             within=not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"),
             exact=f"e_{side} - e_1_at_e_far - e_2_at_e_far + 2 + ODD",
-        )  # fmt: skip
+        )
         shifted = ("inv_12", f"n_{side}")
         L(line).op(
-            f"inv_12_{side}_raw", shifted, f.raised, "shift", down, down.real, FLOOR,
-            within=ARMS_UNIT, grows=Growth((8.0, 0.0)),
-        )  # fmt: skip
+            f"inv_12_{side}_raw",
+            shifted,
+            f.raised,
+            "shift",
+            down,
+            down.real,
+            FLOOR,
+            within=ARMS_UNIT,
+            grows=Growth((8.0, 0.0)),
+        )
         limited(d, f, f"inv_12_{side}", ARMS_UNIT)
         L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
 
@@ -263,8 +278,13 @@ def triangle(d: Domain, f: Lean) -> None:
     inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     L(26).op(
-        "n_law", ("e_1", "e_s"), f.count, "mux", Count((2, 1)), exact="2 * e_1_at_e_s + e_s",
-    )  # fmt: skip
+        "n_law",
+        ("e_1", "e_s"),
+        f.count,
+        "mux",
+        Count((2, 1)),
+        exact="2 * e_1_at_e_s + e_s",
+    )
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
     law = Shift(-4 - f.odd, 1, left=raise_k, right=drop_k, width=f.inner.width)
     L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", law, law.real, FLOOR, within=K_UNIT)
@@ -272,14 +292,26 @@ def triangle(d: Domain, f: Lean) -> None:
     L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner, within=ROOT)
 
     L(28).op(
-        "n_ab", ("e_far", "e_near", "e_1", "e_s"), f.count, "sum2", Count((1, 1, -2, -1), 2 + f.odd),
-        within=not_negative("sin a <= 1"), exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
-    )  # fmt: skip
+        "n_ab",
+        ("e_far", "e_near", "e_1", "e_s"),
+        f.count,
+        "sum2",
+        Count((1, 1, -2, -1), 2 + f.odd),
+        within=not_negative("sin a <= 1"),
+        exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
+    )
     down = Shift(2, -1, left=2)
     L(28).op(
-        "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down, down.real, FLOOR,
-        within=LAW_UNIT, grows=Growth((4.0, 0.0)),
-    )  # fmt: skip
+        "inv_law_ab_raw",
+        ("inv_law", "n_ab"),
+        f.raised,
+        "shift",
+        down,
+        down.real,
+        FLOOR,
+        within=LAW_UNIT,
+        grows=Growth((4.0, 0.0)),
+    )
     inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
     L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
@@ -290,6 +322,7 @@ def triangle(d: Domain, f: Lean) -> None:
 
     arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
     large, small = "arm_sq_at_sin_a", "(clamp_at_sin_a ? 0 : (sin_a >>> 1))"
+
     def none(clamp, away):
         return clamp
 
@@ -302,9 +335,17 @@ def triangle(d: Domain, f: Lean) -> None:
     both = ("arm_sq", "sin_a", "clamp")
     for line, name, how in ((52, "arm_dif", PartSum(-1)), (53, "arm_sum", PartSum(1))):
         L(line).op(
-            name, both, f.inner, "mux", how, how.real, FLOOR, within=PAIR, grows=SUM,
+            name,
+            both,
+            f.inner,
+            "mux",
+            how,
+            how.real,
+            FLOOR,
+            within=PAIR,
+            grows=SUM,
             exact=f"{large} {'-' if how.sign < 0 else '+'} {small}",
-        )  # fmt: skip
+        )
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
@@ -330,8 +371,16 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         both = first + second
         parts = f"{first}_0", f"{second}_0"
         L(min(lines)).op(
-            f"{both}_0", parts, f.inner, "mux", plus, plus, within=PAIR, grows=SUM, exact=" + ".join(parts),
-        )  # fmt: skip
+            f"{both}_0",
+            parts,
+            f.inner,
+            "mux",
+            plus,
+            plus,
+            within=PAIR,
+            grows=SUM,
+            exact=" + ".join(parts),
+        )
         L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, kind="mul3_far", within=PAIR)
         turned = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
         for unit, other, arm, line in turned:
@@ -343,9 +392,16 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
                 L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM, exact=less)
             else:  # the larger part minus the smaller is s - c where they are swapped
                 L(line).op(
-                    f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), Turned(),
-                    within=PART, grows=SUM, exact=f"swap_at_wi_c ? {' + '.join(terms)} : {less}",
-                )  # fmt: skip
+                    f"{unit}_1",
+                    (*terms, "arm_swap"),
+                    f.inner,
+                    "mux",
+                    Turned(),
+                    Turned(),
+                    within=PART,
+                    grows=SUM,
+                    exact=f"swap_at_wi_c ? {' + '.join(terms)} : {less}",
+                )
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
@@ -354,12 +410,18 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     mantissa = Mantissa(f.mantissa.frac - f.frac, f.mantissa.high)  # of four times the length where it is below 1/4
     low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
     L(57).op(
-        "m_q", ("length_sq", low), f.mantissa, "mux", mantissa, mantissa.real,
-        within=Within(0.25, 1.0, "mantissa"), grows=Growth((4.0, 0.0)),
+        "m_q",
+        ("length_sq", low),
+        f.mantissa,
+        "mux",
+        mantissa,
+        mantissa.real,
+        within=Within(0.25, 1.0, "mantissa"),
+        grows=Growth((4.0, 0.0)),
         limited=Limited("1 and more becomes the largest mantissa"),
         exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
         " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
-    )  # fmt: skip
+    )
     # Doubled where the mantissa is of four times the length.
     inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
 
@@ -372,9 +434,16 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         # (18)
         plus_q, minus_q = (ROUNDED.format(f"{sign} {unit}_q") for sign in "+-")
         L(line).op(
-            f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, rounded.real, HALF_UP,
-            within=PART, exact=f"minus_at_w_q ? {minus_q} : {plus_q}",
-        )  # fmt: skip
+            f"qs_{unit}",
+            (f"{unit}_q", "minus"),
+            f.result,
+            "mux",
+            rounded,
+            rounded.real,
+            HALF_UP,
+            within=PART,
+            exact=f"minus_at_w_q ? {minus_q} : {plus_q}",
+        )
 
 
 # -- shared by the sections ------------------------------------------------------------------------------------------
@@ -387,15 +456,27 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
 
 
 def limited(
-    d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = None, limited: Limited = TWO,
-) -> Node:  # fmt: skip
+    d: Domain,
+    f: Lean,
+    name: str,
+    within: Within,
+    fmt: Format | None = None,
+    limited: Limited = TWO,
+) -> Node:
     """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
     of another format."""
     limit, most = Limit(f.inner.high), "((1 <<< (N - 1)) - 1)"
     return d.op(
-        name, (f"{name}_raw",), fmt or f.inner, "mux", limit, limit.real,
-        within=within, limited=limited, exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
-    )  # fmt: skip
+        name,
+        (f"{name}_raw",),
+        fmt or f.inner,
+        "mux",
+        limit,
+        limit.real,
+        within=within,
+        limited=limited,
+        exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
+    )
 
 
 def half_of(cosine: str) -> str:

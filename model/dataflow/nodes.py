@@ -259,7 +259,7 @@ class Domain(ABC):
         time = start + (self.latency[latency] if latency else 0)
         node = Node(
             name, self._section, self._equation, op, operands, fmt, latency, time, value, after, error, self.facts[name]
-        )  # fmt: skip
+        )
         self.nodes[name] = node
         return node
 
@@ -281,9 +281,16 @@ class Domain(ABC):
     # ``facts`` are the fields of :class:`Facts`.
 
     def op(
-        self, name: str, operands, fmt: Format, latency: str | None, bits: Callable, real: Callable | None = None,
-        error=EXACT, **facts,
-    ) -> Node:  # fmt: skip
+        self,
+        name: str,
+        operands,
+        fmt: Format,
+        latency: str | None,
+        bits: Callable,
+        real: Callable | None = None,
+        error=EXACT,
+        **facts,
+    ) -> Node:
         """Create a selection, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
 
         ``real`` is None where the result is a decision (a mask, a shift count) that requires integers.
@@ -329,9 +336,16 @@ class Domain(ABC):
         return self.make(name, "root", (n,), fmt, "root", value, error=FLOOR)
 
     def mul3(
-        self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, kind: str = "mul3", after: Node | None = None,
+        self,
+        name: str,
+        a: Node,
+        b: Node,
+        fmt: Format,
+        scale: int = 0,
+        kind: str = "mul3",
+        after: Node | None = None,
         **facts,
-    ) -> Node:  # fmt: skip
+    ) -> Node:
         """Create a * b * 2^scale from three tiles (:func:`model.dataflow.cores.mul3`); the kind mul3_far adds an
         operand register for long routes.  The node also waits for ``after``."""
         self.facts[name] = Facts(**facts)
@@ -345,9 +359,7 @@ class Domain(ABC):
         first, second = (n.format.width + (not n.format.signed) for n in (a, b))
         return a.format.frac + b.format.frac - scale - fmt.frac, (first, second)
 
-    def even(
-        self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format, **facts
-    ) -> None:  # fmt: skip
+    def even(self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format, **facts) -> None:
         """Shift the low ``width`` bits left by pairs until the first pair is not 0; create shift count and mantissa."""
         self.facts[name] = Facts(**facts)
         shift, mantissa = self.even_mantissa(count, name, value, width, fmt)
@@ -387,10 +399,13 @@ class Domain(ABC):
         """
         width = words[0].format.width
         counts = self.op(
-            count, words, self.unsigned(6, 0, "0"), "norm",
+            count,
+            words,
+            self.unsigned(6, 0, "0"),
+            "norm",
             lambda *v: np.where(_all_zero(v), 0, np.minimum.reduce([room(u, width) for u in v])),
             within=leading(width - 1),
-        )  # fmt: skip
+        )
         for k, (name, word) in enumerate(zip(names, words, strict=True)):
             self.facts[name] = Facts(**facts)
             fill = 1 << (width - 2) if k == 0 else 0
@@ -400,9 +415,7 @@ class Domain(ABC):
     # ---- evaluation in a domain: values of its own type ------------------------------------------------------------
 
     @abstractmethod
-    def apply(
-        self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None
-    ) -> Value:
+    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None) -> Value:
         """Return the value of :meth:`op`."""
 
     # The paper's datapath.

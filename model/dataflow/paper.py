@@ -90,9 +90,13 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("bad_length", (d1, d2), d.bit, "mux", lambda a, b: (a <= 0) | (b <= 0), within=REACHABLE)
     d.op("on_axis", (x, y), d.bit, "mux", lambda a, b: (a == 0) & (b == 0))
     d.op(
-        "at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0),
+        "at_shoulder",
+        (x, y, z),
+        d.bit,
+        "mux",
+        lambda a, b, c: (a == 0) & (b == 0) & (c == 0),
         within=REACHABLE,
-    )  # fmt: skip
+    )
 
     r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b)
     d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b)
@@ -108,9 +112,13 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three values are
     # overridden: p_e, c4 and the vector whose side decides the sign in (17).
     d.op(
-        "clamp", ("too_far", "too_near", "at_shoulder", "bad_length"), d.bit, "mux", lambda f, n, s, b: f | n | s | b,
+        "clamp",
+        ("too_far", "too_near", "at_shoulder", "bad_length"),
+        d.bit,
+        "mux",
+        lambda f, n, s, b: f | n | s | b,
         within=CLAMPED,
-    )  # fmt: skip
+    )
     bad = ("too_near", "at_shoulder", "bad_length")
     d.op("fold", bad, d.bit, "mux", lambda n, s, b: (n | s) & ~b, within=REACHABLE)
     d.op("away", ("too_near", d_raw), d.bit, "mux", lambda n, q: n & (q < 0), within=REACHABLE)
@@ -121,36 +129,59 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.normalize(("b_x", "b_y"), (x, y), "lz_b", within=DIRECTION_UNIT)
     # The arms in a unit of length that brings d1 + d2 to [1/2, 1), and the target in the same unit.
     lz_r = d.op(
-        "lz_r", (r_raw,), d.unsigned(6, 0, "0"), "lzc", lambda r: np.where(r == 0, 0, room(r, w + 1)),
+        "lz_r",
+        (r_raw,),
+        d.unsigned(6, 0, "0"),
+        "lzc",
+        lambda r: np.where(r == 0, 0, room(r, w + 1)),
         within=leading(w),
-    )  # fmt: skip
+    )
     mantissa = Format(w + 1, w, "W")
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
         d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=ARM_SH)
         d.op(
-            name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM,
+            name,
+            (f"{name}_sh", "clamp"),
+            d.word(0),
+            "mux",
+            lambda a, c: half_of(a, c, quarter),
+            error=JAM,
             within=ARM,
-        )  # fmt: skip
+        )
     for axis, raw in (("x", x), ("y", y), ("z", z)):
         d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=IN_REACH_SH)
         d.op(
-            f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM,
+            f"p_a_{axis}",
+            (f"p_a_{axis}_sh", "clamp"),
+            d.word(0),
+            "mux",
+            half_of,
+            error=JAM,
             within=IN_REACH,
-        )  # fmt: skip
+        )
     # d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder out
     # of reach.
     finer = Format(w + 1, w - 1, "W - 1")
     d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1), within=NOT_NEAR_SH)
     d.op(
-        "d_dif_j", ("d_dif_sh", "clamp"), d.word(1), "mux", lambda a, c: np.where(c, 0, a >> 1), error=FLOOR,
+        "d_dif_j",
+        ("d_dif_sh", "clamp"),
+        d.word(1),
+        "mux",
+        lambda a, c: np.where(c, 0, a >> 1),
+        error=FLOOR,
         within=NOT_NEAR,
-    )  # fmt: skip
+    )
     # Ratio of the two units: p_w = 2^j p_a.
     d.op(
-        "scale_j", (lz_p, lz_r, "clamp"), d.unsigned(6, 0, "0"), "mux", lambda p, r, c: np.where(c, 2, p - r + 1),
+        "scale_j",
+        (lz_p, lz_r, "clamp"),
+        d.unsigned(6, 0, "0"),
+        "mux",
+        lambda p, r, c: np.where(c, 2, p - r + 1),
         within=Given("target's unit", lambda c: c.j),
-    )  # fmt: skip
+    )
 
 
 UNIT_SQ = Rule(
@@ -292,13 +323,25 @@ def elbow(d: Domain) -> None:
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
     d.op(
-        "d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, lambda a, b: a + b,
-        within=ARMS, grows=SUM,
-    )  # fmt: skip
+        "d_sum",
+        ("d_1", "d_2"),
+        d.word(0),
+        "mux",
+        lambda a, b: a + b,
+        lambda a, b: a + b,
+        within=ARMS,
+        grows=SUM,
+    )
     d.op(
-        "s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, lambda a, j: a * 2.0**-j, FLOOR,
+        "s_j",
+        ("s", "scale_j"),
+        d.word(2),
+        "shift",
+        lambda a, j: a >> j,
+        lambda a, j: a * 2.0**-j,
+        FLOOR,
         within=TARGET,
-    )  # fmt: skip
+    )
     d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
     k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2), within=LAW)
 
@@ -343,12 +386,21 @@ def elbow(d: Domain) -> None:
         d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1), within=ELBOW)
         # A clamped arm's elbow lies on the line to the target, at half its distance here.
         d.op(
-            f"p_e_{axis}", (f"e_{axis}_quo", p[axis], "clamp", "away"), d.word(1), "mux",
+            f"p_e_{axis}",
+            (f"e_{axis}_quo", p[axis], "clamp", "away"),
+            d.word(1),
+            "mux",
             lambda q, t, c, a: np.where(c, np.where(a, -1, 1) * (t >> 2), q),
-            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q), JAM,
-        )  # fmt: skip
+            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q),
+            JAM,
+        )
     # (15) needs the length of the upper arm in the scale of p_e.
     d.op(
-        "d_e", ("d_1", "l_sw", "clamp"), d.word(1), "mux",
-        lambda a, b, c: np.where(c, b >> 1, a >> 1), lambda a, b, c: np.where(c, b / 2, a), FLOOR,
-    )  # fmt: skip
+        "d_e",
+        ("d_1", "l_sw", "clamp"),
+        d.word(1),
+        "mux",
+        lambda a, b, c: np.where(c, b >> 1, a >> 1),
+        lambda a, b, c: np.where(c, b / 2, a),
+        FLOOR,
+    )

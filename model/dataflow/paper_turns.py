@@ -39,10 +39,16 @@ def elbow_quaternion(d: Domain) -> None:
     for a in "xyz":
         # p_e^2 - p_e p_w = p_e (p_e - p_w)
         d.op(
-            f"f_{a}", (f"p_e_{a}", f"p_a_{a}"), d.word(1), "sum2",
-            lambda e, p: np.clip(((e << 1) - p + 1) >> 1, -(1 << (w - 1)), (1 << (w - 1)) - 1), lambda e, p: e - p,
-            HALF_UP, within=FOREARM, grows=Growth(added=True),
-        )  # fmt: skip
+            f"f_{a}",
+            (f"p_e_{a}", f"p_a_{a}"),
+            d.word(1),
+            "sum2",
+            lambda e, p: np.clip(((e << 1) - p + 1) >> 1, -(1 << (w - 1)), (1 << (w - 1)) - 1),
+            lambda e, p: e - p,
+            HALF_UP,
+            within=FOREARM,
+            grows=Growth(added=True),
+        )
         d.mul(f"t_{a}", n[f"p_e_{a}"], n[f"f_{a}"], d.wide(1))
 
     def rounding(c: Case) -> float:  # of |p_e|^2 - p_e p_w, whose error is the square's
@@ -50,18 +56,26 @@ def elbow_quaternion(d: Domain) -> None:
         return math.inf if c.clamped else c.square + c.straight + own
 
     t_e = d.sum(
-        "t_e", n["t_x"], n["t_y"], n["t_z"], fmt=d.word(-1),
+        "t_e",
+        n["t_x"],
+        n["t_y"],
+        n["t_z"],
+        fmt=d.word(-1),
         within=Rule("law of cosines", COSINE_LAW, lambda c: c.t_e, error=rounding),
         limited=SET_OUTSIDE,
-    )  # fmt: skip
+    )
     d_12 = d.mul("d_12", n["d_1"], n["d_2"], d.word(-1), within=ARMS_PRODUCT)
     d.div("c4_quo", t_e, d_12, d.word(1), limited=ULP)
     one = 1 << (w - 2)
     d.op(
-        "c4", ("c4_quo", "clamp", "fold"), d.word(1), "mux",
-        lambda q, c, f: np.where(c, np.where(f, one, -one), q), lambda q, c, f: np.where(c, np.where(f, 1.0, -1.0), q),
+        "c4",
+        ("c4_quo", "clamp", "fold"),
+        d.word(1),
+        "mux",
+        lambda q, c, f: np.where(c, np.where(f, one, -one), q),
+        lambda q, c, f: np.where(c, np.where(f, 1.0, -1.0), q),
         grows=SAME,
-    )  # fmt: skip
+    )
     _half(d, "h4_p", "c4", +1)
     _half(d, "h4_m", "c4", -1)
     d.root("qe_w", n["h4_p"], d.word(1))
@@ -73,10 +87,14 @@ def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
     """Compute (1 + sign cosine) / 2 of (6) and (7), limited to [0, 1]: an unsigned word, so that 1 fits."""
     w = d.width
     d.op(
-        name, (cosine,), d.unsigned(w, w - 1, "W - 1"), "mux",
-        lambda c: np.clip((1 << (w - 2)) + sign * c, 0, 1 << (w - 1)), lambda c: np.clip((1 + sign * c) / 2, 0, 1),
+        name,
+        (cosine,),
+        d.unsigned(w, w - 1, "W - 1"),
+        "mux",
+        lambda c: np.clip((1 << (w - 2)) + sign * c, 0, 1 << (w - 1)),
+        lambda c: np.clip((1 + sign * c) / 2, 0, 1),
         grows=Growth((0.5,), exact=True),
-    )  # fmt: skip
+    )
 
 
 MANTISSA = Given("unit mantissa", upto(lambda c: 1.0))
@@ -112,8 +130,15 @@ def rotate_to_elbow(d: Domain) -> None:
     top = d.word(1).high
     limited, free = lambda a, z: np.minimum(a + abs(z), top), lambda a, z: a + abs(z)
     h = d.op(
-        "h", ("d_e", "p_e_z"), d.word(1), "sum2", limited, free, grows=SUM, limited=ALL_UPPER_ARM,
-    )  # fmt: skip
+        "h",
+        ("d_e", "p_e_z"),
+        d.word(1),
+        "sum2",
+        limited,
+        free,
+        grows=SUM,
+        limited=ALL_UPPER_ARM,
+    )
     d.mul("uh_x", n["u_x"], h, d.word(1))
     d.mul("uh_y", n["u_y"], h, d.word(1))
     d.mul("uu_x", n["u_x"], p_x, d.wide(1), within=ELBOW_SAME)
@@ -121,10 +146,14 @@ def rotate_to_elbow(d: Domain) -> None:
     d.sum("uu", n["uu_x"], n["uu_y"], fmt=d.word(1), within=ELBOW_UNIT)
     for axis, low, high in (("x", "uh_x", p_x), ("y", "uh_y", p_y), ("z", "uu", h)):
         d.op(
-            f"m_{axis}", ("p_e_z", low, high), d.word(1), "mux",
-            lambda z, a, b: np.where(z < 0, a, b), lambda z, a, b: np.where(z < 0, a, b),
+            f"m_{axis}",
+            ("p_e_z", low, high),
+            d.word(1),
+            "mux",
+            lambda z, a, b: np.where(z < 0, a, b),
+            lambda z, a, b: np.where(z < 0, a, b),
             grows=SAME,
-        )  # fmt: skip
+        )
     d.normalize(("l_m_z", "l_m_x", "l_m_y"), (n["m_z"], n["m_x"], n["m_y"]), "lz_m", within=MANTISSA)
     for a in "xyz":
         d.mul(f"tmp2_{a}", n[f"l_m_{a}"], n[f"l_m_{a}"], d.wide(1))
@@ -179,11 +208,14 @@ def rotate_to_wrist(d: Domain) -> None:
     # elbow's side of the line decides: -PP^- for a target in the direction of the elbow, +PP^- behind the shoulder.
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
         d.op(
-            f"side_{a}", (f"p_w_{a}", f"pp_{m}_m", "flat", "back"), d.word(0), "mux",
+            f"side_{a}",
+            (f"p_w_{a}", f"pp_{m}_m", "flat", "back"),
+            d.word(0),
+            "mux",
             lambda p, c, f, b: np.where(f, np.where(b, c, -c), p),
             lambda p, c, f, b: np.where(f, np.where(b, c, -c) / 8, p),
             grows=Growth((1.0, 1 / 8, 0.0, 0.0), exact=True),
-        )  # fmt: skip
+        )
     d.mul("sg_r", n["side_x"], n["r_x"], d.wide(1))
     d.mul("sg_y", q_j, n["side_y"], d.wide(1))
     d.mul("sg_z", q_k, n["side_z"], d.wide(1))
@@ -197,9 +229,14 @@ def rotate_to_wrist(d: Domain) -> None:
     d.root("q3_abs", n["h3_m"], d.word(1))
     # 0 counts as positive: either sign is correct there.
     q3_k = d.op(
-        "q3_k", ("q3_abs", "sign"), d.word(1), "mux", signed, signed,
+        "q3_k",
+        ("q3_abs", "sign"),
+        d.word(1),
+        "mux",
+        signed,
+        signed,
         grows=SAME,
-    )  # fmt: skip
+    )
 
     d.at(equation="(18)")
     d.mul("w_kk", q_k, q3_k, d.wide(1))

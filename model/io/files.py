@@ -118,9 +118,12 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
     columns = [column.lower() if column.lower() in FIELDS else column for column in columns]
     if not set(columns) & set(REQUIRED):
         raise cell_error(
-            path, row, columns[0] or "(no name)", ",".join(columns),
+            path,
+            row,
+            columns[0] or "(no name)",
+            ",".join(columns),
             f"is no header of targets, which names {','.join(REQUIRED)} and maybe {','.join(FIELDS[3:])}",
-        )  # fmt: skip
+        )
     for n, column in enumerate(columns, 1):
         if columns.count(column) > 1 and column:
             raise cell_error(path, row, column, header[n - 1].strip(), "appears twice in the header")

@@ -358,13 +358,17 @@ def write_results_npz(
     signs that make them continuous, flags (N,), elbow, wrist (N, 3), hand_error (N,). Raises OSError."""
     values = result_values(results, result.width)
     arrays = {
-        "points": targets.position, "phi": targets.phi, "d1": targets.d1, "d2": targets.d2,
+        "points": targets.position,
+        "phi": targets.phi,
+        "d1": targets.d1,
+        "d2": targets.d2,
         "qs": continuous(targets.from_core(values[:, :4]), targets.arm),
         "qe": continuous(np.pad(values[:, 4:], ((0, 0), (0, 2))), targets.arm),
-        "flags": np.asarray(flags), "hand_error": result.each.hand_error,
+        "flags": np.asarray(flags),
+        "hand_error": result.each.hand_error,
         "elbow": np.ldexp(result.each.elbow, -result.scale_exponent),
         "wrist": np.ldexp(result.each.wrist, -result.scale_exponent),
-    }  # fmt: skip
+    }
     data = io.BytesIO()
     np.savez(data, **arrays)
     write_atomically(Path(path), data.getvalue())

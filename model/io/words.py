@@ -159,10 +159,11 @@ def scale_exponent(targets: Targets, width: int) -> int:
         n, axis = np.unravel_index(np.argmax(size), size.shape)
         limit = math.ldexp(2.0, -exponent)
         raise targets.error(
-            int(n), FIELDS[axis],
+            int(n),
+            FIELDS[axis],
             f"is too far out: for the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
             f"the format ends at {limit:.6g}",
-        )  # fmt: skip
+        )
 
     for column in ARMS:
         words = _quantise(_ldexp(getattr(targets, column), exponent), width)

@@ -319,9 +319,10 @@ def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]]) -
         world = {
             joint: matrix(q) @ _to_rest(clip, joint, below, normal, bone)
             for joint, below, q, bone in (
-                (arm.upper, arm.fore, qs, (0.0, 0.0, 1.0)), (arm.fore, arm.hand, multiply(qs, qe), (0.0, 0.0, -1.0)),
+                (arm.upper, arm.fore, qs, (0.0, 0.0, 1.0)),
+                (arm.fore, arm.hand, multiply(qs, qe), (0.0, 0.0, -1.0)),
             )
-        } | {arm.hand: clip.world[:, arm.hand]}  # fmt: skip
+        } | {arm.hand: clip.world[:, arm.hand]}
         above = clip.parents[arm.upper]
         carried = np.eye(3) if above < 0 else clip.world[:, above]
         for joint in (arm.upper, arm.fore, arm.hand):

@@ -78,13 +78,17 @@ class _Data:
         self.bytes += values.tobytes() + bytes(-values.nbytes % 4)
         self.file.bufferViews.append(view)
         table = values.reshape(len(values), -1)
-        low, high = ((table.min(axis=0).tolist(), table.max(axis=0).tolist()) if bounds else (None, None))
+        low, high = (table.min(axis=0).tolist(), table.max(axis=0).tolist()) if bounds else (None, None)
         self.file.accessors.append(
             gltf.Accessor(
-                bufferView=len(self.file.bufferViews) - 1, componentType=self.KINDS[values.dtype.kind],
-                count=len(values), type=kind, min=low, max=high,
+                bufferView=len(self.file.bufferViews) - 1,
+                componentType=self.KINDS[values.dtype.kind],
+                count=len(values),
+                type=kind,
+                min=low,
+                max=high,
             )
-        )  # fmt: skip
+        )
         return len(self.file.accessors) - 1
 
 

@@ -144,10 +144,20 @@ def _shoulder(u_x, u_y, sin_el, cos_el, cos_a, sin_a, phi):
     length_sq = az_sq * tilt_sq * arm_sq  # (L56)
     inv_q = np.where(k_1 < 0, -1.0, 1.0) / np.sqrt(length_sq)  # (L57)
     return {
-        "az_c": az_c, "az_s": az_s, "tilt_c": tilt_c, "tilt_s": tilt_s, "arm_c": arm_c, "arm_s": arm_s,
-        "cos_h": cos_h, "sin_h": sin_h, "length_sq": length_sq,
-        "qs_w": w_1 * inv_q, "qs_i": i_1 * inv_q, "qs_j": j_1 * inv_q, "qs_k": k_1 * inv_q,  # (L58)-(L61)
-    }  # fmt: skip
+        "az_c": az_c,
+        "az_s": az_s,
+        "tilt_c": tilt_c,
+        "tilt_s": tilt_s,
+        "arm_c": arm_c,
+        "arm_s": arm_s,
+        "cos_h": cos_h,
+        "sin_h": sin_h,
+        "length_sq": length_sq,
+        "qs_w": w_1 * inv_q,
+        "qs_i": i_1 * inv_q,
+        "qs_j": j_1 * inv_q,
+        "qs_k": k_1 * inv_q,  # (L58)-(L61)
+    }
 
 
 def solve_lean(x, y, z, phi, d1, d2):

@@ -144,6 +144,7 @@ def commands() -> dict[str, str]:
 
 def commit() -> str:
     """Return the commit of the checkout, with a + if the RTL has been changed since."""
+
     def git(*words):
         return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
 

@@ -26,18 +26,26 @@ WHOLE_TOPS = {"memory": "ik_axi", "fold": "ik_axis"}
 """Tops with streams or memory ports, which have tables of their own."""
 
 FOLD = (
-    ("up5k", "fold16", 18), ("up5k", "fold16", 24), ("ecp5-12k", "fold", 24), ("ecp5-12k", "fold", 32),
-    ("xc7", "fold", 24), ("xc7", "fold", 32), ("gowin", "fold", 24), ("gowin", "fold", 32),
-)  # fmt: skip
+    ("up5k", "fold16", 18),
+    ("up5k", "fold16", 24),
+    ("ecp5-12k", "fold", 24),
+    ("ecp5-12k", "fold", 32),
+    ("xc7", "fold", 24),
+    ("xc7", "fold", 32),
+    ("gowin", "fold", 24),
+    ("gowin", "fold", 32),
+)
 """Chip, configuration and word length of the fold datapath."""
 
 FOLD_MHZ = {"up5k": 33, "ecp5-12k": 100}
 """Placement aim (MHz) of each chip."""
 
 CHIPS = {
-    "up5k": ("iCE40 UP5K", "logic cells"), "ecp5-12k": ("ECP5-12k, speed grade 6", "LUT4"), "xc7": ("xc7", "LUT6"),
+    "up5k": ("iCE40 UP5K", "logic cells"),
+    "ecp5-12k": ("ECP5-12k, speed grade 6", "LUT4"),
+    "xc7": ("xc7", "LUT6"),
     "gowin": ("Gowin GW2A", "LUT4"),
-}  # fmt: skip
+}
 
 MEMORY = ((32, True), (18, False), (32, False))
 """Word length, and whether an echo replaces the lean datapath."""
@@ -147,12 +155,17 @@ def memory(data: dict) -> str:
             continue
         placed = data["runs"].get(f"{name}-ecp5-place", {})
         seeds = [f"{mhz:.0f}" for mhz in placed.get("tried", [])]
-        rows.append([
-            f"W = {width}, " + ("an echo in the place of the datapath" if echo else "`lean`"),
-            *(of[family]["LUT"] for family in of), *(of[family]["FF"] for family in of),
-            of["ecp5"]["RAM"], of["ecp5"]["multipliers"],
-            f"{placed['mhz']:.0f}" if placed else "-", ", ".join(seeds) or "-",
-        ])  # fmt: skip
+        rows.append(
+            [
+                f"W = {width}, " + ("an echo in the place of the datapath" if echo else "`lean`"),
+                *(of[family]["LUT"] for family in of),
+                *(of[family]["FF"] for family in of),
+                of["ecp5"]["RAM"],
+                of["ecp5"]["multipliers"],
+                f"{placed['mhz']:.0f}" if placed else "-",
+                ", ".join(seeds) or "-",
+            ]
+        )
     head = ["`ik_axi`, 64 bits of data", "LUT4 on xc2vp", "LUT6 on xc7", "LUT4 on ECP5"]
     head += ["flip-flops: xc2vp", "xc7", "ECP5", "DP16KD", "MULT18X18D", "MHz on ECP5", "seeds"]
     return table(head, rows) if rows else ""
@@ -221,11 +234,21 @@ def critical(data: dict) -> str:
         datapath, width = design.split("-")
         for module, run in place_runs(data, datapath, int(width), (TOPS[datapath], *SECTIONS.get(datapath, ()))):
             path = run["path"]
-            rows.append([
-                f"{datapath} {width}", f"`{module}`", f"{run['mhz']:.0f}", f"`{path['from']}`", f"`{path['to']}`",
-                ", ".join(path["through"]), f"{path['ns']:.2f}", f"{path['routing_ns']:.2f}",
-                run["used"].get("MULT18X18D", 0), ", ".join(f"{mhz:.0f}" for mhz in run["tried"]), run["place_s"],
-            ])  # fmt: skip
+            rows.append(
+                [
+                    f"{datapath} {width}",
+                    f"`{module}`",
+                    f"{run['mhz']:.0f}",
+                    f"`{path['from']}`",
+                    f"`{path['to']}`",
+                    ", ".join(path["through"]),
+                    f"{path['ns']:.2f}",
+                    f"{path['routing_ns']:.2f}",
+                    run["used"].get("MULT18X18D", 0),
+                    ", ".join(f"{mhz:.0f}" for mhz in run["tried"]),
+                    run["place_s"],
+                ]
+            )
     head = ["design", "placed", "MHz", "from", "to", "through", "ns", "of it routing", "multipliers", "seeds", "s"]
     return table(head, rows)
 

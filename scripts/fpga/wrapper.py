@@ -35,22 +35,24 @@ def wrapper(text: str, values: dict) -> str:
         return " + ".join(f"({span[1:-1].split(':')[0]}) + 1" if span else "1" for _, span in of)
 
     passed = [] if "NONE" in parameters else [f".{p}({p})" for p in re.findall(r"(\w+)\s*=", parameters)]
-    return "\n".join([
-        f"module fpga_top #({parameters}) (input wire clk, input wire in, input wire load, output wire out);",
-        f"  localparam integer IN = {bits(inputs)};",
-        f"  localparam integer OUT = {bits(outputs)};",
-        *wires,
-        "  reg [IN-1:0] in_q;",
-        "  reg [OUT-1:0] out_q;",
-        "  reg load_q;",
-        "  always @(posedge clk) begin",
-        "    in_q <= {in_q[IN-2:0], in};",
-        "    load_q <= load;",
-        f"    out_q <= load_q ? {{{', '.join(label for label, _ in outputs)}}} : {{out_q[OUT-2:0], 1'b0}};",
-        "  end",
-        f"  assign {{{', '.join(label for label, _ in inputs)}}} = in_q;",
-        "  assign out = out_q[OUT-1];",
-        f"  {name} {'#(' + ', '.join(passed) + ') ' if passed else ''}dut ({', '.join(joined)});",
-        "endmodule",
-        "",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            f"module fpga_top #({parameters}) (input wire clk, input wire in, input wire load, output wire out);",
+            f"  localparam integer IN = {bits(inputs)};",
+            f"  localparam integer OUT = {bits(outputs)};",
+            *wires,
+            "  reg [IN-1:0] in_q;",
+            "  reg [OUT-1:0] out_q;",
+            "  reg load_q;",
+            "  always @(posedge clk) begin",
+            "    in_q <= {in_q[IN-2:0], in};",
+            "    load_q <= load;",
+            f"    out_q <= load_q ? {{{', '.join(label for label, _ in outputs)}}} : {{out_q[OUT-2:0], 1'b0}};",
+            "  end",
+            f"  assign {{{', '.join(label for label, _ in inputs)}}} = in_q;",
+            "  assign out = out_q[OUT-1];",
+            f"  {name} {'#(' + ', '.join(passed) + ') ' if passed else ''}dut ({', '.join(joined)});",
+            "endmodule",
+            "",
+        ]
+    )

@@ -15,9 +15,15 @@ from model.io.words import RESULT_FIELDS
 from scripts.generate.counts import WIDTH, counted_run
 
 KINDS = {
-    "input": "input", "mul": "product", "add": "sum", "div": "division", "root": "root", "sincos": "sine, cosine",
-    "scale": "shift", "choose": "choice",
-}  # fmt: skip
+    "input": "input",
+    "mul": "product",
+    "add": "sum",
+    "div": "division",
+    "root": "root",
+    "sincos": "sine, cosine",
+    "scale": "shift",
+    "choose": "choice",
+}
 """Kind of operation -> its name."""
 
 KIND_OF = {
@@ -120,10 +126,8 @@ def part(nodes: Mapping[str, Node], *, section: str | None = None, equation: str
     inside = {n for n, v in nodes.items() if section in (None, v.section) and equation in (None, v.equation)}
     around = {o.name for n in inside for o in nodes[n].operands if o.name} - inside
     return {
-        n: v if n in inside else replace(v, operands=(), after=None)
-        for n, v in nodes.items()
-        if n in inside | around
-    }  # fmt: skip
+        n: v if n in inside else replace(v, operands=(), after=None) for n, v in nodes.items() if n in inside | around
+    }
 
 
 def longest_path(nodes: Mapping[str, Node]) -> list[Node]:

@@ -77,23 +77,26 @@ def steps() -> str:
     results = [placed.at + timing.WRITE for placed in made.steps if placed.step.result]
     laps = {"HOLD": min(results) - 1, "FIRST": min(results), "LAST": max(results)}
     digits = -(-STEP_BITS // 4)
-    return "\n".join([
-        "// For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, its own or the next",
-        "// where the machine may wait before the first result, gives it, and gives the last.",
-        "",
-        f"localparam integer PERIOD = {period};  // clocks of a lap",
-        f"localparam [6:0] END = 7'd{period - 1};  // the last of them",
-        *(f"localparam integer {name}_LAP = {clock // period};" for name, clock in laps.items()),
-        "",
-        '(* rom_style = "block", ram_style = "block" *)',
-        "reg [STEP_W-1:0] rom[0:PERIOD-1];",
-        "initial begin",
-        *(
-            f"  rom[{n}] = {STEP_BITS}'h{made.word(n):0{digits}x};  // {'; '.join(says[n]) or '-'}"
-            for n in range(period)
-        ),
-        "end",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            "// For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, "
+            "its own or the next",
+            "// where the machine may wait before the first result, gives it, and gives the last.",
+            "",
+            f"localparam integer PERIOD = {period};  // clocks of a lap",
+            f"localparam [6:0] END = 7'd{period - 1};  // the last of them",
+            *(f"localparam integer {name}_LAP = {clock // period};" for name, clock in laps.items()),
+            "",
+            '(* rom_style = "block", ram_style = "block" *)',
+            "reg [STEP_W-1:0] rom[0:PERIOD-1];",
+            "initial begin",
+            *(
+                f"  rom[{n}] = {STEP_BITS}'h{made.word(n):0{digits}x};  // {'; '.join(says[n]) or '-'}"
+                for n in range(period)
+            ),
+            "end",
+        ]
+    )
 
 
 def formats() -> str:
@@ -128,11 +131,18 @@ def _numbers(root: Form, sine: Form) -> dict[str, int]:
     }
     return {
         "INDEX_BITS": root.index_bits,
-        "C0_FRAC": frac, "C1_FRAC": root.c_frac[1], "C2_FRAC": root.c_frac[2], "SLOPE_FRAC": root.slope_frac,
-        "C0_BITS": frac, "C1_BITS": root.c_bits[1], "C2_BITS": root.c_bits[2],
-        "ROOT_DROP": drop["ROOT"], "SINE_DROP": drop["SINE"],
-        "ROOT_SUM_FRAC": root.sum_frac, "SINE_SUM_FRAC": sine.sum_frac,
-    }  # fmt: skip
+        "C0_FRAC": frac,
+        "C1_FRAC": root.c_frac[1],
+        "C2_FRAC": root.c_frac[2],
+        "SLOPE_FRAC": root.slope_frac,
+        "C0_BITS": frac,
+        "C1_BITS": root.c_bits[1],
+        "C2_BITS": root.c_bits[2],
+        "ROOT_DROP": drop["ROOT"],
+        "SINE_DROP": drop["SINE"],
+        "ROOT_SUM_FRAC": root.sum_frac,
+        "SINE_SUM_FRAC": sine.sum_frac,
+    }
 
 
 def _rows(root: Form, sine: Form) -> Iterator[str]:
@@ -152,30 +162,35 @@ def _rows(root: Form, sine: Form) -> Iterator[str]:
 def table() -> str:
     """Return ``ik_fold_table.vh``."""
     long, small = (_rows(*forms) for forms in FORMS)
-    return "\n".join([
-        "// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned",
-        "// alike, c0 with what rounds the result.",
-        "",
-        "localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;",
-        "localparam integer ROOT_ROUNDING = ((3 << (ROOT_SUM_FRAC - ROOT_FRAC - 3)) - 2) >> (ROOT_SUM_FRAC - C0_FRAC);",
-        "localparam integer SINE_ROUNDING = (1 << (SINE_SUM_FRAC - SINE_FRAC - 1)) >> (SINE_SUM_FRAC + 1 - C0_FRAC);",
-        "localparam [ROW_BITS-1:0] ROOT = {{(ROW_BITS - 32) {1'b0}}, ROOT_ROUNDING} << (C1_BITS + C2_BITS);",
-        "localparam [ROW_BITS-1:0] SINE = {{(ROW_BITS - 32) {1'b0}}, SINE_ROUNDING} << (C1_BITS + C2_BITS);",
-        "",
-        '(* rom_style = "block", ram_style = "block" *)',
-        "reg [ROW_BITS-1:0] rom[0:(2<<INDEX_BITS)-1];",
-        "generate",
-        "  if (SMALL) begin : g_small_table",
-        "    initial begin",
-        *small,
-        "    end",
-        "  end else begin : g_long_table",
-        "    initial begin",
-        *long,
-        "    end",
-        "  end",
-        "endgenerate",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            "// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, "
+            "whole and aligned",
+            "// alike, c0 with what rounds the result.",
+            "",
+            "localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;",
+            "localparam integer ROOT_ROUNDING = ((3 << (ROOT_SUM_FRAC - ROOT_FRAC - 3)) - 2) >> "
+            "(ROOT_SUM_FRAC - C0_FRAC);",
+            "localparam integer SINE_ROUNDING = (1 << (SINE_SUM_FRAC - SINE_FRAC - 1)) >> "
+            "(SINE_SUM_FRAC + 1 - C0_FRAC);",
+            "localparam [ROW_BITS-1:0] ROOT = {{(ROW_BITS - 32) {1'b0}}, ROOT_ROUNDING} << (C1_BITS + C2_BITS);",
+            "localparam [ROW_BITS-1:0] SINE = {{(ROW_BITS - 32) {1'b0}}, SINE_ROUNDING} << (C1_BITS + C2_BITS);",
+            "",
+            '(* rom_style = "block", ram_style = "block" *)',
+            "reg [ROW_BITS-1:0] rom[0:(2<<INDEX_BITS)-1];",
+            "generate",
+            "  if (SMALL) begin : g_small_table",
+            "    initial begin",
+            *small,
+            "    end",
+            "  end else begin : g_long_table",
+            "    initial begin",
+            *long,
+            "    end",
+            "  end",
+            "endgenerate",
+        ]
+    )
 
 
 def _range(node: Node) -> str:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the generated Verilog headers: node formats and clocks, tables, the program of the fold datapath.
 
-    python -m scripts.generate.headers      writes the headers that are out of date
+python -m scripts.generate.headers      writes the headers that are out of date
 """
 
 from __future__ import annotations
@@ -140,7 +140,12 @@ endfunction
 
 
 def table_header(
-    module: str, source: str, most: int, forms: Sequence[Form], tables: Sequence[Sequence[tuple]], rounding: str,
+    module: str,
+    source: str,
+    most: int,
+    forms: Sequence[Form],
+    tables: Sequence[Sequence[tuple]],
+    rounding: str,
     besides: Sequence[str],
 ) -> str:
     """Return the table header of a module around ``ik_quadratic``. The first form and table serve results of up to
@@ -190,15 +195,22 @@ def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
     c2 = len(form.c_frac) > 2
     u_frac = form.u_frac - form.u_low
     return {
-        "ROWS": form.rows, "INDEX_BITS": form.index_bits, "U_FRAC": form.u_frac, "U_LOW": form.u_low,
+        "ROWS": form.rows,
+        "INDEX_BITS": form.index_bits,
+        "U_FRAC": form.u_frac,
+        "U_LOW": form.u_low,
         "C0_FRAC": form.c_frac[0],
-        "C0_BITS": form.c_bits[0], "C1_BITS": form.c_bits[1], "C2_BITS": form.c_bits[2] if c2 else 0,
+        "C0_BITS": form.c_bits[0],
+        "C1_BITS": form.c_bits[1],
+        "C2_BITS": form.c_bits[2] if c2 else 0,
         "C1_UP": form.slope_frac - form.c_frac[1],
-        "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1, "SLOPE_LOW": form.slope_low,
-        "SUM_FRAC": form.sum_frac, "DROP": form.slope_frac - form.slope_low + u_frac - form.sum_frac,
+        "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1,
+        "SLOPE_LOW": form.slope_low,
+        "SUM_FRAC": form.sum_frac,
+        "DROP": form.slope_frac - form.slope_low + u_frac - form.sum_frac,
         "BEND_DROP": form.c_frac[2] + u_frac - form.slope_frac if c2 else 0,
         **{name.upper(): getattr(form, name) for name in besides},
-    }  # fmt: skip
+    }
 
 
 def rom(form: Form, table: Sequence[tuple]) -> str:
@@ -217,18 +229,28 @@ def rsqrt_header() -> str:
     """Return ``rtl/include/ik_rsqrt_table.vh``."""
     forms = lean_cores.SHORT, lean_cores.LONG, lean_cores.SMALL
     return table_header(
-        "ik_rsqrt", "model/dataflow/cores.py", lean_cores.SHORT_FRAC, forms, [*map(lean_cores.rsqrt_rows, forms)],
-        "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2", ("tiles", "clocks"),
-    )  # fmt: skip
+        "ik_rsqrt",
+        "model/dataflow/cores.py",
+        lean_cores.SHORT_FRAC,
+        forms,
+        [*map(lean_cores.rsqrt_rows, forms)],
+        "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2",
+        ("tiles", "clocks"),
+    )
 
 
 def trig_header() -> str:
     """Return ``rtl/include/ik_trig_table.vh``."""
     forms = lean_trig.SHORT, lean_trig.LONG, lean_trig.SMALL
     return table_header(
-        "ik_trig", "model/dataflow/trig.py", lean_trig.SHORT_FRAC, forms, [*map(lean_trig.sine_rows, forms)],
-        "1 << (SUM_FRAC - F - 1)", ("clocks",),
-    )  # fmt: skip
+        "ik_trig",
+        "model/dataflow/trig.py",
+        lean_trig.SHORT_FRAC,
+        forms,
+        [*map(lean_trig.sine_rows, forms)],
+        "1 << (SUM_FRAC - F - 1)",
+        ("clocks",),
+    )
 
 
 def fold_header(name: str) -> str:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clocks and bandwidth of ik_axi, measured in the RTL on buses of 32, 64 and 128 bits: memory.md.
 
-    python -m scripts.generate.memory [--sim icarus|verilator]
+python -m scripts.generate.memory [--sim icarus|verilator]
 """
 
 from __future__ import annotations

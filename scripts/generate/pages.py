@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pages of scores and latency, pictures of the pipelines (make docs).
 
-    python -m scripts.generate.pages [--sim icarus|verilator]     runs all trajectories through the RTL, then writes
+python -m scripts.generate.pages [--sim icarus|verilator]     runs all trajectories through the RTL, then writes
 """
 
 from __future__ import annotations

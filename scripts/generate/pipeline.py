@@ -19,9 +19,15 @@ TOP, LANE, GAP = 62, 11, 8
 """Heights in pixels: above the first section, a lane of operations, between sections."""
 
 COLOURS = {
-    "root": "#c2410c", "div": "#1d4ed8", "sincos": "#15803d", "mul": "#60a5fa", "add": "#34d399", "scale": "#a78bfa",
-    "choose": "#9ca3af", "fifo": "#475569",
-}  # fmt: skip
+    "root": "#c2410c",
+    "div": "#1d4ed8",
+    "sincos": "#15803d",
+    "mul": "#60a5fa",
+    "add": "#34d399",
+    "scale": "#a78bfa",
+    "choose": "#9ca3af",
+    "fifo": "#475569",
+}
 """Kind of operation -> colour of its bars."""
 
 NAMES = KINDS | {"fifo": "output FIFO"}

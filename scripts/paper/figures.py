@@ -86,11 +86,16 @@ def page(nodes: Designs) -> str:
         latest = max(node.time for node in own.values())
         waits = delays(own, out=latest)
         largest = sorted(waits.items(), key=lambda item: (-item[1].flip_flops, item[0]))[:5]
-        datapaths.append({
-            "name": path, "nodes": len(own), "clocks": latest, "waits": len(waits),
-            "bits": sum(d.flip_flops for d in waits.values()),
-            "largest": ", ".join(f"`{n}` ({d.clocks} × {d.bits})" for n, d in largest),
-        })  # fmt: skip
+        datapaths.append(
+            {
+                "name": path,
+                "nodes": len(own),
+                "clocks": latest,
+                "waits": len(waits),
+                "bits": sum(d.flip_flops for d in waits.values()),
+                "largest": ", ".join(f"`{n}` ({d.clocks} × {d.bits})" for n, d in largest),
+            }
+        )
     return render("figures", datapaths=datapaths)
 
 

@@ -17,8 +17,16 @@ from model.dataflow.nodes import Node
 from scripts.console import InputError
 from scripts.generate.flow import check, kind, longest_path, operands, q, tip
 
-SIGNS = {"input": "", "mul": "×", "add": "+", "div": "÷", "root": "√", "sincos": "sin cos", "scale": "shift",
-         "choose": "?"}  # fmt: skip
+SIGNS = {
+    "input": "",
+    "mul": "×",
+    "add": "+",
+    "div": "÷",
+    "root": "√",
+    "sincos": "sin cos",
+    "scale": "shift",
+    "choose": "?",
+}
 """Symbol drawn for each kind of operation."""
 
 COLOURS = ("#dbeafe", "#dcfce7", "#fde2c8", "#ede4fd", "#fbd5e5", "#fef3c7", "#e2e8f0")

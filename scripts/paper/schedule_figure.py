@@ -51,12 +51,16 @@ def schedule_svg(
     for name, node in nodes.items():
         begin = start(node) if node.operands else node.time
         rows[name] = {
-            "y": at[name], "taken": x(start(node)), "ready": x(node.time), "wait": waits.get(name),
-            "kind": kind(node), "tip": tip(node),
+            "y": at[name],
+            "taken": x(start(node)),
+            "ready": x(node.time),
+            "wait": waits.get(name),
+            "kind": kind(node),
+            "tip": tip(node),
             "stage": f"{begin}–{node.time}" if node.latency and node.operands else f"{node.time}",
             "left": x(begin) if node.time > begin else x(begin) - 3,
             "length": max(scale * (node.time - begin), 3),
-        }  # fmt: skip
+        }
     steps = set(zip(path, path[1:], strict=False))
     ways = [(o, name) for name, node in nodes.items() for o in operands(node, nodes) if (o, name) not in steps]
     kinds = {kind(node) for node in nodes.values()}

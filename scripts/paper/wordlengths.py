@@ -129,8 +129,10 @@ def stale(text: str) -> list[str]:
 def problems(observed: Observed) -> list[str]:
     """Return a line for each node that left its format or its proved range in the observed targets."""
     proofs = ranges.proved(WIDTH)
-    wrong = [f"{name}: beyond its format for {n} targets, first {observed.first[name]}"
-             for name, n in observed.beyond.items()]  # fmt: skip
+    wrong = [
+        f"{name}: beyond its format for {n} targets, first {observed.first[name]}"
+        for name, n in observed.beyond.items()
+    ]
     for name, seen in observed.nodes.items():
         proof, ulp = proofs[name], proofs[name].node.format.ulp
         if seen.low * ulp < proof.low or seen.high * ulp > proof.high:

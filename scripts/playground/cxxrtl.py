@@ -31,14 +31,19 @@ def script(top: str, parameters: dict[str, int], to: Path) -> str:
     read = " ".join(os.path.relpath(path, ROOT) for path in closure(top) if path.suffix == ".v")
     folders = " ".join(f"-I{os.path.relpath(folder, ROOT)}" for folder in includes(ROOT))
     values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
-    return "\n".join([
-        f"read_verilog -defer {folders} {read}",
-        *([f"chparam {values} {top}"] if values else []),
-        f"hierarchy -top {top}", "proc", "memory_collect",
-        # -noflatten: one class per module; as one function, the paper datapath takes a compiler 15 minutes.
-        # -O4 stores every named signal; a signal computed on demand would miss the outputs of cells below it.
-        f"write_cxxrtl -noflatten -O4 -header {os.path.relpath(to, ROOT)}", "",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            f"read_verilog -defer {folders} {read}",
+            *([f"chparam {values} {top}"] if values else []),
+            f"hierarchy -top {top}",
+            "proc",
+            "memory_collect",
+            # -noflatten: one class per module; as one function, the paper datapath takes a compiler 15 minutes.
+            # -O4 stores every named signal; a signal computed on demand would miss the outputs of cells below it.
+            f"write_cxxrtl -noflatten -O4 -header {os.path.relpath(to, ROOT)}",
+            "",
+        ]
+    )
 
 
 def write(top: str, parameters: dict[str, int], to: Path) -> None:

@@ -60,18 +60,21 @@ class Machine:
 
 
 MACHINES = [
-    *(Machine("lean", width) for width in (32, 24, 18)), *(Machine("fold", width) for width in (32, 24)),
-    Machine("fold16", 18), *(Machine("paper", width) for width in (32, 24, 18)),
-]  # fmt: skip
+    *(Machine("lean", width) for width in (32, 24, 18)),
+    *(Machine("fold", width) for width in (32, 24)),
+    Machine("fold16", 18),
+    *(Machine("paper", width) for width in (32, 24, 18)),
+]
 """All cores available to the page."""
 
 
 def chosen(datapaths: list[str] | None, widths: list[int] | None) -> list[Machine]:
     """Return the cores with these datapaths and word lengths; None selects all.  Raises InputError if none matches."""
     found = [
-        machine for machine in MACHINES
+        machine
+        for machine in MACHINES
         if machine.datapath in (datapaths or [machine.datapath]) and machine.width in (widths or [machine.width])
-    ]  # fmt: skip
+    ]
     if not found:
         raise InputError(f"no such machine; there are {', '.join(machine.name for machine in MACHINES)}")
     return found
@@ -150,8 +153,12 @@ def table(machine: Machine) -> dict[str, Any]:
     ]
     latency = fixed.latency(machine.datapath, machine.width)
     return {
-        "name": machine.name, "datapath": machine.datapath, "width": machine.width,
-        "latency": latency, "period": path.period, "folded": path.times is not None,
+        "name": machine.name,
+        "datapath": machine.datapath,
+        "width": machine.width,
+        "latency": latency,
+        "period": path.period,
+        "folded": path.times is not None,
         "sections": [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)],
         "nodes": nodes,
-    }  # fmt: skip
+    }

@@ -23,11 +23,19 @@ NOTHING = -32768
 """Marks an undefined entity, such as the elbow where the spheres do not meet."""
 
 VECTORS = (
-    "axis", "along", "vertical", "swivel",  # L_z, L_sw, normals of the swivel plane at phi = 0 and at phi
-    "centre", "elbow", "other",  # of Z_e; the point pair
-    "folded", "rest", "half",  # the wrist before rotation by Q_e, by Q_12, by Q_3
-    "middle", "yz2",  # L_m, normal of pi_yz2
-)  # fmt: skip
+    "axis",
+    "along",
+    "vertical",
+    "swivel",  # L_z, L_sw, normals of the swivel plane at phi = 0 and at phi
+    "centre",
+    "elbow",
+    "other",  # of Z_e; the point pair
+    "folded",
+    "rest",
+    "half",  # the wrist before rotation by Q_e, by Q_12, by Q_3
+    "middle",
+    "yz2",  # L_m, normal of pi_yz2
+)
 ANGLES = ("theta4", "theta3")
 LENGTHS = ("radius",)  # of Z_e
 
@@ -91,6 +99,10 @@ def packed(item: Prepared, width: int) -> dict[str, Any]:
     rows = np.column_stack([*(found[name] for name in VECTORS), *angles, *(found[name] for name in LENGTHS)])
     words = np.where(np.isfinite(rows), np.rint(STEPS * np.nan_to_num(rows)), NOTHING)
     return {
-        "vectors": VECTORS, "angles": ANGLES, "lengths": LENGTHS, "steps": STEPS, "nothing": NOTHING,
+        "vectors": VECTORS,
+        "angles": ANGLES,
+        "lengths": LENGTHS,
+        "steps": STEPS,
+        "nothing": NOTHING,
         "rows": base64.b64encode(words.astype("<i2").tobytes()).decode(),
-    }  # fmt: skip
+    }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print make's error message for a variable that its target does not take. Standard library only.
 
-    python3 scripts/setup/variables.py TARGET 'UNKNOWN ...' 'TAKEN ...'
+python3 scripts/setup/variables.py TARGET 'UNKNOWN ...' 'TAKEN ...'
 """
 
 import difflib

@@ -29,10 +29,13 @@ def page(tmp_path):
 
 @pytest.mark.parametrize(
     ("old", "new", "stale"),
-    [("", "// another comment\n\n", []), ("m_valid <= !empty", "m_valid  <=  // why\n  !empty", []),
-     ("m_valid <= !empty", "m_valid <= empty", [FIFO])],
+    [
+        ("", "// another comment\n\n", []),
+        ("m_valid <= !empty", "m_valid  <=  // why\n  !empty", []),
+        ("m_valid <= !empty", "m_valid <= empty", [FIFO]),
+    ],
     ids=["comment", "blanks", "operator"],
-)  # fmt: skip
+)
 def test_what_makes_a_page_stale(page, old, new, stale, capsys):
     which, copy = page
     copy.write_text(copy.read_text().replace(old, new, 1))

@@ -18,9 +18,16 @@ from tb.core import hardest
 from tb.sim.env import ROOT, environment
 
 MAINS = {
-    "run": run.main, "follow": follow.main, "report": page.main, "soak": soak.main, "formal": formal.main,
-    "paper": paper.main, "fpga": measure.main, "playground": playground.main, "coverage": coverage.main,
-}  # fmt: skip
+    "run": run.main,
+    "follow": follow.main,
+    "report": page.main,
+    "soak": soak.main,
+    "formal": formal.main,
+    "paper": paper.main,
+    "fpga": measure.main,
+    "playground": playground.main,
+    "coverage": coverage.main,
+}
 
 BAD_INPUT = [
     ("run --sim modelsim", "argument --sim: unknown simulator 'modelsim'; valid: icarus, verilator"),

@@ -76,9 +76,14 @@ def said(checkout):
         script = "\n".join(lines)
         # bash, the shell of most readers, reads test_sections[lean-32] as a pattern that matches no file
         done = subprocess.run(
-            ["bash", "-c", script], cwd=checkout, env=env, text=True, check=False,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        )  # fmt: skip
+            ["bash", "-c", script],
+            cwd=checkout,
+            env=env,
+            text=True,
+            check=False,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
         steps.append((script, done, []))
     return steps
 
@@ -87,8 +92,13 @@ def said(checkout):
 def test_what_the_page_says_is_printed_is_printed(said):
     """All commands run, simulations find the bug, and every line on the page is printed."""
     assert [step[0].split()[0] for step in said] == [
-        "sed", "make", "gtkwave", "gtkwave", ".venv/bin/python", ".venv/bin/python",
-    ]  # fmt: skip
+        "sed",
+        "make",
+        "gtkwave",
+        "gtkwave",
+        ".venv/bin/python",
+        ".venv/bin/python",
+    ]
     assert sum(len(shown) for _, _, shown in said) == 3
     for script, done, shown in said:
         finds = script.splitlines()[-1].startswith(("make", ".venv/bin/python -m pytest"))

@@ -52,8 +52,10 @@ class Simulator:
         nodes = nodes_of(job.words, datapath, width)
         admitted = [FIRST + k + GAP * (k > 1) for k in range(len(job.words))]
         with open(waves, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
-            plain = {name: writer.register_var(TOP, name, "wire", 1)
-                     for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}  # fmt: skip
+            plain = {
+                name: writer.register_var(TOP, name, "wire", 1)
+                for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")
+            }
             for name in STREAMS:
                 bits = 6 * width if name.endswith("tdata") else 8
                 writer.register_var(TOP, f"{name}[{bits - 1}:0]", "wire", bits)
@@ -71,8 +73,11 @@ class Simulator:
             for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
                 rise = 10_000 * clock - 5_000
                 for name, bit in (
-                    ("clk", 1), ("rst", clock < 4), ("s_axis_tready", 1), ("s_axis_tvalid", clock in admitted),
-                ):  # fmt: skip
+                    ("clk", 1),
+                    ("rst", clock < 4),
+                    ("s_axis_tready", 1),
+                    ("s_axis_tvalid", clock in admitted),
+                ):
                     writer.change(plain[name], rise, int(bit))
                 for node in nodes:
                     if clock - node.time in admitted:

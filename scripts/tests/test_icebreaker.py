@@ -112,9 +112,7 @@ def few(tmp_path):
 
 
 def test_frames():
-    assert frame(7, [1, -1, 0, 0x7FFFFF, -0x800000, 0x123456]).hex() == (
-        "a507010000ffffff000000ffff7f000080563412fefc"
-    )
+    assert frame(7, [1, -1, 0, 0x7FFFFF, -0x800000, 0x123456]).hex() == ("a507010000ffffff000000ffff7f000080563412fefc")
     good = answered(3, 1, [5, -5, 0, 0, 0, 0])
     bad = good[:-1] + bytes([good[-1] ^ 1])
     answers = Answers()

@@ -101,8 +101,9 @@ def test_every_command_of_the_page_is_run():
 
 
 def test_vhdl_component_has_the_ports_of_the_module():
-    ports = re.findall(r"^\s*(?:parameter integer|(?:in|out)put\s+wire)\b(?:.*\])?\s*(\w+)",
-                       (ROOT / "rtl/ik_axis.v").read_text(), re.M)  # fmt: skip
+    ports = re.findall(
+        r"^\s*(?:parameter integer|(?:in|out)put\s+wire)\b(?:.*\])?\s*(\w+)", (ROOT / "rtl/ik_axis.v").read_text(), re.M
+    )
     vhdl = (ROOT / "examples/instantiate/ik_axis_pkg.vhd").read_text()
     declared = re.findall(r"^\s+(\w+)\s*:", vhdl, re.M)
     assert declared == ports

@@ -87,9 +87,14 @@ class Farm:
         env = environment() | {"TMPDIR": str(self.folder)}
         with open(self.folder / f"{len(self.groups)}.log", "w") as log:
             process = subprocess.Popen(
-                [sys.executable, *words], cwd=ROOT, env=env, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                [sys.executable, *words],
+                cwd=ROOT,
+                env=env,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
                 start_new_session=True,
-            )  # fmt: skip
+            )
         self.groups.append(process)
         return process
 
@@ -167,8 +172,9 @@ def test_no_scheduler(monkeypatch):
 
 def test_usage(command, monkeypatch):
     assert command(parallel.main)[::2] == (
-        2, ["parallel: argument --farm: the address of the scheduler is missing, as in tcp://scheduler:8786"]
-    )  # fmt: skip
+        2,
+        ["parallel: argument --farm: the address of the scheduler is missing, as in tcp://scheduler:8786"],
+    )
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     status, _, err = command(parallel.main, "--farm", "tcp://here:8786")
     assert status == 2 and "the package distributed is missing" in err[0]

@@ -70,11 +70,13 @@ def test_the_scenario_of_the_paper_runs_on_both_datapaths(cli, simulator, files)
     names = [f"build/run/{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")]
     assert files() == [*names, "build/run/score.json"] and out[-5:] == [f"wrote {name}" for name in files()]
     assert [(call["datapath"], [job.name for job in call["jobs"]]) for call in simulator.calls] == [
-        ("lean", ["reach"]), ("paper", ["reach"]),
-    ]  # fmt: skip
+        ("lean", ["reach"]),
+        ("paper", ["reach"]),
+    ]
     assert [(each["datapath"], each["targets"], each["passed"]) for each in scores()] == [
-        ("lean", 100, True), ("paper", 100, True),
-    ]  # fmt: skip
+        ("lean", 100, True),
+        ("paper", 100, True),
+    ]
     table = {line[:41].strip(): line[41:].split() for line in out if line.startswith(" ")}
     mhz = [clock(json.loads(FIGURES.read_text()), datapath, 32) for datapath in ("lean", "paper")]
     assert table["latency (clocks)"] == ["~550", "363", "363"]

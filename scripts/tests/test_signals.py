@@ -33,9 +33,14 @@ def start(tmp_path, *env_options):
     (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
     (tmp_path / "tmp").mkdir()
     make = subprocess.Popen(
-        ["env", "--default-signal", *env_options, "make", "run"], cwd=tmp_path, start_new_session=True, text=True,
-        env=environment() | {"TMPDIR": str(tmp_path / "tmp")}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        ["env", "--default-signal", *env_options, "make", "run"],
+        cwd=tmp_path,
+        start_new_session=True,
+        text=True,
+        env=environment() | {"TMPDIR": str(tmp_path / "tmp")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     return make, [int(pid) for pid in make.stdout.readline().split()]
 
 

@@ -145,11 +145,14 @@ def test_command(vcd, save_file, tmp_path, command):
         ("lean", None, "no ik_axis.g_lean.u_core.x in this VCD"),
         ("peper", None, "unknown datapath 'peper'; valid: lean, paper, lean25"),
         ("paper", "x y z\n", "own.vcd: 1:2: Expected id code"),
-        ("paper", "$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n",
-         "no module ik_axis in this VCD"),
+        (
+            "paper",
+            "$scope module top $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n",
+            "no module ik_axis in this VCD",
+        ),
         ("paper", "", "own.vcd: cannot be read: No such file or directory"),
     ],
-)  # fmt: skip
+)
 def test_command_refuses(vcd, tmp_path, command, datapath, content, message):
     file = vcd if content is None else tmp_path / "own.vcd"
     if content:

@@ -97,16 +97,29 @@ class Platform(Protocol):
 class Driver:
     """Handle of one core. An area is a pair: the CPU's pointer and the bus address."""
 
-    def __init__(self, library: Path, platform: Platform, source: tuple[int, int], destination: tuple[int, int],
-                 records: int, cache: bool = False, interrupt: bool = False, polls: int = 0,
-                 real: str = "double") -> None:  # fmt: skip
+    def __init__(
+        self,
+        library: Path,
+        platform: Platform,
+        source: tuple[int, int],
+        destination: tuple[int, int],
+        records: int,
+        cache: bool = False,
+        interrupt: bool = False,
+        polls: int = 0,
+        real: str = "double",
+    ) -> None:
         self.linked = ctypes.CDLL(str(library))
         self.linked.ik_error_text.restype = ctypes.c_char_p
         self.raised: list[BaseException] = []
         self.bus = Bus(
-            read=READ(self._guarded(platform.read)), write=WRITE(self._guarded(platform.write)), source=Area(*source),
-            destination=Area(*destination), records=records, polls=polls,
-        )  # fmt: skip
+            read=READ(self._guarded(platform.read)),
+            write=WRITE(self._guarded(platform.write)),
+            source=Area(*source),
+            destination=Area(*destination),
+            records=records,
+            polls=polls,
+        )
         if cache:
             self.bus.flush = CACHE(self._guarded(platform.flush))
             self.bus.invalidate = CACHE(self._guarded(platform.invalidate))

@@ -50,8 +50,9 @@ class Platform:
     The cache may write dirty lines of the results back at any time; this model does so when a job ends.
     """
 
-    def __init__(self, machine: Machine, interrupt: bool, polls: int = 2000,
-                 places: tuple[int, int] | None = None) -> None:  # fmt: skip
+    def __init__(
+        self, machine: Machine, interrupt: bool, polls: int = 2000, places: tuple[int, int] | None = None
+    ) -> None:
         self.machine, self.interrupt = machine, interrupt
         self.buffers: dict[int, ctypes.Array] = {}  # bus address -> the CPU's view
         self.clean: dict[int, bytes] = {}  # cache contents when last coherent with memory

@@ -40,9 +40,7 @@ def random_words(count: int, seed: int) -> np.ndarray:
 class Machine:
     """Bench around one ``ik_axi``; it owns the clock, so a test creates one."""
 
-    def __init__(
-        self, dut, seed: int = 1, pool: int = 600, latency: int = 0, words: np.ndarray | None = None
-    ) -> None:
+    def __init__(self, dut, seed: int = 1, pool: int = 600, latency: int = 0, words: np.ndarray | None = None) -> None:
         self.dut = dut
         for name in ("cocotb", "cocotb.regression"):
             logging.getLogger(f"{name}.{dut._name}").setLevel(logging.WARNING)

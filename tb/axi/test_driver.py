@@ -27,9 +27,14 @@ def run(folder, library, tests: str, echo: bool = True, **parameters: int) -> No
 
 ICARUS = simulator() == "icarus"
 SMALL = {"W": 18, "ADDR_W": 20}
-SETS = {"few": (FEW, SMALL)} if ICARUS else {
-    "all": ("", SMALL), "long_addresses": ("", {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}),
-}  # fmt: skip
+SETS = (
+    {"few": (FEW, SMALL)}
+    if ICARUS
+    else {
+        "all": ("", SMALL),
+        "long_addresses": ("", {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}),
+    }
+)
 
 
 @pytest.mark.cost(20)

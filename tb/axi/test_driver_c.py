@@ -201,8 +201,14 @@ def test_refused(library):
 
 
 def test_start_up(library):
-    for identity, code in ((0x494B0100, "none"), (0x494B01FF, "none"), (0x494B0200, "version"), (0x494A0100, "no_core"),
-                           (0, "no_core"), (0xFFFFFFFF, "no_core")):  # fmt: skip
+    for identity, code in (
+        (0x494B0100, "none"),
+        (0x494B01FF, "none"),
+        (0x494B0200, "version"),
+        (0x494A0100, "no_core"),
+        (0, "no_core"),
+        (0xFFFFFFFF, "no_core"),
+    ):
         core = Pretended(identity=identity)
         driver = Driver(library, core, *core.areas, RECORDS)
         assert driver.start_up() == code

@@ -33,6 +33,7 @@ COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
 KEPT = 10
 """Targets kept for each measure of hardness, per datapath and word length."""
 
+
 @dataclass(frozen=True)
 class Row:
     """One line of the list. ``hand_error`` is None for a target out of reach."""

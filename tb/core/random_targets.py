@@ -186,9 +186,13 @@ def judge(
         failures.append(Failure([text], wrong.tolist()))
     for what, error, most, rows in (
         ("hand error / reach", hand, tolerance, above if judged else above[:0]),
-        ("abs(norm^2 - 1)", norm, np.full(len(words), tolerances.norm(core.width, core.datapath)),
-         np.flatnonzero(~(norm <= tolerances.norm(core.width, core.datapath)))),
-    ):  # fmt: skip
+        (
+            "abs(norm^2 - 1)",
+            norm,
+            np.full(len(words), tolerances.norm(core.width, core.datapath)),
+            np.flatnonzero(~(norm <= tolerances.norm(core.width, core.datapath))),
+        ),
+    ):
         if len(rows):
             worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
             n = worst[0]

@@ -50,9 +50,11 @@ def test_errors_in_the_model(datapath, width):
     answer = fixed.run(words, width, datapath)
     hand, norm = hardest.errors(words, answer.results, width)
     np.testing.assert_allclose(
-        hand, [row.hand_error for row in rows], rtol=1e-4,
+        hand,
+        [row.hand_error for row in rows],
+        rtol=1e-4,
         err_msg="other errors than recorded; `python -m scripts.soak --targets 1 --keep` regenerates them",
-    )  # fmt: skip
+    )
     assert (norm <= tolerances.norm(width, datapath)).all(), f"norm error {norm.max():.3g}"
     assert (answer.flags == expected_flags(words, width)).all(), "flags"
     if datapath == "lean":

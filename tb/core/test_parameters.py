@@ -14,8 +14,10 @@ AXIS = {
     "needs_DATAPATH_of_0_1_or_2": [{"DATAPATH": -1}, {"DATAPATH": 3}],
     "needs_DIGIT_of_0_or_1": [{"DIGIT": -1}, {"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
     "needs_TILE_of_18_16_or_not_folded_25": [
-        *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)), {"TILE": 17, "DATAPATH": 0},
-        {"TILE": 25, "DATAPATH": 2}, {"TILE": 17, "DATAPATH": 2, "W": 24},
+        *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)),
+        {"TILE": 17, "DATAPATH": 0},
+        {"TILE": 25, "DATAPATH": 2},
+        {"TILE": 17, "DATAPATH": 2, "W": 24},
     ],
     "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [
         *({"W": w, "DATAPATH": lean} for w in (-1, 0, 3, 15, 33, 64) for lean in (0, 1)),
@@ -23,7 +25,7 @@ AXIS = {
         *({"W": w, "TILE": 16, "DATAPATH": 2} for w in (16, 17, 19, 25, 26)),
         *({"W": w, "TILE": 16} for w in (15, 25, 32)),
     ],
-}  # fmt: skip
+}
 AXI = {
     "needs_DATAPATH_of_0_or_1": [{"DATAPATH": lean} for lean in (-1, 2, 3)],
     "needs_DATA_W_of_32_64_or_128": [{"DATA_W": bits} for bits in (16, 33, 96, 256)],
@@ -48,22 +50,27 @@ PAPER = {
 }
 FOLD = {
     "needs_W_even_of_20_to_32_with_TILE_16_of_18_to_24": [
-        *({"W": w} for w in (18, 19, 21, 33, 34)), *({"W": w, "TILE": 16} for w in (16, 17, 19, 25, 26)),
+        *({"W": w} for w in (18, 19, 21, 33, 34)),
+        *({"W": w, "TILE": 16} for w in (16, 17, 19, 25, 26)),
     ],
     "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
     "needs_TILE_of_16_or_18": [{"TILE": 17}, {"TILE": 25}],
-}  # fmt: skip
+}
 
 ILLEGAL = [
     # only the first of each name is in the quick gate
     pytest.param(top, parameters, f"{named}_{name}", marks=pytest.mark.slow if k else ())
     for top, named, table in (
-        ("ik_axis", "ik_axis", AXIS), ("ik_axi", "ik_axi", AXI), ("ik_axi", "ik_axis", PASSED_ON),
-        ("ik_lean", "ik_lean", LEAN), ("ik_paper", "ik_paper", PAPER), ("ik_fold", "ik_fold", FOLD),
+        ("ik_axis", "ik_axis", AXIS),
+        ("ik_axi", "ik_axi", AXI),
+        ("ik_axi", "ik_axis", PASSED_ON),
+        ("ik_lean", "ik_lean", LEAN),
+        ("ik_paper", "ik_paper", PAPER),
+        ("ik_fold", "ik_fold", FOLD),
     )
     for name, sets in table.items()
     for k, parameters in enumerate(sets)
-]  # fmt: skip
+]
 LEGAL = [
     *(("ik_axis", parameters) for parameters in (
         {"W": 16, "TAG_W": 1}, {"W": 32}, {"W": 16, "DATAPATH": 0}, {"W": 32, "DATAPATH": 0, "DIGIT": 1}, {"DIGIT": 1},

@@ -15,12 +15,14 @@ SEEDS = range(3, 13)
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
 TOPS = [  # parameters of other tests, whose builds are reused
-    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "TILE": 18},
-                 STREAMS, id="lean"),
-    pytest.param("ik_axis", "tb.core.stream_tests", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "TILE": 18},
-                 STREAMS, id="fold"),
+    pytest.param(
+        "ik_axis", "tb.core.stream_tests", {"W": 32, "TAG_W": 8, "DATAPATH": 1, "TILE": 18}, STREAMS, id="lean"
+    ),
+    pytest.param(
+        "ik_axis", "tb.core.stream_tests", {"W": 24, "TAG_W": 8, "DATAPATH": 2, "TILE": 18}, STREAMS, id="fold"
+    ),
     pytest.param("ik_axi", "tb.axi.ik_axi,tb.axi.registers", {}, "power_up|one_record|after_a_reset", id="memory"),
-]  # fmt: skip
+]
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 
 pytestmark = [
@@ -35,8 +37,15 @@ def failing(top: str, modules: str, parameters: dict[str, int], tests: str, **op
     for seed in SEEDS:
         try:
             env = {"COCOTB_TEST_FILTER": tests, "IK_AXI_JOBS": "4"}
-            simulate(top, f"tb.core.power_up,{modules}", parameters=parameters, env=env, start=seed,
-                     built=seed != SEEDS[0], **options)  # fmt: skip
+            simulate(
+                top,
+                f"tb.core.power_up,{modules}",
+                parameters=parameters,
+                env=env,
+                start=seed,
+                built=seed != SEEDS[0],
+                **options,
+            )
         except SystemExit as failed:
             assert str(failed).startswith("FAILED"), failed  # not a failed build
             yield seed

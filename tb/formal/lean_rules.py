@@ -168,12 +168,27 @@ def _inverse(name: str, value: str) -> dict[str, list[str]]:
 
 
 ELBOW_W = [
-    "=inv_12_far", "=inv_12_far_raw", "=n_far", "inv_12", "root_far", "root of m_far", "=m_far", "=e_far", "a_far",
-]  # fmt: skip
+    "=inv_12_far",
+    "=inv_12_far_raw",
+    "=n_far",
+    "inv_12",
+    "root_far",
+    "root of m_far",
+    "=m_far",
+    "=e_far",
+    "a_far",
+]
 ELBOW_I = [
-    "=inv_12_near", "=inv_12_near_raw", "=n_near", "inv_12", "root_near", "root of m_near", "=m_near",
-    "=e_near", "b_near",
-]  # fmt: skip
+    "=inv_12_near",
+    "=inv_12_near_raw",
+    "=n_near",
+    "inv_12",
+    "root_near",
+    "root of m_near",
+    "=m_near",
+    "=e_near",
+    "b_near",
+]
 SIN_A = ["=sin_a", "=root_ab", "root_far", "root_near", "=inv_law_ab", "=inv_law_ab_raw", "=n_ab", "inv_law"]
 
 BY_WORDS = ("m_q",)

@@ -351,9 +351,12 @@ class Design(Elaborated):
         drivers = [self.drivers[n] for n in names if n in self.drivers]
         operators = sorted({(d.module, d.parameters) for d in drivers if d.module in CLOCKS})
         sections = sorted(
-            {self.drivers[n].section for n in names if n in self.drivers and not self.drivers[n].module
-             and self.nodes[n].format.width > 1}
-        )  # fmt: skip
+            {
+                self.drivers[n].section
+                for n in names
+                if n in self.drivers and not self.drivers[n].module and self.nodes[n].format.width > 1
+            }
+        )
         self.formulas(operators, sections)
         for lemma in pool.map(self.prove_lemma, operators):
             self.lemmas[lemma.module, lemma.parameters] = lemma

@@ -28,9 +28,12 @@ def _files(names: Iterable[str]) -> str:
 
 
 def _numbers(
-    name: str, what: str, digest: Callable[[], str],
-    questions: Callable[[], Iterable[Question]], wrong: Callable[[], Iterable[Question]],
-) -> Task:  # fmt: skip
+    name: str,
+    what: str,
+    digest: Callable[[], str],
+    questions: Callable[[], Iterable[Question]],
+    wrong: Callable[[], Iterable[Question]],
+) -> Task:
     return Task(name, what, "z3", digest, lambda pool, say: arithmetic.run(questions(), wrong(), pool, say))
 
 

@@ -52,9 +52,15 @@ class Running:
             if self.stopped:
                 raise StoppedError
             child = subprocess.Popen(
-                words, cwd=cwd, env=dict(os.environ, PATH=path), start_new_session=True, text=True,
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            )  # fmt: skip
+                words,
+                cwd=cwd,
+                env=dict(os.environ, PATH=path),
+                start_new_session=True,
+                text=True,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+            )
             self.children.add(child)
         said, _ = child.communicate(given)
         with self.lock:

@@ -279,4 +279,3 @@ async def more_than_it_can_take(dut):
     assert found == [answer for answer in expected if answer in found]
     assert red.done()
     await still_works(at)
-

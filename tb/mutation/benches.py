@@ -160,9 +160,14 @@ def _unit(mutant: Mutant, command: str, name: str, parameters: dict[str, int], p
     copy_rtl(place)
     (file,) = (place / "rtl").rglob(f"{name}.v")
     lines = [
-        mutant.netlist.design, *([command] if command else []), f"hierarchy -top {mutant.options['module']}",
-        "flatten", "opt_clean", f"rename -top {name}", f"write_verilog -noattr {relative(file)}",
-    ]  # fmt: skip
+        mutant.netlist.design,
+        *([command] if command else []),
+        f"hierarchy -top {mutant.options['module']}",
+        "flatten",
+        "opt_clean",
+        f"rename -top {name}",
+        f"write_verilog -noattr {relative(file)}",
+    ]
     yosys(place, lines)
     head = re.compile(r"^module [^;]*;\n", re.M)
     file.write_text(head.sub(lambda found: found[0] + declared(parameters), file.read_text(), count=1))

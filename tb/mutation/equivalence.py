@@ -53,19 +53,32 @@ def equivalent(mutant: Mutant, module: str, place: Path, deep: bool) -> bool:
     try:
         for path, command in ((right, []), (changed, [mutant.command])):
             lines = [
-                mutant.netlist.design, *command, f"hierarchy -top {module}",
-                "flatten" if deep else "blackbox * A:top %d", "opt_clean",
-                f"rename -top {path.stem}", f"write_rtlil {relative(path)}",
-            ]  # fmt: skip
+                mutant.netlist.design,
+                *command,
+                f"hierarchy -top {module}",
+                "flatten" if deep else "blackbox * A:top %d",
+                "opt_clean",
+                f"rename -top {path.stem}",
+                f"write_rtlil {relative(path)}",
+            ]
             yosys(place, lines)
         ports = set(PORT.findall(right.read_text()))
         for _ in range(ROUNDS):
             lines = [
                 *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
-                "opt_dff", "dffunmap", "opt_expr", "wreduce", "opt_clean", "splitnets",
-                f"equiv_make -blacklist {relative(removed)} right changed both", "cd both", "opt_merge",
-                "equiv_simple -seq 10", "equiv_induct -seq 4", f"tee -q -o {relative(status)} equiv_status",
-            ]  # fmt: skip
+                "opt_dff",
+                "dffunmap",
+                "opt_expr",
+                "wreduce",
+                "opt_clean",
+                "splitnets",
+                f"equiv_make -blacklist {relative(removed)} right changed both",
+                "cd both",
+                "opt_merge",
+                "equiv_simple -seq 10",
+                "equiv_induct -seq 4",
+                f"tee -q -o {relative(status)} equiv_status",
+            ]
             yosys(place, lines, max(1.0, end - time.monotonic()))
             report = status.read_text()
             if "Equivalence successfully proven!" in report:

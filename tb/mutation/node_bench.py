@@ -91,11 +91,17 @@ class NodeBench:
         )
         latest = max(by_time)
         return BENCH.format(
-            top=TOP, w=w, n=count, bits=bits, tag=TAG_W, compared=compared,
-            ring=1 << (latest + 2).bit_length(), go=f"{core}.go" if path.times else "1'b1",
+            top=TOP,
+            w=w,
+            n=count,
+            bits=bits,
+            tag=TAG_W,
+            compared=compared,
+            ring=1 << (latest + 2).bit_length(),
+            go=f"{core}.go" if path.times else "1'b1",
             most=count * (path.period + 8) * 3 + 20 * latest + 4000,
             full=2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length()),
-        )  # fmt: skip
+        )
 
 
 def fields(words: np.ndarray, answer, nodes: list, width: int) -> Iterator[tuple[np.ndarray, int]]:

@@ -68,8 +68,12 @@ async def legal_traces(top):
 async def each_rule(top):
     """Each trace breaks exactly its rules, and every rule of every port has a trace."""
     ports = {name: Port(top, name) for name in PARTS}
-    unbroken = {(name, f"{prefix}{rule}") for name, port in ports.items() for prefix, _, rules in port.monitors
-                for rule in rules.values()}  # fmt: skip
+    unbroken = {
+        (name, f"{prefix}{rule}")
+        for name, port in ports.items()
+        for prefix, _, rules in port.monitors
+        for rule in rules.values()
+    }
     wrong = []
     for each in BREAKS:
         unbroken -= {(each.port, rule) for rule in each.rules}

@@ -100,10 +100,13 @@ def cases(rows):
     """Mark all cases slow except one per port and side."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     return [
-        pytest.param(*row, id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
-                     marks=[] if row[0] in QUICK else slow)
+        pytest.param(
+            *row,
+            id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
+            marks=[] if row[0] in QUICK else slow,
+        )
         for row in rows
-    ]  # fmt: skip
+    ]
 
 
 @pytest.fixture

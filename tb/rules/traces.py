@@ -32,16 +32,26 @@ def over(*traces: Trace) -> Trace:
 
 
 WRITES = {  # ID 0, each channel stalled once; ID 1, data before the address
-    4: AW, 5: {**AW, **W, "awready": 1}, 6: {**W, "wready": 1}, 7: {**LAST, "wready": 1},
-    8: {"bvalid": 1}, 9: {"bvalid": 1, "bready": 1},
-    10: {**W, "wready": 1}, 11: {**LAST, "wready": 1}, 12: {**AW, "awid": 1, "awready": 1},
+    4: AW,
+    5: {**AW, **W, "awready": 1},
+    6: {**W, "wready": 1},
+    7: {**LAST, "wready": 1},
+    8: {"bvalid": 1},
+    9: {"bvalid": 1, "bready": 1},
+    10: {**W, "wready": 1},
+    11: {**LAST, "wready": 1},
+    12: {**AW, "awid": 1, "awready": 1},
     14: {"bvalid": 1, "bid": 1, "bresp": 2, "bready": 1},
-}  # fmt: skip
+}
 READS = {  # the burst of ID 1 lies between address and data of the burst of ID 0
-    4: AR, 5: {**AR, "arready": 1}, 6: {**AR, "arid": 1, "arlen": 0, "arready": 1},
+    4: AR,
+    5: {**AR, "arready": 1},
+    6: {**AR, "arid": 1, "arlen": 0, "arready": 1},
     8: {"rvalid": 1, "rid": 1, "rlast": 1, "rready": 1},
-    9: {"rvalid": 1}, 10: {"rvalid": 1, "rready": 1}, 11: {"rvalid": 1, "rlast": 1, "rready": 1},
-}  # fmt: skip
+    9: {"rvalid": 1},
+    10: {"rvalid": 1, "rready": 1},
+    11: {"rvalid": 1, "rlast": 1, "rready": 1},
+}
 AXI4 = over(WRITES, READS)
 LITE = {
     4: {"awvalid": 1, "arvalid": 1, "wvalid": 1, "wstrb": 15},
@@ -85,14 +95,20 @@ CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, 
     ("lite", "b."): ("b", 8, {"bresp": 2}),
     ("lite", "ar."): ("ar", 4, {"araddr": 4, "arprot": 1}),
     ("lite", "r."): ("r", 7, {"rdata": 4, "rresp": 2}),
-    ("axi4", "aw."): ("aw", 4, {"awaddr": 0x1008, "awlen": 2, "awsize": 2, "awburst": 2, "awcache": 2, "awprot": 1,
-                                "awid": 1}),
+    ("axi4", "aw."): (
+        "aw",
+        4,
+        {"awaddr": 0x1008, "awlen": 2, "awsize": 2, "awburst": 2, "awcache": 2, "awprot": 1, "awid": 1},
+    ),
     ("axi4", "w."): ("w", 5, {"wdata": 8, "wstrb": 1, "wlast": 1}),
     ("axi4", "b."): ("b", 8, {"bresp": 2, "bid": 1}),
-    ("axi4", "ar."): ("ar", 4, {"araddr": 0x1008, "arlen": 2, "arsize": 2, "arburst": 2, "arcache": 2, "arprot": 1,
-                                "arid": 1}),
+    ("axi4", "ar."): (
+        "ar",
+        4,
+        {"araddr": 0x1008, "arlen": 2, "arsize": 2, "arburst": 2, "arcache": 2, "arprot": 1, "arid": 1},
+    ),
     ("axi4", "r."): ("r", 9, {"rdata": 8, "rresp": 2, "rlast": 1, "rid": 1}),
-}  # fmt: skip
+}
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
 """Burst rule that a change of this payload breaks as well. An offered AW is evaluated at once."""
 
@@ -150,8 +166,9 @@ BREAKS = [
     Break("axi4", {"write.WLAST"}, {11: {**AW, "awlen": 0, "wvalid": 0}}),  # some data already sent
     Break("axi4", {"write.WSTRB"}, {4: {"awaddr": 0x1004}, 5: {"awaddr": 0x1004}}),
     Break("axi4", {"write.WSTRB"}, {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x10}}),
-    Break("axi4", {"write.WSTRB"},
-          {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 15}, 6: {"wstrb": 15}, 7: {"wstrb": 15}}),
+    Break(
+        "axi4", {"write.WSTRB"}, {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 15}, 6: {"wstrb": 15}, 7: {"wstrb": 15}}
+    ),
     Break("axi4", {"write.MONITOR_ROOM"}, {k: {"awvalid": 1, "awready": 1} for k in MANY}, base=False),
     Break("axi4", {"read.R_AFTER_ADDRESS"}, {4: R}),
     Break("axi4", {"read.R_AFTER_ADDRESS"}, {5: R}),  # together with the address
@@ -167,7 +184,7 @@ BREAKS = [
     Break("lite", {"BRESP"}, {8: {"bresp": 1}}),
     Break("lite", {"R_AFTER_ADDRESS"}, {5: R}),
     Break("lite", {"RRESP"}, {7: {"rresp": 1}}),
-]  # fmt: skip
+]
 
 
 def names(module: str) -> dict[int, str]:

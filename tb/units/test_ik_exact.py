@@ -48,9 +48,18 @@ def bench(W: int, SQUARE: int) -> Tests:
         drawn = [a for (a,) in some(500, words)]
         return [(a, a) for a in drawn] + [(a, -a) for a in drawn if -a in words]
 
-    others = [(1, 0), (low, 0), (least, 0)] if SQUARE else [
-        (low + 1, 2), (-1, 2), (least, 2), (1, low), (1, -1), (1, least),
-    ]  # fmt: skip
+    others = (
+        [(1, 0), (low, 0), (least, 0)]
+        if SQUARE
+        else [
+            (low + 1, 2),
+            (-1, 2),
+            (least, 2),
+            (1, low),
+            (1, -1),
+            (1, least),
+        ]
+    )
     return checks(
         {"a": words, "b": words},
         {"p": signed(2 * W)},

@@ -49,8 +49,9 @@ def test_the_prediction_of_first_order_stays_below_the_proof():
 
 
 def _form(random, centre, radius):
-    return Form(np.array([centre]), {"a": np.array([radius * 0.7]), "b": np.array([-radius * 0.2])},
-                np.array([radius * 0.1]))  # fmt: skip
+    return Form(
+        np.array([centre]), {"a": np.array([radius * 0.7]), "b": np.array([-radius * 0.2])}, np.array([radius * 0.1])
+    )
 
 
 def _points(form, e, rest):

@@ -21,8 +21,15 @@ def test_every_node_fits(width):
 
 @pytest.mark.parametrize(
     ("name", "width"),
-    [("u_x", 32), ("inv_law_raw", 18), ("k_scaled", 24), ("length_sq", 32), ("qs_i", 16), ("rho_sq", 32),
-     ("m_far", 18)],
+    [
+        ("u_x", 32),
+        ("inv_law_raw", 18),
+        ("k_scaled", 24),
+        ("length_sq", 32),
+        ("qs_i", 16),
+        ("rho_sq", 32),
+        ("m_far", 18),
+    ],
 )
 def test_a_format_too_short_is_named(name, width):
     fmt = lean_ranges.LeanRanges(width).nodes[name].format

@@ -43,8 +43,16 @@ S_BY = ("", "on_axis", "at_shoulder", "clamp")
 """Flags that select an addend."""
 
 MINUS_BY = (
-    "", ALWAYS, NO_COUNT, "phi<0", "u_y<0", "sin_el<0 & ~at_shoulder", "cos_a<0 & ~clamp", "~arm_swap", "minus",
-)  # fmt: skip
+    "",
+    ALWAYS,
+    NO_COUNT,
+    "phi<0",
+    "u_y<0",
+    "sin_el<0 & ~at_shoulder",
+    "cos_a<0 & ~clamp",
+    "~arm_swap",
+    "minus",
+)
 """Flags that select the sign of a product."""
 
 SIGNS = ("", "d1<0", "d2<0", "d_dif<0", "a_far<0", "b_near<0", "u_y<0", "sin_el<0", "cos_a<0", "k_1<0")
@@ -187,16 +195,26 @@ def encode(groups: list[Group], of: Schedule) -> Program:
         function = {"root": "root", "sine": "angle", "cosine": "angle"}[step.rows[0].function] if step.place else ""
         put(t + 1, a_bend=step.a is None, b_place=function, b_high=step.place == "high")
         put(
-            t + timing.ADD, cut=step.cut, s=step.addend, s_by=step.addend_by, minus_by=step.minus, carry=step.carry,
-        )  # fmt: skip
+            t + timing.ADD,
+            cut=step.cut,
+            s=step.addend,
+            s_by=step.addend_by,
+            minus_by=step.minus,
+            carry=step.carry,
+        )
         w = step.write
         window = (w.double_by or {1: "plain", 2: "double"}[w.window]) if w else ""
         if step.result:
             window = "double" if step.cut == "double" else "plain"
         put(
-            t + timing.WRITE, window=window or "plain", limit=bool(w and w.limit), last=w.last if w else "inner",
-            sign=step.sign if step.sign in SIGNS else "", result=step.result, norm=step.norm.kind if step.norm else "",
-        )  # fmt: skip
+            t + timing.WRITE,
+            window=window or "plain",
+            limit=bool(w and w.limit),
+            last=w.last if w else "inner",
+            sign=step.sign if step.sign in SIGNS else "",
+            result=step.result,
+            norm=step.norm.kind if step.norm else "",
+        )
         if w:
             place, flag = operand(w.to)
             put(t + timing.WRITE, source="sum", w=place, w_by=flag)

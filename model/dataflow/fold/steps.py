@@ -264,9 +264,7 @@ class Lowering(Domain):
             exact = node.format.width > self.layout.bits
             if not exact:
                 self.weight[name] = self._weight(node)
-            self.sums[first].append(
-                Sum(name, second, ALWAYS if less else "", write=None if exact else Write(name))
-            )  # fmt: skip
+            self.sums[first].append(Sum(name, second, ALWAYS if less else "", write=None if exact else Write(name)))
 
     def _shift(self, node: Node, shift: Shift, value: str, count: str) -> None:
         self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
@@ -282,9 +280,15 @@ class Lowering(Domain):
             window = PLAIN if offset + PLAIN >= 0 else DOUBLE
             counted = self._counted(count, offset + window)
             self.terms[node.name] = Step(
-                node.name, value, POWER, "power", minus=NO_COUNT, carry="minus", write=Write(node.name, window),
+                node.name,
+                value,
+                POWER,
+                "power",
+                minus=NO_COUNT,
+                carry="minus",
+                write=Write(node.name, window),
                 count=counted,
-            )  # fmt: skip
+            )
 
     def _counted(self, name: str, offset: int) -> Counted:
         """Return a count plus ``offset``; an arm is shifted one pair more than its node's count (:data:`NORMS`)."""
@@ -374,13 +378,28 @@ class Lowering(Domain):
         bends_down = "" if row.function == "cosine" else ALWAYS
         slope = f"{name}'"
         self.terms[slope] = Step(
-            slope, None, row.of, addend="slope_less" if bends_down else "slope", minus=bends_down, carry="minus",
-            place="high", write=Write(slope, last="slope"), rows=(row,),
-        )  # fmt: skip
+            slope,
+            None,
+            row.of,
+            addend="slope_less" if bends_down else "slope",
+            minus=bends_down,
+            carry="minus",
+            place="high",
+            write=Write(slope, last="slope"),
+            rows=(row,),
+        )
         self.terms[name] = Step(
-            name, slope, row.of, "root" if row.function == "root" else "sine", "value", minus=falls, carry="minus",
-            place="all", write=write, rows=(replace(row, value=True),),
-        )  # fmt: skip
+            name,
+            slope,
+            row.of,
+            "root" if row.function == "root" else "sine",
+            "value",
+            minus=falls,
+            carry="minus",
+            place="all",
+            write=write,
+            rows=(replace(row, value=True),),
+        )
 
     def apply(self, name, operands, fmt, bits, real):
         return None
@@ -416,9 +435,13 @@ class Lowering(Domain):
         """Add a step, and the steps whose addend is its T."""
         normal, counted = self.norms.get(step.name, (None, step.count))
         step = replace(
-            step, a=self._picked(step.a), b=self._picked(step.b) or ZERO, norm=normal, count=counted,
+            step,
+            a=self._picked(step.a),
+            b=self._picked(step.b) or ZERO,
+            norm=normal,
+            count=counted,
             sign=sign(step.name) if step.name in self.signs else "",
-        )  # fmt: skip
+        )
         group.add(at, step)
         sums = sorted(self.sums.get(step.name, ()), key=lambda s: s.name in self.sums)
         for number, of in enumerate(sums):
@@ -427,7 +450,14 @@ class Lowering(Domain):
             addend = "hold" if number else "T_half" if words else "T"
             carry = "minus" if of.minus and not words and not of.inverse else ""
             made = replace(
-                term, name=of.name, addend=addend, addend_by="", minus=of.minus, carry=carry, write=of.write, norm=None,
+                term,
+                name=of.name,
+                addend=addend,
+                addend_by="",
+                minus=of.minus,
+                carry=carry,
+                write=of.write,
+                norm=None,
                 term=of.term,
             )
             self._extend(group, at + 2 + number, made)

@@ -89,8 +89,20 @@ def test_defaults_come_from_the_arguments_and_a_column_overrides_them(read):
         b"x,y,z\n1,2,3\n,,\n , ,\n",
     ],
     ids=[
-        "bom", "crlf", "cr", "bom-crlf-blank", "blank-end", "no-newline", "spaces", "quotes", "comments", "upper case",
-        "semicolons", "decimal comma", "tabs", "empty rows",
+        "bom",
+        "crlf",
+        "cr",
+        "bom-crlf-blank",
+        "blank-end",
+        "no-newline",
+        "spaces",
+        "quotes",
+        "comments",
+        "upper case",
+        "semicolons",
+        "decimal comma",
+        "tabs",
+        "empty rows",
     ],
 )
 def test_accepted_forms(read, content):
@@ -244,9 +256,18 @@ def test_lengths_round_half_to_even():
 
 @pytest.mark.parametrize(
     ("turns", "word"),
-    [(0, 0), (0.25, 2**14), (0.5, -(2**15)), (-0.5, -(2**15)), (0.75, -(2**14)), (1, 0), (-7.25, -(2**14)),
-     (0.5 - 1e-9, -(2**15)), (1e6 + 0.125, 2**13)],
-)  # fmt: skip
+    [
+        (0, 0),
+        (0.25, 2**14),
+        (0.5, -(2**15)),
+        (-0.5, -(2**15)),
+        (0.75, -(2**14)),
+        (1, 0),
+        (-7.25, -(2**14)),
+        (0.5 - 1e-9, -(2**15)),
+        (1e6 + 0.125, 2**13),
+    ],
+)
 def test_angles_wrap_at_a_turn(turns, word):
     assert to_words(targets(phi=turns * 2 * math.pi), 16)[0][0, FIELDS.index("phi")] == word
 

@@ -46,9 +46,18 @@ class Case:
 
     def score(self, bar=None):
         return score(
-            self.targets, self.words, self.exponent, self.results, self.flags, width=self.width,
-            datapath="paper", simulator="icarus", predicted=self.predicted, bar=bar, **self.run,
-        )  # fmt: skip
+            self.targets,
+            self.words,
+            self.exponent,
+            self.results,
+            self.flags,
+            width=self.width,
+            datapath="paper",
+            simulator="icarus",
+            predicted=self.predicted,
+            bar=bar,
+            **self.run,
+        )
 
     def turn_shoulder(self, n, angle):
         """Turn the core's shoulder at target n by `angle` (rad) about the z axis."""
@@ -80,8 +89,17 @@ def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
         ({"x": 0.3, "z": 0.3, "d1": 0.3, "d2": 0.3, "phi": np.pi}, np.pi / 4),
         # The same pose turned to azimuth 90 - 34.4 degrees: theta_3 = azimuth + pi/2, so 0.3 rad from pi/2
         # when halved.
-        ({"x": 0.3 * math.cos(np.pi / 2 - 0.6), "y": 0.3 * math.sin(np.pi / 2 - 0.6), "z": 0.3,
-          "d1": 0.3, "d2": 0.3, "phi": np.pi}, 0.3),
+        (
+            {
+                "x": 0.3 * math.cos(np.pi / 2 - 0.6),
+                "y": 0.3 * math.sin(np.pi / 2 - 0.6),
+                "z": 0.3,
+                "d1": 0.3,
+                "d2": 0.3,
+                "phi": np.pi,
+            },
+            0.3,
+        ),
         # Wrist 0.1 rad from the upper and from the lower pole.
         ({"x": 0.4 * math.sin(0.1), "z": 0.4 * math.cos(0.1)}, 0.1),
         ({"x": 0.4 * math.sin(0.1), "z": -0.4 * math.cos(0.1)}, 0.1),
@@ -92,7 +110,7 @@ def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
         ({"x": 0.7}, 0.0),
         ({"x": 0.01}, 0.0),
     ],
-)  # fmt: skip
+)
 def test_singular_distance(pose, distance):
     assert singular_distance(arm(**pose)) == pytest.approx([distance], abs=1e-7)
 
@@ -250,7 +268,8 @@ def test_the_worst_target_is_named_with_its_pose():
 
 
 @pytest.mark.parametrize(
-    ("x", "what"), [(0.5999, "straight arm"), (0.0601, "folded arm"), (0.0001, "folded arm")],
+    ("x", "what"),
+    [(0.5999, "straight arm"), (0.0601, "folded arm"), (0.0001, "folded arm")],
 )
 def test_what_is_singular(x, what):
     d2 = 0.33 if x < 0.01 else 0.27

@@ -35,9 +35,15 @@ def joints(names: str, side: str) -> tuple[str, ...]:
 
 
 def write(
-    path: Path, names: str = "cmu", up: str = "y", rest: str = "t", order: str = "ZYX", frames: int = 60, seed: int = 1,
+    path: Path,
+    names: str = "cmu",
+    up: str = "y",
+    rest: str = "t",
+    order: str = "ZYX",
+    frames: int = 60,
+    seed: int = 1,
     sides: tuple[str, ...] = ("left", "right"),
-) -> Path:  # fmt: skip
+) -> Path:
     """Write a figure whose body sways and whose arms swing, smoothly and at random."""
     random = np.random.default_rng(seed)
     spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # positions of right, forward and up

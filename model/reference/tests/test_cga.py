@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 1: blades, metric, entities, quaternions and angles of section 2 of the paper."""
 
-
 import numpy as np
 import pytest
 import sympy

@@ -75,11 +75,18 @@ def test_rotation_to_the_elbow_has_the_coefficients_of_15():
 def test_entities_meet_where_they_should():
     P_e, P_w, shoulder_point = GEOMETRY["P_e"], GEOMETRY["P_w"], cga.point(0 * X, 0 * X, 0 * X)
     on_them = {
-        "S_1": [P_e], "S_2": [P_e], "Z_e": [P_e], "PP": [P_e],
-        "pi_swivel": [shoulder_point, P_w, P_e], "L_sw": [shoulder_point, P_w],
-        "L_se": [shoulder_point, P_e], "L_ew": [P_e, P_w],
-        "pi_m": [shoulder_point], "pi_e": [shoulder_point, P_e, GEOMETRY["P_ze"]], "L_m": [shoulder_point],
-    }  # fmt: skip
+        "S_1": [P_e],
+        "S_2": [P_e],
+        "Z_e": [P_e],
+        "PP": [P_e],
+        "pi_swivel": [shoulder_point, P_w, P_e],
+        "L_sw": [shoulder_point, P_w],
+        "L_se": [shoulder_point, P_e],
+        "L_ew": [P_e, P_w],
+        "pi_m": [shoulder_point],
+        "pi_e": [shoulder_point, P_e, GEOMETRY["P_ze"]],
+        "L_m": [shoulder_point],
+    }
     for name, points in on_them.items():
         for point in points:
             assert_incident(GEOMETRY[name], point, f"{name} contains its points")

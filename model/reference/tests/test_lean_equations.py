@@ -239,18 +239,28 @@ def test_nodes_are_what_their_names_say():
     lean = solve_lean(*targets)
     rho, distance = np.hypot(x, y), np.sqrt(x**2 + y**2 + z**2)
     expected = {
-        "rho_sq": rho**2, "s": distance**2, "a_far": (d1 + d2) ** 2 - distance**2,
-        "b_near": distance**2 - (d1 - d2) ** 2, "k_law": distance**2 + d1**2 - d2**2,
-        "u_x": x / rho, "u_y": y / rho, "sin_el": z / distance, "cos_el": rho / distance,
+        "rho_sq": rho**2,
+        "s": distance**2,
+        "a_far": (d1 + d2) ** 2 - distance**2,
+        "b_near": distance**2 - (d1 - d2) ** 2,
+        "k_law": distance**2 + d1**2 - d2**2,
+        "u_x": x / rho,
+        "u_y": y / rho,
+        "sin_el": z / distance,
+        "cos_el": rho / distance,
         "cos_a": (distance**2 + d1**2 - d2**2) / (2 * d1 * distance),
-        "cos_h": np.cos(phi / 2), "sin_h": np.sin(phi / 2),
-    }  # fmt: skip
+        "cos_h": np.cos(phi / 2),
+        "sin_h": np.sin(phi / 2),
+    }
     for name, value in expected.items():
         np.testing.assert_allclose(lean[name], value, rtol=0, atol=1e-14, err_msg=name)
     np.testing.assert_allclose(lean["cos_a"] ** 2 + lean["sin_a"] ** 2, 1, rtol=0, atol=1e-14)
     assert (lean["sin_a"] >= 0).all()
-    for c, s, name in ((-lean["u_y"], lean["u_x"], "az"), (lean["sin_el"], lean["cos_el"], "tilt"),
-                       (lean["cos_a"], lean["sin_a"], "arm")):  # fmt: skip
+    for c, s, name in (
+        (-lean["u_y"], lean["u_x"], "az"),
+        (lean["sin_el"], lean["cos_el"], "tilt"),
+        (lean["cos_a"], lean["sin_a"], "arm"),
+    ):
         h_c, h_s = lean[f"{name}_c"], lean[f"{name}_s"]
         length = h_c**2 + h_s**2
         np.testing.assert_allclose(length, (1 + np.abs(c)) / 2, rtol=1e-14, err_msg=f"|{name}|^2")

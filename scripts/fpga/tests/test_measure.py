@@ -18,25 +18,39 @@ STAT = {
     "modules": {
         "\\ik_top": {
             "num_cells_by_type": {
-                "LUT2": 3, "INV": 1, "MUXCY": 4, "FDRE": 2,
-                "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": 2, "$paramod$0a1b\\ik_mul3": 1,
+                "LUT2": 3,
+                "INV": 1,
+                "MUXCY": 4,
+                "FDRE": 2,
+                "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": 2,
+                "$paramod$0a1b\\ik_mul3": 1,
             },
         },
         "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": {"num_cells_by_type": {"SRL16E": 8, "FDRE": 1}},
         "$paramod$0a1b\\ik_mul3": {
             "num_cells_by_type": {
-                "LUT4": 10, "MULT18X18": 3, "XORCY": 9, "MUXF5": 2, "$scopeinfo": 5,
+                "LUT4": 10,
+                "MULT18X18": 3,
+                "XORCY": 9,
+                "MUXF5": 2,
+                "$scopeinfo": 5,
                 "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000": 1,
             },
         },
     },
-}  # fmt: skip
+}
 
 
 def test_cells_of_the_modules_inside_are_counted():
     assert report.counted(STAT, "xc2vp") == {
-        "LUT": 3 + 1 + 10 + 3 * 8, "shift": 24, "FF": 2 + 3, "carry": 4, "MUXF": 2, "multipliers": 3, "RAM": 0,
-    }  # fmt: skip
+        "LUT": 3 + 1 + 10 + 3 * 8,
+        "shift": 24,
+        "FF": 2 + 3,
+        "carry": 4,
+        "MUXF": 2,
+        "multipliers": 3,
+        "RAM": 0,
+    }
 
 
 def test_modules_have_their_own_cells_only_and_sections_all_inside():
@@ -91,10 +105,13 @@ def test_clock_and_critical_path_of_a_report():
         "mhz": 98.6,
         "used": {"MULT18X18D": 149, "TRELLIS_FF": 15033},
         "path": {
-            "from": "u_q.rom.0.0", "to": "u_q.bend_2", "through": ["DP16KD", "MULT18X18D"],
-            "ns": 10.14, "routing_ns": 2.81,
+            "from": "u_q.rom.0.0",
+            "to": "u_q.bend_2",
+            "through": ["DP16KD", "MULT18X18D"],
+            "ns": 10.14,
+            "routing_ns": 2.81,
         },
-    }  # fmt: skip
+    }
 
 
 def test_no_clock_is_quoted_that_a_multiplier_could_not_keep():
@@ -131,8 +148,13 @@ def test_registers_around_a_multiplier_go_into_it():
     assert list(design["cells"]) == ["m"]
     nets = design["cells"]["m"]["connections"]
     assert (nets["A0"], nets["A1"], nets["B0"], nets["B1"], nets["P0"], nets["CLK0"]) == (
-        [10], ["0"], [11], [11], [31], [2],
-    )  # fmt: skip
+        [10],
+        ["0"],
+        [11],
+        [11],
+        [31],
+        [2],
+    )
     assert design["cells"]["m"]["parameters"]["REG_INPUTA_CLK"] == "CLK0"
 
 
@@ -305,8 +327,10 @@ def test_memory_to_memory_is_measured_around_an_echo_and_whole(monkeypatch, begu
     assert all(lean == {"lean"} for name, lean in ran if "-echo-" not in name)
     rows = page.memory(json.loads((tmp_path / "fpga.json").read_text())).splitlines()[2:]
     assert [row.split(" | ")[0] for row in rows] == [
-        "| W = 32, an echo in the place of the datapath", "| W = 18, `lean`", "| W = 32, `lean`",
-    ]  # fmt: skip
+        "| W = 32, an echo in the place of the datapath",
+        "| W = 18, `lean`",
+        "| W = 32, `lean`",
+    ]
     assert [row.split(" | ")[9] for row in rows] == ["174", "174", "-"]
     assert rows[0].endswith("| 171, 172, 173, 174 |")
 
@@ -352,9 +376,21 @@ def test_folded_machine_is_measured_on_every_chip(monkeypatch, begun, tmp_path):
 def test_cells_of_small_chips_are_counted():
     stat = {"modules": {"\\t": {"num_cells_by_type": {"SB_LUT4": 5, "SB_CARRY": 2, "SB_DFFESR": 3, "SB_MAC16": 4}}}}
     assert report.counted(stat, "up5k") == {
-        "LUT": 5, "shift": 0, "FF": 3, "carry": 2, "MUXF": 0, "multipliers": 4, "RAM": 0,
-    }  # fmt: skip
+        "LUT": 5,
+        "shift": 0,
+        "FF": 3,
+        "carry": 2,
+        "MUXF": 0,
+        "multipliers": 4,
+        "RAM": 0,
+    }
     stat = {"modules": {"\\t": {"num_cells_by_type": {"LUT2": 5, "ALU": 2, "DFFE": 3, "SPX9": 1, "MUX2_LUT5": 6}}}}
     assert report.counted(stat, "gowin") == {
-        "LUT": 7, "shift": 0, "FF": 3, "carry": 2, "MUXF": 6, "multipliers": 0, "RAM": 1,
-    }  # fmt: skip
+        "LUT": 7,
+        "shift": 0,
+        "FF": 3,
+        "carry": 2,
+        "MUXF": 6,
+        "multipliers": 0,
+        "RAM": 1,
+    }

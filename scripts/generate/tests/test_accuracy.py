@@ -84,8 +84,10 @@ def test_targets_are_at_the_distance_given(kind, distance):
     x, y, z, _, d1, d2 = words.T.astype(np.longdouble)
     p, reach = np.sqrt(x**2 + y**2 + z**2), d1 + d2
     found = {
-        "the z axis": np.hypot(x, y) / np.maximum(np.abs(z), 1), "full stretch": (reach - p) / reach,
-        "full fold": (p - np.abs(d1 - d2)) / reach, "the shoulder": p / reach,
-    }[kind]  # fmt: skip
+        "the z axis": np.hypot(x, y) / np.maximum(np.abs(z), 1),
+        "full stretch": (reach - p) / reach,
+        "full fold": (p - np.abs(d1 - d2)) / reach,
+        "the shoulder": p / reach,
+    }[kind]
     lsb = 3 / reach.min()
     assert (found <= 4.5 * distance + lsb).all() and np.median(found) >= distance / 4 - lsb

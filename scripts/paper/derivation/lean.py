@@ -20,10 +20,19 @@ from tb.sim.env import GENERATED
 PAGE = GENERATED / "lean.md"
 
 STEPS = (
-    lean_geometry.directions, lean_geometry.swivel, lean_geometry.elbow, lean_geometry.elbow_quaternion,
-    lean_geometry.shoulder, lean_geometry.factors, lean_quaternion.half, lean_quaternion.product,
-    lean_quaternion.length, lean_quaternion.shifts, lean_quaternion.near_singular, lean_counts.counts,
-)  # fmt: skip
+    lean_geometry.directions,
+    lean_geometry.swivel,
+    lean_geometry.elbow,
+    lean_geometry.elbow_quaternion,
+    lean_geometry.shoulder,
+    lean_geometry.factors,
+    lean_quaternion.half,
+    lean_quaternion.product,
+    lean_quaternion.length,
+    lean_quaternion.shifts,
+    lean_quaternion.near_singular,
+    lean_counts.counts,
+)
 
 
 def derive(tables: Tables | None = None) -> list[Step]:
@@ -50,9 +59,16 @@ def page(steps: list[Step], tables: Tables | None = None) -> str:
     ]
     named = {function.__name__: step for function, step in zip(STEPS, steps, strict=True)}
     return render(
-        "lean", groups=tables.lean, number=NUMBER, tex=TEX, line_tex=line_tex, halves=halves, steps=named,
-        cell=cell, aligned=aligned,
-    )  # fmt: skip
+        "lean",
+        groups=tables.lean,
+        number=NUMBER,
+        tex=TEX,
+        line_tex=line_tex,
+        halves=halves,
+        steps=named,
+        cell=cell,
+        aligned=aligned,
+    )
 
 
 def write() -> int:

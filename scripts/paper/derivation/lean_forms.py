@@ -82,7 +82,6 @@ def corrected() -> dict[str, dict[str, str]]:
     return table
 
 
-
 TEX = {
     "x": "x", "y": "y", "z": "z", "phi": r"\phi", "d1": "d_1", "d2": "d_2", "d_sum": "d_+", "d_dif": "d_-",
     "rho_sq": r"\rho^2", "s": "s", "a_far": "A", "b_near": "B", "k_law": "K",
@@ -110,8 +109,10 @@ TEX |= {f"{v}_{axis}": f"{v}_{axis}" for v in "pvnmef" for axis in "xyz"}
 TEX |= {f"sum_{unit}": rf"\Sigma_{unit}" for unit in "wijk"}
 TEX |= {f"{pair}": rf"\Sigma_{{{pair.replace('_', '')}}}" for pair in ("w_i", "w_j", "w_k", "i_j", "i_k", "j_k")}
 TEX |= {f"other_{n}": rf"\Sigma'_{n}" for n in (1, 2, 3)}
-TEX |= {f"shift_{name}": f"k_{tail}" for name, tail in
-        (("rho_sq", r"\rho"), ("s", "s"), ("a_far", "A"), ("b_near", "B"), ("d1", "1"), ("d2", "2"))}  # fmt: skip
+TEX |= {
+    f"shift_{name}": f"k_{tail}"
+    for name, tail in (("rho_sq", r"\rho"), ("s", "s"), ("a_far", "A"), ("b_near", "B"), ("d1", "1"), ("d2", "2"))
+}
 
 SYMBOL = {name: sp.Symbol(name, real=True) for name in TEX}
 NAMES = {symbol: TEX[name] for name, symbol in SYMBOL.items()}

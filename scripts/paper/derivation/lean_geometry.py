@@ -35,7 +35,7 @@ from scripts.paper.derivation.lean_proofs import (
     sums_of_s,
     target,
     turn,
-)  # fmt: skip
+)
 from scripts.paper.derivation.printed import cross, dot, evaluate
 
 
@@ -98,13 +98,16 @@ def elbow(tables: Tables) -> Step:
     step.equal(r"\mathrm{inf}_{PP} = \rho^2 |p|^2", inf_PP, D**4 * CE**2, CIRCLES)
     step.equal(
         r"\mathrm{tmp}_1 = \tfrac14 \rho^2 \left(4 d_1^2 s - K^2\right)",
-        tmp1, (D * CE) ** 2 * (4 * D1**2 * D**2 - K**2) / 4, law | CIRCLES,
-    )  # fmt: skip
+        tmp1,
+        (D * CE) ** 2 * (4 * D1**2 * D**2 - K**2) / 4,
+        law | CIRCLES,
+    )
     brief = sums_of_s(tables)
     factors = sp.factor(sp.expand(4 * D1**2 * brief["s"] - brief["k_law"] ** 2))
     step.shown.append(("4 d_1^2 s - K^2", latex(factors)))
-    step.equal("4 d_1^2 s - K^2 = A B", 4 * D1**2 * values["s"] - values["k_law"] ** 2,
-               values["a_far"] * values["b_near"])  # fmt: skip
+    step.equal(
+        "4 d_1^2 s - K^2 = A B", 4 * D1**2 * values["s"] - values["k_law"] ** 2, values["a_far"] * values["b_near"]
+    )
     root = D * CE * D1 * D * SA
     sqrt = known_root([root], relations)
     tmp_sqr = evaluate("sqrt(tmp1)", tmp1=tmp1, sqrt=sqrt)
@@ -212,10 +215,13 @@ def factors(tables: Tables) -> Step:
     product = turn("z", -U_Y, U_X) * turn("x", SE, CE)
     stages = [
         (r"R_z(\alpha + 90^\circ)\, R_x(\theta)", product, {2: (r"p/|p|", P_UNIT)}),
-        (r"R_z(\alpha + 90^\circ)\, R_x(\theta)\, R_z(\phi)", product := product * turn("z", CP, SP),
-         {0: ("-n", [-v for v in n]), 1: ("m", m), 2: (r"p/|p|", P_UNIT)}),
+        (
+            r"R_z(\alpha + 90^\circ)\, R_x(\theta)\, R_z(\phi)",
+            product := product * turn("z", CP, SP),
+            {0: ("-n", [-v for v in n]), 1: ("m", m), 2: (r"p/|p|", P_UNIT)},
+        ),
         ("R", product * turn("x", CA, -SA), {0: ("-n", [-v for v in n]), 1: (r"e \times (-n)", f), 2: ("e", e)}),
-    ]  # fmt: skip
+    ]
     for label, matrix, expected in stages:
         for column, (name, vector) in expected.items():
             step.equal(rf"{label}\,e_{column + 1} = {name}", matrix[:, column], vector, CIRCLES)

@@ -32,7 +32,7 @@ from scripts.paper.derivation.lean_proofs import (
     rotation_matrix,
     run_lines,
     turn,
-)  # fmt: skip
+)
 from scripts.paper.derivation.markdown import cell
 from scripts.paper.derivation.printed import dot, evaluate
 
@@ -68,9 +68,11 @@ def product(tables: Tables) -> Step:
     given = {str(symbol): symbol for symbol in (*h, C2, S2)}
     lean = product_lines(tables, given)
     algebra = (
-        cga.quaternion(az_c, 0, 0, az_s) * cga.quaternion(tilt_c, tilt_s, 0, 0)
-        * cga.quaternion(C2, 0, 0, S2) * cga.quaternion(arm_c, -arm_s, 0, 0)
-    )  # fmt: skip
+        cga.quaternion(az_c, 0, 0, az_s)
+        * cga.quaternion(tilt_c, tilt_s, 0, 0)
+        * cga.quaternion(C2, 0, 0, S2)
+        * cga.quaternion(arm_c, -arm_s, 0, 0)
+    )
     for name, value, right in zip("wijk", lean, cga.quaternion_coefficients(algebra), strict=True):
         right = sp.expand(sp.sympify(right))
         step.shown.append((f"{name}_1", latex(right)))
@@ -104,8 +106,11 @@ def length(tables: Tables) -> Step:
     step = Step("9. The one root at the end")
     quaternion = product_lines(tables, {str(symbol): symbol for symbol in (*h, C2, S2)})
     relations: Relations = {
-        rf"{TEX[f'{name}_c']}^2 + {TEX[f'{name}_s']}^2 = {TEX[f'{name}_sq']}":
-        (h[2 * n + 1], lengths[n] - h[2 * n] ** 2) for n, name in enumerate(HALVES)
+        rf"{TEX[f'{name}_c']}^2 + {TEX[f'{name}_s']}^2 = {TEX[f'{name}_sq']}": (
+            h[2 * n + 1],
+            lengths[n] - h[2 * n] ** 2,
+        )
+        for n, name in enumerate(HALVES)
     }
     name = "length_sq"
     t = run_lines({name: {name: lines(tables.lean)[name]}}, [name], {str(v): v for v in lengths})[name]
@@ -122,10 +127,11 @@ def length(tables: Tables) -> Step:
     linear = all(sp.degree(straight, v) == 1 for v in flat)
     low, high = min(corners), max(corners)
     step.true(
-        rf"{latex(low)} \le |q|^2 \le {latex(high)}", linear and (low, high) == (sp.Rational(1, 8), 1),
+        rf"{latex(low)} \le |q|^2 \le {latex(high)}",
+        linear and (low, high) == (sp.Rational(1, 8), 1),
         f"$|q|^2$ is linear in each of {', '.join(f'${latex(sp.Abs(v))}$' for v in flat)}, so its extremes over "
         "$[0, 1]^3$ are among the 8 corners; evaluated there",
-    )  # fmt: skip
+    )
     root, *q = symbols("length w_1 i_1 j_1 k_1")
     last = run_lines(tables.lean, ["Root, second level"], {str(v): v for v in (*lengths, *q)} | {"inv_q": 1 / root})
     step.equal("Q_s = q/|q|", [last[f"qs_{part}"] * root for part in "wijk"], q)
@@ -159,8 +165,11 @@ def shifts(tables: Tables) -> Step:
         whole = sp.prod(two[shift] ** exponent.coeff(shift) for shift in powers)
         ratio = sp.cancel(plain[name].subs(scaled, simultaneous=True) / plain[name])
         ratios.append((ratio, whole))
-    step.equal(r"\text{powers of two of the table}", *(list(side) for side in zip(*ratios, strict=True)),
-               more=", the scaled roots and arguments put into the lines")  # fmt: skip
+    step.equal(
+        r"\text{powers of two of the table}",
+        *(list(side) for side in zip(*ratios, strict=True)),
+        more=", the scaled roots and arguments put into the lines",
+    )
     return step
 
 
@@ -183,18 +192,24 @@ def near_singular(tables: Tables) -> Step:
     h = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
     quaternion = product_lines(tables, {str(symbol): symbol for symbol in (*h, C2, S2)})
     pairs = [h[0:2], h[2:4], h[4:6], [C2, S2]]
-    linear = all(
-        sum(powers) == 1 for part in quaternion for pair in pairs for powers in sp.Poly(part, *pair).monoms()
+    linear = all(sum(powers) == 1 for part in quaternion for pair in pairs for powers in sp.Poly(part, *pair).monoms())
+    step.true(
+        r"q \text{ is linear in } \mathrm{az}, \mathrm{tilt}, \mathrm{arm}, (\cos_h, \sin_h) \text{ each}",
+        linear,
+        "degrees of the terms",
     )
-    step.true(r"q \text{ is linear in } \mathrm{az}, \mathrm{tilt}, \mathrm{arm}, (\cos_h, \sin_h) \text{ each}",
-              linear, "degrees of the terms")  # fmt: skip
 
     delta = SYMBOL["delta"]
     d1, d2 = sp.symbols("d_1 d_2", positive=True)
     dist = sp.Symbol("dist", positive=True)
     law = {D1: d1, D2: d2}
-    s_of, a_far, b_near = dist**2, *(sums[n].subs(inputs["x"], 0).subs(inputs["y"], 0).subs(inputs["z"], dist).subs(law)
-                                     for n in ("a_far", "b_near"))  # fmt: skip
+    s_of, a_far, b_near = (
+        dist**2,
+        *(
+            sums[n].subs(inputs["x"], 0).subs(inputs["y"], 0).subs(inputs["z"], dist).subs(law)
+            for n in ("a_far", "b_near")
+        ),
+    )
     sine = a_far * b_near / (4 * d1**2 * s_of)
     above, below = a_far / (2 * d1 * d2), b_near / (2 * d1 * d2)
     stretch, fold = {dist: (d1 + d2) * (1 - delta)}, {dist: (d1 - d2) * (1 + delta)}

@@ -18,9 +18,15 @@ from tb.sim.env import GENERATED
 PAGE = GENERATED / "derivation.md"
 
 STEPS = (
-    paper_steps.swivel_plane, paper_steps.point_pair, paper_steps.sums, paper_steps.elbow_point,
-    paper_steps.elbow_quaternion, paper_steps.rotate_to_elbow, paper_steps.rotate_to_wrist, paper_steps.product,
-)  # fmt: skip
+    paper_steps.swivel_plane,
+    paper_steps.point_pair,
+    paper_steps.sums,
+    paper_steps.elbow_point,
+    paper_steps.elbow_quaternion,
+    paper_steps.rotate_to_elbow,
+    paper_steps.rotate_to_wrist,
+    paper_steps.product,
+)
 
 
 def derive(printed: dict = PRINTED) -> list[Section]:

@@ -27,7 +27,7 @@ from scripts.paper.derivation.printed import (
     minus,
     symbols,
     tex,
-)  # fmt: skip
+)
 
 
 def swivel_plane(printed) -> Section:

@@ -169,9 +169,12 @@ def in_numba() -> Iterator[Contender]:
     lacks = "" if found("numba") else "not installed"
     for real, kind in REALS.items():
         yield Contender(
-            f"numba-{real}", f"numba {version('numba')}".strip(), f"lean, {real}, a loop, one thread",
-            lambda t, kind=kind: of_arrays(_numba_solve(kind), t, kind), lacks,
-        )  # fmt: skip
+            f"numba-{real}",
+            f"numba {version('numba')}".strip(),
+            f"lean, {real}, a loop, one thread",
+            lambda t, kind=kind: of_arrays(_numba_solve(kind), t, kind),
+            lacks,
+        )
 
 
 def _jax_bound(targets: Targets, device: Any, kind: type) -> Bound:
@@ -203,6 +206,9 @@ def in_jax() -> Iterator[Contender]:
         where = "CPU, all cores" if platform == "cpu" else f"GPU{f', {device.device_kind}' if device else ''}"
         for real, kind in REALS.items():
             yield Contender(
-                f"jax-{platform}-{real}", group, f"lean, {real}, {where}",
-                lambda t, device=device, kind=kind: _jax_bound(t, device, kind), lacks,
-            )  # fmt: skip
+                f"jax-{platform}-{real}",
+                group,
+                f"lean, {real}, {where}",
+                lambda t, device=device, kind=kind: _jax_bound(t, device, kind),
+                lacks,
+            )

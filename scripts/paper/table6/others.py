@@ -59,9 +59,7 @@ def _eaik_bound(targets: Targets) -> Bound:
     # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 misclassifies the arm and
     # misses the pose by half the reach.
     axes = np.array([Z, X, Y, X])
-    made = {
-        arm: robot_of(axes, np.array([NONE, NONE, NONE, arm[0] * Z, -arm[1] * Z])) for arm in set(arms(targets))
-    }
+    made = {arm: robot_of(axes, np.array([NONE, NONE, NONE, arm[0] * Z, -arm[1] * Z])) for arm in set(arms(targets))}
     asked = list(zip([made[arm] for arm in arms(targets)], hand_poses(targets), strict=True))
 
     def once() -> list:

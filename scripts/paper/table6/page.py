@@ -62,10 +62,15 @@ def _software(figures: dict) -> Iterator[list[str]]:
         total = reach["ns"] * tables.TARGETS / 1000
         ns = number(random["ns"])
         yield [
-            row["group"], row["name"], number(total), ratio(tables.SOFTWARE_US / total),
+            row["group"],
+            row["name"],
+            number(total),
+            ratio(tables.SOFTWARE_US / total),
             ns if random["targets"] == figures["targets"] else f"{ns} ({random['targets']} targets)",
-            error(reach["error"]), error(random["error"]), reach["unanswered"] + random["unanswered"],
-        ]  # fmt: skip
+            error(reach["error"]),
+            error(random["error"]),
+            reach["unanswered"] + random["unanswered"],
+        ]
 
 
 def _hardware(figures: dict, fpga: dict) -> Iterator[list[str]]:
@@ -73,10 +78,15 @@ def _hardware(figures: dict, fpga: dict) -> Iterator[list[str]]:
         clock = clock_of(fpga, row)
         total = row["last"] / clock
         yield [
-            "this core", f"`{row['datapath']}`, W = {row['width']}, {clock:.0f} MHz, {row['path']}", number(total),
-            ratio(tables.SOFTWARE_US / total), number(1000 * row["each"] / clock), error(row["reach_error"]),
-            error(row["random_error"]), 0,
-        ]  # fmt: skip
+            "this core",
+            f"`{row['datapath']}`, W = {row['width']}, {clock:.0f} MHz, {row['path']}",
+            number(total),
+            ratio(tables.SOFTWARE_US / total),
+            number(1000 * row["each"] / clock),
+            error(row["reach_error"]),
+            error(row["random_error"]),
+            0,
+        ]
 
 
 def _waits(figures: dict, fpga: dict) -> Iterator[list[str]]:

@@ -45,10 +45,16 @@ def test_misprint_of_11_is_found_and_mended(sections):
 
 
 SECTION_OF = {
-    "10": paper_steps.swivel_plane, "11": paper_steps.swivel_plane, "12": paper_steps.point_pair,
-    "19": paper_steps.sums, "13": paper_steps.elbow_point, "14": paper_steps.elbow_quaternion,
-    "15": paper_steps.rotate_to_elbow, "17": paper_steps.rotate_to_wrist, "18": paper_steps.product,
-}  # fmt: skip
+    "10": paper_steps.swivel_plane,
+    "11": paper_steps.swivel_plane,
+    "12": paper_steps.point_pair,
+    "19": paper_steps.sums,
+    "13": paper_steps.elbow_point,
+    "14": paper_steps.elbow_quaternion,
+    "15": paper_steps.rotate_to_elbow,
+    "17": paper_steps.rotate_to_wrist,
+    "18": paper_steps.product,
+}
 
 
 @pytest.mark.slow

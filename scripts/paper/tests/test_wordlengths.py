@@ -47,8 +47,13 @@ def test_predicted_share_explains_the_measured_error():
 @pytest.mark.slow
 def test_command_writes_the_page(tmp_path, monkeypatch):
     """In a reduced run, every observed range lies within the proved range."""
-    for name, value in {"PAGE": tmp_path / "page.md", "TARGETS": 20000, "REGULAR_POSES": 200, "SENSITIVITY_POSES": 20,
-                        "WIDTHS": range(31, 33)}.items():  # fmt: skip
+    for name, value in {
+        "PAGE": tmp_path / "page.md",
+        "TARGETS": 20000,
+        "REGULAR_POSES": 200,
+        "SENSITIVITY_POSES": 20,
+        "WIDTHS": range(31, 33),
+    }.items():
         monkeypatch.setattr(wordlengths, name, value)
     assert wordlengths.write() == 0
     assert wordlengths.stale((tmp_path / "page.md").read_text()) == []

@@ -108,8 +108,9 @@ def test_double_precision(page):
 @pytest.mark.parametrize("width", [18, 24, 32])
 def test_words_are_those_of_the_model(page, width):
     random = np.random.default_rng(18)
-    rows = np.column_stack([random.uniform(-0.9, 0.9, (300, 3)), random.uniform(-9, 9, 300),
-                            10.0 ** random.uniform(-2, 2, (300, 2))])  # fmt: skip
+    rows = np.column_stack(
+        [random.uniform(-0.9, 0.9, (300, 3)), random.uniform(-9, 9, 300), 10.0 ** random.uniform(-2, 2, (300, 2))]
+    )
     rows[:, :3] *= rows[:, 4:].sum(axis=1)[:, None]
     given = [dict(zip(FIELDS, row, strict=True)) for row in rows.tolist()]
     found = page().run(f"{json.dumps(given)}.map((target) => playground.toWords(target, {width}))")

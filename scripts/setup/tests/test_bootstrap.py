@@ -79,9 +79,16 @@ def change_library(setup):
 
 @pytest.mark.parametrize(
     "change",
-    [change_lock, change_python, move, change_library, lambda setup: Path(setup.stamp).write_text("{"),
-     lambda setup: Path(setup.stamp).write_text("[]"), lambda setup: os.remove(setup.stamp)],
-)  # fmt: skip
+    [
+        change_lock,
+        change_python,
+        move,
+        change_library,
+        lambda setup: Path(setup.stamp).write_text("{"),
+        lambda setup: Path(setup.stamp).write_text("[]"),
+        lambda setup: os.remove(setup.stamp),
+    ],
+)
 def test_a_change_invalidates_the_stamp(checkout, change):
     assert checkout.is_ready([]) and checkout.is_ready(["icarus"])
     change(checkout)

@@ -59,9 +59,9 @@ def test_only_values_on_the_command_line_are_passed(stand_in, tmp_path):
         ("test", ["SIM=verilator"], ["-m", "not release and sim and not slow"]),
         ("test-all", ["SIM=verilator"], ["-m", "not release and sim"]),
         ("test", ["ONLY=scripts/run.py::test_x[1]"], ["scripts/run.py::test_x[1]", "-m", "not release"]),
-        ("test", ["ONLY=a $(touch made) \"b"], ["-k", "a $(touch made) \"b", "-m", "not release"]),
+        ("test", ['ONLY=a $(touch made) "b'], ["-k", 'a $(touch made) "b', "-m", "not release"]),
     ],
-)  # fmt: skip
+)
 def test_which_tests_run(stand_in, target, words, arguments):
     assert stand_in(*words, target=target)[-len(arguments) :] == arguments
 

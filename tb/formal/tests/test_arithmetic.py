@@ -153,21 +153,29 @@ def test_expressions_are_read():
     """Cases: precedence, shifts by a number or a name, a conditional, a constant of zeros, an appended bit."""
     names = {"a": "a", "b": "b", "N": "B", "c": "(= c 1)", "x": "x", "q": "q"}
     for text, term in (
-        ("a + (b << 2)", "(+ a (* b 4))"), ("a + b << N", "(* (+ a b) B)"),
-        ("c ? a : b - 1", "(ite (= c 1) a (- b 1))"), ("~a", "(- (- 1) a)"),
-        ("c || a >= b", "(or (= c 1) (>= a b))"), ("{(N - 1) {1'b0}}", "0"),
-        ("{x[N-2:0], q}", "(+ (* 2 x) q)"), ("-1 - a", "(- (- 1) a)"),
-    ):  # fmt: skip
+        ("a + (b << 2)", "(+ a (* b 4))"),
+        ("a + b << N", "(* (+ a b) B)"),
+        ("c ? a : b - 1", "(ite (= c 1) a (- b 1))"),
+        ("~a", "(- (- 1) a)"),
+        ("c || a >= b", "(or (= c 1) (>= a b))"),
+        ("{(N - 1) {1'b0}}", "0"),
+        ("{x[N-2:0], q}", "(+ (* 2 x) q)"),
+        ("-1 - a", "(- (- 1) a)"),
+    ):
         assert integer(text, names) == term
     for text in ("a & b", "a b", "(a", "c ? a", "y", ""):
         with pytest.raises(FormulaError):
             integer(text, names)
 
 
-@pytest.mark.parametrize(("file", "line"), [
-    ("ik_div_digit", "((MB - ROWS > DW - 1) ? (MB - ROWS) : (DW - 1)) + 2;"), ("ik_div_digit", "XW = HW + ROWS;"),
-    ("ik_root_digit", "? ((VB + 1) / 2) : (QW - 1);"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("ik_div_digit", "((MB - ROWS > DW - 1) ? (MB - ROWS) : (DW - 1)) + 2;"),
+        ("ik_div_digit", "XW = HW + ROWS;"),
+        ("ik_root_digit", "? ((VB + 1) / 2) : (QW - 1);"),
+    ],
+)
 def test_words_are_as_long_as_the_floors_take_them_for(file, line):
     """X = 2^XW >= 2 D = 2^DW; the radicand has 2 ROWS bits."""
     assert line in (ROOT / "rtl" / "lib" / f"{file}.v").read_text()

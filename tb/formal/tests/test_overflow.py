@@ -53,18 +53,24 @@ def test_corners_bound_every_product(square):
 def tiny(bits_of_b, module="ik_delay"):
     """Return node b of a section u_s as a function of node a (bits 2 to 5), delayed."""
     delay = {
-        "attributes": {"hdlname": module}, "parameter_default_values": {"N": "11", "W": "100"}, "cells": {},
-        "ports": {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [6]}}, "netnames": {},
-    }  # fmt: skip
+        "attributes": {"hdlname": module},
+        "parameter_default_values": {"N": "11", "W": "100"},
+        "cells": {},
+        "ports": {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [6]}},
+        "netnames": {},
+    }
     section = {
-        "attributes": {}, "ports": {"a": {"direction": "input", "bits": [2, 3, 4, 5]}},
+        "attributes": {},
+        "ports": {"a": {"direction": "input", "bits": [2, 3, 4, 5]}},
         "netnames": {"a": {"bits": [2, 3, 4, 5]}},
         "cells": {"u_d": {"type": "ik_delay", "connections": {"d": [2, 3, 4, 5], "q": [6, 7, 8, 9]}}},
-    }  # fmt: skip
+    }
     top = {
-        "attributes": {}, "ports": {}, "netnames": {},
+        "attributes": {},
+        "ports": {},
+        "netnames": {},
         "cells": {"u_s": {"type": "ik_s", "connections": {"a": [2, 3, 4, 5]}}},
-    }  # fmt: skip
+    }
     design = {"modules": {"top": top, "ik_s": section, "ik_delay": delay}}
     found = netlist.Netlist(design, "top", {"a": ("u_s", 4)}, {"a": True})
     return found.value("b", "u_s", bits_of_b)
@@ -97,24 +103,34 @@ def operand_of_an_operator(beside, delayed=(2, 3)):
         "u_b": {"type": "delay2", "connections": {"d": list(delayed), "q": [4, 5]}},
         "sum": {"type": "$add", "connections": {"A": [4, 2 if beside else 5], "Y": [9]}},
     }
-    operator = {"attributes": {"hdlname": "ik_mul"}, "parameter_default_values": {"DB": "10", "W": "10"},
-                "cells": inside, "netnames": {}, "ports": ports}  # fmt: skip
+    operator = {
+        "attributes": {"hdlname": "ik_mul"},
+        "parameter_default_values": {"DB": "10", "W": "10"},
+        "cells": inside,
+        "netnames": {},
+        "ports": ports,
+    }
     wait = {"d": {"direction": "input", "bits": [2]}, "q": {"direction": "output", "bits": [3]}}
     delays = {
-        f"delay{n}": {"attributes": {"hdlname": "ik_delay"}, "parameter_default_values": {"N": f"{n:b}", "W": "10"},
-                      "cells": {}, "netnames": {}, "ports": wait}
+        f"delay{n}": {
+            "attributes": {"hdlname": "ik_delay"},
+            "parameter_default_values": {"N": f"{n:b}", "W": "10"},
+            "cells": {},
+            "netnames": {},
+            "ports": wait,
+        }
         for n in (2, 3)
-    }  # fmt: skip
+    }
     section = {
-        "attributes": {}, "ports": {"a": {"direction": "input", "bits": [2, 3]}},
+        "attributes": {},
+        "ports": {"a": {"direction": "input", "bits": [2, 3]}},
         "netnames": {"a": {"bits": [2, 3]}, "q": {"bits": [6]}},
         "cells": {
             "u_late": {"type": "delay3", "connections": {"d": [2, 3], "q": [4, 5]}},
             "u_q": {"type": "operator", "connections": {"b": [4, 5], "q": [6]}},
         },
-    }  # fmt: skip
-    top = {"attributes": {}, "ports": {}, "netnames": {},
-           "cells": {"u_s": {"type": "s", "connections": {"a": [2, 3]}}}}  # fmt: skip
+    }
+    top = {"attributes": {}, "ports": {}, "netnames": {}, "cells": {"u_s": {"type": "s", "connections": {"a": [2, 3]}}}}
     design = {"modules": {"top": top, "s": section, "operator": operator, **delays}}
     return netlist.Netlist(design, "top", {"a": ("u_s", 2), "q": ("u_s", 1)}, {"a": True, "q": True})
 

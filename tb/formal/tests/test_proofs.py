@@ -121,8 +121,10 @@ def test_stages_and_places_are_those_of_the_rtl():
     assert places == 256 and of(0, 23)[1] == 512 and most.width == f"W=22, paper: {stages} stages, 256 places"
     for lean, datapath in enumerate(("paper", "lean")):
         stages, places = of(lean, 32)
-        axis, valid, fifo = (next(p for p in PROOFS if p.name == name) for name in (
-            f"axis_{datapath}", f"valid_{datapath}", f"fifo_{places}"))  # fmt: skip
+        axis, valid, fifo = (
+            next(p for p in PROOFS if p.name == name)
+            for name in (f"axis_{datapath}", f"valid_{datapath}", f"fifo_{places}")
+        )
         assert axis.width == f"W=32, {datapath}: {stages} stages, {places} places"
         assert valid.width == f"W=32, {stages} stages" and f"{places} places" in fifo.width
         assert f"p{places}: chparam -set W 208 -set LOG2 {places.bit_length() - 1} ik_fifo" in fifo.config

@@ -127,11 +127,13 @@ if simulator() == "verilator":
             ("ik_axis", "core_tag, core", "core_tag ^ (core_tag == 9), core", "target 9: the result has tag 8"),
             ("ik_axis", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
             (
-                "lib/ik_fifo", "(wr_ptr == rd_ptr)", "(wr_ptr == rd_ptr) || (rd_ptr == 9 && wr_ptr == 10)",
+                "lib/ik_fifo",
+                "(wr_ptr == rd_ptr)",
+                "(wr_ptr == rd_ptr) || (rd_ptr == 9 && wr_ptr == 10)",
                 f"target 9: {LATENCY + 1} clocks, the first took {LATENCY}",
             ),
         ],
-    )  # fmt: skip
+    )
     def test_a_broken_stream(tmp_path, module, right, wrong, message):
         name = message.partition(":")[0].replace(" ", "_")
         with pytest.raises(SimulationError, match=message):

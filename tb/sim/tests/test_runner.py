@@ -44,9 +44,7 @@ def test_unknown_cores_are_one_line_and_status_2(name):
 
 def test_make_keeps_it_from_what_it_starts(tmp_path):
     """Tests that start make do not inherit the variable."""
-    (tmp_path / "Makefile").write_text(
-        "TAKES_show := CORES\n" + (ROOT / "Makefile").read_text() + "\nshow:\n\t@env\n"
-    )
+    (tmp_path / "Makefile").write_text("TAKES_show := CORES\n" + (ROOT / "Makefile").read_text() + "\nshow:\n\t@env\n")
     done = subprocess.run(
         ["make", "show", "CORES=digit"], cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True
     )
