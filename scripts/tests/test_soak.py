@@ -135,21 +135,18 @@ def test_from_a_chunk(cli, simulator):
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
-def test_a_signal_ends_it_and_it_says_how_far_it_came(cli, simulator, number, status, files):
-    """Signals also work where the shell ignores SIGINT; handlers are restored."""
+@pytest.mark.usefixtures("interruptible")
+def test_a_signal_stops_the_soak_and_it_can_be_resumed(cli, simulator, number, status, files):
+    """A stopped soak reports where to resume and restores the handlers."""
 
     def spoil(runs):
         if len(simulator.calls) == 3:
             signal.raise_signal(number)
 
     simulator.spoil = spoil
-    before = signal.signal(signal.SIGINT, signal.default_int_handler), signal.getsignal(signal.SIGTERM)
-    try:
-        ended, out, err = cli("--targets", "2000")
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-        assert signal.getsignal(signal.SIGTERM) is before[1]
-    finally:
-        signal.signal(signal.SIGINT, before[0])
+    before = signal.getsignal(number)
+    ended, out, err = cli("--targets", "2000")
+    assert signal.getsignal(number) is before
     assert (ended, len(out)) == (status, 1)
     assert err == ["soak: stopped; 800 targets passed, those before chunk 2; --from 2 resumes"]
     assert files() == []

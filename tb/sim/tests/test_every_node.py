@@ -23,7 +23,7 @@ def test_the_wrapper_has_every_node_once(datapath, width):
     text = every_node.wrapper(datapath, width, 0)
     nodes = every_node.nodes_of(datapath, width)
     lines = [line.strip(" ,") for line in text.partition("assign nodes = {")[2].splitlines()]
-    signals = [line.strip("{}").split()[-1] for line in lines if ".u_core." in line]
+    signals = [line.strip("{}").split()[-1] for line in lines if "u_core." in line]
     assert [signal.split(".")[-1] for signal in reversed(signals)] == [node.name for node in nodes]
     assert {node.instance for node in nodes} >= {f"u_{s}" for s in DATAPATHS[datapath].sections if s != "results"}
 
