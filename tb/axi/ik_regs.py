@@ -125,4 +125,4 @@ CODES = {
     "write_slverr": 8,
     "write_decerr": 9,
 }
-"""Of STATUS.code."""
+"""Values of STATUS.code."""
