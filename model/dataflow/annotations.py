@@ -72,14 +72,11 @@ class Limited:
 
 @dataclass(frozen=True)
 class Facts:
-    """Annotations of a node beyond its computation: its range and the reason for it, its error growth, its saturation.
-    ``exact`` is for nodes that a section computes itself, without an operator module: the node's value after its
-    latency, as a Verilog expression of the section's own signals, of any length."""
+    """Annotations of a node beyond its computation: its range with the reason, its error growth, its saturation."""
 
     within: Within | Rule | Given | None = None
     grows: Growth = Growth()
     limited: Limited | None = None
-    exact: str = ""
 
 
 COSINE = Rule("cosine", "a sine or cosine", lambda c: (-1.0, 1.0))

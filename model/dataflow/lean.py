@@ -39,16 +39,7 @@ from .lean_words import (
     times,
     truth,
 )
-from .nodes import (
-    FLOOR,
-    HALF_UP,
-    Domain,
-    Format,
-    Node,
-    effective_width,
-    inner_frac,
-    root_frac,
-)
+from .nodes import FLOOR, HALF_UP, Domain, Format, Node, effective_width, inner_frac, root_frac
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -82,9 +73,8 @@ LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
 LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4, or 0 and |d1 - d2| a place or more")
 K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
-# Error growth, and the Verilog of nodes that sections compute themselves.
+# Saturation that is intended.
 
-ROUNDED = "((1 <<< (DROP - 1)) {}) >>> DROP"
 TWO = Limited("2, which powers of two can give, becomes the largest word")
 ONE = Limited("1, which powers of two can give, becomes the largest word")
 
@@ -149,10 +139,8 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0))
 
     L = d.line
-    d_sum = L(1).op(
-        "d_sum", (d1, d2), f.length, "mux", plus, within=Within(0.0, 4.0, SQUARES, below=True), exact="d1 + d2"
-    )
-    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus, within=Within(-2.0, 2.0, SQUARES), exact="d1 - d2")
+    d_sum = L(1).op("d_sum", (d1, d2), f.length, "mux", plus, within=Within(0.0, 4.0, SQUARES, below=True))
+    d_dif = L(2).op("d_dif", (d1, d2), f.length, "mux", minus, within=Within(-2.0, 2.0, SQUARES))
     L(3).op("x_sq", (x,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
     L(3).op("y_sq", (y,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
     L(4).op("z_sq", (z,), f.exact, "square", square, within=Within(0.0, 4.0, SQUARES))
@@ -190,15 +178,7 @@ def direction(d: Domain, f: Lean) -> None:
     L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
-    L(18).op(
-        "n_el",
-        ("e_rho", "e_s"),
-        f.count,
-        "mux",
-        Count((1, -1)),
-        within=not_negative(RISES),
-        exact="e_rho_at_e_s - e_s",
-    )
+    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", Count((1, -1)), within=not_negative(RISES))
     down = Shift(0, -1)
     L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, down.real, FLOOR, within=RISEN)
     L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
@@ -207,18 +187,17 @@ def direction(d: Domain, f: Lean) -> None:
     # the azimuth is 0: (1, 1)/2.
     half_length(L(29), f, "az_sq", ("u_y",))
     # Its parts do not wait for the squared length.
-    az, length = ("u_y", "u_y", "u_x", "on_axis"), half_of("u_y")
+    az = "u_y", "u_y", "u_x", "on_axis"
     c = HalfPart(lambda u_y, on_axis: (u_y < 0) | truth(on_axis), length=HalfLength(f.frac))
-    half_part(L(32), f, "az_c", az, c, f"(u_y < 0 || on_axis_at_u_y) ? ({length}) : (u_x >>> 1)")
+    half_part(L(32), f, "az_c", az, c)
     s = HalfPart(lambda u_y, on_axis: u_y >= 0, length=HalfLength(f.frac))
-    half_part(L(33), f, "az_s", az, s, f"u_y < 0 ? (u_x >>> 1) : ({length})")
+    half_part(L(33), f, "az_s", az, s)
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
     # (1, 0).
     half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
     tilt = ("tilt_sq", "sin_el", "cos_el")
-    large, small = "tilt_sq_at_cos_el", "(cos_el >>> 1)"
-    half_part(L(34), f, "tilt_c", tilt, HalfPart(lambda c: c >= 0), f"sign_at_cos_el ? {small} : {large}")
-    half_part(L(35), f, "tilt_s", tilt, HalfPart(lambda c: c < 0), f"sign_at_cos_el ? {large} : {small}")
+    half_part(L(34), f, "tilt_c", tilt, HalfPart(lambda c: c >= 0))
+    half_part(L(35), f, "tilt_s", tilt, HalfPart(lambda c: c < 0))
 
 
 def triangle(d: Domain, f: Lean) -> None:
@@ -238,15 +217,8 @@ def triangle(d: Domain, f: Lean) -> None:
 
     arms, down = Count((1, -1, -1), 2 + f.odd), Shift(3, -1, left=2)
     for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
-        L(line).op(
-            f"n_{side}",
-            (f"e_{side}", "e_1", "e_2"),
-            f.count,
-            "mux",
-            arms,
-            within=not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"),
-            exact=f"e_{side} - e_1_at_e_far - e_2_at_e_far + 2 + ODD",
-        )
+        shorter = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
+        L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms, within=shorter)
         shifted = ("inv_12", f"n_{side}")
         L(line).op(
             f"inv_12_{side}_raw",
@@ -263,28 +235,17 @@ def triangle(d: Domain, f: Lean) -> None:
         L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
 
     # The clamped elbow is folded (1, 0) or straight (0, -1).
-    clamped = f"!clamp_at_elbow_w ? {ROUNDED} : fold_at_elbow_w"
-    for line, part, sign, ends, within, exact in (  # (14)
-        (22, "w", 1, (1, 0), ELBOW_W, clamped.format("+ elbow_w") + " ? (1 <<< (W - 2)) : 0"),
-        (23, "i", -1, (0, -1), ELBOW_I, clamped.format("- elbow_i") + " ? 0 : -(1 <<< (W - 2))"),
-    ):
+    for line, part, sign, ends, within in ((22, "w", 1, (1, 0), ELBOW_W), (23, "i", -1, (0, -1), ELBOW_I)):  # (14)
         elbow = Elbow(f.drop, sign, *ends, one=1 << (d.width - 2))
         operands = f"elbow_{part}", "clamp", "fold"
-        L(line).op(f"qe_{part}", operands, f.result, "mux", elbow, elbow.real, HALF_UP, within=within, exact=exact)
+        L(line).op(f"qe_{part}", operands, f.result, "mux", elbow, elbow.real, HALF_UP, within=within)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
     L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
     inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
-    L(26).op(
-        "n_law",
-        ("e_1", "e_s"),
-        f.count,
-        "mux",
-        Count((2, 1)),
-        exact="2 * e_1_at_e_s + e_s",
-    )
+    L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", Count((2, 1)))
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
     law = Shift(-4 - f.odd, 1, left=raise_k, right=drop_k, width=f.inner.width)
     L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", law, law.real, FLOOR, within=K_UNIT)
@@ -298,7 +259,6 @@ def triangle(d: Domain, f: Lean) -> None:
         "sum2",
         Count((1, 1, -2, -1), 2 + f.odd),
         within=not_negative("sin a <= 1"),
-        exact="e_far + e_near + 2 + ODD - 2 * e_1_at_e_far - e_s_at_e_far",
     )
     down = Shift(2, -1, left=2)
     L(28).op(
@@ -321,31 +281,19 @@ def triangle(d: Domain, f: Lean) -> None:
         return np.where(clamp, ~truth(away), c >= 0)
 
     arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
-    large, small = "arm_sq_at_sin_a", "(clamp_at_sin_a ? 0 : (sin_a >>> 1))"
 
     def none(clamp, away):
         return clamp
 
-    half_part(L(36), f, "arm_c", arm, HalfPart(toward, none), f"swap_at_sin_a ? {small} : {large}")
-    half_part(L(37), f, "arm_s", arm, HalfPart(lambda *c: ~toward(*c), none), f"swap_at_sin_a ? {large} : {small}")
+    half_part(L(36), f, "arm_c", arm, HalfPart(toward, none))
+    half_part(L(37), f, "arm_s", arm, HalfPart(lambda *c: ~toward(*c), none))
     # Operands for three products instead of four: c + s, and the larger part minus the smaller.
     d.at()
     d.op("arm_swap", ("cos_a", "clamp", "away"), d.bit, "mux", lambda *c: ~toward(*c))
 
     both = ("arm_sq", "sin_a", "clamp")
     for line, name, how in ((52, "arm_dif", PartSum(-1)), (53, "arm_sum", PartSum(1))):
-        L(line).op(
-            name,
-            both,
-            f.inner,
-            "mux",
-            how,
-            how.real,
-            FLOOR,
-            within=PAIR,
-            grows=SUM,
-            exact=f"{large} {'-' if how.sign < 0 else '+'} {small}",
-        )
+        L(line).op(name, both, f.inner, "mux", how, how.real, FLOOR, within=PAIR, grows=SUM)
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
@@ -358,10 +306,10 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner, within=PART)
     L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner, within=PART)
     # half the sum and half the difference of azimuth and swivel
-    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="cc - ss")
-    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="sc + cs")
-    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM, exact="cc + ss")
-    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM, exact="sc - cs")
+    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
+    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
+    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
+    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
     L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, kind="mul3_far", within=PART)
     L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_far", within=PART)
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_far", within=PART)
@@ -370,37 +318,18 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
         both = first + second
         parts = f"{first}_0", f"{second}_0"
-        L(min(lines)).op(
-            f"{both}_0",
-            parts,
-            f.inner,
-            "mux",
-            plus,
-            plus,
-            within=PAIR,
-            grows=SUM,
-            exact=" + ".join(parts),
-        )
+        L(min(lines)).op(f"{both}_0", parts, f.inner, "mux", plus, plus, within=PAIR, grows=SUM)
         L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, kind="mul3_far", within=PAIR)
         turned = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
         for unit, other, arm, line in turned:
             factors = n[f"{other}_0"], n[f"arm_{arm}"]
             L(line).mul3(f"{other}_{arm}", *factors, f.inner, kind="mul3_far", after=n[f"{both}_0"], within=PAIR)
             terms = f"{both}_c", f"{other}_{arm}"
-            less = " - ".join(terms)
             if arm == "sum":
-                L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM, exact=less)
+                L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM)
             else:  # the larger part minus the smaller is s - c where they are swapped
                 L(line).op(
-                    f"{unit}_1",
-                    (*terms, "arm_swap"),
-                    f.inner,
-                    "mux",
-                    Turned(),
-                    Turned(),
-                    within=PART,
-                    grows=SUM,
-                    exact=f"swap_at_wi_c ? {' + '.join(terms)} : {less}",
+                    f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), Turned(), within=PART, grows=SUM
                 )
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
@@ -419,8 +348,6 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         within=Within(0.25, 1.0, "mantissa"),
         grows=Growth((4.0, 0.0)),
         limited=Limited("1 and more becomes the largest mantissa"),
-        exact="wide + length_sq >= (1 <<< FRAC) ? (1 <<< MW) - 1"
-        " : wide + length_sq < (1 <<< (FRAC - 2)) ? (length_sq <<< (UP + 2)) : (length_sq <<< UP)",
     )
     # Doubled where the mantissa is of four times the length.
     inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
@@ -432,18 +359,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
         L(line).mul3(f"{unit}_q", n[f"{unit}_1"], inv_q, f.inner, scale=1, kind="mul3_far", within=PART)
         # (18)
-        plus_q, minus_q = (ROUNDED.format(f"{sign} {unit}_q") for sign in "+-")
-        L(line).op(
-            f"qs_{unit}",
-            (f"{unit}_q", "minus"),
-            f.result,
-            "mux",
-            rounded,
-            rounded.real,
-            HALF_UP,
-            within=PART,
-            exact=f"minus_at_w_q ? {minus_q} : {plus_q}",
-        )
+        L(line).op(f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, rounded.real, HALF_UP, within=PART)
 
 
 # -- shared by the sections ------------------------------------------------------------------------------------------
@@ -455,46 +371,20 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
 
 
-def limited(
-    d: Domain,
-    f: Lean,
-    name: str,
-    within: Within,
-    fmt: Format | None = None,
-    limited: Limited = TWO,
-) -> Node:
+def limited(d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = None, limited: Limited = TWO) -> Node:
     """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
     of another format."""
-    limit, most = Limit(f.inner.high), "((1 <<< (N - 1)) - 1)"
-    return d.op(
-        name,
-        (f"{name}_raw",),
-        fmt or f.inner,
-        "mux",
-        limit,
-        limit.real,
-        within=within,
-        limited=limited,
-        exact=f"wide + {name}_raw > {most} ? {most} : {name}_raw",
-    )
-
-
-def half_of(cosine: str) -> str:
-    """Return :class:`HalfLength` in Verilog."""
-    return f"((1 <<< FRAC) + ({cosine} < 0 ? -1 - {cosine} : {cosine})) >>> 1"
+    limit = Limit(f.inner.high)
+    return d.op(name, (f"{name}_raw",), fmt or f.inner, "mux", limit, limit.real, within=within, limited=limited)
 
 
 def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
     """Build (1 + |c|)/2 of the first operand; 1 where the second, a mask, is set."""
-    cosine, *mask = operands
-    exact = half_of(cosine)
-    if mask:
-        exact = f"{mask[0]}_at_{cosine} ? (1 <<< FRAC) : ({exact})"
     length = HalfLength(f.frac)
-    d.op(name, operands, f.inner, "mux", length, length.real, FLOOR, within=HALF_LENGTH, exact=exact)
+    d.op(name, operands, f.inner, "mux", length, length.real, FLOOR, within=HALF_LENGTH)
 
 
-def half_part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], part: HalfPart, exact: str) -> None:
+def half_part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], part: HalfPart) -> None:
     """Build a part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the
     part does not wait for the squared length."""
-    d.op(name, operands, f.inner, "mux", part, part.real, FLOOR, within=HALF_ANGLE, exact=exact)
+    d.op(name, operands, f.inner, "mux", part, part.real, FLOOR, within=HALF_ANGLE)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs: properties, solver engines, and the proof that no node overflows."""
+"""Proofs: properties of the streams, dividers and roots, ranges of the lean dataflow, and their solvers."""

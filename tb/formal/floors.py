@@ -14,8 +14,7 @@ import re
 from collections.abc import Iterator
 from functools import partial
 
-from tb.formal.arithmetic import Question
-from tb.formal.claims import integers
+from tb.formal.arithmetic import Question, integers
 from tb.formal.unrolled import ask
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug

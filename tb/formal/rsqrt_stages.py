@@ -19,8 +19,7 @@ from model.dataflow import cores
 from model.dataflow.cores import form_of, place, rounding, rsqrt_rows
 from model.dataflow.nodes import WIDTHS, root_frac
 from model.dataflow.quadratic import Form, polynomial
-from tb.formal.arithmetic import Question
-from tb.formal.claims import inside, integers, word
+from tb.formal.arithmetic import Question, inside, integers, word
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT

@@ -6,8 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from model.dataflow.nodes import WIDTHS
-from tb.formal import arithmetic, lean_proofs, overflow, prove
+from tb.formal import arithmetic, lean_proofs, prove
 from tb.formal.arithmetic import Question
 from tb.formal.bugs import BUGS
 from tb.formal.floors import DIV, ROOT_DIGIT, floors
@@ -49,8 +48,6 @@ TASKS = (
              partial(lean_proofs.questions, Rules), partial(lean_proofs.too_narrow, Rules)),
     _numbers("errors", "errors of the lean dataflow's words, W = 16 to 32", partial(lean_proofs.digest, Rounded),
              partial(lean_proofs.questions, Rounded), partial(lean_proofs.too_narrow, Rounded)),
-    *(Task(f"ranges_{width}", f"no node of `ik_lean` overflows, W = {width}", "z3",
-           partial(overflow.digest, width), partial(overflow.run, width)) for width in WIDTHS),
     _numbers("floors", "from rows to the floor, divider and root, all widths", partial(_files, FLOORS),
              floors, _seeded("floors", floors)),
     _numbers("rsqrt", "`ik_rsqrt` equals its model, W = 16 to 32", partial(_files, STAGES),

@@ -49,12 +49,6 @@ class Unrolled:
         self._clock, self._step = plain[:place], plain[place:]
 
     @cached_property
-    def local(self) -> dict[str, int]:
-        """Widths by local signal name; names that occur twice are left out."""
-        short = [name.rpartition(".")[2] for name in self.widths]
-        return {name: width for name, width in zip(short, self.widths.values(), strict=True) if short.count(name) == 1}
-
-    @cached_property
     def _made(self) -> dict[int, str]:
         return {}
 
@@ -83,21 +77,3 @@ class Unrolled:
     def holds(self, name: str, clock: int) -> str:
         """Return an assertion of the module in a clock."""
         return f"|{self.top}_a {self.number[name]}@{clock}|"
-
-    def between(self, signal: str, clock: int, low: int, high: int, signed: bool) -> str:
-        """Return low <= signal <= high."""
-        width, name = self.widths[signal], self.at(signal, clock)
-        least, most = (-(1 << (width - 1)), (1 << (width - 1)) - 1) if signed else (0, (1 << width) - 1)
-        kind = "s" if signed else "u"
-        parts = []
-        if low > most or high < least:
-            raise ValueError(f"{signal}: no word of {width} bits lies in {low} .. {high}")
-        if low > least:
-            parts.append(f"(bv{kind}le (_ bv{low % (1 << width)} {width}) {name})")
-        if high < most:
-            parts.append(f"(bv{kind}le {name} (_ bv{high % (1 << width)} {width}))")
-        return f"(and true {' '.join(parts)})"
-
-    def start(self) -> str:
-        """Return the assertion of the initial state, in clock 0."""
-        return f"(assert |{self.top}_i@0|)"

@@ -14,7 +14,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.io.flags import FLAG_BITS, FLAGS, SATURATED
 from model.io.words import RESULT_FIELDS
-from tb.formal.netlist import DELAYS, Bit, Netlist, load
+from tb.formal.netlist import DELAYS, Bit, Netlist
 from tb.formal.tools import missing, yosys
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -49,8 +49,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), width, name).bits.nodes
     at_top = [n.name for n in nodes.values() if n.op == "input" or n.section == "results"]
     homes = {n.name: ("" if n.name in at_top else f"u_{n.section}", n.format.width) for n in nodes.values()}
-    signed = {n.name: n.format.signed for n in nodes.values()}
-    netlist = Netlist(load(place / "design.json"), top, homes, signed)
+    netlist = Netlist(place / "design.json", top, homes)
     out = len(netlist.wire("", "valid"))
     flags = {flag.bit: flag.name for flag in FLAGS if flag.bit != SATURATED}
     expected = {
@@ -61,7 +60,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
             Bit("node", flags[1 << k], clocks=out - nodes[flags[1 << k]].time) if 1 << k in flags else Bit("constant")
             for k in range(FLAG_BITS)
         ],
-        "out_tag": [Bit("outside", "in_tag", k, clocks=out) for k in range(TAG_W)],
+        "out_tag": [Bit("port", "in_tag", k, clocks=out) for k in range(TAG_W)],
     }
     found = [f"valid takes {out} clocks"] if out != max(nodes[field].time for field in RESULT_FIELDS) else []
     if netlist.wire("", "out_valid") != netlist.wire("", "valid")[-1:]:
