@@ -31,9 +31,9 @@ from model.io.words import TargetError
 from model.motion import axes
 from model.motion.axes import Axis
 from model.motion.clip import TORSO
-from tb.sim.children import end_with_parent
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
+from tb.sim.subprocesses import end_with_parent
 
 PLAIN_COLUMNS = 120
 """Columns of a table that is not printed on a terminal."""

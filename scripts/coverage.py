@@ -25,13 +25,13 @@ from rich.table import Table
 from model.io.files import write_atomically
 from scripts.console import InputError, Parser, command, show, writing
 from scripts.generate.render import render
-from tb.core.crosses import AXES, IMPOSSIBLE, merged
+from tb.core.functional_coverage import AXES, IMPOSSIBLE, merged
 from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
-from tb.sim.children import started
 from tb.sim.coverage import Counts, Point, read
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import sources
+from tb.sim.subprocesses import started
 
 COUNTS = ROOT / "build" / "coverage" / "counts"
 HTML = ROOT / "build" / "coverage" / "index.html"

@@ -25,7 +25,7 @@ from model.dataflow.nodes import Node
 from scripts.console import InputError, Parser, command, output, progress, whole, whole_file
 from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from scripts.trajectory import Prepared, parser_of, prepare
-from tb.sim.difference import Difference, hexadecimal, value
+from tb.sim.job import Difference, hexadecimal, value
 from tb.sim.simulate import Job, SimulationError, simulate
 
 

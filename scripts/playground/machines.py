@@ -21,11 +21,11 @@ from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
 from scripts.playground import cxxrtl
 from scripts.save_file import place
-from tb.sim.children import full, started
 from tb.sim.env import CORES, ROOT
-from tb.sim.every_node import nodes_of
+from tb.sim.native_run import nodes_of
 from tb.sim.runner import alone
 from tb.sim.sources import closure, digest
+from tb.sim.subprocesses import full, started
 
 BUILD = ROOT / "build" / "playground"
 SHIM = Path(__file__).parent / "core.cc"

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from scripts import coverage
-from tb.core.crosses import AXES, NAME
+from tb.core.functional_coverage import AXES, NAME
 from tb.coverage import waivers
 from tb.coverage.waivers import Waiver
 from tb.sim.coverage import Point, written
@@ -112,7 +112,7 @@ def test_waivers_of_the_tree_have_reasons():
 
 
 def test_regions_of_targets():
-    from tb.core.crosses import regions
+    from tb.core.functional_coverage import regions
 
     assert NAME and regions((300, 200, 100, 5, 300, 200)) == ["regular"]
     assert regions((0, 0, 400, 0, 300, 200)) == ["axis"]

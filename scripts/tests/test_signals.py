@@ -10,12 +10,12 @@ import time
 import pytest
 
 from tb.sim.env import ROOT, environment
-from tb.sim.tests.test_children import alive
+from tb.sim.test_subprocesses import alive
 
 COMMAND = """
 import os, sys, tempfile
 from scripts.console import exit_status
-from tb.sim.children import started
+from tb.sim.subprocesses import started
 
 def work():
     with tempfile.TemporaryDirectory() as folder, started(["sleep", "600"], folder) as simulator:

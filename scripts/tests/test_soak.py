@@ -17,7 +17,7 @@ from model.io import stimuli
 from model.io.flags import FLAGS, UNREACHABLE, expected_flags
 from scripts import check_proofs, soak
 from tb.core import hardest, random_targets
-from tb.sim import every_node
+from tb.sim import native_run
 from tb.sim.simulate import Run, SimulationError
 
 MISMATCH = (
@@ -50,7 +50,7 @@ def simulator(monkeypatch, tmp_path):
     """Install the fake simulation, chunks of 400 targets and a private regression list."""
     fake = FakeCore()
     monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
-    monkeypatch.setattr(every_node, "program", lambda datapath, width: None)
+    monkeypatch.setattr(native_run, "program", lambda datapath, width: None)
     monkeypatch.setattr(soak, "CHUNK", 400)
     monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")

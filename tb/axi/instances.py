@@ -13,11 +13,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tb.sim.children import started
 from tb.sim.env import ROOT, simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
+from tb.sim.subprocesses import started
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # takes Verilator minutes to compile
 CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS})

@@ -22,9 +22,9 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from model.io.words import FIELDS, pack, unpack
-from tb.core.crosses import Crosses
+from tb.core.functional_coverage import Crosses
 from tb.sim import coverage
-from tb.sim.difference import KEPT, Difference, report
+from tb.sim.job import KEPT, Difference, report
 
 
 class Scoreboard:

@@ -20,7 +20,7 @@ from model.io.monte_carlo import edges
 from model.io.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
 from model.io.words import result_values
 from tb.core import hardest
-from tb.sim import every_node
+from tb.sim import native_run
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
 CHUNK = 20000
@@ -138,13 +138,13 @@ class Core:
 
     @classmethod
     def built(cls, sim: str, datapath: str, width: int) -> Core:
-        return cls(sim, datapath, width, every_node.program(datapath, width) if sim == "verilator" else None)
+        return cls(sim, datapath, width, native_run.program(datapath, width) if sim == "verilator" else None)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
         """Return the RTL's run and the model's results (N, 6) and flags (N,). Raises SimulationError."""
-        frames = list(every_node.answered(words, self.width, self.datapath))
+        frames = list(native_run.answered(words, self.width, self.datapath))
         if self.program:
-            run = every_node.compare(self.program, frames, self.width, self.datapath)
+            run = native_run.compare(self.program, frames, self.width, self.datapath)
         else:
             (run,) = simulate([Job("soak", words)], simulator=self.sim, datapath=self.datapath, width=self.width)
         return run, *(np.concatenate([getattr(answer, part) for _, answer in frames]) for part in ("results", "flags"))

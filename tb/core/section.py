@@ -32,7 +32,7 @@ DATAPATH, WIDTH, COUNT = os.environ["IK_DATAPATH"], int(os.environ["IK_WIDTH"]),
 @cocotb.parametrize(section=[name for name in CONFIGURATIONS[DATAPATH].sections if name != "results"])
 async def every_node_of_the_section(top, section):
     """Targets of every kind, most of them back to back."""
-    shell = getattr(top, section)  # from tb/sim/shells.py
+    shell = getattr(top, section)  # from tb/sim/wrapper_top.py
     dut = shell.u
     random = np.random.default_rng(cocotb.RANDOM_SEED)
     answer = fixed.run(mixed(COUNT, WIDTH, seed=cocotb.RANDOM_SEED), WIDTH, DATAPATH)

@@ -16,7 +16,7 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.fold import timing
 from model.dataflow.fold.program import program
 from model.io.stimuli import mixed
-from tb.core.crosses import every_kind
+from tb.core.functional_coverage import every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 

@@ -11,7 +11,7 @@ from model.dataflow.datapaths import DATAPATHS
 from tb.core.ports import inputs
 from tb.sim.env import ROOT, cores
 from tb.sim.runner import simulate, with_cores
-from tb.sim.shells import TOP, top_of
+from tb.sim.wrapper_top import TOP, top_of
 
 # results has no module
 MODULES = [(name, section) for name, path in DATAPATHS.items() for section in path.sections if section != "results"]

@@ -18,7 +18,7 @@ from model.dataflow.nodes import inner_frac
 from model.io.stimuli import mixed
 from model.io.words import FIELDS
 from tb.core.corner_targets import nearly_rounded_up, shifted
-from tb.sim.every_node import columns
+from tb.sim.native_run import columns
 
 TOP, DATA = "node_bench", "data.hex"
 TAG_W = 8

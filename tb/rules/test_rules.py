@@ -12,10 +12,10 @@ import pytest
 from tb.axi.instances import echoing
 from tb.rules.traces import names
 from tb.sim.env import ROOT, simulator
-from tb.sim.rules import RULES, with_rules
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
-from tb.sim.shells import TOP, top_of
+from tb.sim.sources import RULES, with_rules
+from tb.sim.wrapper_top import TOP, top_of
 
 PORTS = {
     "stream": ("ik_rules_channel", {"N": 8, "STREAM": 1, "STOP": 0}),

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from tb.sim.rules import RULES
+from tb.sim.sources import RULES
 
 Trace = dict[int, dict[str, int | str]]
 

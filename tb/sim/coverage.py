@@ -18,8 +18,7 @@ from typing import NamedTuple
 
 from model.io.files import write_atomically
 from tb.sim.env import ROOT
-from tb.sim.rules import END
-from tb.sim.sources import headers, sources
+from tb.sim.sources import END, headers, sources
 
 FLAGS = ["--coverage-line", "--coverage-toggle", "--coverage-expr"]
 """Separate options: --coverage also enables FSM coverage, with which Verilator 5.048 stops at ``v[1:0] == 0``."""
@@ -86,7 +85,7 @@ def counting(root: Path) -> Iterator[list[str]]:
 def totals(text: str, root: Path, same: set[str]) -> Counts:
     """Sum the counts in Verilator's file over instances and parameters, for points in the files ``same``.
 
-    A copy with appended AXI rules (tb/sim/rules.py) counts as its original file, up to the original's end.
+    A copy with appended AXI rules (tb/sim/sources.py) counts as its original file, up to the original's end.
     """
     copies = {f"{Path(name).stem}_rules.v": name for name in same}
     last = {name: (ROOT / name).read_text().partition(END)[0].count("\n") + 1 for name in same}

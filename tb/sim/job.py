@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Inputs and results of a simulation, independent of the simulator."""
+"""Inputs and results of a simulation, and its differences from the model; independent of the simulator."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+
+from model.dataflow.nodes import Format, Node
+
+KEPT = 1000
+"""Number of differences kept for the message; all are counted."""
 
 
 class SimulationError(Exception):
@@ -35,3 +41,60 @@ class Run:
     total_cycles: int | None
     bit_mismatches: int
     first_mismatch: str | None
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One node of one target in which RTL and model differ."""
+
+    node: Node
+    target: int
+    clock: int
+    rtl: str  # bits, including X and Z
+    model: int
+
+    def bits(self) -> int:
+        """Return the number of differing bits; X and Z count."""
+        expected = format(self.model, f"0{self.node.format.width}b")
+        return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
+
+    def __str__(self) -> str:
+        fmt = self.node.format
+        model = format(self.model, f"0{fmt.width}b")
+        equation = f" {self.node.equation}" if self.node.equation else ""
+        return (
+            f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
+            f"RTL {hexadecimal(self.rtl)} ({value(self.rtl, fmt)}), model {hexadecimal(model)} ({value(model, fmt)})"
+        )
+
+
+def hexadecimal(bits: str) -> str:
+    """Format bits as hexadecimal digits, or unchanged if one is X or Z."""
+    return f"{int(bits, 2):0{-(-len(bits) // 4)}x}" if set(bits) <= {"0", "1"} else bits
+
+
+def value(bits: str, fmt: Format, digits: int = 12) -> str:
+    """Format the value of bits in format ``fmt`` with ``digits`` significant digits."""
+    if not set(bits) <= {"0", "1"}:
+        return "unknown"
+    word = int(bits, 2)
+    if fmt.signed and bits[0] == "1":
+        word -= 1 << fmt.width
+    return f"{word / 2**fmt.frac:.{digits}g}"
+
+
+def report(differences: Sequence[Difference], nodes: Iterable[Node], most: int = 5, since: int = 0) -> str:
+    """Return a message about the first differing target, nodes in the order of ``nodes``; empty if nothing differs.
+
+    Target numbers count from target ``since``.
+    """
+    if not differences:
+        return ""
+    order = {node.name: k for k, node in enumerate(nodes)}
+    first = min(d.target for d in differences)
+    of_first = [replace(d, target=first - since) for d in differences if d.target == first]
+    of_first.sort(key=lambda d: order[d.node.name])
+    lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:most])]
+    if len(of_first) > most:
+        lines.append(f"            and {len(of_first) - most} more nodes of this target")
+    return "\n".join(lines)

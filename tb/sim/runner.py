@@ -22,8 +22,7 @@ from cocotb_test.simulator import Verilator, run
 
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
-from tb.sim.rules import RULES, with_rules
-from tb.sim.sources import headers, includes, sources
+from tb.sim.sources import RULES, headers, includes, sources, with_rules
 
 BUILD = coverage.build("sim")
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from tb.sim import every_node
-from tb.sim.children import full, naming, started
+from tb.sim import native_run
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
+from tb.sim.subprocesses import full, naming, started
 
 LONG = 5000
 """Targets from which Verilator runs natively by default: for fewer, cocotb takes less time than that build."""
@@ -39,7 +39,7 @@ def simulate(
 
     ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second. ``root`` and ``name``
     select another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`). ``native``
-    runs without Python in the loop (:mod:`tb.sim.every_node`) with the same results; it needs Verilator, writes no
+    runs without Python in the loop (:mod:`tb.sim.native_run`) with the same results; it needs Verilator, writes no
     waves, and is the default from :data:`LONG` targets on. Raises :class:`SimulationError`.
     """
     if datapath not in CONFIGURATIONS:
@@ -50,8 +50,8 @@ def simulate(
     if native:
         if simulator != "verilator" or waves:
             raise ValueError("only Verilator runs natively, and without waves")
-        program = every_node.program(datapath, width, root, name, cores)
-        return every_node.run(program, jobs, width, datapath, progress, root)
+        program = native_run.program(datapath, width, root, name, cores)
+        return native_run.run(program, jobs, width, datapath, progress, root)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
         with naming(place / "jobs.npz") as file:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""File lists of the core's Verilog, ``rtl/ik_axis.f`` and ``rtl/ik_axi.f``, and digests of sources.
+"""File lists of the core's Verilog, ``rtl/ik_axis.f`` and ``rtl/ik_axi.f``, AXI rules in it, and digests of sources.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
 ``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read that. ``root`` is the checkout or a
@@ -70,6 +70,33 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = ()) -> list[P
 def header(text: str) -> str:
     """Return a module's header without its body."""
     return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
+
+
+# -- AXI rules ---------------------------------------------------------------------------------------------------------
+
+RULES = ROOT / "tb" / "rules"
+"""AXI rules: Icarus 11 has no ``bind``, so NAME.vh is inserted before the end of a copy of module NAME."""
+
+END = "\nendmodule\n"
+
+
+def with_rules(files: list[Path], folder: Path) -> list[Path]:
+    """Return the Verilog files, with copies in ``folder`` where rules apply (kept if unchanged), and the rule files."""
+    return [_bound(path, folder) for path in files] + sorted(RULES.glob("*.v"))
+
+
+def _bound(path: Path, folder: Path) -> Path:
+    added = RULES / f"{path.stem}.vh"
+    if not added.exists():
+        return path
+    text = path.read_text(encoding="utf-8")
+    if text.count(END) != 1:
+        raise LookupError(f"{path} has not exactly one end of a module")
+    text = text.replace(END, f"\n{added.read_text(encoding='utf-8')}{END}")
+    copy = folder / f"{path.stem}_rules.v"
+    if not (copy.exists() and copy.read_text(encoding="utf-8") == text):
+        copy.write_text(text, encoding="utf-8")
+    return copy
 
 
 # -- digests -----------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ import pytest
 from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
 from tb.sim.env import ROOT, environment
-from tb.sim.native import build
+from tb.sim.verilator_build import build
 
 pytestmark = [pytest.mark.slow, pytest.mark.cost(20)]
 

@@ -24,7 +24,7 @@ from apytypes import APyFixedArray, OverflowMode, QuantizationMode
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from tb.sim.every_node import nodes_of
+from tb.sim.native_run import nodes_of
 
 Vector = tuple[int, ...]
 Parameters = dict[str, int]
@@ -45,8 +45,8 @@ def simulation(
     module: str, sets: Sequence[Parameters], bench: Callable[..., Tests] | None = None, flat: bool = False
 ) -> dict:
     """Return the arguments of :func:`tb.sim.runner.simulate` for the tests of ``bench`` on an instance of ``module``
-    per parameter set, all in one top (tb/sim/shells.py). ``flat``: the netlist has no internal names."""
-    from tb.sim.shells import TOP, top_of
+    per parameter set, all in one top (tb/sim/wrapper_top.py). ``flat``: the netlist has no internal names."""
+    from tb.sim.wrapper_top import TOP, top_of
 
     return {
         "toplevel": TOP,
@@ -144,7 +144,7 @@ def places(memory: str, count: int, width: int) -> Callable[..., Awaitable[None]
     @inside
     async def counted(dut) -> None:
         if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator does not expose memories
-            found = getattr(dut.u, memory)  # inside the shell of tb/sim/shells.py
+            found = getattr(dut.u, memory)  # inside the shell of tb/sim/wrapper_top.py
             assert (len(found), len(found[0])) == (count, width), f"{len(found)} places of {len(found[0])} bits"
 
     return counted

@@ -18,7 +18,7 @@ from scripts.playground.machines import Machine
 from scripts.recording import read
 from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE
 from tb.sim.env import ROOT
-from tb.sim.every_node import nodes_of
+from tb.sim.native_run import nodes_of
 
 BUILT = [Machine("lean", 32), Machine("fold", 32)]
 EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in machines.MACHINES]

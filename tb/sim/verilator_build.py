@@ -10,10 +10,10 @@ import os
 from pathlib import Path
 
 from tb.sim import coverage
-from tb.sim.children import compiled, full
 from tb.sim.env import ROOT
 from tb.sim.runner import MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
+from tb.sim.subprocesses import compiled, full
 
 BUILD = coverage.build("native")
 

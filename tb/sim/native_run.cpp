@@ -3,7 +3,7 @@
 //
 //     Vtop RESULTS < STREAM
 //
-// Built around the wrapper from every_node.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
+// Built around the wrapper from native_run.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
 // little-endian words: the word length, the number of nodes, and clock and width of each; then frames: a count n, followed
 // by columns of n words each: six input words, six result words, flags, and the nodes, with as many columns as each needs.
 // A frame of 0 targets ends the stream. RESULTS receives seven columns per frame: result words (unsigned) and flags.

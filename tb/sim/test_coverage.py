@@ -9,8 +9,8 @@ from tb.axi.instances import echoing
 from tb.sim import coverage
 from tb.sim.coverage import Point, counted, read, totals, written
 from tb.sim.env import ROOT
-from tb.sim.rules import with_rules
 from tb.sim.seeded_bugs import Bug, copy_rtl
+from tb.sim.sources import with_rules
 
 FIFO, AXIS = "rtl/lib/ik_fifo.v", "rtl/ik_axis.v"
 BUG = Bug("lost", FIFO, "m_valid <= !empty", "m_valid <= empty")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Generated top with several modules of ``rtl/`` side by side, so that one simulator start serves all of them.
 
-Each module is in a shell that replaces its inputs with registers and its outputs with wires of the same names: a bench
-can use the shell like the module. Each shell has its own clock, so that only the module under test runs.
+A wrapper replaces a module's inputs with registers and its outputs with wires of the same names: a bench can use the
+wrapper like the module. Each wrapper has its own clock, so that only the module under test runs.
 """
 
 from __future__ import annotations
@@ -13,26 +13,28 @@ from pathlib import Path
 
 from tb.sim.sources import sources
 
-TOP = "ik_shells"
+TOP = "ik_wrapper_top"
 
 HEADER = re.compile(r"^module (\w+) #\((.*?)^\) \((.*?)^\);", re.DOTALL | re.MULTILINE)
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*?\])?)\s*(\w+)", re.MULTILINE)
 
 
 def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path] = ()) -> str:
-    """Return the text of :data:`TOP`, with a shell for each instance: name -> (module, parameters); ``more`` are module
-    files in addition to ``rtl/``."""
+    """Return the text of :data:`TOP`, with a wrapper for each instance: name -> (module, parameters).
+
+    ``more`` are files of modules outside ``rtl/``.
+    """
     files = {path.stem: path for path in [*sources(), *more]}
     modules = sorted({module for module, _ in instances.values()})
-    shells = [_shell(files[module].read_text()) for module in modules]
+    wrappers = [_wrapper(files[module].read_text()) for module in modules]
     lines = [
-        f"  {module}_shell #({_by_name(parameters, parameters.values())}) {name} ();"
+        f"  {module}_wrapper #({_by_name(parameters, parameters.values())}) {name} ();"
         for name, (module, parameters) in instances.items()
     ]
-    return "\n".join(["`default_nettype none", *shells, f"module {TOP};", *lines, "endmodule", ""])
+    return "\n".join(["`default_nettype none", *wrappers, f"module {TOP};", *lines, "endmodule", ""])
 
 
-def _shell(text: str) -> str:
+def _wrapper(text: str) -> str:
     module, parameters, ports = HEADER.search(text).groups()
     kinds = {"input": "reg ", "output": "wire"}
     found = PORT.findall(ports)
@@ -40,7 +42,7 @@ def _shell(text: str) -> str:
     ports = [name for *_, name in found]
     return "\n".join(
         [
-            f"module {module}_shell #({parameters});",
+            f"module {module}_wrapper #({parameters});",
             *(f"  {kinds[way]} {form} {name};" for way, form, name in found),
             f"  {module} #({_by_name(names, names)}) u ({_by_name(ports, ports)});",
             "endmodule",

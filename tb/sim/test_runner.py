@@ -11,7 +11,7 @@ from cocotb_test.simulator import Icarus
 
 from tb.sim import runner, sources
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.rules import RULES
+from tb.sim.sources import RULES
 
 
 def make(*words, **env):

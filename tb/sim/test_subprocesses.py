@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tb.sim import children, simulate
+from tb.sim import simulate, subprocesses
 
 PARENT = """
 import os, subprocess, sys, tempfile
@@ -28,7 +28,9 @@ def alive(pid: int) -> bool:
 
 def test_the_whole_group_ends_and_its_temporary_files_are_in_one_folder(tmp_path):
     with pytest.raises(KeyboardInterrupt):
-        with children.started([sys.executable, "-c", PARENT], tmp_path, stdout=subprocess.PIPE, text=True) as process:
+        with subprocesses.started(
+            [sys.executable, "-c", PARENT], tmp_path, stdout=subprocess.PIPE, text=True
+        ) as process:
             pids = [int(pid) for pid in process.stdout.readline().split()]
             assert len(pids) == 2 and all(map(alive, pids))
             raise KeyboardInterrupt
@@ -37,26 +39,26 @@ def test_the_whole_group_ends_and_its_temporary_files_are_in_one_folder(tmp_path
 
 
 def test_a_process_that_ignores_sigterm_is_killed(tmp_path, monkeypatch):
-    monkeypatch.setattr(children, "GRACE", 0.1)
+    monkeypatch.setattr(subprocesses, "GRACE", 0.1)
     deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(20)"
-    with children.started([sys.executable, "-c", deaf], tmp_path, stdout=subprocess.PIPE) as process:
+    with subprocesses.started([sys.executable, "-c", deaf], tmp_path, stdout=subprocess.PIPE) as process:
         process.stdout.readline()
     assert process.returncode == -signal.SIGKILL
 
 
 def test_a_compiler_leaves_no_folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(children.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(subprocesses.tempfile, "tempdir", str(tmp_path))
     words = "import os, tempfile; tempfile.mkstemp(); print(os.environ['TMPDIR'])"
-    done = children.compiled([sys.executable, "-c", words])
+    done = subprocesses.compiled([sys.executable, "-c", words])
     assert done.returncode == 0 and done.stdout.startswith(str(tmp_path))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_full_disk_is_named(tmp_path, monkeypatch):
-    usage = children.shutil.disk_usage(tmp_path)
-    assert children.full(tmp_path, tmp_path / "none") == ""
-    monkeypatch.setattr(children.shutil, "disk_usage", lambda path: usage._replace(free=4096))
-    assert children.full(tmp_path) == f"no space left on the disk of '{tmp_path}'"
+    usage = subprocesses.shutil.disk_usage(tmp_path)
+    assert subprocesses.full(tmp_path, tmp_path / "none") == ""
+    monkeypatch.setattr(subprocesses.shutil, "disk_usage", lambda path: usage._replace(free=4096))
+    assert subprocesses.full(tmp_path) == f"no space left on the disk of '{tmp_path}'"
 
 
 def test_a_full_temporary_folder_is_named(monkeypatch):

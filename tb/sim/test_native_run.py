@@ -7,7 +7,7 @@ import pytest
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.io.stimuli import mixed
-from tb.sim import every_node
+from tb.sim import native_run
 from tb.sim.env import simulator
 from tb.sim.job import Job, SimulationError
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -20,8 +20,8 @@ QUICK = 3
 
 @pytest.mark.parametrize(("datapath", "width"), [("lean", 3), ("lean", 18), ("lean", 32), ("paper", 32)])
 def test_the_wrapper_has_every_node_once(datapath, width):
-    text = every_node.wrapper(datapath, width, 0)
-    nodes = every_node.nodes_of(datapath, width)
+    text = native_run.wrapper(datapath, width, 0)
+    nodes = native_run.nodes_of(datapath, width)
     lines = [line.strip(" ,") for line in text.partition("assign nodes = {")[2].splitlines()]
     signals = [line.strip("{}").split()[-1] for line in lines if "u_core." in line]
     assert [signal.split(".")[-1] for signal in reversed(signals)] == [node.name for node in nodes]
@@ -31,7 +31,7 @@ def test_the_wrapper_has_every_node_once(datapath, width):
 def test_columns_hold_every_bit():
     """Columns include the high bits of words longer than 64 bits."""
     for node in fixed.run(mixed(300, 32, seed=1), 32, "lean").bits.nodes.values():
-        limbs = [column.astype(np.uint64) for column in every_node.columns(node)]
+        limbs = [column.astype(np.uint64) for column in native_run.columns(node)]
         words = sum(limb.astype(object) << 64 * k for k, limb in enumerate(limbs))
         mask = (1 << node.format.width) - 1
         assert [word & mask for word in words.tolist()] == [int(v) & mask for v in node.value.tolist()], node.name
@@ -48,11 +48,11 @@ if simulator() == "verilator":
 
     @pytest.fixture(scope="module")
     def program():
-        return every_node.program("lean", WIDTH)
+        return native_run.program("lean", WIDTH)
 
     def spoiled(words, change):
         """Return the model's frames with the first one changed."""
-        frames = list(every_node.answered(words, WIDTH, "lean"))
+        frames = list(native_run.answered(words, WIDTH, "lean"))
         change(frames[0][1])
         return frames
 
@@ -69,7 +69,7 @@ if simulator() == "verilator":
     @pytest.mark.slow
     def test_both_ways_give_the_same(monkeypatch):
         """Several jobs, one of them longer than a frame."""
-        monkeypatch.setattr(every_node, "FRAME", 100)
+        monkeypatch.setattr(native_run, "FRAME", 100)
         jobs = [Job(f"job {n}", mixed(count, WIDTH, seed=n)) for n, count in enumerate((1, 60, 330))]
         core = {"simulator": "verilator", "datapath": "lean", "width": WIDTH}
         for cocotb, native in zip(*(simulate(jobs, **core, native=way) for way in (False, True)), strict=True):
@@ -99,7 +99,7 @@ if simulator() == "verilator":
                 value[57] = int(value[57]) ^ (1 << bit)
                 answer.bits.nodes[name].value = value
 
-            run = every_node.compare(program, spoiled(words, change), WIDTH, "lean")
+            run = native_run.compare(program, spoiled(words, change), WIDTH, "lean")
             assert run.bit_mismatches == 1
             assert run.first_mismatch.startswith(f"first difference: {node.section}.{name} ")
             assert " of target 57 at clock " in run.first_mismatch
@@ -117,7 +117,7 @@ if simulator() == "verilator":
 
         for change in (result, flags):
             with pytest.raises(SimulationError, match="target 3: its nodes are right, its result or flags are not"):
-                every_node.compare(program, spoiled(mixed(100, WIDTH, seed=2), change), WIDTH, "lean")
+                native_run.compare(program, spoiled(mixed(100, WIDTH, seed=2), change), WIDTH, "lean")
 
     @pytest.mark.sim
     @pytest.mark.slow

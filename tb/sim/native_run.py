@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Native simulation of ``ik_axis`` without Python in the loop: ``every_node.cpp`` compares every node of every target.
+"""Native simulation of ``ik_axis`` without Python in the loop: ``native_run.cpp`` compares every node of every target.
 
 :func:`wrapper` generates Verilog that connects all named nodes of a datapath to one port; :func:`compare` streams
 targets and the bit-true model's words through the program that Verilator builds from it.
@@ -20,13 +20,12 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
 from model.io.words import FIELDS
 from tb.sim import coverage
-from tb.sim.difference import Difference, report
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.job import Job, Run, SimulationError
-from tb.sim.native import build
+from tb.sim.job import Difference, Job, Run, SimulationError, report
+from tb.sim.verilator_build import build
 
-HARNESS = ROOT / "tb" / "sim" / "every_node.cpp"
-TOP = "ik_every_node"
+HARNESS = ROOT / "tb" / "sim" / "native_run.cpp"
+TOP = "ik_native_run"
 
 FRAME = 5000
 """Targets per model call: arrays fit the caches, and columns avoid cache-line conflicts."""
@@ -74,7 +73,7 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
   );
   assign in_ready = 1'b1;"""
     return f"""\
-// Written by tb/sim/every_node.py: the {datapath} datapath, {width} bits.
+// Written by tb/sim/native_run.py: the {datapath} datapath, {width} bits.
 module {TOP} (
     input wire clk, rst, in_valid,
     input wire [7:0] tag,
