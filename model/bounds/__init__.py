@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved and predicted properties of the dataflows: ranges, affine forms, errors, tolerances."""
+"""Proved and predicted properties of the dataflows: ranges, errors, tolerances."""

@@ -6,7 +6,7 @@ A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`) is written 
 
 * :class:`model.dataflow.fixed.Bits` - integers, equal to the RTL in every bit of every node;
 * :class:`model.dataflow.reals.Real` - double precision with any single node disturbed, for predicted errors;
-* :class:`model.bounds.ranges.Ranges` and :class:`model.bounds.affine.Affine` - intervals and affine forms, for proofs;
+* :class:`model.bounds.ranges.Ranges` - intervals, for proofs;
 * as a table of formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
 Formats.  A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i``
@@ -76,7 +76,7 @@ class FormatError(ValueError):
     """Node format that does not match its operands' formats; the text names the node."""
 
 
-Value = Any  # a domain's values: an array over targets, an interval, an affine form
+Value = Any  # a domain's values: an array over targets, an interval
 
 
 @dataclass(frozen=True)

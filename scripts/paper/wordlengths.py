@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from model.bounds import affine, predict, ranges
+from model.bounds import predict, ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS, FormatError, Node
@@ -60,17 +60,13 @@ def shares(moved: dict[str, np.ndarray], nodes: dict[str, Node]) -> dict[str, fl
 
 
 def hand_error_by_width() -> dict[int, tuple[float, ...]]:
-    """Return for each word length, at regular poses: hand error (median, 99 %, largest), proved bound (median,
-    largest), and hand error of the default arm (median, 99 %, largest)."""
-    poses, own = regular_poses(REGULAR_POSES, SEED), regular_poses(REGULAR_POSES, SEED, default_arm())
+    """Return for each word length, at regular poses: hand error (median, 99 %, largest) of all arms, then of the
+    default arm."""
+    arms = regular_poses(REGULAR_POSES, SEED), regular_poses(REGULAR_POSES, SEED, default_arm())
     result = {}
     for width in WIDTHS:
-        bound = affine.hand_bound(words_of(poses, width), width)
-        all_arms, default = (
-            (np.median(error), np.quantile(error, 0.99), error.max())
-            for error in (hand_errors(width, poses), hand_errors(width, own))
-        )
-        result[width] = tuple(map(float, (*all_arms, np.median(bound), bound.max(), *default)))
+        errors = [hand_errors(width, poses) for poses in arms]
+        result[width] = tuple(float(f) for e in errors for f in (np.median(e), np.quantile(e, 0.99), e.max()))
     return result
 
 
@@ -107,7 +103,7 @@ def page(observed: Observed, errors: dict[int, tuple[float, ...]], moved: dict[s
         reach=REACH,
         default_arm=default_arm(),
         default_reach=DEFAULT_D1 + DEFAULT_D2,
-        errors=[(w, *(error(v) if np.isfinite(v) else "none" for v in row)) for w, row in errors.items()],
+        errors=[(w, *map(error, row)) for w, row in errors.items()],
         dominating=[
             (name, nodes[name].equation or "-", f"{100 * part:.1f} %")
             for name, part in list(shares(moved, nodes).items())[:DOMINATING]

@@ -8,7 +8,6 @@ import random
 
 import numpy as np
 
-from model.bounds.cordic import sincos_bound
 from model.dataflow import fixed
 from model.dataflow.cores import TILE
 from model.dataflow.nodes import Latency, inner_frac
@@ -77,7 +76,7 @@ def sincos_bench(W: int) -> Tests:
         -round(2**W / 3): (-math.sqrt(0.75), 0.5),
     }
     # phi itself is off by less than one LSB, an arc of pi/4 LSBs
-    return bench(W, W - 2, model, sincos_bound(W), Latency(W)["sincos"], angles, math.pi / 4)
+    return bench(W, W - 2, model, fixed.sincos_bound(W), Latency(W)["sincos"], angles, math.pi / 4)
 
 
 def trig_bench(W: int, F: int, TILE: int = TILE) -> Tests:

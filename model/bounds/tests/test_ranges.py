@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges: they fit the formats, contain random targets, and name a node whose format is too short."""
+"""Proved ranges of both datapaths: they fit the formats, contain random targets, and name a node whose format is too
+short; stated error growth covers operands with large errors."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from model.bounds import ranges
-from model.dataflow import fixed, paper, paper_turns
+from model.bounds import lean_ranges, ranges
+from model.dataflow import fixed, lean, paper, paper_turns
+from model.dataflow.annotations import Within
+from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
+from model.dataflow.reals import Real
 from model.io import monte_carlo
-from model.io.stimuli import corners, extremes, random_reachable, unreachable
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
+from model.io.words import FIELDS
 
 WIDTHS = (16, 18, 24, 32)
+
+# -- paper -------------------------------------------------------------------------------------------------------------
+
+BY_DESIGN = {("t_e", True), ("c4_quo", False)}
+"""Nodes that may saturate, and whether only for clamped targets: replaced where there is no elbow, or limited to
+[-1, 1] by (14).  All others fit, so there is no flag."""
 
 
 def saturating(width: int) -> set[tuple[str, bool]]:
@@ -26,28 +38,12 @@ def saturating(width: int) -> set[tuple[str, bool]]:
     return {(name, (name, False) not in found) for name, _ in found}
 
 
-BY_DESIGN = {("t_e", True), ("c4_quo", False)}
-"""Nodes replaced where there is no elbow, or limited to [-1, 1] by (14): all others fit, so there is no flag."""
-
-
 @pytest.mark.parametrize(
     "width", [w if w in (16, 32) else pytest.param(w, marks=[pytest.mark.slow]) for w in ALL_WIDTHS]
 )
 def test_nothing_saturates_but_by_design(width):
-    assert saturating(width) == BY_DESIGN
-
-
-def test_what_saturates_is_found(monkeypatch):
-    monkeypatch.setattr(paper_turns, "ROTATED", None)
-    assert saturating(32) == BY_DESIGN | {("c3_num", False)}
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_proved_ranges_stay_inside_the_formats(width):
     ranges.check(width)
-    for name, proof in ranges.proved(width).items():
-        fmt = proof.node.format
-        assert fmt.low * fmt.ulp <= proof.low <= proof.high <= fmt.high * fmt.ulp, name
+    assert saturating(width) == BY_DESIGN
 
 
 @pytest.mark.parametrize(
@@ -62,7 +58,8 @@ def test_a_format_one_bit_too_short_is_named(name, width):
 
 
 @pytest.mark.parametrize(
-    ("section", "rule"), [(paper, "HEIGHT_SQ"), (paper, "ORTHOGONAL"), (paper, "ELBOW"), (paper_turns, "PRODUCT")]
+    ("section", "rule"),
+    [(paper, "HEIGHT_SQ"), (paper, "ORTHOGONAL"), (paper, "ELBOW"), (paper_turns, "PRODUCT"), (paper_turns, "ROTATED")],
 )
 def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
     monkeypatch.setattr(section, rule, None)
@@ -74,15 +71,9 @@ def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("kind", ["reachable", "edges", "unreachable", "extremes", "corners"])
-def test_random_targets_stay_inside_the_proved_ranges(width, kind):
-    words = {
-        "reachable": lambda: random_reachable(20000, width, 7),
-        "edges": lambda: monte_carlo.edges(5000, width, 7),
-        "unreachable": lambda: unreachable(2000, width, 7),
-        "extremes": lambda: extremes(5000, width, 7),
-        "corners": lambda: np.array(list(corners(width).values()), dtype=np.int64),
-    }[kind]()
+def test_random_targets_stay_inside_the_proved_ranges(width):
+    some = random_reachable(20000, width, 7), monte_carlo.edges(5000, width, 7), unreachable(2000, width, 7)
+    words = np.concatenate([*some, extremes(5000, width, 7), np.array(list(corners(width).values()), dtype=np.int64)])
     seen = monte_carlo.Observed()
     monte_carlo.observe(seen, words, width)
     assert not seen.beyond, seen.first
@@ -90,6 +81,11 @@ def test_random_targets_stay_inside_the_proved_ranges(width, kind):
         proof = ranges.proved(width)[name]
         ulp = proof.node.format.ulp
         assert proof.low <= node.low * ulp and node.high * ulp <= proof.high, name
+    bits = fixed.run(words, width).bits
+    j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
+    assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()
+    units = {j for c in ranges.cases(width) if c.long for j in range(c.j[0], c.j[1] + 1)}
+    assert units == set(range(width + 1)), "a unit of the target is in no case"
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -103,12 +99,89 @@ def test_proved_errors_hold_in_the_swivel_plane(width):
         assert seen[name].worst <= table[name].error_ulps * (1 + 1e-6) + 1e-3, name
 
 
-def test_the_cases_hold_every_unit_of_the_target():
-    for width in WIDTHS:
-        parts = ranges.cases(width)
-        units = {j for c in parts if c.long for j in range(c.j[0], c.j[1] + 1)}
-        assert units == set(range(width + 1))
-        words = np.concatenate([monte_carlo.edges(4000, width, 3), random_reachable(4000, width, 3)])
-        bits = fixed.run(words, width).bits
-        j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
-        assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()
+# -- lean --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("width", ALL_WIDTHS)
+def test_every_lean_node_fits(width):
+    lean_ranges.check(width)
+
+
+@pytest.mark.parametrize(
+    ("name", "width", "spare"),
+    [("u_x", 32, 2), ("inv_law_raw", 18, 1), ("k_scaled", 24, 1), ("qs_i", 16, 1), ("rho_sq", 32, 2), ("m_far", 18, 1)],
+)
+def test_a_lean_format_too_short_is_named(name, width, spare):
+    fmt = lean_ranges.LeanRanges(width).nodes[name].format
+    failed = lean_ranges.LeanRanges(width, {name: replace(fmt, width=fmt.width - spare)}).failed
+    assert list(failed) == [name] and name in failed[name] and f"W = {width}" in failed[name]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_targets_stay_inside_the_lean_ranges(width):
+    words = np.concatenate([region(name, 2000, width, 5) for name in REGIONS])
+    words = words[expected_flags(words, width) & UNREACHABLE == 0]
+    bits = fixed.run(words, width, "lean").bits
+    usual = ~np.asarray(bits.nodes["clamp"].value).astype(bool)
+    bounds, exact = lean_ranges.LeanRanges(width).nodes, Real(bits, {}).nodes
+    for node in bits.nodes.values():
+        if not node.format.frac:
+            continue
+        bound, ulp = bounds[node.name].value, node.format.ulp
+        value = np.broadcast_to(np.asarray(node.value * ulp, dtype=np.float64), usual.shape)[usual]
+        low, high = bound.low - bound.error, bound.high + bound.error
+        assert (value >= low - 1e-9 * ulp).all() and (value <= high + 1e-9 * ulp).all(), node.name
+        if node.section not in ("guard", "results") and node.name != "phi":
+            real = np.broadcast_to(np.asarray(exact[node.name].value, dtype=np.float64), usual.shape)[usual]
+            # double precision has a few more digits than the longest word
+            assert (np.abs(value - real) <= bound.error + 1e-13).all(), node.name
+
+
+def test_a_node_without_a_rule_is_named(monkeypatch):
+    monkeypatch.setattr(lean, "UPPER_HALF", None)
+    with pytest.raises(lean_ranges.RangeError, match="cos_el"):
+        lean_ranges.LeanRanges(32)
+
+
+# -- error growth of selections, shifts and sums: `grows` at the node -------------------------------------------------
+
+OFF = 1024
+"""Operand error in ulps, up or down; the operations' own rounding is small compared with it."""
+
+
+class Moved(fixed.Bits):
+    """Compares every integer operation with its real counterpart on operands with errors; the guard's nodes are exact.
+    ``beyond``: node -> observed error / stated error, where it exceeds 1."""
+
+    def __init__(self, width, datapath):
+        super().__init__(width, datapath)
+        self.random, self.seen, self.beyond = np.random.default_rng(width), 0, {}
+
+    def apply(self, name, operands, fmt, bits, real):
+        value = super().apply(name, operands, fmt, bits, real)
+        if real is None:
+            return value
+        off = [OFF * n.format.ulp if n.section != "guard" and n.format.frac else 0.0 for n in operands]
+        usual = ~np.asarray(self.nodes["clamp"].value).astype(bool)
+        exact = []
+        for node, error in zip(operands, off, strict=True):
+            if error:  # no decision that the error could reverse
+                usual = usual & (np.abs(node.value) > 2 * OFF)
+            moved = node.value * node.format.ulp if node.format.frac else node.value
+            if isinstance(within := node.facts.within, Within):  # a word rounded beyond its range is not a real value
+                usual = usual & (moved >= within.low) & (moved <= within.high)
+            exact.append(moved + error * self.random.choice((-1, 1), len(usual)) if error else moved)
+        worst = np.abs(np.asarray(value * fmt.ulp - real(*exact), dtype=np.float64))[usual].max(initial=0.0)
+        self.seen += 1
+        if worst > self.facts[name].grows(off, fmt.ulp) * (1 + 1e-9):
+            self.beyond[name] = worst / self.facts[name].grows(off, fmt.ulp)
+        return value
+
+
+@pytest.mark.parametrize("width", (17, 18, 32))
+@pytest.mark.parametrize("datapath", DATAPATHS)
+def test_errors_grow_no_more_than_the_dataflow_states(datapath, width):
+    words = np.concatenate([random_reachable(2000, width, 9), *(region(name, 500, width, 9) for name in REGIONS)])
+    domain = Moved(width, datapath)
+    DATAPATHS[datapath].flow(domain, domain.inputs(lambda name, fmt: words[:, FIELDS.index(name)]))
+    assert domain.seen > 20 and domain.beyond == {}

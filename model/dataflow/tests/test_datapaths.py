@@ -48,18 +48,21 @@ class Run:
     def __init__(self, words: np.ndarray, width: int, datapath: str = "lean", solve=solve_lean) -> None:
         self.words, self.width = words, width
         self.answer = fixed.run(words, width, datapath)
-        values, at = result_values(self.answer.results, width), from_words(words, 0, width, "words")
-        pose = solve(at.x, at.y, at.z, at.phi, at.d1, at.d2)
-        pose = np.column_stack([pose[name] for name in RESULT_FIELDS])
-        (elbow, wrist), exact = (forward(q[:, :4], q[:, 4:], at.d1, at.d2) for q in (values, pose))
-        reached = self.answer.flags & UNREACHABLE == 0
-        reach = np.maximum(np.abs(at.d1) + np.abs(at.d2), ulp(width))
-        aim = np.where(reached[:, None], at.position, exact[1])
-        self.hand = np.linalg.norm(wrist - aim, axis=1) / reach
-        self.elbow = np.linalg.norm(elbow - exact[0], axis=1) / reach
-        self.shoulder_angle = angle_between(values[:, :4], pose[:, :4])
-        self.elbow_angle = angle_between(*(np.pad(q[:, 4:], ((0, 0), (0, 2))) for q in (values, pose)))
+        values, self.at = result_values(self.answer.results, width), from_words(words, 0, width, "words")
+        pose = solve(self.at.x, self.at.y, self.at.z, self.at.phi, self.at.d1, self.at.d2)
+        self.exact = np.column_stack([pose[name] for name in RESULT_FIELDS])
+        self.elbow, self.hand = self.off(values)
+        self.shoulder_angle = angle_between(values[:, :4], self.exact[:, :4])
+        self.elbow_angle = angle_between(*(np.pad(q[:, 4:], ((0, 0), (0, 2))) for q in (values, self.exact)))
         self.norms = [np.abs((q**2).sum(axis=1) - 1) / ulp(width) for q in (values[:, :4], values[:, 4:])]
+
+    def off(self, poses: np.ndarray) -> list[np.ndarray]:
+        """Return the distances / reach of the elbow and the hand of poses (N, 6) from where they belong."""
+        at, reached = self.at, self.answer.flags & UNREACHABLE == 0
+        exact, found = (forward(q[:, :4], q[:, 4:], at.d1, at.d2) for q in (self.exact, poses))
+        aims = exact[0], np.where(reached[:, None], at.position, exact[1])
+        reach = np.maximum(np.abs(at.d1) + np.abs(at.d2), ulp(self.width))
+        return [np.linalg.norm(point - aim, axis=1) / reach for point, aim in zip(found, aims, strict=True)]
 
     def below(self, error: np.ndarray, bar, what: str) -> None:
         """Assert that no error exceeds its bar; name the worst target."""
