@@ -224,7 +224,7 @@ class Domain(ABC):
         self._equation = equation
 
     def line(self, number: int) -> Domain:
-        """Set the lean equation of the following nodes, (L``number``) of :mod:`model.reference.lean_table`."""
+        """Set the lean equation of the following nodes, (L``number``) of :mod:`model.reference.lean_equations`."""
         self._equation = f"(L{number})"
         return self
 

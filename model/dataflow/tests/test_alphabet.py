@@ -8,7 +8,7 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
-from model.reference.lean_table import NUMBER
+from model.reference.lean_equations import NUMBER
 
 LEAN = DATAPATHS["lean"]
 ROOT = Path(__file__).parents[3]

@@ -2,14 +2,13 @@
 """Derive the lean dataflow symbolically from the paper's equations (10)-(18) and write docs/generated/lean.md.
 
 The paper's side of each comparison is the table of model/reference/printed.py with the one correction that
-scripts/paper/derivation/paper.py proves necessary. The lean side is the table of model/reference/lean_table.py; a
-test compares it with model/reference/lean_equations.py.
+scripts/paper/derivation/paper.py proves necessary. The lean side is the table of model/reference/lean_equations.py.
 If a statement fails, the exit status is 1 and the step is printed.
 """
 
 from __future__ import annotations
 
-from model.reference.lean_table import NUMBER
+from model.reference.lean_equations import NUMBER
 from scripts.generate.render import render
 from scripts.paper.derivation import lean_counts, lean_geometry, lean_quaternion
 from scripts.paper.derivation.lean_forms import TEX, Tables, line_tex

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
-from model.reference.lean_table import HALF, LEAN
+from model.reference.lean_equations import HALF, LEAN
 from scripts.paper.derivation import printed
 
 HALVES = {
