@@ -96,16 +96,16 @@ module ik_axi #(
 
   generate
     if (DATA_W != 32 && DATA_W != 64 && DATA_W != 128) begin : g_data
-      ik_axi_needs_DATA_W_of_32_64_or_128 u_stop ();
+      ik_axi_illegal_DATA_W u_stop ();
     end
     if (ADDR_W < 12 || ADDR_W > 64) begin : g_address
-      ik_axi_needs_ADDR_W_of_12_to_64 u_stop ();
+      ik_axi_illegal_ADDR_W u_stop ();
     end
     if (LOG2_BURST < 1 || LOG2_BURST > 5) begin : g_burst
-      ik_axi_needs_LOG2_BURST_of_1_to_5 u_stop ();
+      ik_axi_illegal_LOG2_BURST u_stop ();
     end
     if (DATAPATH != 0 && DATAPATH != 1) begin : g_datapath
-      ik_axi_needs_DATAPATH_of_0_or_1 u_stop ();
+      ik_axi_illegal_DATAPATH u_stop ();
     end
   endgenerate
 

@@ -44,30 +44,14 @@ module ik_axis #(
     end
   endfunction
 
-  // A slot is reserved from admission until the result leaves: pipeline, FIFO, output register.
-  localparam integer LOG2 = clog2(datapath_latency(DATAPATH, W, TILE) + 3);
-
-  // ---- credits: unreserved FIFO slots ----
-
-  reg [LOG2:0] credits;
-  wire admit = s_axis_tvalid && s_axis_tready;
-  wire leave = m_axis_tvalid && m_axis_tready;
-  always @(posedge clk) begin
-    if (rst) credits <= {1'b1, {LOG2{1'b0}}};
-    else if (admit && !leave) credits <= credits - 1'b1;
-    else if (leave && !admit) credits <= credits + 1'b1;
-  end
-  // The folded datapath has its own stream ports.
-  wire fold_ready, fold_valid, fifo_valid;
-  wire [TAG_W+8-1:0] fold_user, fifo_user;
-  wire [6*W-1:0] fold_data, fifo_data;
-  assign s_axis_tready = (DATAPATH == 2) ? fold_ready : !rst && (credits != 0);
-  assign m_axis_tvalid = (DATAPATH == 2) ? fold_valid : fifo_valid;
-  assign m_axis_tuser = (DATAPATH == 2) ? fold_user : fifo_user;
-  assign m_axis_tdata = (DATAPATH == 2) ? fold_data : fifo_data;
-
   // ---- reject unsupported parameters at elaboration ----
 
+  // A missing module names the parameter that breaks its rule:
+  //   ik_axis_illegal_TAG_W     1 or more
+  //   ik_axis_illegal_DATAPATH  0, 1 or 2
+  //   ik_axis_illegal_DIGIT     0 or 1
+  //   ik_axis_illegal_TILE      16, 18 or, not folded, 25
+  //   ik_axis_illegal_W         16 to 32; TILE = 16: 16 to 24; folded: even, from 20 on, from 18 on with TILE = 16
   localparam TAG_OK = TAG_W >= 1;
   localparam DATAPATH_OK = DATAPATH >= 0 && DATAPATH <= 2;
   localparam DIGIT_OK = DIGIT == 0 || DIGIT == 1;
@@ -77,24 +61,25 @@ module ik_axis #(
   localparam LEGAL = TAG_OK && DATAPATH_OK && DIGIT_OK && TILE_OK && W_OK;
   generate
     if (!TAG_OK) begin : g_no_tag
-      ik_axis_needs_TAG_W_of_1_or_more u_stop ();
+      ik_axis_illegal_TAG_W u_stop ();
     end
     if (!DATAPATH_OK) begin : g_no_datapath
-      ik_axis_needs_DATAPATH_of_0_1_or_2 u_stop ();
+      ik_axis_illegal_DATAPATH u_stop ();
     end
     if (!DIGIT_OK) begin : g_no_cores
-      ik_axis_needs_DIGIT_of_0_or_1 u_stop ();
+      ik_axis_illegal_DIGIT u_stop ();
     end
     if (!TILE_OK) begin : g_no_tile
-      ik_axis_needs_TILE_of_18_16_or_not_folded_25 u_stop ();
+      ik_axis_illegal_TILE u_stop ();
     end
     if (!W_OK) begin : g_no_words
-      ik_axis_needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24 u_stop ();
+      ik_axis_illegal_W u_stop ();
     end
   endgenerate
 
   // ---- the datapath ----
 
+  wire admit = s_axis_tvalid && s_axis_tready;
   wire core_valid;
   wire [TAG_W-1:0] core_tag;
   wire [7:0] core_flags;
@@ -111,15 +96,12 @@ module ik_axis #(
           .s_axis_tdata (s_axis_tdata),
           .s_axis_tuser (s_axis_tuser),
           .s_axis_tvalid(s_axis_tvalid),
-          .s_axis_tready(fold_ready),
-          .m_axis_tdata (fold_data),
-          .m_axis_tuser (fold_user),
-          .m_axis_tvalid(fold_valid),
+          .s_axis_tready(s_axis_tready),
+          .m_axis_tdata (m_axis_tdata),
+          .m_axis_tuser (m_axis_tuser),
+          .m_axis_tvalid(m_axis_tvalid),
           .m_axis_tready(m_axis_tready)
       );
-      assign {core_valid, core_flags, core_data, core_tag} = 0;
-    end else begin : g_pipeline
-      assign {fold_ready, fold_valid, fold_user, fold_data} = 0;
     end
     if (LEGAL && DATAPATH == 1) begin : g_lean
       ik_lean #(
@@ -157,20 +139,36 @@ module ik_axis #(
     end
   endgenerate
 
-  // ---- output FIFO ----
+  // ---- credits and output FIFO; the folded datapath needs neither ----
 
-  ik_fifo #(
-      .W   (6 * W + 8 + TAG_W),
-      .LOG2(LOG2)
-  ) u_fifo (
-      .clk    (clk),
-      .rst    (rst),
-      .wr_en  (core_valid),
-      .wr_data({core_flags, core_tag, core_data}),
-      .m_valid(fifo_valid),
-      .m_ready(m_axis_tready),
-      .m_data ({fifo_user, fifo_data})
-  );
+  // A slot is reserved from admission until the result leaves: pipeline, FIFO, output register.
+  localparam integer LOG2 = clog2(datapath_latency(DATAPATH, W, TILE) + 3);
+
+  generate
+    if (DATAPATH != 2) begin : g_fifo
+      wire leave = m_axis_tvalid && m_axis_tready;
+      reg [LOG2:0] credits;  // unreserved FIFO slots
+      always @(posedge clk) begin
+        if (rst) credits <= {1'b1, {LOG2{1'b0}}};
+        else if (admit && !leave) credits <= credits - 1'b1;
+        else if (leave && !admit) credits <= credits + 1'b1;
+      end
+      assign s_axis_tready = !rst && (credits != 0);
+
+      ik_fifo #(
+          .W   (6 * W + 8 + TAG_W),
+          .LOG2(LOG2)
+      ) u_fifo (
+          .clk    (clk),
+          .rst    (rst),
+          .wr_en  (core_valid),
+          .wr_data({core_flags, core_tag, core_data}),
+          .m_valid(m_axis_tvalid),
+          .m_ready(m_axis_tready),
+          .m_data ({m_axis_tuser, m_axis_tdata})
+      );
+    end
+  endgenerate
 
 endmodule
 

@@ -61,6 +61,7 @@ MODULE_SETS = {
     "ik_fold_norm": [{}],
     "icebreaker": [{}, {"BAUD": 115200}],
     "ik_fold_word": [{}],
+    **{f"ik_lean_{part}": [{"W": 32, "N": 35}, {"W": 18, "N": 25}] for part in ("direction", "triangle", "turn")},
     "ik_paper": [{"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)],
     "ik_mul3": [{"AW": 35, "BW": 35, "SH": 33, "OW": 35}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
     "ik_rsqrt": [{"F": 31}, {"F": 22}, {"F": 21}, {"F": 19}],

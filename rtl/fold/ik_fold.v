@@ -36,13 +36,13 @@ module ik_fold #(
 
   generate
     if (W % 2 != 0 || W < ((TILE == 16) ? 18 : 20) || W > ((TILE == 16) ? 24 : 32)) begin : g_no_words
-      ik_fold_needs_W_even_of_20_to_32_with_TILE_16_of_18_to_24 u_stop ();
+      ik_fold_illegal_W u_stop ();
     end
     if (TAG_W < 1) begin : g_no_tag
-      ik_fold_needs_TAG_W_of_1_or_more u_stop ();
+      ik_fold_illegal_TAG_W u_stop ();
     end
     if (TILE != 16 && TILE != 18) begin : g_no_tile
-      ik_fold_needs_TILE_of_16_or_18 u_stop ();
+      ik_fold_illegal_TILE u_stop ();
     end
   endgenerate
 

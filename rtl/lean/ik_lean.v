@@ -36,13 +36,13 @@ module ik_lean #(
 
   generate
     if (W < ((TILE == 16) ? 16 : 3) || W > ((TILE == 16) ? 24 : 32)) begin : g_no_words
-      ik_lean_needs_W_of_3_to_32_with_TILE_16_of_16_to_24 u_stop ();
+      ik_lean_illegal_W u_stop ();
     end
     if (TAG_W < 1) begin : g_no_tag
-      ik_lean_needs_TAG_W_of_1_or_more u_stop ();
+      ik_lean_illegal_TAG_W u_stop ();
     end
     if (TILE != 16 && TILE != 18 && TILE != 25) begin : g_no_tile
-      ik_lean_needs_TILE_of_16_18_or_25 u_stop ();
+      ik_lean_illegal_TILE u_stop ();
     end
   endgenerate
 

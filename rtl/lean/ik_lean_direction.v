@@ -9,7 +9,7 @@
 
 module ik_lean_direction #(
     parameter integer W = 32,  // word length, 16 to 32
-    parameter integer N = (W < 17) ? 24 : (W < 28) ? W + 7 : 35,  // inner word width, FRAC + 2
+    parameter integer N = 35,  // inner word width: FRAC + 2
     parameter integer TILE = 18  // see ik_mul3
 ) (
     // Clock
@@ -40,7 +40,7 @@ module ik_lean_direction #(
 
   generate
     if (N != FRAC + 2) begin : g_illegal
-      ik_lean_direction_N_is_FRAC_and_2 u_stop ();
+      ik_lean_direction_illegal_N u_stop ();
     end
   endgenerate
 

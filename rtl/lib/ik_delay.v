@@ -17,7 +17,7 @@ module ik_delay #(
 
   generate
     if (N < 0) begin : g_illegal
-      ik_delay_needs_N_of_at_least_0 u_stop ();
+      ik_delay_illegal_N u_stop ();
     end else if (N == 0) begin : g_wire
       wire unused = clk;
       assign q = d;

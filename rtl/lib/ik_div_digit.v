@@ -37,10 +37,10 @@ module ik_div_digit #(
 
   generate
     if (NW < 2 || DW < 2 || SH < 0 || QW < 2) begin : g_illegal
-      ik_div_digit_needs_NW_DW_QW_of_at_least_2_and_SH_of_at_least_0 u_stop ();
+      ik_div_digit_illegal_width u_stop ();
     end
     if (LAT < STAGES + 2) begin : g_short
-      ik_div_digit_needs_LAT_of_at_least_2_and_half_a_clock_a_quotient_bit u_stop ();
+      ik_div_digit_illegal_LAT u_stop ();
     end
   endgenerate
 

@@ -18,7 +18,7 @@ module ik_even #(
 
   generate
     if (VW < 4 || VW > 64 || VW % 2 != 0 || MW < 1 || MW > 50) begin : g_illegal
-      ik_even_needs_VW_even_from_4_to_64_and_MW_to_50 u_stop ();
+      ik_even_illegal_width u_stop ();
     end
   endgenerate
 

@@ -18,7 +18,7 @@ module ik_exact #(
 
   generate
     if (W < 4 || W > 35) begin : g_illegal
-      ik_exact_needs_W_from_4_to_35 u_stop ();
+      ik_exact_illegal_W u_stop ();
     end
   endgenerate
 

@@ -29,7 +29,7 @@ module ik_mul #(
 
   generate
     if (AW > 35 || BW > 35 || (SQUARE != 0 && AW != BW)) begin : g_illegal
-      ik_mul_needs_AW_BW_of_at_most_35_and_equal_for_a_SQUARE u_stop ();
+      ik_mul_illegal_width u_stop ();
     end
   endgenerate
 

@@ -43,7 +43,7 @@ module ik_mul3 #(
   generate
     if (AW < 2 || AW > 35 || BW < 2 || BW > 35 || TILE < 2 ||
         CUT < AL || CUT < BL || CUT >= A + BL || CUT >= B + AL) begin : g_illegal
-      ik_mul3_needs_words_of_2_to_35_bits_and_a_bit_of_each_tile_on_either_side_of_the_cut u_stop ();
+      ik_mul3_illegal_width u_stop ();
     end
   endgenerate
 

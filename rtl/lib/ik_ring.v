@@ -26,7 +26,7 @@ module ik_ring #(
 
   generate
     if (N < 3) begin : g_illegal
-      ik_ring_needs_N_of_at_least_3 u_stop ();
+      ik_ring_illegal_N u_stop ();
     end
   endgenerate
 

@@ -31,10 +31,10 @@ module ik_root_digit #(
 
   generate
     if (NW < 2 || SH < 0 || QW < 2) begin : g_illegal
-      ik_root_digit_needs_NW_QW_of_at_least_2_and_SH_of_at_least_0 u_stop ();
+      ik_root_digit_illegal_width u_stop ();
     end
     if (LAT < STAGES + 1) begin : g_short
-      ik_root_digit_needs_LAT_of_at_least_1_and_half_a_clock_a_result_bit u_stop ();
+      ik_root_digit_illegal_LAT u_stop ();
     end
   endgenerate
 

@@ -24,7 +24,7 @@ module ik_rsqrt #(
 
   generate
     if (F < 19 || F > 31 || (TILE < 18 && F > 29) || TILE < 16) begin : g_illegal
-      ik_rsqrt_needs_F_from_19_to_31_and_to_29_with_TILE_from_16 u_stop ();
+      ik_rsqrt_illegal_F u_stop ();
     end
   endgenerate
 

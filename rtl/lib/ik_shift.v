@@ -35,7 +35,7 @@ module ik_shift #(
         q      <= (RIGHT != 0) ? (eights >>> ones) : (eights <<< ones);
       end
     end else if (W > 33 || RIGHT != 0) begin : g_illegal
-      ik_shift_with_PRODUCT_needs_W_of_at_most_33_and_goes_left u_stop ();
+      ik_shift_illegal_PRODUCT u_stop ();
     end else begin : g_product
       localparam integer LOW = (W > 17) ? 17 : W;  // bits in the low product, unsigned
       wire [15:0] power = 16'd1 << count_in[3:0];

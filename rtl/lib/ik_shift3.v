@@ -20,7 +20,7 @@ module ik_shift3 #(
 
   generate
     if (DROP < 1) begin : g_illegal
-      ik_shift3_needs_DROP_of_at_least_1 u_stop ();
+      ik_shift3_illegal_DROP u_stop ();
     end
   endgenerate
 

@@ -24,8 +24,7 @@ module ik_trig #(
 
   generate
     if (W < 16 || W > U_FRAC + 1 || F < 19 || F > 31 || (TILE < 18 && F > 29) || TILE < 16) begin : g_illegal
-      ik_trig_needs_W_of_16_to_32_and_F_of_19_to_31_and_to_29_with_TILE_from_16_and_W_up_to_26_with_the_short_table
-          u_stop ();
+      ik_trig_illegal_width u_stop ();
     end
   endgenerate
 

@@ -34,13 +34,13 @@ module ik_paper #(
 
   generate
     if (W < 16 || W > 32) begin : g_no_words
-      ik_paper_needs_W_of_16_to_32 u_stop ();
+      ik_paper_illegal_W u_stop ();
     end
     if (TAG_W < 1) begin : g_no_tag
-      ik_paper_needs_TAG_W_of_1_or_more u_stop ();
+      ik_paper_illegal_TAG_W u_stop ();
     end
     if (DIGIT != 0 && DIGIT != 1) begin : g_no_cores
-      ik_paper_needs_DIGIT_of_0_or_1 u_stop ();
+      ik_paper_illegal_DIGIT u_stop ();
     end
   endgenerate
 

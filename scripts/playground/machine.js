@@ -92,7 +92,7 @@ class Machine {
       this.core.edge();
     }
     this.put("rst", 0n);
-    this.places = this.table.folded ? 0 : Number(this.live("credits"));
+    this.places = this.table.folded ? 0 : Number(this.live("g_fifo.credits"));
   }
 
   put(name, bits) {

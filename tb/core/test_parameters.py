@@ -10,16 +10,16 @@ from tb.sim.env import ROOT, environment, simulator
 from tb.sim.sources import includes, sources
 
 AXIS = {
-    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}, {"TAG_W": -1}, {"TAG_W": 0, "DATAPATH": 0}, {"TAG_W": 0, "DATAPATH": 2}],
-    "needs_DATAPATH_of_0_1_or_2": [{"DATAPATH": -1}, {"DATAPATH": 3}],
-    "needs_DIGIT_of_0_or_1": [{"DIGIT": -1}, {"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
-    "needs_TILE_of_18_16_or_not_folded_25": [
+    "illegal_TAG_W": [{"TAG_W": 0}, {"TAG_W": -1}, {"TAG_W": 0, "DATAPATH": 0}, {"TAG_W": 0, "DATAPATH": 2}],
+    "illegal_DATAPATH": [{"DATAPATH": -1}, {"DATAPATH": 3}],
+    "illegal_DIGIT": [{"DIGIT": -1}, {"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
+    "illegal_TILE": [
         *({"TILE": tile, "W": 24} for tile in (0, 15, 17, 19, 20, 24, 26)),
         {"TILE": 17, "DATAPATH": 0},
         {"TILE": 25, "DATAPATH": 2},
         {"TILE": 17, "DATAPATH": 2, "W": 24},
     ],
-    "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [
+    "illegal_W": [
         *({"W": w, "DATAPATH": lean} for w in (-1, 0, 3, 15, 33, 64) for lean in (0, 1)),
         *({"W": w, "DATAPATH": 2} for w in (16, 18, 19, 21, 31, 33, 34)),
         *({"W": w, "TILE": 16, "DATAPATH": 2} for w in (16, 17, 19, 25, 26)),
@@ -27,34 +27,34 @@ AXIS = {
     ],
 }
 AXI = {
-    "needs_DATAPATH_of_0_or_1": [{"DATAPATH": lean} for lean in (-1, 2, 3)],
-    "needs_DATA_W_of_32_64_or_128": [{"DATA_W": bits} for bits in (16, 33, 96, 256)],
-    "needs_ADDR_W_of_12_to_64": [{"ADDR_W": bits} for bits in (11, 65)],
-    "needs_LOG2_BURST_of_1_to_5": [{"LOG2_BURST": log2} for log2 in (0, 6)],
+    "illegal_DATAPATH": [{"DATAPATH": lean} for lean in (-1, 2, 3)],
+    "illegal_DATA_W": [{"DATA_W": bits} for bits in (16, 33, 96, 256)],
+    "illegal_ADDR_W": [{"ADDR_W": bits} for bits in (11, 65)],
+    "illegal_LOG2_BURST": [{"LOG2_BURST": log2} for log2 in (0, 6)],
 }
 PASSED_ON = {
-    "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
-    "needs_TILE_of_18_16_or_not_folded_25": [{"TILE": 17}, {"TILE": 20}],
-    "needs_W_of_16_to_32_folded_even_from_20_with_TILE_16_from_18_to_24": [{"W": 15}, {"W": 33}, {"TILE": 16}],
+    "illegal_DIGIT": [{"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
+    "illegal_TILE": [{"TILE": 17}, {"TILE": 20}],
+    "illegal_W": [{"W": 15}, {"W": 33}, {"TILE": 16}],
 }
 """Illegal parameters of ``ik_axi`` that the core inside reports."""
 LEAN = {
-    "needs_W_of_3_to_32_with_TILE_16_of_16_to_24": [{"W": 2}, {"W": 33}, *({"W": w, "TILE": 16} for w in (15, 25))],
-    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
-    "needs_TILE_of_16_18_or_25": [{"TILE": 17}, {"TILE": 20}, {"TILE": 26}],
+    "illegal_W": [{"W": 2}, {"W": 33}, *({"W": w, "TILE": 16} for w in (15, 25))],
+    "illegal_TAG_W": [{"TAG_W": 0}],
+    "illegal_TILE": [{"TILE": 17}, {"TILE": 20}, {"TILE": 26}],
 }
 PAPER = {
-    "needs_W_of_16_to_32": [{"W": 15}, {"W": 33}],
-    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
-    "needs_DIGIT_of_0_or_1": [{"DIGIT": 2}, {"DIGIT": -1}],
+    "illegal_W": [{"W": 15}, {"W": 33}],
+    "illegal_TAG_W": [{"TAG_W": 0}],
+    "illegal_DIGIT": [{"DIGIT": 2}, {"DIGIT": -1}],
 }
 FOLD = {
-    "needs_W_even_of_20_to_32_with_TILE_16_of_18_to_24": [
+    "illegal_W": [
         *({"W": w} for w in (18, 19, 21, 33, 34)),
         *({"W": w, "TILE": 16} for w in (16, 17, 19, 25, 26)),
     ],
-    "needs_TAG_W_of_1_or_more": [{"TAG_W": 0}],
-    "needs_TILE_of_16_or_18": [{"TILE": 17}, {"TILE": 25}],
+    "illegal_TAG_W": [{"TAG_W": 0}],
+    "illegal_TILE": [{"TILE": 17}, {"TILE": 25}],
 }
 
 ILLEGAL = [

@@ -224,7 +224,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
     opened.run("document.getElementById('ready').click()")
     step(opened, 150)
     places = opened.run(f"{MACHINE}.places")
-    assert opened.run(f"Number({MACHINE}.live('credits'))") == 0
+    assert opened.run(f"Number({MACHINE}.live('g_fifo.credits'))") == 0
     assert opened.run(f"{MACHINE}.sent") - start[0] == places == opened.run(f"{MACHINE}.flying.length")
     opened.run("document.getElementById('ready').click()")
     opened.run("document.getElementById('dense').click()")
@@ -310,8 +310,8 @@ def test_signals_are_shown_and_hidden(page):
     opened = page()
     step(opened, 5)
     for there in (True, False):
-        choose(opened, "watch", "u_fifo.wr_ptr")
-        assert opened.run("playground.ui.watched.includes('u_fifo.wr_ptr')") == there
+        choose(opened, "watch", "g_fifo.u_fifo.wr_ptr")
+        assert opened.run("playground.ui.watched.includes('g_fifo.u_fifo.wr_ptr')") == there
     wide = opened.run("document.getElementById('waves').toDataURL()")
     choose(opened, "zoom", "20")
     assert opened.run("document.getElementById('waves').toDataURL()") != wide
