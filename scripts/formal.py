@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
+from functools import partial
 from os import cpu_count
 
 from model.io.files import write_atomically
@@ -27,11 +28,7 @@ from tb.sim.env import GENERATED, ROOT
 
 PAGE = GENERATED / "proofs.md"
 BUILD = ROOT / "build" / "proofs"
-
-
-def say(text: str) -> None:
-    """Print a line at once."""
-    print(text, flush=True)
+say = partial(print, flush=True)
 
 
 def digests() -> dict[str, str]:
@@ -57,12 +54,6 @@ def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
     say(f"wrote {PAGE.relative_to(ROOT)}")
 
 
-def write_table(task: Task, outcome: Outcome) -> None:
-    """Write the full table of a proof to build/proofs/."""
-    lines = [f"{task.name}: {task.what}", outcome.result, *("\t".join(cells) for cells in outcome.table)]
-    write_atomically(BUILD / f"{task.name}.tsv", "\n".join(lines) + "\n")
-
-
 def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> Outcome:
     """Run a proof, or return the result of an earlier run of the same code and tools."""
     before = task.digest()
@@ -75,12 +66,13 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> Outcome:
     if task.digest() != before:
         outcome.failed.append("sources were changed during the run")
     BUILD.mkdir(parents=True, exist_ok=True)
-    write_table(task, outcome)
+    lines = [f"{task.name}: {task.what}", outcome.result, *("\t".join(cells) for cells in outcome.table)]
+    write_atomically(BUILD / f"{task.name}.tsv", "\n".join(lines) + "\n")
     if not outcome.failed:
         write_atomically(kept, json.dumps(asdict(outcome)))
-    verdict = "FAIL" if outcome.failed else "ok  "
-    lines = "".join(f"\n     {line}" for line in outcome.failed)
-    say(f"{verdict} {task.name:<16} {outcome.result}, {outcome.seconds:.0f} s{lines}")
+    say(f"{'FAIL' if outcome.failed else 'ok  '} {task.name:<16} {outcome.result}, {outcome.seconds:.0f} s")
+    for line in outcome.failed:
+        say(f"     {line}")
     return outcome
 
 

@@ -36,7 +36,7 @@ from tb.sim.simulate import SimulationError
 CONNECT = 10
 """Seconds to wait for a scheduler."""
 
-CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".sby", ".rdl", ".vlt"}
+CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".rdl", ".vlt"}
 
 
 class BrokenOffError(SimulationError):

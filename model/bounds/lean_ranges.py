@@ -4,8 +4,7 @@
 A node's :class:`Bound` holds its exact range, from geometry, and the largest rounding error of its word: the
 operation's own rounding plus the operands' errors, multiplied by the largest other operand.  The word lies within the
 sum of both, which must fit the format.  Geometry's ranges (:class:`.annotations.Within`) and error growth are stated
-at the nodes, in :mod:`model.dataflow.lean`; `make formal` proves both
-(``tb/formal/lean_rules.py``, ``lean_rounded.py``).
+at the nodes, in :mod:`model.dataflow.lean`; `make formal` proves both (``tb/formal/lean_proofs.py``).
 
 Clamped targets are excluded: some of their words (K and its dependents) lose high bits and are unused.
 """

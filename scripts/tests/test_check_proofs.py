@@ -49,16 +49,6 @@ def test_what_is_new_or_gone_is_stale(tmp_path):
     assert Page(tmp_path, "", lambda: {"a": "1", "b": "2"}, lambda: {"b": "2", "c": "3"}).stale() == ["a", "c"]
 
 
-def test_comment_in_a_sby_file_counts_for_nothing(tmp_path):
-    path = tmp_path / "a.sby"
-    path.write_text("# why\n[options]\n\nmode prove\n")
-    before = digest([path])
-    path.write_text("# another\n# reason\n[options]\nmode prove\n")
-    assert digest([path]) == before
-    path.write_text("[options]\nmode bmc\n")
-    assert digest([path]) != before
-
-
 def test_command(monkeypatch, capsys):
     assert main([]) == 0
     assert f"of {len(PAGES)} pages are of the present code" in capsys.readouterr().out

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seeded bugs: each proof must fail on its own.
 
-Keys are .sby files or single proofs; ``fails`` is the property or question that must have a counterexample.
+Keys are proofs, or the first words of their names; ``fails`` is the property or question with a counterexample.
 """
 
 from __future__ import annotations

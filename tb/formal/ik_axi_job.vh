@@ -36,7 +36,8 @@ always @* if (f_on) begin
   areas_apart : assert (!go || f_apart);
   areas_inside : assert (!go || (f_source_end <= f_limit && f_destination_end <= f_limit));
   areas_aligned : assert (!go || (f_source[4:0] == 0 && f_destination[4:0] == 0 && f_count != 0));
-  areas_copied : assert (!go || ({job_source, 5'd0} == f_source && {job_destination, 5'd0} == f_destination && job_count == f_count));
+  areas_copied : assert (!go || ({job_source, 5'd0} == f_source && {job_destination, 5'd0} == f_destination &&
+      job_count == f_count));
   stopped_outside : assert (stop || (state == RUN && !write_error && !aborted));
   runs_to_the_end : assert (!f_run || state == (f_idle ? FINISH : RUN) || f_reset);
   go_is_run : assert (!f_go || state == RUN);
@@ -46,7 +47,8 @@ always @* if (f_on) begin
   starts : assert (!f_start || (busy && !done && !error && code == 0));
   legal_state : assert (state <= FINISH);
   not_done_yet : assert (state == IDLE || state == FINISH || (!done && !error));
-  copies : assert (state == IDLE || (source_at == f_source[ADDR_W-1:0] && destination_at == f_destination[ADDR_W-1:0] && job_count == f_count));
+  copies : assert (state == IDLE || (source_at == f_source[ADDR_W-1:0] &&
+      destination_at == f_destination[ADDR_W-1:0] && job_count == f_count));
   high_is : assert (state == IDLE || high == {f_destination >= f_limit, f_source >= f_limit});
   ends_are : assert (state != COMPARE || ((f_source >= f_limit || source_end == f_source_end) &&
                      (f_destination >= f_limit || destination_end == f_destination_end)));

@@ -89,7 +89,8 @@ wire [LOG2_BURST-1:0] f_next_due = coming + due[LOG2_BURST-1:0];
 always @* if (f_on) begin
   between_whole : assert (f_middle);
   counted : assert (f_open == bursts && f_sum == due);
-  some_in_each : assert ((f_open == 0 || (f_oldest != 0 && f_oldest <= WHOLE)) && (f_open < 2 || (f_newest != 0 && f_newest <= WHOLE)));
+  some_in_each : assert ((f_open == 0 || (f_oldest != 0 && f_oldest <= WHOLE)) && (f_open < 2 || (f_newest != 0 &&
+      f_newest <= WHOLE)));
   oldest_to_edge : assert (f_open < 2 || coming + f_oldest == WHOLE);
   oldest_fits : assert (f_open == 0 || {1'b0, coming} + f_oldest <= WHOLE);
   next_behind : assert (left == 0 || next[LOG2_BURST-1:0] == f_next_due);

@@ -48,7 +48,8 @@ always @* if (f_on) begin
   told_is_kept : assert ((f_told & ~irq_status) == 0);
   kept_until_erased : assert (f_erase || (f_irq & ~irq_status) == 0);
   start_or_reset : assert (!(start && soft_reset));
-  counted : assert (f_addresses == waddr_held + s_axi_bvalid && f_words == wdata_held + s_axi_bvalid && f_reads == raddr_held + s_axi_rvalid);
+  counted : assert (f_addresses == waddr_held + s_axi_bvalid && f_words == wdata_held + s_axi_bvalid &&
+      f_reads == raddr_held + s_axi_rvalid);
 end
 
 always @* if (f_on && !rst) begin

@@ -42,7 +42,8 @@ always @* if (f_on) begin
   at_once : assert (!f_took || m_axi_wvalid);
   none_lost : assert (!result_ready || rst || !m_axi_wvalid || (m_axi_wready && f_gone == LAST_BEAT));
   allowed_only : assert (!result_ready || allowed);
-  beat_is : assert (!m_axi_wvalid || (beat == f_gone && beat <= LAST_BEAT && ends == f_ends && record == f_record >> {29'd0, f_gone} * DATA_W));
+  beat_is : assert (!m_axi_wvalid || (beat == f_gone && beat <= LAST_BEAT && ends == f_ends &&
+      record == f_record >> {29'd0, f_gone} * DATA_W));
 end
 
 always @* if (f_on && !rst) begin

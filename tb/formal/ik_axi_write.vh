@@ -102,15 +102,20 @@ wire [LOG2_BURST-1:0] f_low = next[LOG2_BURST-1:0];
 always @* if (f_on) begin
   between_whole : assert (f_middle && f_between);
   counted : assert (f_sum == to_send && f_waits == bursts && f_waiting == to_answer);
-  some_in_each : assert ((f_open == 0 || (f_oldest != 0 && f_oldest <= WHOLE)) && (f_open < 2 || (f_newest != 0 && f_newest <= WHOLE)));
-  some_in_all : assert ((f_waits == 0 || (f_first != 0 && f_first <= WHOLE)) && (f_waits < 2 || (f_last != 0 && f_last <= WHOLE)));
-  oldest_to_edge : assert ((f_open < 2 || sending + f_oldest == WHOLE) && (f_waits < 2 || answering + f_first == WHOLE));
-  oldest_fits : assert ((f_open == 0 || {1'b0, sending} + f_oldest <= WHOLE) && (f_waits == 0 || {1'b0, answering} + f_first <= WHOLE));
+  some_in_each : assert ((f_open == 0 || (f_oldest != 0 && f_oldest <= WHOLE)) && (f_open < 2 || (f_newest != 0 &&
+      f_newest <= WHOLE)));
+  some_in_all : assert ((f_waits == 0 || (f_first != 0 && f_first <= WHOLE)) && (f_waits < 2 || (f_last != 0 &&
+      f_last <= WHOLE)));
+  oldest_to_edge : assert ((f_open < 2 || sending + f_oldest == WHOLE) && (f_waits < 2 || answering +
+      f_first == WHOLE));
+  oldest_fits : assert ((f_open == 0 || {1'b0, sending} + f_oldest <= WHOLE) && (f_waits == 0 || {1'b0, answering} +
+      f_first <= WHOLE));
   next_behind : assert (f_count == 0 || (f_low == f_next_sent && f_low == f_next_answered));
   edge_before : assert (f_count == 0 || f_told == 0 || f_low == 0 || (f_was_ended && ready == 0));
   edge_fits : assert (to_edge != 0 && to_edge <= WHOLE);
   edge_is : assert (f_count == 0 || (f_was_ended && ready == 0) || to_edge == WHOLE - {1'b0, f_low});
-  size_is : assert (!sized || (size != 0 && {{(P - N) {1'b0}}, size} <= ready && (size == to_edge || (f_was_ended && size == ready && size < to_edge))));
+  size_is : assert (!sized || (size != 0 && {{(P - N) {1'b0}}, size} <= ready && (size == to_edge || (f_was_ended &&
+      size == ready && size < to_edge))));
   position : assert (f_count == 0 || next == f_base + f_told[R-1:0]);
   area : assert (f_count == 0 || {1'b0, f_base} + f_count <= {1'b1, {R{1'b0}}});
   ready_is : assert (f_got - f_told == ready && {1'b0, ready} + to_send <= PLACES);

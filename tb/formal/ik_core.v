@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // ik_axis does not depend on results, so they are arbitrary, except for one arbitrary followed target: its result is
-// the arbitrary constant f_result, with the target's tag. valid.sby proves the latency of valid and tag in the real
-// modules.
+// the arbitrary constant f_result, with the target's tag. ik_valid.vh proves the latency of valid and tag in
+// the real modules.
 // Latency: datapath_latency clocks.
 `default_nettype none
 

@@ -81,7 +81,8 @@ generate
         .on(f_valid[STAGE] || (CLOCKS == 0 && f_valid[STAGE-1])),
         .in_range((over_q || (R < g_row[k].divisor_q && r_plus[DW-1] == !ge)) && (Q_q >> (k + 1)) == 0),
         .identity(over_q || P_q + R == M_q >> (ROWS - 1 - k)),
-        .to_come((CLOCKS == 0 || \u_over.genblk1.genblk1.g_line.line [STAGE-1] == over_q) && g_row[k].sign_q == sign_q && g_row[k].divisor_q == dv_q && (M_q & LOW) == (sign_q ? LOW : 0)),
+        .to_come((CLOCKS == 0 || \u_over.genblk1.genblk1.g_line.line [STAGE-1] == over_q) &&
+            g_row[k].sign_q == sign_q && g_row[k].divisor_q == dv_q && (M_q & LOW) == (sign_q ? LOW : 0)),
         .result(word == (word_of_Q | word_to_come))
     );
   end

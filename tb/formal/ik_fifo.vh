@@ -5,6 +5,8 @@
 // f_contract concerns words counted at the ports; within_places concerns words in the registers.
 // No register is constrained: the state before the first reset is arbitrary, and a reset may occur at any time.
 
+`include "ik_fifo_port.vh"
+
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
 
 reg f_on = 1'b0;  // there was a reset

@@ -34,7 +34,8 @@ generate
     assign f_holds[gi] = f_hold;
     assign f_begins[gi] = f_first_result;
     assign f_ends[gi] = f_last_result;
-    assign f_so_far[6*gi+6+:6] = f_so_far[6*gi+:6] | (f_result == RESULT_NONE ? 6'd0 : 6'd1 << (f_result - RESULT_QS_W));
+    assign f_so_far[6*gi+6+:6] = f_so_far[6*gi+:6] | (f_result == RESULT_NONE ?
+        6'd0 : 6'd1 << (f_result - RESULT_QS_W));
     assign f_take_at[7*gi+:7] = (f_last_input ? CLOCK : 7'd0) + (gi == 0 ? 7'd0 : f_take_at[7*(gi==0?0:gi-1)+:7]);
     assign f_end_at[7*gi+:7] = (f_last_result ? CLOCK : 7'd0) + (gi == 0 ? 7'd0 : f_end_at[7*(gi==0?0:gi-1)+:7]);
   end
@@ -115,7 +116,8 @@ end
 always @* if (f_on) begin
   low_after_reset : assert (!f_reset || (!m_axis_tvalid && !s_axis_tready));
   stable : assert (!f_stall || (m_axis_tvalid && {m_axis_tuser, m_axis_tdata} == f_held));
-  in_order : assert (!(m_axis_tvalid && f_at != OUT && f_ahead == 0) || (f_at == OFFERED && m_axis_tuser[TAG_W-1:0] == f_tag));
+  in_order : assert (!(m_axis_tvalid && f_at != OUT && f_ahead == 0) || (f_at == OFFERED &&
+      m_axis_tuser[TAG_W-1:0] == f_tag));
   nothing_invented : assert (!m_axis_tvalid || f_total != 0);
   two_at_most : assert (f_total <= 2);
   taken_when_offered : assert (!s_axis_tready || s_axis_tvalid);
@@ -145,7 +147,8 @@ always @* if (f_on) begin
   read_in_lap : assert (read <= END || read == 7'd127);
   clock_in_lap : assert (f_some || clock == 7'd127);
   read_follows : assert (fetched == 0 ? read == 7'd127 || read == END || read == f_broken_at : fetched == read + 7'd1);
-  clock_follows : assert (read == 7'd127 ? clock == 7'd127 : read == 0 ? clock == 7'd127 || clock == END || clock == f_broken_at
+  clock_follows : assert (read == 7'd127 ? clock == 7'd127 : read == 0 ? clock == 7'd127 || clock == END ||
+      clock == f_broken_at
                           : read == clock + 7'd1);
   nothing_broken_off : assert (!f_broken || (!current && !previous));
   current_in_lap : assert (!current || (f_some && clock != 0));

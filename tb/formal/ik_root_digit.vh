@@ -62,7 +62,8 @@ generate
         .on(f_valid[STAGE] || (CLOCKS == 0 && (STAGE == 0 || f_valid[BEFORE]))),
         .in_range(R <= Q_twice && r_plus[k+2] == !ge && (Q_q >> (k + 1)) == 0),
         .identity(S_q + R == M_q >> (2 * (ROWS - 1 - k))),
-        .to_come((M_q & LOW) == 0 && (CLOCKS == 0 || \u_flags.genblk1.genblk1.g_line.line [2*STAGE+:2] == {minus_q, over_q})),
+        .to_come((M_q & LOW) == 0 && (CLOCKS == 0 || \u_flags.genblk1.genblk1.g_line.line [2*STAGE+:2] == {minus_q,
+            over_q})),
         .result(word == (word_of_Q | word_to_come))
     );
   end

@@ -22,7 +22,8 @@ wire [T-1:0] f_row_tag;
 genvar gi;
 generate
   for (gi = 0; gi < T; gi = gi + 1) begin : g_f
-    assign f_row_tag[gi] = !f_valid[gi] || \u_tag.genblk1.genblk1.g_line.line [TAG_W*gi+:TAG_W] == f_tag[TAG_W*gi+:TAG_W];
+    assign f_row_tag[gi] = !f_valid[gi] ||
+        \u_tag.genblk1.genblk1.g_line.line [TAG_W*gi+:TAG_W] == f_tag[TAG_W*gi+:TAG_W];
   end
 endgenerate
 

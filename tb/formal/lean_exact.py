@@ -6,7 +6,7 @@ number 2^e, so that a shift is a product. Decisions are taken on rounded words: 
 masks only, its truth table becomes a formula over the sign of each word, which is free unless the word is exact; any
 other decision is free. A proof therefore holds for any outcome of rounding.
 
-Rounding errors are in :mod:`tb.formal.lean_rounded`.
+The questions are in :mod:`tb.formal.lean_proofs`.
 """
 
 from __future__ import annotations

@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Questions about the lean dataflow's ranges and errors at every width, and a claim that is too narrow."""
+"""Proofs by z3 over the reals of the lean dataflow's ranges and errors, at every width.
+
+The dataflow states a range of each node with the reason (``Within``). :class:`Rules` proves each range from the
+equations of :mod:`tb.formal.lean_exact` and the lemmas of :mod:`tb.formal.lean_lemmas`; :class:`Rounded` proves the
+errors of :mod:`model.bounds.lean_ranges`. A test checks that range and error together fit the node's format.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from graphlib import CycleError, TopologicalSorter
 
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.annotations import Limited
+from model.dataflow.nodes import FLOOR, JAM, WIDTHS, Node
 from tb.formal.arithmetic import Question
-from tb.formal.lean_rounded import Rounded
-from tb.formal.lean_rules import Rules
+from tb.formal.lean_exact import Exact, between, number
+from tb.formal.lean_lemmas import BY_WORDS, GEOMETRY, SQUARES, USES
 from tb.formal.task import digest_of
 from tb.formal.unrolled import ask
 
@@ -18,6 +26,133 @@ SOLVER = "(check-sat-using qfnra-nlsat)"
 LIMIT = 60  # seconds for one question
 SEEDED = "wi_0"
 """The node whose claim is made too narrow."""
+
+
+class Rules:
+    """Questions about the exact ranges at one word length."""
+
+    def __init__(self, width: int) -> None:
+        self.exact = Exact(width)
+        self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
+        if circle := self.circle():
+            raise RuntimeError(f"claims depend on each other: {circle}")
+
+    def names(self) -> list[str]:
+        """Return the names of the lemmas and of the nodes with a range in exact arithmetic."""
+        return [*self.lemmas, *(name for name in self.exact.claimed if name not in BY_WORDS)]
+
+    def uses(self, name: str) -> list[str]:
+        """Return the facts that a question uses."""
+        if name in self.lemmas:
+            return GEOMETRY[name][1]
+        if name in USES:
+            return USES[name]
+        operands = [node.name for node in self.exact.nodes[name].operands]
+        return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
+
+    def circle(self) -> str:
+        """Return the names of claims that depend on each other, empty if none do."""
+        graph = {name: [u for u in self.uses(name) if u[0] not in "=#"] for name in self.names()}
+        try:
+            tuple(TopologicalSorter(graph).static_order())
+        except CycleError as error:
+            return " <- ".join(error.args[1])
+        return ""
+
+    def says(self, name: str) -> str:
+        """Return the meaning of a question, for the full table."""
+        return GEOMETRY[name][0] if name in self.lemmas else self.exact.nodes[name].facts.within.why
+
+    def question(self, name: str) -> str:
+        """Return the formula that z3 must refute."""
+        return self._formula(name, GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name))
+
+    def assumed(self, name: str) -> str:
+        """Return the formula of the facts alone, which z3 must satisfy."""
+        return self._formula(name, "false")
+
+    def _facts(self, name: str) -> list[str]:
+        if name[0] == "#":
+            return [self.exact.places(name[1:])]
+        if name[0] == "=":
+            if name[1:] in SQUARES:
+                return [f"(= {name[1:]} {SQUARES[name[1:]]})"]
+            return self.exact.equations[name[1:]]
+        return [GEOMETRY[name][0] if name in GEOMETRY else self.exact.known(name)]
+
+    def _formula(self, name: str, goal: str) -> str:
+        return self.exact.formula([fact for used in self.uses(name) for fact in self._facts(used)], goal)
+
+
+class Rounded:
+    """Questions about the errors at one word length."""
+
+    def __init__(self, width: int) -> None:
+        self.exact = Exact(width)
+
+    def names(self) -> list[str]:
+        """Return the nodes that have a fraction and are not exact."""
+        nodes = self.exact.nodes
+        return [name for name in self.exact.claimed if nodes[name].format.frac and self.exact.ranges[name].value.error]
+
+    def rounding(self, node: Node) -> tuple[float, float]:
+        """Return the bounds of the rounding error in ulps: one ulp in either direction for an operation that drops
+        bits, as a difference reverses the sign of an operand's rounding."""
+        return JAM if node.error == FLOOR and node.op == "choose" else node.error
+
+    def _near(self, node: Node) -> list[str]:
+        """Return the known facts of a node: its range and its word's error; an exact word equals its value."""
+        name, error = node.name, self.exact.ranges[node.name].value.error
+        known = [self.exact.claim(name)] if name in self.exact.claimed and name != "m_q" else []
+        if not error:
+            return [*known, f"(= {name}_w {name})"]
+        return [*known, between(-error, f"(- {name}_w {name})", error)]
+
+    def _facts(self, name: str) -> list[str]:
+        node = self.exact.nodes[name]
+        fractions = [n for n in node.operands if n.format.frac]
+        facts = [fact for n in node.operands if n.format.frac for fact in self._near(n)]
+        facts += [self.exact.known(n.name) for n in node.operands if n.name in self.exact.claimed and not n.format.frac]
+        facts += self.exact.equations[name]
+        words = {n.name: f"{n.name}_w" for n in fractions}
+        lowest, highest = (number(e * node.format.ulp) for e in self.rounding(node))
+        if node.op in ("even", "trig") or (node.op == "rsqrt" and fractions[0].op == "even"):
+            # truncating a mantissa is part of the root's error
+            return [*facts, f"(<= {lowest} (- {name}_w {name}) {highest})"]
+        words[name] = f"{name}_f"
+        facts += [
+            re.sub(r"[a-z]\w*", lambda found: words.get(found[0], found[0]), text)
+            for text in self.exact.equations[name]
+        ]
+        top = number(node.format.high * node.format.ulp)
+        held = f"(ite (< {top} {name}_f) {top} {name}_f)" if isinstance(node.facts.limited, Limited) else f"{name}_f"
+        facts.append(f"(<= {lowest} (- {name}_w {held}) {highest})")
+        if "low" in {n.name for n in node.operands}:  # the only decision that does not depend on signs alone
+            facts.append("(= low (< length_sq_w 0.25))")
+        if name == "inv_q":
+            facts += self._facts("m_q")
+        return facts
+
+    def claim(self, name: str) -> str:
+        """Return the error claim, and the word's range if a decision on words limits it."""
+        value = self.exact.ranges[name].value
+        claim = between(-value.error, f"(- {name}_w {name})", value.error)
+        if name == "m_q":
+            return f"(and {claim} {between(value.low - value.error, 'm_q_w', value.high + value.error)})"
+        return claim
+
+    def says(self, name: str) -> str:
+        """Return the meaning of a question, for the full table."""
+        node = self.exact.ranges[name]
+        return f"within {node.value.error / node.format.ulp:.6g} ulps of its exact value"
+
+    def question(self, name: str) -> str:
+        """Return the formula that z3 must refute."""
+        return self.exact.formula(self._facts(name), self.claim(name))
+
+    def assumed(self, name: str) -> str:
+        """Return the formula of the facts alone, which z3 must satisfy."""
+        return self.exact.formula(self._facts(name), "false")
 
 
 def _question(asked: Rules | Rounded, name: str) -> Question:

@@ -1,208 +1,143 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs of streams, dividers and roots: .sby files and the meaning of their properties."""
+"""Proofs about streams, dividers, roots and the engines of AXI: modules, parameters, and facts of each property."""
 
 from __future__ import annotations
 
-from tb.formal.axi_proofs import AXI_PROOFS
-from tb.formal.proof import HANDSHAKE_SAYS, Proof
+from tb.formal.induction import Proof
 
-FIFO_SAYS = {
-    "low_after_reset": "valid is low in the clock after a reset",
-    "stable": "a word that is offered and not taken stays, valid and unchanged",
-    "in_order": "the n-th word that leaves is the n-th written, for any n: none lost, doubled or reordered",
-    "nothing_invented": "no word is offered while none is inside",
-    "within_places": "never more words in memory and output register than places, by the FIFO's own pointers",
-    "read_apart": "no word is written and read in one clock: what a memory gives then does not matter",
-    "no_deadlock": "with a word inside, one is offered at the latest one clock later, whatever the receiver does",
-}
+CORE = {"lean": "IK_CORE=ik_lean IK_LEAN=1 IK_IS_LEAN", "paper": "IK_CORE=ik_paper IK_LEAN=0"}
+"""Datapath -> definitions of its stand-in, ik_core.v."""
 
-AXIS_SAYS = {
-    "low_after_reset": "tvalid is low in the clock after a reset",
-    "stable": "a result that is offered and not taken stays, valid and unchanged, tag and flags included",
-    "in_order": "the n-th result that leaves belongs to the n-th target since the reset and has its tag, for any n: "
-    "none lost, doubled or reordered",
-    "nothing_invented": "nothing is offered while nothing is inside",
-    "within_places": "never more inside than places: in the pipeline, as its rows hold them, in the FIFO's memory by "
-    "its own pointers, and in its output register",
-    "ready_when_places": "tready is high exactly when a place is free, and low in a reset",
-    "offered_in_time": "no deadlock: with anything inside, a result is offered at the latest T+1 clocks later, "
-    "even if tready stays low",
-    "ready_in_time": "no deadlock: with a ready receiver, tready comes back at the latest T+2 clocks later",
-    "full_rate": "with a receiver that has never stalled, tready is high: a target in every clock",
-}
-STORE = [
-    "rows_mark$",
-    "last_row",
-    "count_written",
-    "count_left",
-    "memory_fits",
-    "place_for_every_write",
-    "tag_kept",
-    "mark_or_stored",
-    "stored_was_taken",
-    "done_was_taken",
-    "done_was_stored",
-    "somewhere",
-]
+STORE = "rows_mark$ last_row count_written count_left memory_fits place_for_every_write tag_kept mark_or_stored "
+STORE += "stored_was_taken done_was_taken done_was_stored somewhere"
 AXIS_USES = {
-    "within_places": [
-        "within_places",
-        "counted",
-        "credits_are_free_places",
-        "nothing_invented",
-        "count_written",
-        "count_left",
-        "memory_fits",
-        "flight",
-        "last_row",
-        "rows_bound$",
-        "fifo_part",
-        "fifo_fits",
-        "place_for_every_write",
-    ],
-    "counted": ["counted", "credits_are_free_places", "nothing_invented"],
-    "somewhere": [
-        "somewhere",
-        "rows_mark$",
-        "last_row",
-        "count_written",
-        "count_left",
-        "memory_fits",
-        "ahead",
-        "ahead_inside",
-        "stored_was_taken",
-        "done_was_stored",
-        "place_for_every_write",
-        "fifo_fits",
-    ],
-    "rows_bound": ["rows_bound"],
-    "rows_counts": ["rows_counts"],
-    "rows_below": ["rows_below", "rows_bound"],
-    "rows_mark": ["rows_mark"],
-    "rows_alone": ["rows_alone", "rows_mark"],
-    "kept_in_memory": ["kept_in_memory", *STORE],
-    "kept_in_register": ["kept_in_memory", "kept_in_register", *STORE],
+    "within_places": "within_places counted credits_are_free_places nothing_invented count_written count_left "
+    "memory_fits flight last_row rows_bound$ fifo_part fifo_fits place_for_every_write",
+    "counted": "counted credits_are_free_places nothing_invented",
+    "somewhere": "somewhere rows_mark$ last_row count_written count_left memory_fits ahead ahead_inside "
+    "stored_was_taken done_was_stored place_for_every_write fifo_fits",
+    "rows_bound": "rows_bound",
+    "rows_counts": "rows_counts",
+    "rows_below": "rows_below rows_bound",
+    "rows_mark": "rows_mark",
+    "rows_alone": "rows_alone rows_mark",
+    "kept_in_memory": f"kept_in_memory {STORE}",
+    "kept_in_register": f"kept_in_memory kept_in_register {STORE}",
 }
 AXIS_AFTER = {
-    "rows_above_if": ["rows_counts", "last_row"],
-    "rows_above": ["rows_above_if*"],
-    "rows_waiting": ["rows_above", "rows_mark"],
-    "not_yet_stored": ["rows_waiting", "mark_or_stored"],
-    "in_order": [
-        "kept_in_register",
-        "not_yet_stored",
-        "somewhere",
-        "ahead",
-        "count_left",
-        "fifo_fits",
-        "ahead_inside",
-        "memory_fits",
-        "count_written",
-    ],
+    "rows_above_if": "rows_counts last_row",
+    "rows_above": "rows_above_if*",
+    "rows_waiting": "rows_above rows_mark",
+    "not_yet_stored": "rows_waiting mark_or_stored",
+    "in_order": "kept_in_register not_yet_stored somewhere ahead count_left fifo_fits ahead_inside memory_fits "
+    "count_written",
 }
 
-
-VALID_SAYS = {
-    "latency": "T_OUT is the latency that ik_axis counts with",
-    "valid_comes_out": "valid comes out T clocks after it went in, unless there was a reset",
-    "tag_comes_out": "and its tag with it",
-}
-
-
-DIV_ROW_SAYS = {
-    "in_range": "-d <= r < d before the row, -d <= r_next < d behind it",
-    "identity": "r_next == 2 r + bit - d where r >= 0, 2 r + bit + d elsewhere",
-    "restored": "R = r < 0 ? r + d : r is what a restoring row has: 2 R + bit == q d + R_next, 0 <= R_next < d",
-}
-
-ROOT_ROW_SAYS = {
-    "in_range": "-(2 root + 1) <= r <= 2 root before the row, and behind it with root_next = 2 root + q",
-    "root_fits": "root_next < 2^(K+1)",
-    "identity": "r_next == 4 r + pair - (4 root + 1) where r >= 0, 4 r + pair + 4 root + 3 elsewhere",
-    "restored": "R = r < 0 ? r + 2 root + 1 : r is what a restoring row has: 0 <= R_next <= 2 root_next and "
-    "4 R + pair == q (4 root + 1) + R_next, so 4 (root^2 + R) + pair == root_next^2 + R_next",
-}
-
-ROWS_SAY = {
-    "in_range_": "the remainder of every row is in range",
-    "identity_": "ghost + remainder == the operand's bits so far, for every row",
-    "to_come_": "sign, divisor and flags arrive with the row they belong to",
-    "result_": "the word of every row holds the operand's bits to come and the result's bits so far",
-}
 # A row needs only a few properties of the row before it.
-ROW = ["in_range_", "identity_", "to_come_", "result_"]
-DIV_FIRST = ["first_flags", "first_divisor", "first_remainder", "first_word", "first_copies"]
-DIV_SAYS = {
-    **ROWS_SAY,
-    "first_flags": "overflow is exactly d <= 0 or a quotient of more than ROWS bits",
-    "sign_and_bound": "q and ovf, LAT clocks behind n and d: Q, ~Q for a negative dividend, or the bound",
+ROW = "in_range_ identity_ to_come_ result_"
+FIRST = f"{ROW} first_flags first_divisor first_remainder first_word first_copies"
+
+WHOLE_AFTER = {
+    "f_got_some": "got_is read_before position counts_are areas_are quiet to_write_is place_for_every_record counted "
+    "offered some_in_each core_is together",
+    "f_answer": "bus_is offered_waits together",
+    "read_inside": "inside_source within_4k whole_records quiet bases_are counts_are areas_are together",
+    "written_inside": "inside_destination within_4k whole_records quiet bases_are counts_are areas_are together",
 }
-
-ROOT_SAYS = {
-    **ROWS_SAY,
-    "radicand": "M is n 2^SH where n >= 0",
-    "output_root": "q and neg, LAT clocks behind n: Q, or the bound, or 0 for a negative radicand",
-}
-
-FOLD_SAYS = {
-    "low_after_reset": "tvalid and tready are low in the clock after a reset",
-    "stable": "a result that is offered and not taken stays, valid and unchanged, tag and flags included",
-    "in_order": "the n-th result that leaves has the tag of the n-th target since the reset, for any n: "
-    "none lost, doubled or reordered",
-    "nothing_invented": "nothing is offered while nothing is inside",
-    "two_at_most": "at most two targets are inside, in the datapath or offered",
-    "taken_when_offered": "a target is taken only while it is offered",
-    "loads_what_is_offered": "words are loaded only from a target that is offered, before it is taken",
-    "answer_whole": "a result is offered when all its six words are written, and they are those of the program",
-    "word_once": "no word of a result is written twice",
-    "step_of_clock": "the current step is the program's step for the clock of the lap",
-    "offered_in_time": "no deadlock: with a target inside, a result is offered within two laps, whatever tready is",
-    "ready_in_time": "no deadlock: with a ready receiver, a target is taken within two laps of its offer",
-    "full_rate": "with a sender and a receiver that never wait, a target is taken in every PERIOD clocks, exactly",
-}
+ENGINES = "ik_axi_job ik_axi_read ik_axi_regs ik_axi_result ik_axi_target ik_axi_write"
 
 
-def fifo(places: int) -> Proof:
-    return Proof("fifo", str(places), "ik_fifo", f"208-bit words, {places} places", FIFO_SAYS)
+def fifo(log2: int, depth: int = 0) -> Proof:
+    sets = {"W": 208, "LOG2": log2}
+    return Proof(f"fifo_{1 << log2}", "ik_fifo", sets, properties={"ik_fifo": "ik_fifo"}, depth=depth)
 
 
-def axis(datapath: str, stages: int, places: int) -> tuple[Proof, Proof, Proof]:
-    """Return the proofs of the stream top, its handshake, and the latency of the real pipeline."""
-    width = f"W=32, {datapath}: {stages} stages, {places} places"
-    return (
-        Proof("axis", datapath, "ik_axis", width, AXIS_SAYS, AXIS_USES, AXIS_AFTER),
-        Proof("handshake", datapath, "ik_axis", "W=32", HANDSHAKE_SAYS),
-        Proof("valid", datapath, f"ik_{datapath}", f"W=32, {stages} stages", VALID_SAYS),
+def axis(name: str, width: int, depth: int = 0) -> Proof:
+    """Return the proof of ik_axis with the real FIFO and any datapath of the real latency."""
+    core = "lean" if name == "lean" else "paper"
+    sets = {"W": width, "DATAPATH": int(core == "lean")}
+    properties = {"ik_axis": "ik_axis", "ik_fifo": "ik_fifo_port"}
+    return Proof(
+        f"axis_{name}",
+        "ik_axis",
+        sets,
+        "ik_core ik_fifo",
+        properties,
+        CORE[core],
+        depth=depth,
+        uses=AXIS_USES,
+        after=AXIS_AFTER,
     )
 
 
-AXIS_256 = Proof("axis", "256", "ik_axis", "W=22, paper: 248 stages, 256 places", AXIS_SAYS, AXIS_USES, AXIS_AFTER)
-"""The largest word length of the paper's datapath with 256 FIFO places."""
+def handshake(datapath: str, number: int) -> Proof:
+    """Return the proof that no gates lead from tready or tvalid at one stream to the other's."""
+    gates = ("i:m_axis_tready i:s_axis_tvalid", "o:m_axis_tvalid o:s_axis_tready", 2, 2)
+    core = "ik_core" if datapath in CORE else f"ik_{datapath}"
+    return Proof(
+        f"handshake_{datapath}",
+        "ik_axis",
+        {"W": 32, "DATAPATH": number},
+        f"{core} ik_fifo",
+        defines=CORE.get(datapath, ""),
+        part=datapath not in CORE,
+        gates=gates,
+    )
 
 
-def div(width: int, shift: int) -> Proof:
-    said = f"NW={width}, SH={shift}, QW=32, LAT=34, DW=32"
-    uses = {name: [*ROW, *DIV_FIRST] for name in ROW}
-    return Proof("div", f"{width}_{shift}", "ik_div_digit", said, DIV_SAYS, uses)
+def valid(datapath: str) -> Proof:
+    """Return the proof of the latency of valid and tag in the real datapath."""
+    top = f"ik_{datapath}"
+    return Proof(
+        f"valid_{datapath}", top, others="ik_delay", properties={top: "ik_valid"}, defines=CORE[datapath], part=True
+    )
 
 
-def root(width: int, shift: int) -> Proof:
-    said = f"NW={width}, SH={shift}, QW=32, LAT=32"
-    return Proof("root", f"{width}_{shift}", "ik_root_digit", said, ROOT_SAYS, dict.fromkeys(ROW, ROW))
+def rows(kind: str, width: int, shift: int, rest: dict[str, int], depth: int, uses: str) -> Proof:
+    """Return the proof of a divider or root of the paper's datapath, row by row."""
+    return Proof(
+        f"{kind}_{width}_{shift}",
+        f"ik_{kind}_digit",
+        {"NW": width, "SH": shift, "QW": 32, **rest},
+        f"ik_checks ik_delay ik_{kind}_row",
+        depth=depth,
+        uses=dict.fromkeys(ROW.split(), uses),
+    )
+
+
+def engine(name: str, others: str = "") -> Proof:
+    return Proof(f"axi_{name}_64", f"ik_axi_{name}", {"DATA_W": 64}, others, depth=20)
 
 
 PROOFS = (
-    fifo(64),
-    fifo(512),
-    *axis("lean", 42, 64),
-    *axis("paper", 318, 512),
-    AXIS_256,
-    Proof("div_row", "31", "ik_div_row", "31-bit divisor", DIV_ROW_SAYS),
-    *(Proof("root_row", k, "ik_root_row", f"{k}-bit root so far", ROOT_ROW_SAYS) for k in ("15", "30")),
-    *(div(width, shift) for width, shift in ((32, 29), (32, 30), (40, 22), (40, 23))),
-    *(root(width, shift) for width, shift in ((32, 30), (32, 31), (33, 29))),
-    Proof("fold", "24", "ik_fold", "W=24, the program of all widths", FOLD_SAYS),
-    Proof("handshake", "fold", "ik_axis", "W=32", HANDSHAKE_SAYS),
-    *AXI_PROOFS,
-)
-"""All proofs; a test compares the numbers with .sby files, model and latencies of the RTL."""
+    fifo(6, depth=148),
+    fifo(9),
+    axis("lean", 32, depth=84),
+    handshake("lean", 1),
+    valid("lean"),
+    axis("paper", 32),
+    handshake("paper", 0),
+    valid("paper"),
+    axis("256", 22),  # the largest word length of the paper's datapath with 256 places in the FIFO
+    Proof("div_row_31", "ik_div_row", {"W": 31}, depth=1),
+    *(Proof(f"root_row_{k}", "ik_root_row", {"K": k}, depth=1) for k in (15, 30)),
+    *(rows("div", *kind, {"LAT": 34, "DW": 32}, 46, FIRST) for kind in ((32, 29), (32, 30), (40, 22), (40, 23))),
+    *(rows("root", *kind, {"LAT": 32}, 44, ROW) for kind in ((32, 30), (32, 31), (33, 29))),
+    Proof("fold_24", "ik_fold", {"W": 24}, part=True, depth=220),  # the program is that of all widths
+    handshake("fold", 2),
+    engine("read", "ik_bursts"),
+    engine("write", "ik_bursts"),
+    engine("result"),
+    engine("regs"),
+    engine("job"),
+    Proof(  # the assumptions of the engines about each other, with any core that is a stream, ik_stream.v
+        "axi_whole_64", "ik_axi", {"DATA_W": 64}, f"ik_bursts ik_stream {ENGINES}",
+        {f"ik_axi{engine}": f"ik_axi{engine}" for engine in ("", "_job", "_read", "_write")}, depth=40,
+        script=("chformal -lower", "chformal -cover -remove t:$cover c:job_done %d"),
+        claims=("chformal -assume2assert t:$assume c:u_read.f_data %d c:f_answered %d c:f_length %d",
+                "select -assert-count 3 t:$assume"),
+        after=WHOLE_AFTER),
+    Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_fifo ik_axis {ENGINES}", defines=CORE["lean"],
+          gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # rst, which drives the ready of the registers, may lead there
+)  # fmt: skip
+"""All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""

