@@ -23,7 +23,7 @@ from scripts.generate.page_tables import table
 from scripts.generate.render import render
 from tb.formal.task import Outcome, Task, digest_of
 from tb.formal.tasks import TASKS
-from tb.formal.tools import missing, running, versions
+from tb.formal.tools import missing, stop, versions
 from tb.sim.env import GENERATED, ROOT
 
 PAGE = GENERATED / "proofs.md"
@@ -95,8 +95,8 @@ def formal(arguments: Sequence[str] | None) -> int:
         try:
             outcomes = {task.name: (prove(task, pool, options.again), task.digest()) for task in chosen}
         except BaseException:
-            running.stop()
-            pool.shutdown(cancel_futures=True)
+            pool.shutdown(wait=False, cancel_futures=True)
+            stop()
             raise
     proved = {name: pair for name, pair in outcomes.items() if not pair[0].failed}
     say(f"{len(proved)} of {len(chosen)} proofs, {sum(pair[0].seconds for pair in outcomes.values()):.0f} s")
@@ -107,7 +107,6 @@ def formal(arguments: Sequence[str] | None) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    running.stopped = False
     return exit_status("formal", lambda: formal(arguments))
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from tb.formal.bugs import BUGS
 from tb.formal.task import Outcome, Say, digest_of
-from tb.formal.tools import running, yosys
+from tb.formal.tools import call, yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -145,7 +145,7 @@ class Design:
     def cover(self) -> tuple[list[tuple[str, int]], str]:
         """Return the covers that are reached, with their clocks, and the problem if there is one."""
         path = self._write("cover", (), COVER, "IK_COVER")
-        _, said = running.call([*SMTBMC, "-c", "-t", self.proof.depth, path.relative_to(ROOT)])
+        _, said = call([*SMTBMC, "-c", "-t", self.proof.depth, path.relative_to(ROOT)])
         found = [
             (name, int(clock)) for clock, name in re.findall(r"Reached cover .* in step (\d+) at \S+: (\S+)", said)
         ]
@@ -159,7 +159,7 @@ class Design:
         """Write a waveform of a clock after which a property fails, if one is found in time."""
         path = self.place / "counterexample.vcd"
         formula = (self.place / "formula.smt2").relative_to(ROOT)
-        running.call([*SMTBMC, "--timeout", LIMIT, "-i", "-t", 1, "--dump-vcd", path.relative_to(ROOT), formula])
+        call([*SMTBMC, "--timeout", LIMIT, "-i", "-t", 1, "--dump-vcd", path.relative_to(ROOT), formula])
         return path
 
 

@@ -11,7 +11,7 @@ import time
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from tb.formal.tools import running
+from tb.formal.tools import call
 
 LIMIT = 120  # seconds for one question
 
@@ -28,7 +28,7 @@ class Answer:
 def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
     """Send a formula without its final command to z3; answers are cached."""
     start = time.monotonic()
-    status, said = running.call(["z3", "-in", f"-T:{limit}"], f"{text}\n{check}\n")
+    status, said = call(["z3", "-in", f"-T:{limit}"], f"{text}\n{check}\n")
     said = said.strip()
     if said not in ("sat", "unsat", "timeout", "unknown"):
         said = f"z3: {(said or f'status {status}')[:200]}"
