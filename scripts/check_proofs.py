@@ -13,9 +13,10 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 from scripts import formal, soak
-from scripts.console import Parser, exit_status
+from scripts.console import command, switch
 from scripts.fpga import measure
 
 
@@ -66,11 +67,15 @@ def check(pages: Sequence[Page], strict: bool) -> int:
     return 1 if count and strict else 0
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit status."""
-    parser = Parser("check_proofs", "List stale proofs and measurements.", passes="done", fails="stale, with --strict")
-    parser.add_argument("--strict", action="store_true", help="a stale page fails")
-    return exit_status("check-proofs", lambda: check(PAGES, parser.parse_args(arguments).strict))
+@command(
+    "check_proofs",
+    "List stale proofs and measurements.",
+    [switch("--strict", "a stale page fails")],
+    passes="done",
+    fails="stale, with --strict",
+)
+def main(options: SimpleNamespace) -> int:
+    return check(PAGES, options.strict)
 
 
 if __name__ == "__main__":

@@ -7,9 +7,7 @@ Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad inpu
 
 from __future__ import annotations
 
-import argparse
 import contextlib
-import functools
 import math
 import os
 import signal
@@ -19,8 +17,10 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn
+from types import SimpleNamespace
+from typing import Any
 
+import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -42,112 +42,118 @@ EVERY = 5.0
 """Seconds between lines of progress without a terminal."""
 
 
-class InputError(Exception):
+class InputError(click.ClickException):
     """Bad input; the text is one line for the user."""
 
 
 # -- the command line ------------------------------------------------------------------------------
 
+CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_content_width": PLAIN_COLUMNS}
 
-class Parser(argparse.ArgumentParser):
-    """A parser that raises InputError.
 
-    command: module below scripts/. passes, fails: meaning of the exit status 0 and 1.
+def parse(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
+    """Return the values of all options by name. Raises click's exceptions and InputError."""
+    with parser.make_context(program, list(arguments)) as context:
+        options = SimpleNamespace(**context.params)
+    chosen = (context.params.get(name) for name in ("datapath", "width"))
+    paths, widths = (value if isinstance(value, (list, tuple)) else [value] for value in chosen)
+    for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
+        if any(width and width not in path.widths for width in widths):
+            lengths = ", ".join(map(str, path.widths))
+            raise InputError(f"argument --width: the {path.name} datapath has words of {lengths} bits only")
+    return options
+
+
+def command(
+    name: str,
+    about: str,
+    options: Sequence[click.Parameter] = (),
+    *,
+    passes: str = "all is well",
+    fails: str = "a check fails",
+    module: str | None = None,
+) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
+    """Decorate a function of options to become a `main` of command-line words that returns an exit status.
+
+    passes, fails: meaning of the exit status 0 and 1; module: the command's, default scripts.`name`.
     """
+    ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
+    epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
+    parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
 
-    def __init__(self, command: str, description: str, passes: str = "all is well", fails: str = "a check fails"):
-        ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
-        super().__init__(
-            prog=f"python -m scripts.{command}",
-            description=description,
-            epilog=f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}.",
-            allow_abbrev=False,
-        )
+    def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
+        def main(arguments: Sequence[str] | None = None) -> int:
+            words = sys.argv[1:] if arguments is None else arguments
+            return exit_status(name, lambda: work(parse(parser, f"python -m {module or f'scripts.{name}'}", words)))
 
-    def error(self, message: str) -> NoReturn:
-        raise InputError(message)
+        return main
 
-    def parse_args(self, args=None, namespace=None) -> argparse.Namespace:
-        parsed = super().parse_args(args, namespace)
-        chosen = (getattr(parsed, name, None) for name in ("datapath", "width"))
-        paths, widths = (value if isinstance(value, list) else [value] for value in chosen)  # lists or single values
-        for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
-            if any(width and width not in path.widths for width in widths):
-                *others, last = map(str, path.widths)
-                lengths = f"{', '.join(others)} or {last}" if others else last
-                self.error(f"argument --width: the {path.name} datapath has words of {lengths} bits only")
-        return parsed
-
-    def choice(self, option: str, what: str, valid: Sequence[str], default: str | None, about: str) -> None:
-        """Add an option that takes one of the words `valid`."""
-        self.add_argument(option, type=one_of(what, valid), default=default, metavar="|".join(valid), help=about)
-
-    def core(
-        self,
-        sim: str = SIMULATORS[0],
-        datapath: str | None = DEFAULT,
-        width: int = WIDTHS[-1],
-        most: int = 1,
-        sims: Sequence[str] = SIMULATORS,
-    ) -> None:
-        """Add --sim, --datapath and --width. With `most` above 1 --datapath takes up to that number of names; None as
-        its default stands for all dataflows in the paper's scenario, otherwise the first."""
-        default = "(default: %(default)s)"
-        self.choice("--sim", "simulator", sims, sim, f"the simulator {default}")
-        if most == 1:
-            self.choice("--datapath", "datapath", list(CONFIGURATIONS), datapath, f"the datapath {default}")
-        else:
-            scenario = "" if datapath else f"of the paper's scenario {','.join(DATAPATHS)}, otherwise "
-            about = (
-                f"up to {most} datapaths, separated by commas, on the same targets: {', '.join(CONFIGURATIONS)} "
-                f"(default: {scenario}{datapath or DEFAULT})"
-            )
-            check = some_of("datapath", list(CONFIGURATIONS), most)
-            self.add_argument("--datapath", type=check, default=datapath, metavar="NAME[,NAME]", help=about)
-        about = f"word length of the core, {WIDTHS[0]} to {WIDTHS[-1]} {default}"
-        self.add_argument("--width", type=word_length, default=width, metavar="BITS", help=about)
-
-    def sample(self, targets: int, about: str) -> Parser:
-        """Add the options of a command that measures random targets."""
-        default = "(default: %(default)s)"
-        self.add_argument("--targets", type=whole(1), default=targets, metavar="N", help=f"{about} {default}")
-        self.add_argument("--seed", type=whole(0), default=1, metavar="N", help=f"random seed {default}")
-        return self
+    return main_of
 
 
-def one_of(what: str, valid: Sequence[str]) -> Callable[[str], str]:
-    """Return an option type: one of the words `valid`."""
-
-    def check(text: str) -> str:
-        if text not in valid:
-            raise argparse.ArgumentTypeError(f"unknown {what} {text!r}; valid: {', '.join(valid)}")
-        return text
-
-    return check
+def option(name: str, about: str, kind: Any = None, **settings) -> click.Option:
+    """Return an option with a value."""
+    return click.Option([name, *(["from_"] if name == "--from" else [])], help=about, type=kind, **settings)
 
 
-def some_of(what: str, valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
+def switch(name: str, about: str) -> click.Option:
+    """Return an option without a value."""
+    return click.Option([name], help=about, is_flag=True)
+
+
+def sim_option(default: str = SIMULATORS[0]) -> click.Option:
+    return option("--sim", "the simulator", click.Choice(SIMULATORS), default=default)
+
+
+def core_options(
+    sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int | None = WIDTHS[-1], most: int = 1
+) -> list[click.Option]:
+    """Return --sim, --datapath and --width. With `most` above 1 --datapath takes up to that number of names; None as
+    its default stands for all dataflows in the paper's scenario, otherwise the first."""
+    names = list(CONFIGURATIONS)
+    if most == 1:
+        paths = option("--datapath", "the datapath", click.Choice(names), default=datapath)
+    else:
+        about = f"up to {most} datapaths, separated by commas, on the same targets: {', '.join(names)}"
+        if not datapath:
+            about += f"  [default: of the paper's scenario {','.join(DATAPATHS)}, otherwise {DEFAULT}]"
+        paths = option("--datapath", about, some_of(names, most), default=datapath, metavar="NAME[,NAME]")
+    length = option("--width", "word length of the core", WORD_LENGTH, default=width, metavar="BITS")
+    return [sim_option(sim), paths, length]
+
+
+WORD_LENGTH = click.IntRange(WIDTHS[0], WIDTHS[-1])
+
+
+def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
     """Return an option type: up to `most` different words of `valid`, separated by commas."""
-    one = one_of(what, valid)
+    one = click.Choice(valid)
 
     def check(text: str) -> list[str]:
         found = [one(word) for word in text.split(",")]
         if len(found) > most or len(set(found)) < len(found):
-            raise argparse.ArgumentTypeError(f"{text!r} is not up to {most} different ones")
+            raise click.BadParameter(f"{text!r} is not up to {most} different ones")
         return found
 
     return check
 
 
-def whole(least: int) -> Callable[[str], int]:
+def whole(least: int) -> click.IntRange:
     """Return an option type: a whole number of at least `least`."""
+    return click.IntRange(least, 10**15)
 
-    def check(text: str) -> int:
-        if not (text.isascii() and text.isdigit() and len(text) <= 15 and int(text) >= least):
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least {least}")
-        return int(text)
 
-    return check
+class Finite(click.FloatRange):
+    """An option type: a finite number in a range."""
+
+    def convert(self, value, param, context) -> float:
+        number = super().convert(value, param, context)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number", param, context)
+        return number
+
+
+POSITIVE = Finite(min=0, min_open=True)
 
 
 def reference_axis(text: str) -> Axis:
@@ -155,38 +161,12 @@ def reference_axis(text: str) -> Axis:
     try:
         return text if text == TORSO else axes.parse(text)
     except axes.AxisError as exc:
-        raise argparse.ArgumentTypeError(str(exc)) from None
+        raise click.BadParameter(str(exc)) from None
 
 
 def swivel_angle(text: str) -> float | str:
     """Convert an option to a swivel angle (rad) or one of the words clip and constant."""
-    return text if text in ("clip", "constant") else finite(text)
-
-
-def word_length(text: str) -> int:
-    """Convert an option to the core's W (bits)."""
-    if not (text.isascii() and text.isdigit() and int(text) in WIDTHS):
-        raise argparse.ArgumentTypeError(f"unknown width {text!r}; valid: {WIDTHS[0]} to {WIDTHS[-1]} bits")
-    return int(text)
-
-
-def finite(text: str) -> float:
-    """Convert an option to a finite number."""
-    try:
-        value = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
-def positive(text: str) -> float:
-    """Convert an option to a positive number, such as a length or an error."""
-    value = finite(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
-    return value
+    return text if text in ("clip", "constant") else Finite()(text)
 
 
 # -- exit status and files -------------------------------------------------------------------------
@@ -246,22 +226,16 @@ def exit_status(name: str, work: Callable[[], int]) -> int:
     except OSError as exc:
         print(f"{name}: cannot read or write {_what_failed(exc)}", file=sys.stderr)
         return 2
-    except (SimulationError, InputError, TargetError) as exc:
+    except click.exceptions.Exit as exc:  # after --help
+        return exc.exit_code
+    except click.ClickException as exc:
+        param = getattr(exc, "param", None)
+        named = param and not isinstance(exc, click.MissingParameter)
+        print(f"{name}: {f'argument {param.opts[0]}: {exc}' if named else exc.format_message()}", file=sys.stderr)
+        return 2
+    except (SimulationError, TargetError) as exc:
         print(f"{name}: {exc}", file=sys.stderr)
         return 1 if isinstance(exc, SimulationError) else 2
-
-
-def command(name: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
-    """Decorate a function of command-line words to become a `main` that returns an `exit_status`."""
-
-    def main_of(work: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
-        @functools.wraps(work)
-        def main(arguments: Sequence[str] | None = None) -> int:
-            return exit_status(name, lambda: work(arguments))
-
-        return main
-
-    return main_of
 
 
 @contextlib.contextmanager
@@ -324,7 +298,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 def folder_name(text: str) -> Path:
     """Convert an option to the path of a folder."""
     if not text.strip():
-        raise argparse.ArgumentTypeError("the name of a folder is empty")
+        raise click.BadParameter("the name of a folder is empty")
     return Path(text)
 
 

@@ -19,11 +19,12 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from datetime import date
 from importlib.metadata import version
+from types import SimpleNamespace
 
 from rich.table import Table
 
 from model.io.files import write_atomically
-from scripts.console import InputError, Parser, command, show, writing
+from scripts.console import InputError, command, option, show, switch, writing
 from scripts.generate.render import render
 from tb.core.functional_coverage import AXES, IMPOSSIBLE, merged
 from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
@@ -174,20 +175,18 @@ def html(verdict: Verdict) -> str:
     return render("coverage.html", head=HEAD, rows=verdict.rows(), files=files, findings=len(verdict.findings()))
 
 
-@command("coverage")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser(
-        "coverage",
-        "What the tests go through in the Verilog, and what they do not.",
-        passes="all points are reached or waived",
-        fails="one is not, a waiver excuses nothing, or a test fails",
-    )
-    parser.add_argument(
-        "--only", metavar="PATTERN", help="only tests that match, as pytest -k has it; nothing is judged"
-    )
-    parser.add_argument("--again", action="store_true", help="judge the counts of the last run again")
-    parser.add_argument("--keep", action="store_true", help=f"write {PAGE.name}")
-    options = parser.parse_args(arguments)
+@command(
+    "coverage",
+    "Report which points of the Verilog the tests reach.",
+    [
+        option("--only", "only tests that match, as in pytest -k; nothing is judged", metavar="PATTERN"),
+        switch("--again", "judge the counts of the last run again"),
+        switch("--keep", f"write {PAGE.name}"),
+    ],
+    passes="all points are reached or waived",
+    fails="one is not, a waiver excuses nothing, or a test fails",
+)
+def main(options: SimpleNamespace) -> int:
     if options.only and (options.again or options.keep):
         raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
     if sys.version_info < (3, 11):

@@ -12,41 +12,30 @@ Exit status: 0 every node of the target equals the model, 1 one differs or the s
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, Parser, command, output, progress, whole, whole_file
+from scripts.console import InputError, command, option, output, progress, switch, whole, whole_file
 from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
-from scripts.trajectory import Prepared, parser_of, prepare
+from scripts.trajectory import Prepared, prepare, trajectory_options
 from tb.sim.job import Difference, hexadecimal, value
 from tb.sim.simulate import Job, SimulationError, simulate
 
-
-def _parser() -> Parser:
-    about = "Print every node of one target in dataflow order, RTL next to model."
-    parser = parser_of(
-        "follow",
-        about,
-        out="build/follow",
-        written="the waves",
-        passes="every node of the target equals the model",
-        fails="one differs",
-    )
-    about = "target of the trajectory, counted from 0"
-    parser.add_argument("--target", type=whole(0), required=True, metavar="N", help=about)
-    about = f"also write OUT/{VCD} and OUT/{ALIGNED}, all nodes of a target in one clock, with GTKWave save files"
-    parser.add_argument("--waves", action="store_true", help=about)
-    return parser
+OPTIONS = [
+    option("--target", "target of the trajectory, counted from 0", whole(0), required=True, metavar="N"),
+    *trajectory_options("build/follow", "the waves"),
+    switch("--waves", f"also write OUT/{VCD} and OUT/{ALIGNED}, a target's nodes in one clock, and GTKWave save files"),
+]
 
 
-def chosen(arguments: argparse.Namespace) -> Prepared:
+def chosen(arguments: SimpleNamespace) -> Prepared:
     """Return the trajectory to run. Raises InputError or TargetError."""
     item, *others = prepare(arguments)
     if others:
@@ -58,7 +47,7 @@ def chosen(arguments: argparse.Namespace) -> Prepared:
 
 
 @contextlib.contextmanager
-def _place(arguments: argparse.Namespace) -> Iterator[Path]:
+def _place(arguments: SimpleNamespace) -> Iterator[Path]:
     """Yield the folder of the waves: --out, or a temporary one."""
     if arguments.waves:
         with output(arguments.out, [arguments.out / name for name in WAVES]):
@@ -145,7 +134,7 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
 # -- the run ---------------------------------------------------------------------------------------
 
 
-def _simulate(arguments: argparse.Namespace, item: Prepared, vcd: Path) -> None:
+def _simulate(arguments: SimpleNamespace, item: Prepared, vcd: Path) -> None:
     total = len(item.words)
     with progress(f"{arguments.sim}, {total} targets", total) as meter, whole_file(vcd) as unfinished:
         meter(0, "compiling and starting")
@@ -160,10 +149,14 @@ def _simulate(arguments: argparse.Namespace, item: Prepared, vcd: Path) -> None:
         )
 
 
-@command("follow")
-def main(words: Sequence[str] | None) -> int:
-    """Run the command line; return the exit status."""
-    arguments = _parser().parse_args(words)
+@command(
+    "follow",
+    "Print every node of one target in dataflow order, RTL next to model.",
+    OPTIONS,
+    passes="every node of the target equals the model",
+    fails="one differs",
+)
+def main(arguments: SimpleNamespace) -> int:
     item = chosen(arguments)
     target, datapath, width = arguments.target, arguments.datapath, arguments.width
     nodes = list(fixed.run(item.words, width, datapath).bits.nodes.values())

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
 from functools import partial
 from os import cpu_count
+from types import SimpleNamespace
 
 from model.io.files import write_atomically
-from scripts.console import InputError, Parser, exit_status
+from scripts.console import InputError, command, option, switch
 from scripts.generate.page_tables import table
 from scripts.generate.render import render
 from tb.formal.task import Outcome, Task, digest_of
@@ -76,12 +76,17 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> Outcome:
     return outcome
 
 
-def formal(arguments: Sequence[str] | None) -> int:
-    parser = Parser("formal", "Prove the core, and check that each proof fails on a bug.", passes="all is proved")
-    parser.add_argument("--only", metavar="NAME", action="append", default=[], help="proofs whose name begins so")
-    parser.add_argument("--again", action="store_true", help="also proofs that an earlier run proved of the same code")
-    parser.add_argument("--list", action="store_true", help="print the names of the proofs")
-    options = parser.parse_args(arguments)
+@command(
+    "formal",
+    "Prove the core, and check that each proof fails on a bug.",
+    [
+        option("--only", "proofs whose name begins so", metavar="NAME", multiple=True),
+        switch("--again", "also proofs that an earlier run proved of the same code"),
+        switch("--list", "print the names of the proofs"),
+    ],
+    passes="all is proved",
+)
+def main(options: SimpleNamespace) -> int:
     for name in options.only:
         if not any(task.name.startswith(name) for task in TASKS):
             raise InputError(f"argument --only: no proof {name!r}; --list prints their names")
@@ -103,11 +108,6 @@ def formal(arguments: Sequence[str] | None) -> int:
     if proved:
         write_page(proved)
     return 0 if len(proved) == len(chosen) else 1
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit status."""
-    return exit_status("formal", lambda: formal(arguments))
 
 
 if __name__ == "__main__":

@@ -14,8 +14,11 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
-from scripts.console import InputError, Parser, command
+import click
+
+from scripts.console import InputError, command
 from tb.sim.env import ROOT, environment
 from tb.sim.sources import includes, sources
 
@@ -151,12 +154,14 @@ def unkept(names: Sequence[str]) -> list[str]:
     return findings
 
 
-@command("lint")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("lint", __doc__.split("\n")[0], "no finding", "a finding")
-    parser.add_argument("modules", nargs="*", metavar="MODULE", help="only these modules, and no Python")
-    options = parser.parse_args(arguments)
-
+@command(
+    "lint",
+    f"{__doc__.splitlines()[0]} With MODULE only these modules, and no Python.",
+    [click.Argument(["modules"], nargs=-1, metavar="[MODULE]...")],
+    passes="no finding",
+    fails="a finding",
+)
+def main(options: SimpleNamespace) -> int:
     found = [*sources(), *(path for name in FOLDERS for path in sorted((ROOT / name).glob("*.v")))]
     if unknown := set(options.modules) - {source.stem for source in found}:
         raise InputError(f"no module {', '.join(sorted(unknown))}")

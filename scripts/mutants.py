@@ -17,14 +17,13 @@ import itertools
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
 from datetime import date
-from pathlib import Path
+from types import SimpleNamespace
 
 from rich.table import Table
 
 from scripts import parallel
-from scripts.console import InputError, Parser, Stopped, command, folder_name, progress, show, whole, whole_file
+from scripts.console import InputError, Stopped, command, folder_name, option, progress, show, switch, whole, whole_file
 from scripts.generate.render import render
 from tb.mutation import campaign
 from tb.mutation.campaign import COLUMNS, SURVIVED, Result
@@ -35,19 +34,21 @@ PAGE = GENERATED / "mutants.md"
 HEAD = ("file", "mutants", *COLUMNS)
 
 
-@command("mutants")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("mutants", "Mutants of the netlists, each of which a bench must kill.", fails="one survives")
-    add = parser.add_argument
-    add("--count", type=whole(1), default=600, metavar="N", help="number of mutants (default: %(default)s)")
-    add("--seed", type=whole(0), default=1, metavar="S", help="choice of mutants (default: %(default)s)")
-    add("--only", default="", metavar="FILE", help="files of rtl/ with this in their name")
-    add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="parallel mutants (default: %(default)s)")
-    parallel.option(parser)
-    about = "folder of the results (default: %(default)s)"
-    add("--out", type=folder_name, default=Path("build/mutants"), metavar="DIR", help=about)
-    add("--keep", action="store_true", help="write docs/generated/mutants.md; not with --only")
-    options = parser.parse_args(arguments)
+@command(
+    "mutants",
+    "Mutants of the netlists, each of which a bench must kill.",
+    [
+        option("--count", "number of mutants", whole(1), default=600, metavar="N"),
+        option("--seed", "choice of mutants", whole(0), default=1, metavar="S"),
+        option("--only", "files of rtl/ with this in their name", default="", metavar="FILE"),
+        option("--jobs", "parallel mutants", whole(1), default=os.cpu_count(), metavar="N"),
+        parallel.FARM,
+        option("--out", "folder of the results", folder_name, default="build/mutants", metavar="DIR"),
+        switch("--keep", "write docs/generated/mutants.md; not with --only"),
+    ],
+    fails="one survives",
+)
+def main(options: SimpleNamespace) -> int:
     if options.keep and options.only:
         raise InputError("argument --keep: not allowed with --only")
     if not any(options.only in path.relative_to(ROOT).as_posix() for path in sources()):

@@ -11,7 +11,6 @@ Exit status: the Dask worker's, or 2 for bad input (one line on stderr).
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import functools
 import hashlib
@@ -25,11 +24,14 @@ import signal
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from types import SimpleNamespace
 
-from scripts.console import EVERY, InputError, Parser, command, whole
+import click
+
+from scripts.console import EVERY, InputError, command, option, whole
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
@@ -43,18 +45,17 @@ class BrokenOffError(SimulationError):
     """The process or worker died, not the work itself."""
 
 
-def option(parser: Parser) -> None:
-    """Add --farm to a command."""
-    about = "run on the Dask workers of this scheduler (default: on the cores of this machine)"
-    parser.add_argument("--farm", type=address, metavar="tcp://HOST:PORT", help=about)
-
-
 def address(text: str) -> str:
     """Return the address of a scheduler, the type of an option."""
     found = re.fullmatch(r"tcp://([\w.-]+|\[[0-9a-fA-F:]+\]):(\d{1,5})", text, re.ASCII)
     if not (found and 0 < int(found[2]) < 1 << 16):
-        raise argparse.ArgumentTypeError(f"{text!r} is not the address of a scheduler, as in tcp://scheduler:8786")
+        raise click.BadParameter(f"{text!r} is not the address of a scheduler, as in tcp://scheduler:8786")
     return text
+
+
+FARM = option(
+    "--farm", "run on the Dask workers of this scheduler, not on this machine", address, metavar="tcp://HOST:PORT"
+)
 
 
 def shared(jobs: int, farm: str | None = None) -> contextlib.AbstractContextManager[Callable]:
@@ -181,13 +182,13 @@ def _checked(payload: bytes, digest: str):
     return work(item)
 
 
-@command("parallel")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("parallel", "Work for a Dask scheduler.", fails="the worker fails")
-    option(parser)
-    about = "pieces of work at a time (default: %(default)s)"
-    parser.add_argument("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help=about)
-    options = parser.parse_args(arguments)
+@command(
+    "parallel",
+    "Work for a Dask scheduler.",
+    [FARM, option("--jobs", "pieces of work at a time", whole(1), default=os.cpu_count(), metavar="N")],
+    fails="the worker fails",
+)
+def main(options: SimpleNamespace) -> int:
     if not options.farm:
         raise InputError("argument --farm: the address of the scheduler is missing, as in tcp://scheduler:8786")
     _needs_dask()

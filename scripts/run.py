@@ -12,39 +12,33 @@ Exit status: 0 every trajectory passes, 1 one fails or the simulation fails; oth
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from types import SimpleNamespace
 
 from model.bounds.predict import hand_bar
 from model.io import trajectories
 from model.io.scoring import Score, score
-from scripts.console import InputError, Parser, command, output, progress, show, whole_file, writing
+from scripts.console import command, output, progress, show, switch, whole_file, writing
 from scripts.paper.side_by_side import table_beside_the_paper
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.save_file import write_save_file
 from scripts.tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, parser_of, prepare
-from tb.sim.env import SIMULATORS
+from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import LONG, Job, Run, simulate
 
-
-def _parser() -> Parser:
-    about = "Run trajectories through the core in a simulator and score them."
-    parser = parser_of(
-        "run", about, out="build/run", written="results.csv and score.json", datapath=None, most=MOST_DATAPATHS
-    )
-    about = f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"
-    parser.add_argument("--waves", action="store_true", help=about)
-    parser.add_argument("--list", action="store_true", help="list the built-in trajectories and stop")
-    return parser
+OPTIONS = [
+    *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
+    switch("--waves", f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"),
+    switch("--list", "list the built-in trajectories and stop"),
+]
 
 
 def score_runs(
-    arguments: argparse.Namespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
+    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
     scores = [
@@ -70,7 +64,7 @@ def score_runs(
 
 
 def run_and_score(
-    arguments: argparse.Namespace,
+    arguments: SimpleNamespace,
     datapath: str,
     prepared: Sequence[Prepared],
     waves: Path | None = None,
@@ -114,11 +108,20 @@ def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str
     return [folder / name for name in WAVES if name.stem == vcd.stem]
 
 
-def _run(arguments: argparse.Namespace) -> int:
+@command(
+    "run",
+    "Run trajectories through the core in a simulator and score them.",
+    OPTIONS,
+    passes="all trajectories pass",
+    fails="one fails",
+)
+def main(arguments: SimpleNamespace) -> int:
     """Load, simulate, score, write and print; return the exit status 0 or 1."""
+    if arguments.list:
+        for name in trajectories.TRAJECTORIES:
+            print(f"{name:14} {trajectories.describe(name)}")
+        return 0
     out = arguments.out
-    if arguments.waves and arguments.sim not in SIMULATORS:
-        raise InputError(f"argument --waves: {arguments.sim} writes none; use {' or '.join(SIMULATORS)}")
     prepared = prepare(arguments)
     folders = datapaths(arguments)
     # For a long file the prediction takes longer than everything else.
@@ -143,17 +146,6 @@ def _run(arguments: argparse.Namespace) -> int:
     for path in told:
         print(f"wrote {path}")
     return verdict("run", [result for ran in done for _, result in ran])
-
-
-@command("run")
-def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; return the exit status."""
-    parsed = _parser().parse_args(arguments)
-    if parsed.list:
-        for name in trajectories.TRAJECTORIES:
-            print(f"{name:14} {trajectories.describe(name)}")
-        return 0
-    return _run(parsed)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,6 @@ Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import json
 import math
@@ -35,7 +34,9 @@ from dataclasses import dataclass
 from datetime import date
 from functools import cache, partial
 from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import numpy as np
 
 from model.bounds import tolerances
@@ -52,13 +53,15 @@ from scripts import parallel
 from scripts.console import (
     InputError,
     Meter,
-    Parser,
     Stopped,
     command,
+    core_options,
     folder_name,
+    option,
     output,
     progress,
     show,
+    switch,
     whole,
     writing,
 )
@@ -75,28 +78,29 @@ DEFAULTS = {"targets": 1_000_000, "seed": 1, "from_": 0, "datapath": DEFAULT, "w
 EXCLUDED = {"again": (*DEFAULTS, "keep", "special", "farm", "against"), "special": ("targets", "seed")}
 
 
-def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parser = Parser("soak", "Random targets of all kinds through the core, every node compared with the model.")
-    add = parser.add_argument
-    add("--targets", type=whole(1), metavar="N", help=f"number of targets (default: {DEFAULTS['targets']})")
-    add("--seed", type=whole(0), metavar="S", help=f"random seed (default: {DEFAULTS['seed']})")
-    add("--from", dest="from_", type=whole(0), metavar="CHUNK", help=f"first chunk of {CHUNK} targets (default: 0)")
-    add("--special", action="store_true", help=f"all {SPECIAL} targets of 12 special words an input instead")
-    parser.core(sim="verilator", datapath=None, width=None)
-    add("--jobs", type=whole(1), default=os.cpu_count(), metavar="N", help="parallel chunks (default: %(default)s)")
-    parallel.option(parser)
-    about = "folder for hardest.csv and failing.csv (default: %(default)s)"
-    add("--out", type=folder_name, default=Path("build/soak"), metavar="DIR", help=about)
-    add("--against", choices=["c"], help="also compare results with the C of table 6 in long double")
-    add("--keep", action="store_true", help="update tb/core/hardest.csv and soak.md")
-    add("--again", type=Path, metavar="FILE", help="run the targets of a failing.csv or hardest.csv")
-    add("--worst", type=whole(1), metavar="ROUNDS", help="search the model of the lean datapath for the largest errors")
-    parsed = parser.parse_args(arguments)
-    for option, excluded in EXCLUDED.items():
-        for name in excluded if getattr(parsed, option) else ():
+OPTIONS = [
+    option("--targets", f"number of targets  [default: {DEFAULTS['targets']}]", whole(1), metavar="N"),
+    option("--seed", f"random seed  [default: {DEFAULTS['seed']}]", whole(0), metavar="S"),
+    option("--from", f"first chunk of {CHUNK} targets  [default: 0]", whole(0), metavar="CHUNK"),
+    switch("--special", f"all {SPECIAL} targets of 12 special words an input instead"),
+    *core_options(sim="verilator", datapath=None, width=None),
+    option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
+    parallel.FARM,
+    option("--out", "folder for hardest.csv and failing.csv", folder_name, default="build/soak", metavar="DIR"),
+    option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
+    switch("--keep", "update tb/core/hardest.csv and soak.md"),
+    option("--again", "run the targets of a failing.csv or hardest.csv", Path, metavar="FILE"),
+    option("--worst", "search the model of the lean datapath for the largest errors", whole(1), metavar="ROUNDS"),
+]
+
+
+def _complete(parsed: SimpleNamespace) -> None:
+    """Check combinations of options and set defaults. Raises InputError."""
+    for given, excluded in EXCLUDED.items():
+        for name in excluded if getattr(parsed, given) else ():
             value = getattr(parsed, name)
             if value is not None and value is not False:  # 0 is a valid seed
-                raise InputError(f"argument --{name.rstrip('_')}: not allowed with --{option}")
+                raise InputError(f"argument --{name.rstrip('_')}: not allowed with --{given}")
     if parsed.special:
         parsed.targets = max(0, SPECIAL - CHUNK * (parsed.from_ or 0))
         if not parsed.targets:
@@ -108,7 +112,6 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         parsed.seed = None
     if parsed.against and CONFIGURATIONS[parsed.datapath].equations != "lean":
         raise InputError(f"argument --against: the {parsed.datapath} datapath has no tolerance for it")
-    return parsed
 
 
 # -- chunks ------------------------------------------------------------------------------------------------------------
@@ -242,7 +245,7 @@ def worst_target(width: int, rounds: int, seed: int, meter: Meter) -> np.ndarray
     return words[:1]
 
 
-def _worst(arguments: argparse.Namespace) -> int:
+def _worst(arguments: SimpleNamespace) -> int:
     width, bar = arguments.width, tolerances.sought(arguments.width)
     with progress("soak", arguments.worst) as meter:
         words = worst_target(width, arguments.worst, arguments.seed, meter)
@@ -354,7 +357,7 @@ def _compile(sim: str, datapath: str, width: int) -> Core:
         return Core.built(sim, datapath, width)
 
 
-def _soak(arguments: argparse.Namespace) -> int:
+def _soak(arguments: SimpleNamespace) -> int:
     hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
     with output(arguments.out, [hardest_path, failing]):
         lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
@@ -394,7 +397,7 @@ def _soak(arguments: argparse.Namespace) -> int:
         return 0
 
 
-def _again(arguments: argparse.Namespace) -> int:
+def _again(arguments: SimpleNamespace) -> int:
     rows = _read_rows(arguments.again)
     if not rows:
         raise InputError(f"{arguments.again}: no targets")
@@ -412,10 +415,9 @@ def _again(arguments: argparse.Namespace) -> int:
     return status
 
 
-@command("soak")
-def main(arguments: Sequence[str] | None) -> int:
-    """Run the command line; return the exit status."""
-    parsed = _parse(arguments)
+@command("soak", "Random targets of all kinds through the core, every node compared with the model.", OPTIONS)
+def main(parsed: SimpleNamespace) -> int:
+    _complete(parsed)
     try:
         return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)
     except Stopped as stopped:

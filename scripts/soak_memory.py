@@ -20,16 +20,15 @@ import os
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
 from functools import partial
+from types import SimpleNamespace
 
-from scripts.console import Parser, command, progress, whole
+from scripts.console import command, option, progress, sim_option, whole
 from scripts.parallel import shared
 from tb.axi.instances import CORE, ECHO, apart, echoing, named
-from tb.sim.env import ROOT, SIMULATORS
+from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
-JOBS = 1000
 INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
 PIECE = 100
 """Jobs of a piece, including jobs with pauses on one channel."""
@@ -59,17 +58,18 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
     return what, sum(jobs for jobs, _ in rows), sum(targets for _, targets in rows), failed
 
 
-@command("soak_memory")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("soak_memory", "Random jobs through ik_axi, from memory to memory, every result compared.")
-    add = parser.add_argument
-    add("--jobs", type=whole(1), default=JOBS, metavar="N", help="minimum number of jobs (default: %(default)s)")
-    add("--seed", type=whole(0), default=1, metavar="S", help="random seed (default: %(default)s)")
-    add("--from", dest="from_", type=whole(0), default=0, metavar="PIECE", help="first piece (default: 0)")
-    parser.choice("--sim", "simulator", SIMULATORS, "verilator", "the simulator (default: %(default)s)")
-    about = "parallel pieces (default: %(default)s)"
-    add("--processes", type=whole(1), default=os.cpu_count(), metavar="N", help=about)
-    options = parser.parse_args(arguments)
+@command(
+    "soak_memory",
+    "Random jobs through ik_axi, from memory to memory, every result compared.",
+    [
+        option("--jobs", "minimum number of jobs", whole(1), default=1000, metavar="N"),
+        option("--seed", "random seed", whole(0), default=1, metavar="S"),
+        option("--from", "first piece", whole(0), default=0, metavar="PIECE"),
+        sim_option("verilator"),
+        option("--processes", "parallel pieces", whole(1), default=os.cpu_count(), metavar="N"),
+    ],
+)
+def main(options: SimpleNamespace) -> int:
     echoing(ECHO_PLACE)
     numbers = range(options.from_, options.from_ + -(-options.jobs // PIECE))
     jobs, targets = Counter(), 0

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import numpy as np
 
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
@@ -20,7 +21,7 @@ from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
 from model.motion.pose import hanging
-from scripts.console import InputError, Parser, folder_name, positive, reference_axis, swivel_angle
+from scripts.console import POSITIVE, InputError, core_options, folder_name, option, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
 ALL = "all"
@@ -43,70 +44,54 @@ class Prepared:
 # -- the options -----------------------------------------------------------------------------------
 
 
-def parser_of(
-    command: str,
-    description: str,
-    *,
-    out: str,
-    written: str,
-    passes: str = "all trajectories pass",
-    fails: str = "one fails",
-    datapath: str | None = DEFAULT,
-    most: int = 1,
-    core: bool = True,
-) -> Parser:
-    """Return the parser of a command that runs trajectories.
+def trajectory_options(
+    out: str, written: str, *, datapath: str | None = DEFAULT, most: int = 1, core: bool = True
+) -> list[click.Option]:
+    """Return the options of a command that runs trajectories.
 
-    out: default of --out; written: files there, for its help; passes, fails: as for `Parser`; datapath: the default,
-    None if it depends on the trajectory (`datapaths`); most: number of names that --datapath takes; core: True if the
-    command has the core's options.
+    out: default of --out; written: files there, for its help; datapath: the default, None if it depends on the
+    trajectory (`datapaths`); most: number of names that --datapath takes; core: True if the command has the core's
+    options.
     """
-    parser = Parser(command, description, passes=passes, fails=fails)
-    about = (
+    trajectory = (
         "a built-in trajectory (see --list), all of them, a CSV file with a header: x,y,z and optionally phi (rad), "
-        "d1, d2, in any unit of length, or a BVH clip of motion capture (default: %(default)s)"
+        "d1, d2, in any unit of length, or a BVH clip of motion capture"
     )
-    parser.add_argument("--trajectory", default=trajectories.DEFAULT, metavar="NAME|all|FILE", help=about)
-    about = f"folder for {written}, created if missing (default: %(default)s)"
-    parser.add_argument("--out", type=folder_name, default=Path(out), metavar="DIR", help=about)
-    if core:
-        parser.core(datapath=datapath, most=most)
-        parser.choice(
-            "--cores",
-            "cores",
-            CORES,
-            CORES[0],
-            "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
-            "the results are the same (default: %(default)s)",
-        )
-    about = (
+    cores = (
+        "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
+        "the results are the same"
+    )
+    axis = (
         "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
-        "targets; it should point where no wrist goes; torso, of a clip: outward and up (default: z; of a clip: torso)"
+        "targets; it should point where no wrist goes; torso, of a clip: outward and up  [default: z; of a clip: torso]"
     )
-    parser.add_argument("--axis", type=reference_axis, metavar="AXIS", help=about)
-    parser.choice("--arm", "arm", ("both", *SIDES), None, "of a clip: which arms (default: both)")
-    about = "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known"
-    parser.add_argument("--joints", type=lambda text: text.split(","), metavar="UPPER,FORE,HAND", help=about)
+    joints = "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known"
     only_csv = "only with a CSV file, for rows of a file without that column"
-    for option, kind, unit, what, default in (
-        ("--d1", positive, "LENGTH", "upper arm", DEFAULT_D1),
-        ("--d2", positive, "LENGTH", "forearm", DEFAULT_D2),
-    ):
-        parser.add_argument(option, type=kind, metavar=unit, help=f"{what}, {only_csv} (default: {default})")
-    about = (
+    phi = (
         "swivel angle: of rows of a CSV file without that column (default: the elbow hangs down); of a clip: its own, "
         "the mean of its own, or one number (default: clip)"
     )
-    parser.add_argument("--phi", type=swivel_angle, metavar="RAD|clip|constant", help=about)
-    about = (
+    bar = (
         "accuracy asked for: the largest hand error / reach of any target (default: the table of "
         "model/bounds/tolerances.py, which asks nothing of the paper datapath near singular poses or below 32 bits)"
     )
-    parser.add_argument("--bar", type=positive, metavar="ERROR", help=about)
-    return parser
+    about = f"folder for {written}, created if missing"
+    return [
+        option("--trajectory", trajectory, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
+        option("--out", about, folder_name, default=out, metavar="DIR"),
+        *(core_options(datapath=datapath, most=most) if core else ()),
+        *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
+        option("--axis", axis, reference_axis, metavar="AXIS"),
+        option("--arm", "of a clip: which arms  [default: both]", click.Choice(["both", *SIDES])),
+        option("--joints", joints, lambda text: text.split(","), metavar="UPPER,FORE,HAND"),
+        option("--d1", f"upper arm, {only_csv}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
+        option("--d2", f"forearm, {only_csv}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
+        option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
+        option("--bar", bar, POSITIVE, metavar="ERROR"),
+    ]
 
 
-def datapaths(arguments: argparse.Namespace) -> dict[str, Path]:
+def datapaths(arguments: SimpleNamespace) -> dict[str, Path]:
     """Return the datapaths to run, each with the folder of its results. Without --datapath both dataflows run on the
     paper's scenario, and lean on anything else."""
     scenario = arguments.trajectory == trajectories.DEFAULT
@@ -137,19 +122,19 @@ def _kind(name: str) -> str:
     raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
 
 
-def _load(arguments: argparse.Namespace) -> list[Prepared]:
+def _load(arguments: SimpleNamespace) -> list[Prepared]:
     """Return the trajectories of --trajectory. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
-    for option, kinds in GOES_WITH.items():
-        if getattr(arguments, option) is not None and kind not in kinds:
+    for given, kinds in GOES_WITH.items():
+        if getattr(arguments, given) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
-            raise InputError(f"argument --{option}: goes with a {goes}, not with a {kind} ({name})")
+            raise InputError(f"argument --{given}: goes with a {goes}, not with a {kind} ({name})")
     if kind == CLIP:
         return [_of_clip(arguments)]
-    for option, word in OF_CLIPS:
-        if getattr(arguments, option) == word:
-            raise InputError(f"argument --{option}: {word} goes with a {CLIP}, not with a {kind} ({name})")
+    for given, word in OF_CLIPS:
+        if getattr(arguments, given) == word:
+            raise InputError(f"argument --{given}: {word} goes with a {CLIP}, not with a {kind} ({name})")
     if kind == CSV:
         phi = hanging(axis) if arguments.phi is None else arguments.phi
         found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
@@ -159,7 +144,7 @@ def _load(arguments: argparse.Namespace) -> list[Prepared]:
     return [Prepared(each, *to_words(each, width)) for each in (replace(one, frame=frame) for one in found)]
 
 
-def _of_clip(arguments: argparse.Namespace) -> Prepared:
+def _of_clip(arguments: SimpleNamespace) -> Prepared:
     """Return the arms of a clip as one stream. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory))
     arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
@@ -170,7 +155,7 @@ def _of_clip(arguments: argparse.Namespace) -> Prepared:
     return Prepared(targets, *to_words(targets, arguments.width), clip, moves)
 
 
-def prepare(arguments: argparse.Namespace) -> list[Prepared]:
+def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     """Load the trajectories and print warnings. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:

@@ -7,25 +7,30 @@ python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
+import click
 from vcd.reader import VCDParseError
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from scripts.console import InputError, Parser, command, one_of, whole_file, word_length, writing
+from scripts.console import WORD_LENGTH, InputError, command, whole_file, writing
 from scripts.save_file import write_save_file
 
 
-@command("waves")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("waves", __doc__.splitlines()[0], passes="the save file is written", fails="never")
-    add = parser.add_argument
-    add("vcd", type=Path, metavar="WAVES.vcd", help="a recording of ik_axis, by any simulator")
-    add("datapath", type=one_of("datapath", CONFIGURATIONS), metavar="DATAPATH", help="of the recorded core")
-    add("width", type=word_length, metavar="WIDTH", help="its word length, 16 to 32")
-    add("save", type=Path, metavar="SAVE.gtkw", help="what is written")
-    options = parser.parse_args(arguments)
+@command(
+    "waves",
+    f"{__doc__.splitlines()[0]} DATAPATH is one of {', '.join(CONFIGURATIONS)}; WIDTH is the word length.",
+    [
+        click.Argument(["vcd"], type=Path, metavar="WAVES.vcd"),
+        click.Argument(["datapath"], type=click.Choice(list(CONFIGURATIONS)), metavar="DATAPATH"),
+        click.Argument(["width"], type=WORD_LENGTH),
+        click.Argument(["save"], type=Path, metavar="SAVE.gtkw"),
+    ],
+    passes="the save file is written",
+    fails="never",
+)
+def main(options: SimpleNamespace) -> int:
     try:
         options.vcd.open("rb").close()
     except OSError as error:

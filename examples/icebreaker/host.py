@@ -14,24 +14,25 @@ on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGH
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from types import SimpleNamespace
 
+import click
 import numpy as np
 import serial
 
 from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
-from scripts.console import InputError, Parser, command, finite, output, progress, show, whole
+from scripts.console import POSITIVE, InputError, command, option, output, progress, show, whole
 from scripts.results import SCORES, result_paths, write_results, written
 from scripts.run import score_runs
 from scripts.tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import Prepared, parser_of, prepare
+from scripts.trajectory import Prepared, prepare, trajectory_options
 from tb.sim.simulate import LONG, Run, SimulationError
 
 WINDOW = 64
@@ -125,32 +126,6 @@ def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
     return Run(results, flags, None, None, bits, first)
 
 
-def _parser() -> Parser:
-    parser = parser_of(
-        "run",
-        "Send targets through a board with examples/icebreaker and score its answers.",
-        out="build/icebreaker",
-        written="results.csv and score.json",
-        fails="one fails or the board does not answer",
-        core=False,
-    )
-    parser.prog = "python -m examples.icebreaker.host"
-    parser.add_argument("port", metavar="PORT", help="the serial port, such as /dev/ttyUSB1")
-    default = "(default: %(default)s)"
-    parser.add_argument("--baud", type=whole(1), default=1000000, metavar="N", help=f"bits per second {default}")
-    about = f"seconds without an answer after which targets are sent again {default}"
-    parser.add_argument("--timeout", type=_seconds, default=0.5, metavar="S", help=about)
-    parser.set_defaults(sim="icebreaker", datapath=FOLD16.name, width=WIDTH)
-    return parser
-
-
-def _seconds(text: str) -> float:
-    value = finite(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
-    return value
-
-
 def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
     total, before, runs = sum(len(item.words) for item in prepared), 0, []
     with progress(f"{board.name}, {total} targets", total) as meter:
@@ -161,10 +136,22 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
     return runs
 
 
-@command("icebreaker")
-def main(arguments: Sequence[str] | None) -> int:
+@command(
+    "icebreaker",
+    "Send targets through a board with examples/icebreaker and score its answers.",
+    [
+        *trajectory_options("build/icebreaker", "results.csv and score.json", core=False),
+        click.Argument(["port"]),
+        option("--baud", "bits per second", whole(1), default=1000000, metavar="N"),
+        option("--timeout", "seconds without answer before targets are sent again", POSITIVE, default=0.5, metavar="S"),
+    ],
+    passes="all trajectories pass",
+    fails="one fails or the board does not answer",
+    module="examples.icebreaker.host",
+)
+def main(parsed: SimpleNamespace) -> int:
     """Run the command line and return the exit status."""
-    parsed = _parser().parse_args(arguments)
+    parsed.sim, parsed.datapath, parsed.width = "icebreaker", FOLD16.name, WIDTH
     prepared = prepare(parsed)
     out = parsed.out
     with output(out, written(out, [out], prepared)), Board(parsed.port, parsed.baud, parsed.timeout) as board:

@@ -20,11 +20,14 @@ import subprocess
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+
+import click
 
 from model.dataflow.fixed import latency
 from model.io.stimuli import region
 from scripts import parallel
-from scripts.console import Parser, command, one_of, progress, word_length
+from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
 from scripts.fpga.page import (
     AIM_MHZ,
     BROKEN_DOWN,
@@ -304,18 +307,20 @@ def measure_fold(on: Measurement, widths: Sequence[int]) -> None:
 # -- command line ----------------------------------------------------------------------------------------------------
 
 
-@command("fpga")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("fpga", __doc__.splitlines()[0], fails="a run was not done in time")
-    each = {"action": "append", "default": []}
-    about = "only this one, or only the core from memory to memory, or folded"
-    parser.add_argument("--datapath", type=one_of("datapath", (*TOPS, *WHOLE_TOPS)), help=about, **each)
-    parser.add_argument("--width", type=word_length, metavar="BITS", help="only this word length, 16 to 32", **each)
-    parser.add_argument("--page", action="store_true", help="only write the page from the figures")
-    parallel.option(parser)
-    options = parser.parse_args(arguments)
+@command(
+    "fpga",
+    __doc__.splitlines()[0],
+    [
+        option("--datapath", "only this datapath or core", click.Choice([*TOPS, *WHOLE_TOPS]), multiple=True),
+        option("--width", "only this word length", WORD_LENGTH, metavar="BITS", multiple=True),
+        switch("--page", "only write the page from the figures"),
+        parallel.FARM,
+    ],
+    fails="a run was not done in time",
+)
+def main(options: SimpleNamespace) -> int:
     if options.farm and options.page:
-        parser.error("argument --farm: does not go with --page")
+        raise InputError("argument --farm: does not go with --page")
     if options.page:
         PAGE.write_text(page(json.loads(FIGURES.read_text())))
         return 0

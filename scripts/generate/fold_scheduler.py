@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import asdict
+from types import SimpleNamespace
 
 from model.dataflow.fold import timing
 from model.dataflow.fold.check import check
@@ -22,7 +23,7 @@ from model.dataflow.fold.layout import Layout
 from model.dataflow.fold.program import SCHEDULE, encode
 from model.dataflow.fold.steps import Group, lower
 from model.dataflow.fold.timing import INPUTS, Placed, Schedule
-from scripts.console import Parser, command, whole
+from scripts.console import InputError, command, option, whole
 
 try:
     from ortools.sat.python import cp_model
@@ -146,15 +147,20 @@ def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | Non
     return Schedule(period, *found)
 
 
-@command("schedule")
-def main(arguments: Sequence[str] | None) -> int:
+@command(
+    "schedule",
+    "Schedule the folded datapath.",
+    [
+        option("--period", "clocks of a lap", whole(1), default=88, metavar="CLOCKS"),
+        option("--seconds", "seconds to search", whole(1), default=240, metavar="N"),
+    ],
+    fails="no schedule was found",
+    module="scripts.generate.fold_scheduler",
+)
+def main(parsed: SimpleNamespace) -> int:
     """Run the command line and return the exit status."""
-    parser = Parser("schedule", "Schedule the folded machine.", fails="no schedule was found")
-    parser.add_argument("--period", type=whole(1), default=88, metavar="CLOCKS", help="of a lap (default: %(default)s)")
-    parser.add_argument("--seconds", type=whole(1), default=240, metavar="N", help="to search (default: %(default)s)")
-    parsed = parser.parse_args(arguments)
     if cp_model is None:
-        parser.error("ortools is not installed: use make schedule")
+        raise InputError("ortools is not installed: use make schedule")
     _, groups = lower(Layout(WIDTH))
     print(f"{sum(len(group.steps) for group in groups)} steps, a target each {parsed.period} clocks", flush=True)
     try:

@@ -9,14 +9,14 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
-from scripts.console import Parser, command
+from scripts.console import command, sim_option
 from scripts.generate.render import render
 from tb.axi.instances import apart
 from tb.axi.rates import BATCH, LONG
-from tb.sim.env import GENERATED, ROOT, SIMULATORS
+from tb.sim.env import GENERATED, ROOT
 
 PAGE = GENERATED / "memory.md"
 BUSES = (32, 64, 128)
@@ -31,12 +31,9 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
         return [json.loads(line) for line in path.read_text().splitlines()]
 
 
-@command("generate.memory")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("generate.memory", __doc__.splitlines()[0], fails="a simulation fails")
-    parser.choice("--sim", "simulator", SIMULATORS, SIMULATORS[0], "the simulator (default: %(default)s)")
-    sim = parser.parse_args(arguments).sim
-    rows = zip(*(measured(sim, {"DATA_W": bus}) for bus in BUSES), strict=True)
+@command("generate.memory", __doc__.splitlines()[0], [sim_option()], fails="a simulation fails")
+def main(options: SimpleNamespace) -> int:
+    rows = zip(*(measured(options.sim, {"DATA_W": bus}) for bus in BUSES), strict=True)
     PAGE.write_text(render("memory", rows=list(rows), buses=BUSES, short=BATCH, long=LONG))
     print(f"wrote {PAGE.relative_to(ROOT)}")
     return 0

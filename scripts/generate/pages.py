@@ -9,8 +9,8 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
@@ -19,12 +19,12 @@ from model.dataflow.nodes import Latency
 from model.io import trajectories
 from model.io.stimuli import REGIONS
 from scripts import run
-from scripts.console import Parser, command
+from scripts.console import command, sim_option
 from scripts.generate import accuracy
 from scripts.generate.flow import design, longest_path, start
 from scripts.generate.pipeline import pipeline_svg
 from scripts.generate.render import render
-from tb.sim.env import GENERATED, ROOT, SIMULATORS
+from tb.sim.env import GENERATED, ROOT
 
 SCORES = GENERATED / "scores.md"
 
@@ -64,15 +64,12 @@ def pages() -> dict[Path, str]:
     return {GENERATED / "latency.md": latency_page(), **pictures}
 
 
-@command("docs")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("generate.pages", __doc__.splitlines()[0], fails="a trajectory fails")
-    parser.choice("--sim", "simulator", SIMULATORS, SIMULATORS[0], "the simulator (default: %(default)s)")
-    sim = parser.parse_args(arguments).sim
+@command("generate.pages", __doc__.splitlines()[0], [sim_option()], fails="a trajectory fails")
+def main(options: SimpleNamespace) -> int:
     scores = {}
     for datapath in DATAPATHS:
         with tempfile.TemporaryDirectory() as out:
-            status = run.main(["--trajectory", "all", "--datapath", datapath, "--out", out, "--sim", sim])
+            status = run.main(["--trajectory", "all", "--datapath", datapath, "--out", out, "--sim", options.sim])
             if status:
                 return status
             scores[datapath] = json.loads((Path(out) / "score.json").read_text())

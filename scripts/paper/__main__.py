@@ -9,9 +9,11 @@ Each part writes its page in docs/generated; a failed check stops the command. T
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from types import SimpleNamespace
 
-from scripts.console import Parser, command
+import click
+
+from scripts.console import command, option
 from scripts.paper import figures, operations, wordlengths
 from scripts.paper.derivation import lean, paper
 from scripts.paper.table6 import measure
@@ -26,12 +28,13 @@ PARTS = {
 """Part -> function that writes its page and returns 0, or 1 if a check fails."""
 
 
-@command("paper")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("paper", "Write the pages that answer the paper.")
-    parser.choice("--only", "part", tuple(PARTS), None, f"one of {', '.join(PARTS)} (default: all)")
-    only = parser.parse_args(arguments).only
-    for part in [only] if only else PARTS:
+@command(
+    "paper",
+    "Write the pages that answer the paper.",
+    [option("--only", "one part  [default: all]", click.Choice(PARTS))],
+)
+def main(options: SimpleNamespace) -> int:
+    for part in [options.only] if options.only else PARTS:
         if status := PARTS[part]():
             return status
     return 0

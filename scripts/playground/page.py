@@ -18,6 +18,7 @@ import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from model.io import trajectories
@@ -26,7 +27,7 @@ from model.io.flags import FLAGS
 from model.io.words import FIELDS, HEADROOM_BITS
 from model.motion.axes import NAMED, to_z
 from model.reference.kinematics import matrix
-from scripts.console import Parser, command, folder_name, output, some_of, word_length, writing
+from scripts.console import WORD_LENGTH, command, folder_name, option, output, some_of, writing
 from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
 
 HERE = Path(__file__).parent
@@ -85,21 +86,23 @@ def page(machines: Sequence[Machine]) -> str:
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
 
 
-def _parser() -> Parser:
-    parser = Parser("playground", "Write one page in which the Verilog runs.", "the page is written", "a tool failed")
-    about = "folder for index.html, made if need be (default: %(default)s)"
-    parser.add_argument("--out", type=folder_name, default=Path("build/playground"), metavar="DIR", help=about)
-    names = list(dict.fromkeys(machine.datapath for machine in MACHINES))
-    about = f"only these of {', '.join(names)}"
-    parser.add_argument("--datapath", type=some_of("datapath", names, len(names)), metavar="NAME[,NAME]", help=about)
-    parser.add_argument("--width", type=word_length, metavar="BITS", help="only machines of this word length")
-    return parser
+_NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
+OPTIONS = [
+    option("--out", "folder for index.html", folder_name, default="build/playground", metavar="DIR"),
+    option("--datapath", f"only these of {', '.join(_NAMES)}", some_of(_NAMES, len(_NAMES)), metavar="NAME[,NAME]"),
+    option("--width", "only cores of this word length", WORD_LENGTH, metavar="BITS"),
+]
 
 
-@command("playground")
-def main(arguments: Sequence[str] | None) -> int:
+@command(
+    "playground",
+    "Write one page in which the Verilog runs.",
+    OPTIONS,
+    passes="the page is written",
+    fails="a tool failed",
+)
+def main(parsed: SimpleNamespace) -> int:
     """Run the command line and return the exit status."""
-    parsed = _parser().parse_args(arguments)
     machines = chosen(parsed.datapath, parsed.width and [parsed.width])
     tools()
     path = parsed.out / "index.html"

@@ -19,6 +19,7 @@ import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ from scripts.report.figure import figure_data, joint_angles
 from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
 from scripts.run import run_and_score
 from scripts.tables import figures, verdict
-from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, parser_of, prepare
+from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
@@ -165,12 +166,15 @@ def page(
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
 
 
-@command("report")
-def main(arguments: Sequence[str] | None) -> int:
+@command(
+    "report",
+    "Run trajectories through the core in a simulator and write a page that shows them.",
+    trajectory_options("build/report", "report.html", most=MOST_DATAPATHS),
+    passes="all trajectories pass",
+    fails="one fails",
+)
+def main(parsed: SimpleNamespace) -> int:
     """Run, score and write the page; return the exit status."""
-    about = "Run trajectories through the core in a simulator and write a page that shows them."
-    parser = parser_of("report", about, out="build/report", written="report.html", most=MOST_DATAPATHS)
-    parsed = parser.parse_args(arguments)
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
     folders = datapaths(parsed)

@@ -30,63 +30,64 @@ MAINS = {
 }
 
 BAD_INPUT = [
-    ("run --sim modelsim", "argument --sim: unknown simulator 'modelsim'; valid: icarus, verilator"),
-    ("run --datapath lean2", "argument --datapath: unknown datapath 'lean2'; valid: lean, "),
-    ("run --datapath lean,lean", "argument --datapath: 'lean,lean' is not up to 3 different ones"),
-    ("run --datapath lean,", "argument --datapath: unknown datapath ''"),
-    ("run --width 33", "argument --width: unknown width '33'; valid: 16 to 32 bits"),
-    ("run --width x", "argument --width: unknown width 'x'"),
-    ("run --datapath lean,fold --width 23", "argument --width: the fold datapath has words of 20, 22, "),
-    ("run --cores fast", "argument --cores: unknown cores 'fast'; valid: behavioural, digit"),
+    ("run --sim modelsim", "--sim 'modelsim' 'icarus', 'verilator'"),
+    ("run --datapath lean2", "--datapath 'lean2' 'lean', 'paper',"),
+    ("run --datapath lean,lean", "--datapath 'lean,lean'"),
+    ("run --datapath lean,", "--datapath ''"),
+    ("run --width 33", "--width 33 16 32"),
+    ("run --width x", "--width 'x'"),
+    ("run --datapath lean,fold --width 23", "--width fold 20, 22,"),
+    ("run --cores fast", "--cores 'fast' 'behavioural', 'digit'"),
     ("run --speed 9", "--speed"),
     ("run --traj reach", "--traj"),
     ("run --out", "--out"),
-    ("run --out=", "argument --out: the name of a folder is empty"),
-    ("run --out file", "argument --out: cannot write in 'file': File exists"),
-    ("run --out file/sub", "argument --out: cannot write in 'file/sub': Not a directory"),
-    ("run --out o", "argument --out: 'o/score.json' is a folder"),
-    ("run --out locked", "argument --out: cannot write in 'locked': Permission denied"),
-    ("run --trajectory reech", "argument --trajectory: unknown trajectory 'reech'; valid: all, reach, circle, "),
+    ("run --out=", "--out empty"),
+    ("run --out file", "--out 'file': File exists"),
+    ("run --out file/sub", "--out 'file/sub': Not a directory"),
+    ("run --out o", "--out 'o/score.json' folder"),
+    ("run --out locked", "--out 'locked': Permission denied"),
+    ("run --trajectory reech", "--trajectory 'reech' all, reach, circle,"),
     ("run --trajectory none.csv", "none.csv: no such file"),
     ("run --trajectory none/none", "none/none: no such file"),
     ("run --trajectory folder", "folder: is a directory"),
-    ("run --trajectory locked.csv", "locked.csv: cannot be read: Permission denied"),
-    ("run --trajectory bad.csv", "bad.csv: row 3, column y: 'two' is not a number"),
-    ("run --trajectory none.bvh", "none.bvh: cannot be read: No such file"),
-    ("run --trajectory t.csv --d1 0", "argument --d1: '0' is not positive"),
-    ("run --trajectory t.csv --d1 nan", "argument --d1: 'nan' is not a finite number"),
-    ("run --trajectory t.csv --phi abc", "argument --phi: 'abc' is not a number"),
-    ("run --trajectory reach --d1 0.4", "argument --d1: goes with a CSV file, not with a built-in trajectory (reach)"),
-    ("run --trajectory none.bvh --d1 1", "argument --d1: goes with a CSV file, not with a BVH clip"),
-    ("run --trajectory none.bvh --arm up", "argument --arm: unknown arm 'up'; valid: both, left, right"),
-    ("run --trajectory t.csv --axis torso", "argument --axis: torso goes with a BVH clip, not with a CSV file"),
-    ("run --trajectory t.csv --phi clip", "argument --phi: clip goes with a BVH clip"),
-    ("run --joints a,b,c", "argument --joints: goes with a BVH clip"),
-    ("run --axis up", "argument --axis: axis 'up' is none of z, -z, x"),
-    ("run --bar 0", "argument --bar: '0' is not positive"),
+    ("run --trajectory locked.csv", "locked.csv: Permission denied"),
+    ("run --trajectory bad.csv", "bad.csv: row 3, column y: 'two'"),
+    ("run --trajectory none.bvh", "none.bvh: No such file"),
+    ("run --trajectory t.csv --d1 0", "--d1 0.0"),
+    ("run --trajectory t.csv --d1 nan", "--d1 'nan' finite"),
+    ("run --trajectory t.csv --phi abc", "--phi 'abc'"),
+    ("run --trajectory reach --d1 0.4", "--d1 (reach)"),
+    ("run --trajectory none.bvh --d1 1", "--d1 (none.bvh)"),
+    ("run --trajectory none.bvh --arm up", "--arm 'up' 'both', 'left', 'right'"),
+    ("run --trajectory t.csv --axis torso", "--axis torso (t.csv)"),
+    ("run --trajectory t.csv --phi clip", "--phi clip (t.csv)"),
+    ("run --joints a,b,c", "--joints (reach)"),
+    ("run --axis up", "--axis 'up' z, -z, x"),
+    ("run --bar 0", "--bar 0.0"),
     ("report --waves", "--waves"),
-    ("report --out o", "argument --out: 'o/report.html' is a folder"),
+    ("report --out o", "--out 'o/report.html' folder"),
     ("follow", "--target"),
-    ("follow --target -1", "argument --target: '-1' is not a whole number of at least 0"),
-    ("follow --target 1e1", "argument --target: '1e1' is not a whole number"),
-    ("follow --target 100", "argument --target: reach has targets 0 to 99, not 100"),
-    ("follow --target 0 --trajectory all", "argument --trajectory: "),
-    ("follow --target 0 --datapath lean,paper", "argument --datapath: unknown datapath 'lean,paper'"),
-    ("follow --target 0 --waves --out file", "argument --out: cannot write in 'file': File exists"),
-    ("soak --targets 0", "argument --targets: '0' is not a whole number of at least 1"),
-    (f"soak --targets {'9' * 400}", "argument --targets: "),
-    ("soak --seed -1", "argument --seed: "),
-    ("soak --from 1.5", "argument --from: "),
-    ("soak --out o", "argument --out: 'o/hardest.csv' is a folder"),
-    ("soak --again none.csv", "none.csv: cannot be read: No such file"),
-    ("soak --again file --seed 0", "argument --seed: "),
-    ("soak --farm x", "argument --farm: "),
-    ("coverage --only x --keep", "argument --keep: not with --only"),
-    ("formal --only nothing", "argument --only: "),
-    ("paper --only table7", "argument --only: unknown part 'table7'"),
-    ("playground --width 17", "no such machine; there are lean-W32, "),
-    ("fpga --datapath lean2", "unknown datapath 'lean2'"),
+    ("follow --target -1", "--target -1"),
+    ("follow --target 1e1", "--target '1e1'"),
+    ("follow --target 100", "--target reach 0 99, 100"),
+    ("follow --target 0 --trajectory all", "--trajectory --target"),
+    ("follow --target 0 --datapath lean,paper", "--datapath 'lean,paper'"),
+    ("follow --target 0 --waves --out file", "--out 'file': File exists"),
+    ("soak --targets 0", "--targets 0"),
+    (f"soak --targets {'9' * 400}", "--targets"),
+    ("soak --seed -1", "--seed -1"),
+    ("soak --from 1.5", "--from '1.5'"),
+    ("soak --out o", "--out 'o/hardest.csv' folder"),
+    ("soak --again none.csv", "none.csv: No such file"),
+    ("soak --again file --seed 0", "--seed --again"),
+    ("soak --farm x", "--farm 'x'"),
+    ("coverage --only x --keep", "--keep --only"),
+    ("formal --only nothing", "--only 'nothing'"),
+    ("paper --only table7", "--only 'table7'"),
+    ("playground --width 17", "lean-W32,"),
+    ("fpga --datapath lean2", "--datapath 'lean2'"),
 ]
+"""Command and options -> words of the message."""
 
 
 @pytest.fixture
@@ -117,7 +118,7 @@ def test_bad_input_is_one_line_and_status_2(command, inputs, monkeypatch, tmp_pa
         inputs()
     status, out, err = command(MAINS[name], *options)
     assert (status, out, len(err)) == (2, [], 1), err
-    assert err[0].startswith(f"{name}: ") and message in err[0]
+    assert err[0].startswith(f"{name}: ") and all(word in err[0] for word in message.split()), err
     assert sorted(Path().rglob("*")) == before
 
 
@@ -136,10 +137,9 @@ OPTIONS = {
 
 @pytest.mark.parametrize("name", OPTIONS)
 def test_help_names_every_option(name, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        MAINS[name](["--help"])
+    status = MAINS[name](["--help"])
     printed = capsys.readouterr().out
-    assert stopped.value.code == 0 and "Exit status: 0 " in printed
+    assert status == 0 and "Exit status: 0 " in printed
     assert all(f"\n  --{option}" in printed for option in OPTIONS[name].split())
 
 

@@ -5,11 +5,12 @@ import io
 import signal
 import threading
 
+import click
 import pytest
 from rich.progress import Progress
 
 from scripts import console
-from scripts.console import InputError, Meter, Parser, exit_status, pace, progress, writing
+from scripts.console import InputError, Meter, exit_status, pace, progress, writing
 
 
 def raising(error):
@@ -22,15 +23,14 @@ def raising(error):
 
 
 def parsing():
-    parser = Parser("some", "Does things.")
-    parser.add_argument("--count", type=console.whole(2))
-    return parser.parse_args(["--count", "1"]).count
+    parser = click.Command("some", params=[console.option("--count", "", console.whole(2))])
+    return console.parse(parser, "", ["--count", "1"]).count
 
 
 @pytest.mark.parametrize(
     ("work", "status", "message"),
     [
-        (parsing, 2, "argument --count: '1' is not a whole number of at least 2"),
+        (parsing, 2, "argument --count: 1 is not in the range 2<=x<=1000000000000000."),
         (raising(InputError("no")), 2, "no"),
         (raising(KeyboardInterrupt()), 130, "interrupted"),
         (raising(OSError(28, "disk full", "a/b")), 2, "cannot read or write 'a/b': disk full"),

@@ -17,7 +17,8 @@ import platform
 import statistics
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ import numpy as np
 from model.io.stimuli import random_reachable
 from model.io.trajectories import STEPS, make
 from model.io.words import Targets, from_words
-from scripts.console import InputError, Parser, command
+from scripts.console import InputError, command, option, switch, whole
 from scripts.fpga.page import FIGURES as FPGA
 from scripts.paper.table6 import hardware
 from scripts.paper.table6.compiled import FLAGS, Software, compiler_version
@@ -185,15 +186,21 @@ def write_page() -> None:
     PAGE.write_text(page(json.loads(FIGURES.read_text()), json.loads(FPGA.read_text())), encoding="utf-8")
 
 
-@command("table6")
-def main(arguments: Sequence[str] | None) -> int:
-    parser = Parser("table6", __doc__.splitlines()[0], passes="all is measured", fails="the RTL differs from its model")
-    parser.sample(RANDOM, "random targets").add_argument(
-        "--only", action="append", metavar="KEY", help="only the software whose key holds this; writes nothing"
-    )
-    parser.add_argument("--hardware", action="store_true", help="only the core's rows, of the targets as they were")
-    parser.add_argument("--page", action="store_true", help="only write the page from the figures")
-    options = parser.parse_args(arguments)
+@command(
+    "table6",
+    __doc__.splitlines()[0],
+    [
+        option("--targets", "random targets", whole(1), default=RANDOM, metavar="N"),
+        option("--seed", "random seed", whole(0), default=1, metavar="N"),
+        option("--only", "only software with this in its key; writes no file", multiple=True, metavar="KEY"),
+        switch("--hardware", "only the core's rows, of the targets as they were"),
+        switch("--page", "only write the page from the figures"),
+    ],
+    passes="all is measured",
+    fails="the RTL differs from its model",
+    module="scripts.paper.table6",
+)
+def main(options: SimpleNamespace) -> int:
     if options.page:
         write_page()
         return 0

@@ -4,19 +4,21 @@
 import base64
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
 from model.io import trajectories
 from model.motion.tests import figure
+from scripts.console import parse
 from scripts.report.constructions import ANGLES, LENGTHS, NOTHING, STEPS, VECTORS, packed
-from scripts.trajectory import parser_of, prepare
+from scripts.trajectory import prepare, trajectory_options
 
 TURNS = ("folded", "rest", "half", "middle", "yz2", *ANGLES)
 
 
 def prepared(*options):
-    return prepare(parser_of("report", "", out=".", written="").parse_args(options))
+    return prepare(parse(click.Command("report", params=trajectory_options(".", "")), "", options))
 
 
 def unpack(data, targets):

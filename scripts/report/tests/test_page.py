@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from model.bounds import tolerances
-from model.dataflow.datapaths import CONFIGURATIONS
 from model.io import trajectories
 from model.reference.kinematics import forward
 from scripts import run
@@ -213,14 +212,6 @@ def test_one_of_both_that_fails_is_named(cli, simulator):
     ]
     (shown,) = data()
     assert shown["passed"] and [each["passed"] for each in shown["beside"]] == [False]
-
-
-def test_no_other_datapath(cli):
-    status, _, err = cli("--datapath", "neither")
-    assert (status, err) == (
-        2,
-        [f"report: argument --datapath: unknown datapath 'neither'; valid: {', '.join(CONFIGURATIONS)}"],
-    )
 
 
 # -- self-containedness ----------------------------------------------------------------------------
