@@ -82,8 +82,8 @@ class LeanRanges(Domain):
             raise RangeError(f"{name}: the dataflow does not say what exact arithmetic gives")
         return Bound(within.low, within.high, UP * error)
 
-    def apply(self, name, operands, fmt, bits, real):
-        if real is None:
+    def apply(self, name, operands, fmt, words):
+        if self.decides(fmt):
             decided = fmt.width == 1 or fmt.frac == 0
             return Bound(0.0, float(fmt.high)) if decided else self._bound(name, 0.0)  # exact integers are not rounded
         return self._bound(name, self.facts[name].grows([n.value.error for n in operands], fmt.ulp))

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..dataflow.annotations import ANYTHING, Given, Rule
 from ..dataflow.interval_cases import Case, cases
-from ..dataflow.nodes import CORDIC, Domain, Format, Node
+from ..dataflow.nodes import CORDIC, Domain, Format, Node, real_value
 from ..dataflow.paper import paper
 from ..io.words import ARMS
 
@@ -196,7 +196,7 @@ class Ranges(Domain):
         fmt = self.word(1)
         return tuple(self._rule(name, -1.0, 1.0, CORDIC[1] * fmt.ulp, fmt) for name in names)
 
-    def apply(self, name, operands, fmt, bits, real):
+    def apply(self, name, operands, fmt, words):
         if isinstance(self.facts[name].within, Given) or fmt.width == 1:
             return self._given(name, fmt)
         # Selections, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
@@ -204,12 +204,13 @@ class Ranges(Domain):
         corners = [self._corners(n) for n in operands]
         grid = [np.array(c, dtype=object) for c in zip(*itertools.product(*corners), strict=True)]
         grid = [g if _large(g) else g.astype(np.int64) for g in grid]
-        words = [int(w) for w in np.atleast_1d(bits(*grid))]
-        word = min(words) * fmt.ulp, max(words) * fmt.ulp
-        if real is None:
+        ends = [int(w) for w in np.atleast_1d(words(*grid))]
+        word = min(ends) * fmt.ulp, max(ends) * fmt.ulp
+        if self.decides(fmt):
             return self._rule(name, *word, 0.0, fmt)
         values = [sorted({n.value.low, n.value.high, min(max(0.0, n.value.low), n.value.high)}) for n in operands]
-        exact = real(*(np.array(c, dtype=np.float64) for c in zip(*itertools.product(*values), strict=True)))
+        corners = [np.array(c, dtype=np.float64) for c in zip(*itertools.product(*values), strict=True)]
+        exact = real_value(words, operands, corners, fmt)
         low, high = float(np.min(exact)), float(np.max(exact))
         error = self.facts[name].grows([n.value.error for n in operands], fmt.ulp)
         return self._rule(name, low, high, error, fmt, word)

@@ -19,7 +19,8 @@ from ..io.words import FIELDS, RESULT_FIELDS
 from . import cores as lean_cores
 from . import trig as lean_trig
 from .datapaths import CONFIGURATIONS
-from .nodes import Domain, Format, Node, effective_width, wrap
+from .nodes import Domain, Format, Node, effective_width
+from .operations import round_shift, wrap
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
@@ -45,11 +46,6 @@ def cordic_gain() -> int:
     with mpmath.workprec(200):
         gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
         return int(mpmath.nint(gain * 2**TABLE_BITS))
-
-
-def round_shift(value, shift: int):
-    """Return value / 2^shift, rounded half up."""
-    return (value + (1 << (shift - 1))) >> shift if shift else value
 
 
 def floor_div(n, d, shift: int, fmt: Format):
@@ -127,8 +123,8 @@ class Bits(Domain):
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, np.int64(round(value * 2.0**fmt.frac)))
 
-    def apply(self, name, operands, fmt, bits, real):
-        return bits(*(n.value for n in operands))
+    def apply(self, name, operands, fmt, words):
+        return words(*(n.value for n in operands))
 
     def _narrow(self, name, value, fmt):
         self.overflow[name] = (value < fmt.low) | (value > fmt.high)

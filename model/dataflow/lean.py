@@ -22,7 +22,8 @@ from __future__ import annotations
 import numpy as np
 
 from .annotations import SUM, Growth, Limited, Within
-from .lean_words import (
+from .nodes import FLOOR, HALF_UP, Domain, Format, Node, effective_width, inner_frac, root_frac
+from .operations import (
     Count,
     Elbow,
     HalfLength,
@@ -39,7 +40,6 @@ from .lean_words import (
     times,
     truth,
 )
-from .nodes import FLOOR, HALF_UP, Domain, Format, Node, effective_width, inner_frac, root_frac
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -170,17 +170,17 @@ def direction(d: Domain, f: Lean) -> None:
     root(L(9), f, "s", n["s"], 2 * d.width)
 
     # in the root's own unit: |x| <= rho, so no high bit is lost
-    unit = Shift(-2, 1, left=f.pad, width=f.shifted.width)
-    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
-    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
-    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, unit.real, within=COORDINATE)
+    unit = Shift(1, left=f.pad, width=f.shifted.width)
+    L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, within=COORDINATE)
+    L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, within=COORDINATE)
+    L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, within=COORDINATE)
     L(14).mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
     L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", Count((1, -1)), within=not_negative(RISES))
-    down = Shift(0, -1)
-    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, down.real, FLOOR, within=RISEN)
+    down = Shift(-1)
+    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, FLOOR, within=RISEN)
     L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
@@ -215,7 +215,7 @@ def triangle(d: Domain, f: Lean) -> None:
     L(21).mul3("inv_12_raw", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
     limited(d, f, "inv_12", INVERSES, fine, ONE)
 
-    arms, down = Count((1, -1, -1), 2 + f.odd), Shift(3, -1, left=2)
+    arms, down = Count((1, -1, -1), 2 + f.odd), Shift(-1, left=2)
     for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
         shorter = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
         L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms, within=shorter)
@@ -226,7 +226,6 @@ def triangle(d: Domain, f: Lean) -> None:
             f.raised,
             "shift",
             down,
-            down.real,
             FLOOR,
             within=ARMS_UNIT,
             grows=Growth((8.0, 0.0)),
@@ -238,7 +237,7 @@ def triangle(d: Domain, f: Lean) -> None:
     for line, part, sign, ends, within in ((22, "w", 1, (1, 0), ELBOW_W), (23, "i", -1, (0, -1), ELBOW_I)):  # (14)
         elbow = Elbow(f.drop, sign, *ends, one=1 << (d.width - 2))
         operands = f"elbow_{part}", "clamp", "fold"
-        L(line).op(f"qe_{part}", operands, f.result, "mux", elbow, elbow.real, HALF_UP, within=within)
+        L(line).op(f"qe_{part}", operands, f.result, "mux", elbow, HALF_UP, within=within)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
@@ -247,8 +246,8 @@ def triangle(d: Domain, f: Lean) -> None:
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", Count((2, 1)))
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
-    law = Shift(-4 - f.odd, 1, left=raise_k, right=drop_k, width=f.inner.width)
-    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", law, law.real, FLOOR, within=K_UNIT)
+    law = Shift(1, left=raise_k, right=drop_k, width=f.inner.width)
+    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", law, FLOOR, within=K_UNIT)
     L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1, within=CIRCLE)
     L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner, within=ROOT)
 
@@ -260,14 +259,13 @@ def triangle(d: Domain, f: Lean) -> None:
         Count((1, 1, -2, -1), 2 + f.odd),
         within=not_negative("sin a <= 1"),
     )
-    down = Shift(2, -1, left=2)
+    down = Shift(-1, left=2)
     L(28).op(
         "inv_law_ab_raw",
         ("inv_law", "n_ab"),
         f.raised,
         "shift",
         down,
-        down.real,
         FLOOR,
         within=LAW_UNIT,
         grows=Growth((4.0, 0.0)),
@@ -293,7 +291,7 @@ def triangle(d: Domain, f: Lean) -> None:
 
     both = ("arm_sq", "sin_a", "clamp")
     for line, name, how in ((52, "arm_dif", PartSum(-1)), (53, "arm_sum", PartSum(1))):
-        L(line).op(name, both, f.inner, "mux", how, how.real, FLOOR, within=PAIR, grows=SUM)
+        L(line).op(name, both, f.inner, "mux", how, FLOOR, within=PAIR, grows=SUM)
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
@@ -306,10 +304,10 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner, within=PART)
     L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner, within=PART)
     # half the sum and half the difference of azimuth and swivel
-    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
-    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
-    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, plus, within=PART, grows=SUM)
-    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, minus, within=PART, grows=SUM)
+    L(44).op("c_plus", ("cc", "ss"), f.inner, "mux", minus, within=PART, grows=SUM)
+    L(45).op("s_plus", ("sc", "cs"), f.inner, "mux", plus, within=PART, grows=SUM)
+    L(46).op("c_minus", ("cc", "ss"), f.inner, "mux", plus, within=PART, grows=SUM)
+    L(47).op("s_minus", ("sc", "cs"), f.inner, "mux", minus, within=PART, grows=SUM)
     L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, kind="mul3_far", within=PART)
     L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_far", within=PART)
     L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_far", within=PART)
@@ -318,7 +316,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
         both = first + second
         parts = f"{first}_0", f"{second}_0"
-        L(min(lines)).op(f"{both}_0", parts, f.inner, "mux", plus, plus, within=PAIR, grows=SUM)
+        L(min(lines)).op(f"{both}_0", parts, f.inner, "mux", plus, within=PAIR, grows=SUM)
         L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, kind="mul3_far", within=PAIR)
         turned = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
         for unit, other, arm, line in turned:
@@ -326,11 +324,9 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
             L(line).mul3(f"{other}_{arm}", *factors, f.inner, kind="mul3_far", after=n[f"{both}_0"], within=PAIR)
             terms = f"{both}_c", f"{other}_{arm}"
             if arm == "sum":
-                L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, minus, within=PART, grows=SUM)
+                L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, within=PART, grows=SUM)
             else:  # the larger part minus the smaller is s - c where they are swapped
-                L(line).op(
-                    f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), Turned(), within=PART, grows=SUM
-                )
+                L(line).op(f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), within=PART, grows=SUM)
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
@@ -344,7 +340,6 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         f.mantissa,
         "mux",
         mantissa,
-        mantissa.real,
         within=Within(0.25, 1.0, "mantissa"),
         grows=Growth((4.0, 0.0)),
         limited=Limited("1 and more becomes the largest mantissa"),
@@ -359,7 +354,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
         L(line).mul3(f"{unit}_q", n[f"{unit}_1"], inv_q, f.inner, scale=1, kind="mul3_far", within=PART)
         # (18)
-        L(line).op(f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, rounded.real, HALF_UP, within=PART)
+        L(line).op(f"qs_{unit}", (f"{unit}_q", "minus"), f.result, "mux", rounded, HALF_UP, within=PART)
 
 
 # -- shared by the sections ------------------------------------------------------------------------------------------
@@ -375,16 +370,16 @@ def limited(d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = 
     """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
     of another format."""
     limit = Limit(f.inner.high)
-    return d.op(name, (f"{name}_raw",), fmt or f.inner, "mux", limit, limit.real, within=within, limited=limited)
+    return d.op(name, (f"{name}_raw",), fmt or f.inner, "mux", limit, within=within, limited=limited)
 
 
 def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
     """Build (1 + |c|)/2 of the first operand; 1 where the second, a mask, is set."""
     length = HalfLength(f.frac)
-    d.op(name, operands, f.inner, "mux", length, length.real, FLOOR, within=HALF_LENGTH)
+    d.op(name, operands, f.inner, "mux", length, FLOOR, within=HALF_LENGTH)
 
 
 def half_part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], part: HalfPart) -> None:
     """Build a part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the
     part does not wait for the squared length."""
-    d.op(name, operands, f.inner, "mux", part, part.real, FLOOR, within=HALF_ANGLE)
+    d.op(name, operands, f.inner, "mux", part, FLOOR, within=HALF_ANGLE)

@@ -32,6 +32,7 @@ from ..io.words import FIELDS, LENGTHS
 from .annotations import Facts, Within, leading
 from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, places, rsqrt_clocks
 from .interval_cases import Case
+from .operations import Unrounded, room
 from .trig import FRACS, trig_clocks
 from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
 
@@ -286,18 +287,14 @@ class Domain(ABC):
         operands,
         fmt: Format,
         latency: str | None,
-        bits: Callable,
-        real: Callable | None = None,
+        words: Callable,
         error=EXACT,
         **facts,
     ) -> Node:
-        """Create a selection, shift, sign change or comparison: ``bits`` acts on words, ``real`` on values.
-
-        ``real`` is None where the result is a decision (a mask, a shift count) that requires integers.
-        """
+        """Create a selection, shift, sign change or comparison: ``words``, a function on words."""
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
         self.facts[name] = Facts(**facts)
-        value = self.apply(name, operands, fmt, bits, real)
+        value = self.apply(name, operands, fmt, words)
         return self.make(name, "choose", operands, fmt, latency, value, error=error)
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
@@ -415,8 +412,12 @@ class Domain(ABC):
     # ---- evaluation in a domain: values of its own type ------------------------------------------------------------
 
     @abstractmethod
-    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None) -> Value:
+    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, words: Callable) -> Value:
         """Return the value of :meth:`op`."""
+
+    def decides(self, fmt: Format) -> bool:
+        """Return whether the next node is computed in integers only: a mask, a shift count, or a node of the guard."""
+        return self._section == "guard" or not fmt.frac
 
     # The paper's datapath.
 
@@ -466,18 +467,14 @@ def _faithful(fmt: Format, frac: int, most: float = 1.0) -> tuple[float, float]:
     return -bound, bound
 
 
+def real_value(words: Callable, operands: tuple[Node, ...], values, fmt: Format):
+    """Return the value of a function on words without rounding, from real values of its operands."""
+
+    def scaled(value, fmt: Format):
+        return (np.asarray(value, np.float64) / fmt.ulp).view(Unrounded) if fmt.frac else value
+
+    return np.asarray(words(*(scaled(v, n.format) for v, n in zip(values, operands, strict=True)))) * fmt.ulp
+
+
 def _all_zero(words):
     return np.logical_and.reduce([u == 0 for u in words])
-
-
-def room(words, width: int):
-    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
-    magnitude = np.where(words < 0, ~words, words)
-    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
-    return width - 1 - np.frexp(magnitude.astype(np.float64))[1].astype(np.int64)
-
-
-def wrap(words, width: int):
-    """Return the low ``width`` bits as a signed word: only words of a clamped target lose bits here."""
-    half = 1 << (width - 1)
-    return ((words + half) & (2 * half - 1)) - half

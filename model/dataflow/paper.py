@@ -19,7 +19,8 @@ import numpy as np
 
 from .annotations import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
 from .interval_cases import SQRT3, Case
-from .nodes import FLOOR, JAM, Domain, Format, Node, room, wrap
+from .nodes import FLOOR, JAM, Domain, Format, Node
+from .operations import room, wrap
 from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
 
 SECTIONS = {
@@ -328,7 +329,6 @@ def elbow(d: Domain) -> None:
         d.word(0),
         "mux",
         lambda a, b: a + b,
-        lambda a, b: a + b,
         within=ARMS,
         grows=SUM,
     )
@@ -338,7 +338,6 @@ def elbow(d: Domain) -> None:
         d.word(2),
         "shift",
         lambda a, j: a >> j,
-        lambda a, j: a * 2.0**-j,
         FLOOR,
         within=TARGET,
     )
@@ -391,7 +390,6 @@ def elbow(d: Domain) -> None:
             d.word(1),
             "mux",
             lambda q, t, c, a: np.where(c, np.where(a, -1, 1) * (t >> 2), q),
-            lambda q, t, c, a: np.where(c, np.where(a, -t / 2, t / 2), q),
             JAM,
         )
     # (15) needs the length of the upper arm in the scale of p_e.
@@ -401,6 +399,5 @@ def elbow(d: Domain) -> None:
         d.word(1),
         "mux",
         lambda a, b, c: np.where(c, b >> 1, a >> 1),
-        lambda a, b, c: np.where(c, b / 2, a),
         FLOOR,
     )

@@ -10,6 +10,7 @@ import numpy as np
 from .annotations import COSINE, SAME, SUM, Given, Growth, Limited, Rule, not_negative, upto, used
 from .interval_cases import SQRT2, SQRT3, Case
 from .nodes import HALF_UP, Domain
+from .operations import round_shift, saturate
 
 
 def signed(magnitude, sign):
@@ -43,8 +44,7 @@ def elbow_quaternion(d: Domain) -> None:
             (f"p_e_{a}", f"p_a_{a}"),
             d.word(1),
             "sum2",
-            lambda e, p: np.clip(((e << 1) - p + 1) >> 1, -(1 << (w - 1)), (1 << (w - 1)) - 1),
-            lambda e, p: e - p,
+            lambda e, p: saturate(round_shift((e << 1) - p, 1), (1 << (w - 1)) - 1, -(1 << (w - 1))),
             HALF_UP,
             within=FOREARM,
             grows=Growth(added=True),
@@ -73,14 +73,13 @@ def elbow_quaternion(d: Domain) -> None:
         d.word(1),
         "mux",
         lambda q, c, f: np.where(c, np.where(f, one, -one), q),
-        lambda q, c, f: np.where(c, np.where(f, 1.0, -1.0), q),
         grows=SAME,
     )
     _half(d, "h4_p", "c4", +1)
     _half(d, "h4_m", "c4", -1)
     d.root("qe_w", n["h4_p"], d.word(1))
     d.root("qe_abs", n["h4_m"], d.word(1))
-    d.op("qe_i", ("qe_abs",), d.word(1), "mux", lambda a: -a, lambda a: -a, grows=SAME)
+    d.op("qe_i", ("qe_abs",), d.word(1), "mux", lambda a: -a, grows=SAME)
 
 
 def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
@@ -92,7 +91,6 @@ def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
         d.unsigned(w, w - 1, "W - 1"),
         "mux",
         lambda c: np.clip((1 << (w - 2)) + sign * c, 0, 1 << (w - 1)),
-        lambda c: np.clip((1 + sign * c) / 2, 0, 1),
         grows=Growth((0.5,), exact=True),
     )
 
@@ -128,14 +126,12 @@ def rotate_to_elbow(d: Domain) -> None:
     p_x, p_y = n["p_e_x"], n["p_e_y"]
     d.normalize(("u_x", "u_y"), (p_x, p_y), "lz_u", within=MANTISSA)
     top = d.word(1).high
-    limited, free = lambda a, z: np.minimum(a + abs(z), top), lambda a, z: a + abs(z)
     h = d.op(
         "h",
         ("d_e", "p_e_z"),
         d.word(1),
         "sum2",
-        limited,
-        free,
+        lambda a, z: saturate(a + abs(z), top),
         grows=SUM,
         limited=ALL_UPPER_ARM,
     )
@@ -150,7 +146,6 @@ def rotate_to_elbow(d: Domain) -> None:
             ("p_e_z", low, high),
             d.word(1),
             "mux",
-            lambda z, a, b: np.where(z < 0, a, b),
             lambda z, a, b: np.where(z < 0, a, b),
             grows=SAME,
         )
@@ -213,7 +208,6 @@ def rotate_to_wrist(d: Domain) -> None:
             d.word(0),
             "mux",
             lambda p, c, f, b: np.where(f, np.where(b, c, -c), p),
-            lambda p, c, f, b: np.where(f, np.where(b, c, -c) / 8, p),
             grows=Growth((1.0, 1 / 8, 0.0, 0.0), exact=True),
         )
     d.mul("sg_r", n["side_x"], n["r_x"], d.wide(1))
@@ -233,7 +227,6 @@ def rotate_to_wrist(d: Domain) -> None:
         ("q3_abs", "sign"),
         d.word(1),
         "mux",
-        signed,
         signed,
         grows=SAME,
     )

@@ -9,7 +9,7 @@ from ..io.words import RESULT_FIELDS
 from ..reference.kinematics import forward
 from . import fixed
 from .datapaths import CONFIGURATIONS
-from .nodes import Domain, Node
+from .nodes import Domain, Node, real_value
 
 
 class Real(Domain):
@@ -34,10 +34,10 @@ class Real(Domain):
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, value)
 
-    def apply(self, name, operands, fmt, bits, real):
-        if real is None:
+    def apply(self, name, operands, fmt, words):
+        if self.decides(fmt):
             return self.bits.nodes[name].value
-        return self._moved(name, real(*(n.value for n in operands)), fmt)
+        return self._moved(name, real_value(words, operands, [n.value for n in operands], fmt), fmt)
 
     def product(self, name, a, b, fmt, scale):
         return self._moved(name, a.value * b.value * 2.0**scale, fmt)

@@ -35,9 +35,9 @@ class _Counting(fixed.Bits):
         super().__init__(width)
         self.additions: Counter = Counter()
 
-    def apply(self, name, operands, fmt, bits, real):
+    def apply(self, name, operands, fmt, words):
         before = _Counted.done["+-"]
-        value = bits(*(np.asarray(n.value).view(_Counted) for n in operands))
+        value = words(*(np.asarray(n.value).view(_Counted) for n in operands))
         self.additions[name] = _Counted.done["+-"] - before
         return np.asarray(value).view(np.ndarray)
 

@@ -21,7 +21,8 @@ import numpy as np
 from model.bounds.lean_ranges import LeanRanges
 from model.dataflow import lean
 from model.dataflow.annotations import Within
-from model.dataflow.lean_words import (
+from model.dataflow.nodes import Domain, Format, Node
+from model.dataflow.operations import (
     Addition,
     Count,
     Elbow,
@@ -35,7 +36,6 @@ from model.dataflow.lean_words import (
     Shift,
     Turned,
 )
-from model.dataflow.nodes import Domain, Format, Node
 from model.io.words import ARMS
 
 LONG = (1 << 60) - 1
@@ -177,7 +177,7 @@ class Exact(Domain):
 
     # ---- the operations ----
 
-    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable, real: Callable | None):
+    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable):
         names = [node.name for node in operands]
         if fmt.width == 1:
             decision = self._decision(operands, _mask(bits))
@@ -189,7 +189,7 @@ class Exact(Domain):
             self._is(name, f"(= (* {' '.join([name, *down, '1.0'])}) (* {total} 1.0))", f"(< 0.0 {name})")
         elif isinstance(bits, Shift):
             value, count = names
-            power = number(2.0**bits.power)
+            power = number(2.0 ** bits.power(operands[0].format.frac, fmt.frac))
             if bits.sign > 0:
                 self._is(name, f"(= {name} (* {power} {value} {count}))")
             else:

@@ -12,6 +12,7 @@ from model.dataflow import fixed, lean, paper, paper_turns
 from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
+from model.dataflow.nodes import real_value
 from model.dataflow.reals import Real
 from model.io import monte_carlo
 from model.io.flags import UNREACHABLE, expected_flags
@@ -157,9 +158,9 @@ class Moved(fixed.Bits):
         super().__init__(width, datapath)
         self.random, self.seen, self.beyond = np.random.default_rng(width), 0, {}
 
-    def apply(self, name, operands, fmt, bits, real):
-        value = super().apply(name, operands, fmt, bits, real)
-        if real is None:
+    def apply(self, name, operands, fmt, words):
+        value = super().apply(name, operands, fmt, words)
+        if self.decides(fmt):
             return value
         off = [OFF * n.format.ulp if n.section != "guard" and n.format.frac else 0.0 for n in operands]
         usual = ~np.asarray(self.nodes["clamp"].value).astype(bool)
@@ -171,7 +172,9 @@ class Moved(fixed.Bits):
             if isinstance(within := node.facts.within, Within):  # a word rounded beyond its range is not a real value
                 usual = usual & (moved >= within.low) & (moved <= within.high)
             exact.append(moved + error * self.random.choice((-1, 1), len(usual)) if error else moved)
-        worst = np.abs(np.asarray(value * fmt.ulp - real(*exact), dtype=np.float64))[usual].max(initial=0.0)
+        worst = np.abs(np.asarray(value * fmt.ulp - real_value(words, operands, exact, fmt), dtype=np.float64))[
+            usual
+        ].max(initial=0.0)
         self.seen += 1
         if worst > self.facts[name].grows(off, fmt.ulp) * (1 + 1e-9):
             self.beyond[name] = worst / self.facts[name].grows(off, fmt.ulp)

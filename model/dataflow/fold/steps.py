@@ -18,7 +18,8 @@ import numpy as np
 
 from ...io.words import ARMS
 from .. import lean
-from ..lean_words import (
+from ..nodes import Domain, Node
+from ..operations import (
     Addition,
     Count,
     Elbow,
@@ -32,7 +33,6 @@ from ..lean_words import (
     Shift,
     Turned,
 )
-from ..nodes import Domain, Node
 from .layout import DOUBLE, EXACT_WEIGHT, PLAIN, Layout
 
 ZERO, ONE, HALF, POWER = "0", "1", "1/2", "2^-n"
@@ -205,14 +205,14 @@ class Lowering(Domain):
 
     # ---- operations and their operands ---------------------------------------------------------------------------
 
-    def op(self, name, operands, fmt, latency, bits, real=None, error=(0.0, 0.0), **facts):
-        node = super().op(name, operands, fmt, latency, bits, real, error, **facts)
+    def op(self, name, operands, fmt, latency, words, error=(0.0, 0.0), **facts):
+        node = super().op(name, operands, fmt, latency, words, error, **facts)
         read = [n.name for n in node.operands]
-        match bits:
+        match words:
             case Count():
-                self.counts[name] = bits, tuple(read)
+                self.counts[name] = words, tuple(read)
             case Shift():
-                self._shift(node, bits, *read)
+                self._shift(node, words, *read)
             case Limit():
                 raw = self.terms[read[0]]
                 assert raw.write
@@ -224,13 +224,15 @@ class Lowering(Domain):
             case HalfLength():
                 self._half_length(node, *read)
             case HalfPart():
-                self._half_part(node, bits, *read)
+                self._half_part(node, words, *read)
             case PartSum():
-                self.sums[read[0]].append(Sum(name, f"{read[1]}/2", ALWAYS if bits.sign < 0 else "", write=Write(name)))
+                self.sums[read[0]].append(
+                    Sum(name, f"{read[1]}/2", ALWAYS if words.sign < 0 else "", write=Write(name))
+                )
             case Turned():
                 self.sums[read[0]].append(Sum(name, read[1], f"~{read[2]}", write=Write(name)))
             case Result() | Elbow():
-                flag = read[1] if isinstance(bits, Result) else ALWAYS if bits.sign < 0 else ""
+                flag = read[1] if isinstance(words, Result) else ALWAYS if words.sign < 0 else ""
                 raw = self.terms[read[0]]
                 addend = raw.addend.replace("half", "result")
                 self.terms[raw.name] = replace(raw, minus=flag, result=name, write=None, addend=addend)
@@ -238,10 +240,10 @@ class Lowering(Domain):
                 self.terms[name] = Step(name, read[0], read[-1])
             case Addition():
                 first, second = read
-                self._plus(node, first, second, less=bits.sign < 0)
+                self._plus(node, first, second, less=words.sign < 0)
             case _:  # a mask
                 self.signs |= {n.name for n in node.operands if n.format != self.bit} - set(POSITION)
-        if isinstance(bits, Turned | PartSum):
+        if isinstance(words, Turned | PartSum):
             self.weight[name] = self._weight(node)
         return node
 
@@ -267,16 +269,17 @@ class Lowering(Domain):
             self.sums[first].append(Sum(name, second, ALWAYS if less else "", write=None if exact else Write(name)))
 
     def _shift(self, node: Node, shift: Shift, value: str, count: str) -> None:
+        power = shift.power(node.operands[0].format.frac, node.format.frac)
         self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
         if shift.sign > 0:  # to the left, by the normalizer, whose first bit has twice a product's weight
             is_word = value in self.weight
             first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
-            normal = Normal("count", node.name), self._counted(count, shift.power + first - weight)
+            normal = Normal("count", node.name), self._counted(count, power + first - weight)
             if is_word:
                 self.terms[node.name] = Step(node.name, value, ONE)
             self.norms[node.name if is_word else value] = normal
         else:
-            offset = weight - self.weight[value] - shift.power
+            offset = weight - self.weight[value] - power
             window = PLAIN if offset + PLAIN >= 0 else DOUBLE
             counted = self._counted(count, offset + window)
             self.terms[node.name] = Step(
@@ -401,7 +404,7 @@ class Lowering(Domain):
             rows=(replace(row, value=True),),
         )
 
-    def apply(self, name, operands, fmt, bits, real):
+    def apply(self, name, operands, fmt, words):
         return None
 
     # ---- groups --------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from model.dataflow import cores, fixed
+from model.dataflow.nodes import real_value
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, region
 from tb.formal import arithmetic, lean_proofs
@@ -77,11 +78,12 @@ def test_rounding_is_within_its_bounds(width, monkeypatch):
     """Words minus the value of the operation, in ulps, stay within the rounding that the questions assume."""
     rounded, off, apply = Rounded(width), {}, fixed.Bits.apply
 
-    def watched(self, name, operands, fmt, bits, real):
-        words = apply(self, name, operands, fmt, bits, real)
+    def watched(self, name, operands, fmt, function):
+        words = apply(self, name, operands, fmt, function)
         node = rounded.exact.nodes[name]
-        if real is not None and node.section != "guard":
-            exact = real(*(np.asarray(n.value, dtype=np.float64) * n.format.ulp for n in operands))
+        if not self.decides(fmt):
+            values = [n.value * n.format.ulp if n.format.frac else n.value for n in operands]
+            exact = real_value(function, operands, values, fmt)
             exact = np.minimum(exact, fmt.high * fmt.ulp) if node.facts.limited else exact
             off[name] = (np.asarray(words, dtype=np.float64) * fmt.ulp - exact) / fmt.ulp
         return words

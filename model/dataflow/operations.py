@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operations of the lean dataflow on words, integers or their real values."""
+"""Operations of the dataflows on words: helpers of both datapaths, and the lean datapath's operations by name.
+
+Each function acts on integer words.  On :class:`Unrounded` words it computes the real value, because shifts then keep
+all bits and :func:`round_shift`, :func:`saturate` and :func:`wrap` have no effect.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,63 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .nodes import wrap
+
+class Unrounded(np.ndarray):
+    """Real values in ulps of their format, on which an operation on words does not round."""
+
+    def __array_function__(self, function, types, arguments, options):
+        result = super().__array_function__(function, types, arguments, options)
+        return result.view(Unrounded) if isinstance(result, np.ndarray) else result
+
+    def __lshift__(self, places):
+        return self * 2.0 ** np.asarray(places)
+
+    def __rshift__(self, places):
+        return self * 2.0 ** -np.asarray(places)
+
+    def __invert__(self):
+        return np.logical_not(self) if self.dtype == bool else -self
+
+
+def round_shift(words, shift: int):
+    """Return words / 2^shift, rounded half up."""
+    if isinstance(words, Unrounded) or not shift:
+        return words >> shift
+    return (words + (1 << (shift - 1))) >> shift
+
+
+def saturate(words, high: int, low: int | None = None):
+    """Return words limited to ``high`` and, if given, ``low``."""
+    if isinstance(words, Unrounded):
+        return words
+    return np.minimum(words, high) if low is None else np.clip(words, low, high)
+
+
+def wrap(words, width: int):
+    """Return the low ``width`` bits as a signed word: only words of a clamped target lose bits here."""
+    if isinstance(words, Unrounded):
+        return words
+    half = 1 << (width - 1)
+    return ((words + half) & (2 * half - 1)) - half
+
+
+def room(words, width: int):
+    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
+    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
+    return width - 1 - np.frexp(magnitude(words).astype(np.float64))[1].astype(np.int64)
+
+
+def magnitude(words):
+    """Return |c| for c >= 0, and |c| - 1, the one's complement, for c < 0."""
+    return np.where(words < 0, ~words, words)
+
+
+def truth(mask):
+    """Return a mask that ``~`` negates."""
+    return np.asarray(mask).astype(bool)
+
+
+# ---- the lean datapath -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -35,11 +95,6 @@ plus, minus = Addition(1), Addition(-1)
 times, square = Product(2), Product(1)
 
 
-def half_up(words, drop: int):
-    """Drop the last ``drop`` bits, rounding half up."""
-    return (words + (1 << (drop - 1))) >> drop
-
-
 @dataclass(frozen=True)
 class Count:
     """Shift count of six bits: other counts times ``factors``, and a constant."""
@@ -55,22 +110,22 @@ class Count:
 
 @dataclass(frozen=True)
 class Shift:
-    """v 2^(power + sign count), truncated; for words (v 2^(left + sign count)) 2^-right, and its low ``width`` bits if
-    ``width`` is given."""
+    """v 2^(left + sign count - right), truncated; a shift to the left keeps the low ``width`` bits."""
 
-    power: int
     sign: int
     left: int = 0
     right: int = 0
-    width: int | None = None
+    width: int = 0
 
     def __call__(self, v, count):
-        if self.width is None:
-            return (v << self.left) >> count + self.right if self.sign < 0 else v << self.left + count >> self.right
-        return wrap(v.astype(object) << self.left + count >> self.right, self.width).astype(np.int64)
+        if self.sign < 0:
+            return v << self.left >> count + self.right
+        long = v if isinstance(v, Unrounded) else v.astype(object)
+        return wrap(long << self.left + count >> self.right, self.width).astype(v.dtype)
 
-    def real(self, v, count):
-        return v * 2.0 ** (self.power + self.sign * count)
+    def power(self, v: int, result: int) -> int:
+        """Return n of the value v 2^(n + sign count), for the fraction bits of v and of the result."""
+        return self.left - self.right + v - result
 
 
 @dataclass(frozen=True)
@@ -80,10 +135,7 @@ class Limit:
     top: int
 
     def __call__(self, v):
-        return np.minimum(v, self.top)
-
-    def real(self, v):
-        return v
+        return saturate(v, self.top)
 
 
 @dataclass(frozen=True)
@@ -93,10 +145,7 @@ class Result:
     drop: int
 
     def __call__(self, q, minus):
-        return half_up(np.where(minus, -1, 1) * q, self.drop)
-
-    def real(self, q, minus):
-        return np.where(minus, -q, q)
+        return round_shift(np.where(minus, -1, 1) * q, self.drop)
 
 
 @dataclass(frozen=True)
@@ -111,25 +160,18 @@ class Elbow:
 
     def __call__(self, v, clamp, fold):
         clamped = np.where(fold, self.folded, self.straight) * self.one
-        return np.where(clamp, clamped, half_up(self.sign * v, self.drop))
-
-    def real(self, v, clamp, fold):
-        return np.where(clamp, np.where(fold, self.folded, self.straight), self.sign * v)
+        return np.where(clamp, clamped, round_shift(self.sign * v, self.drop))
 
 
 @dataclass(frozen=True)
 class Mantissa:
-    """A word shifted left by ``up`` bits, and by two more where the mask is set, but at most ``top``; as a real value,
-    four times the word where the mask is set."""
+    """A word shifted left by ``up`` bits, and by two more where the mask is set, but at most ``top``."""
 
     up: int
     top: int
 
     def __call__(self, t, low):
-        return np.minimum(t << np.where(low, self.up + 2, self.up), self.top)
-
-    def real(self, t, low):
-        return np.where(low, 4 * t, t)
+        return saturate(t << np.where(low, self.up + 2, self.up), self.top)
 
 
 # h(c, s) is the quaternion of the rotation with cosine c and sine s, not normalized: (1 + c, s)/2, or (s, 1 - c)/2
@@ -144,9 +186,6 @@ class HalfLength:
 
     def __call__(self, c, unit=False):
         return np.where(unit, 1 << self.frac, ((1 << self.frac) + magnitude(c)) >> 1)
-
-    def real(self, c, unit=False):
-        return np.where(unit, 1.0, (1 + abs(c)) / 2)
 
 
 @dataclass(frozen=True)
@@ -163,11 +202,6 @@ class HalfPart:
         small = np.where(self.none(*masks), 0, s >> 1) if self.none else s >> 1
         return np.where(self.large(c, *masks), g, small)
 
-    def real(self, g, c, s, *masks):
-        g = self.length.real(c) if self.length else g
-        small = np.where(self.none(*masks), 0.0, s / 2) if self.none else s / 2
-        return np.where(self.large(c, *masks), g, small)
-
 
 @dataclass(frozen=True)
 class PartSum:
@@ -178,9 +212,6 @@ class PartSum:
     def __call__(self, g, s, none):
         return g + self.sign * np.where(none, 0, s >> 1)
 
-    def real(self, g, s, none):
-        return g + self.sign * np.where(none, 0.0, s / 2)
-
 
 @dataclass(frozen=True)
 class Turned:
@@ -188,13 +219,3 @@ class Turned:
 
     def __call__(self, whole, part, swap):
         return np.where(swap, whole + part, whole - part)
-
-
-def magnitude(words):
-    """Return |c| for c >= 0, and |c| - 1, the one's complement, for c < 0."""
-    return np.where(words < 0, ~words, words)
-
-
-def truth(mask):
-    """Return a mask that ``~`` negates."""
-    return np.asarray(mask).astype(bool)
