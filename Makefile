@@ -116,8 +116,8 @@ test-browser: ## tests of report and playground in headless Chromium [SIM=icarus
 	  scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
 	  $(call given,ONLY,-k "$$CGA_ONLY") -m "not release$(quick)"
 
-coverage: ## what the tests go through in the Verilog: build/coverage/index.html [ONLY=pattern; KEEP=1: coverage.md]
-	@$(SETUP) verilator coverage
+coverage: ## points of the Verilog that tests reach: build/coverage/annotated [ONLY=pattern; KEEP=1: coverage.md]
+	@$(SETUP) verilator
 	@exec $(VENV) -m scripts.coverage $(call given,ONLY,--only="$$CGA_ONLY") $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
@@ -200,7 +200,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
 
 lock: ## write the locks of requirements/ again (needs uv)
 	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
-	for name in fpga table6 schedule playground farm coverage; do $(compile) --constraint requirements/checkout.lock \
+	for name in fpga table6 schedule playground farm; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
 	  --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 

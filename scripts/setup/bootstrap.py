@@ -21,7 +21,7 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 SYSTEM_PYTHON = "/usr/bin/python3"
-EXTRAS = ["fpga", "table6", "schedule", "playground", "farm", "coverage"]
+EXTRAS = ["fpga", "table6", "schedule", "playground", "farm"]
 OPTIONAL = ["table6"]  # its users work without packages that fail to install
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],

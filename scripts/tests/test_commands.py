@@ -168,7 +168,7 @@ RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM JOINTS D1 D2 PHI BAR"
         ("report", "icarus", "icarus", RUN, ""),
         ("follow", "icarus", "icarus", f"{RUN} TARGET", "WAVES"),
         ("soak", "verilator farm", "verilator", "TARGETS SEED DATAPATH WIDTH OUT AGAIN FROM FARM", "KEEP"),
-        ("coverage", "verilator coverage", "", "ONLY", "KEEP"),
+        ("coverage", "verilator", "", "ONLY", "KEEP"),
         ("formal", "fpga", "", "ONLY", ""),
     ],
 )

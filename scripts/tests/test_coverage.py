@@ -1,120 +1,133 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the findings of make coverage on synthetic counts."""
+"""Tests of make coverage: counts of Verilator's files, waivers, findings."""
 
-import json
+from pathlib import Path
 
 import pytest
 
 from scripts import coverage
-from tb.core.functional_coverage import AXES, NAME
-from tb.coverage import waivers
-from tb.coverage.waivers import Waiver
-from tb.sim.coverage import Point, written
+from tb.axi.instances import echoing
+from tb.core.functional_coverage import BINS, bin_of, regions
+from tb.sim.coverage import Point, counting, read, write
 from tb.sim.env import ROOT
-from tb.sim.sources import sources
+from tb.sim.sources import sources, with_rules
 
 FIFO = "rtl/lib/ik_fifo.v"
-PLACE = next(k for k, text in enumerate((ROOT / FIFO).read_text().splitlines(), 1) if "m_valid <= !empty;" in text)
-WHY = {"file": "rtl/*/ik_fifo.v", "text": "m_valid<=!empty;", "kind": "line|toggle"}
+ROW = next(n for n, line in enumerate((ROOT / FIFO).read_text().splitlines(), 1) if "m_valid <= !empty;" in line)
+
+
+def simulate(root, *points, fails=False):
+    """Write what Verilator writes for points (file, page, line, what, count)."""
+    lines = []
+    for file, page, row, what, count in points:
+        fields = {"f": file, "l": row, "n": 3, "page": page, "o": what, "h": "top.u"}
+        lines.append("C '" + "".join(f"\1{key}\2{value}" for key, value in fields.items()) + f"' {count}\n")
+    with counting(root) as (word,):
+        Path(word.rpartition("+")[2]).write_text("".join(lines))
+        assert not fails
+
+
+def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
+    """Counts are added over instances and parameters; other modules than the core's do not count."""
+    monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
+    points = [
+        (ROOT / FIFO, "v_toggle/ik_fifo", 13, "clk:0->1", 2),
+        (ROOT / FIFO, "v_toggle/ik_fifo__W8", 13, "clk:0->1", 3),
+        (ROOT / FIFO, "v_branch/ik_fifo", 40, "if", 0),
+        (tmp_path / "top.v", "v_line/top", 1, "block", 7),
+    ]
+    with pytest.raises(AssertionError):
+        simulate(ROOT, *points, fails=True)
+    simulate(ROOT, *points)
+    simulate(ROOT, *points)
+    assert read(tmp_path / "counts") == {
+        Point(FIFO, 13, 3, "toggle", "clk:0->1"): 10,
+        Point(FIFO, 40, 3, "branch", "if"): 0,
+    }
+
+
+def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
+    """A file with AXI rules counts as the original; the echo does not count as ik_lean."""
+    monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
+    root = echoing(tmp_path / "echo")["root"]
+    (rules,) = [path for path in with_rules([root / "rtl/ik_axis.v"], tmp_path) if path.parent == tmp_path]
+    simulate(root, *((path, "v_line/x", 1, "block", 1) for path in (rules, root / FIFO, root / "rtl/lean/ik_lean.v")))
+    assert {point.file for point in read(tmp_path / "counts")} == {"rtl/ik_axis.v", FIFO}
+    assert "coverage_off" in rules.read_text()
 
 
 @pytest.fixture
-def judged(tmp_path, monkeypatch, command):
-    """Return a function that judges counts: a point in every file, points of one FIFO line, waivers, cross hits."""
-    monkeypatch.setattr(coverage, "COUNTS", tmp_path / "counts")
-    monkeypatch.setattr(coverage, "HTML", tmp_path / "index.html")
-    monkeypatch.setattr(coverage, "PAGE", tmp_path / "coverage.md")
-    monkeypatch.setattr(waivers, "WAIVERS", tmp_path / "waivers.json")
-    monkeypatch.setattr(coverage, "merged", lambda _: hits)
-    hits = {tuple(bins[0] for bins in AXES.values()): 3}
+def judge(tmp_path, monkeypatch, command):
+    """Return a function that judges counts: a point in every file, the bins, and points of one FIFO line."""
+    for name in ("COUNTS", "ANNOTATED", "WAIVERS", "PAGE"):
+        monkeypatch.setattr(coverage, name, tmp_path / name)
 
-    def judge(points, given=(), others=(), words=("--again",)):
-        counts = {Point(str(path.relative_to(ROOT)), 1, 1, "line", "block"): 1 for path in sources()}
-        counts |= {Point(FIFO, PLACE, 7, kind, what): count for (kind, what), count in points.items()}
-        (tmp_path / "counts").mkdir(exist_ok=True)
-        (tmp_path / "counts" / "a.txt").write_text(written(counts))
-        (tmp_path / "waivers.json").write_text(json.dumps({"a test": list(given)}))
-        hits.update(others)
+    def judge(points, waivers="", words=("--again", "--keep")):
+        counts = dict.fromkeys([Point(str(path.relative_to(ROOT)), 1, 1, "line", "block") for path in sources()], 1)
+        counts |= dict.fromkeys(BINS, 3)
+        counts |= {Point(FIFO, ROW, 7, *point.split(" ", 1)): count for point, count in points.items()}
+        write(coverage.COUNTS / "a.txt", counts)
+        coverage.WAIVERS.write_text(waivers)
         return command(coverage.main, *words)
 
     return judge
 
 
-def test_what_is_reached_is_no_finding(judged, tmp_path):
-    status, out, err = judged({("line", "block"): 1, ("toggle", "m_valid:0->1"): 2}, words=["--again", "--keep"])
-    assert (status, err) == (0, []) and out[-1] == "wrote coverage.md"
-    assert "| all |" in (tmp_path / "coverage.md").read_text()
+MISSED = {"line block": 0, **{f"toggle q[{bit}]:{way}": 0 for bit in (0, 2) for way in ("0->1", "1->0")}}
 
 
-def test_what_is_not_reached_is_one(judged):
-    missed = {
-        ("line", "block"): 0,
-        **{("toggle", f"q[{bit}]:{way}"): 0 for bit in (0, 2, 3) for way in ("0->1", "1->0")},
-    }
-    status, out, _ = judged(missed, words=["--again", "--keep"])
+def test_reached_points_are_no_finding(judge):
+    assert judge({"line block": 1, "toggle m_valid:0->1": 2})[0] == 0
+    assert f"| {FIFO} | 2 | 0 | 0 | 1 | 3 | 0 |" in coverage.PAGE.read_text()
+
+
+def test_unreached_points_are_findings(judge):
+    status, out, _ = judge(MISSED | {"toggle q[3]:0->1": 0, "toggle q[3]:1->0": 1})
     assert status == 1 and not coverage.PAGE.exists()
-    assert out[-2:] == [
-        f"{FIFO}:{PLACE}: line block: m_valid <= !empty;",
-        f"{FIFO}:{PLACE}: toggle q[3:2,0]: m_valid <= !empty;",
-    ]
-    page = coverage.HTML.read_text()
-    assert "2 findings" in page and "// toggle q[3:2,0]" in page
-
-
-def test_a_waiver_excuses_its_points_only(judged):
-    missed = {("line", "block"): 0, ("toggle", "q[1]:0->1"): 0, ("toggle", "q[2]:0->1"): 0}
-    assert judged(missed, [WHY])[0] == 0
-    assert "// waived: a test" in coverage.HTML.read_text()
-    status, out, _ = judged(missed, [WHY | {"what": "block; q[1]"}])
-    assert status == 1 and out[-1] == f"{FIFO}:{PLACE}: toggle q[2] 0->1: m_valid <= !empty;"
+    at = f"{FIFO}:{ROW}:"
+    assert out[1:] == [f"{at} line block: m_valid <= !empty;", f"{at} toggle q[0] q[2] q[3]:0->1: m_valid <= !empty;"]
+    assert (coverage.ANNOTATED / FIFO).read_text().splitlines()[ROW - 1].split()[:3] == ["%", "0", "m_valid"]
 
 
 @pytest.mark.parametrize(
-    "change", [{"text": "m_valid <= full;"}, {"file": "rtl/lib/ik_ring.v"}, {"kind": "branch"}, {"what": "q"}]
-)
-def test_a_waiver_that_excuses_nothing_is_a_finding(judged, change):
-    status, out, _ = judged({("line", "block"): 0}, [WHY, WHY | change])
-    assert status == 1 and "excuses nothing" in out[-1] and change.popitem()[1] in out[-1]
-
-
-def test_a_bin_or_a_file_that_nobody_has_is_a_finding(judged, monkeypatch):
-    status, out, _ = judged({}, others={("-", "fold", "axis", "gap"): 0})
-    assert status == 1 and out[-1] == "cross not hit: - x fold x axis x gap"
-    monkeypatch.setattr(coverage, "sources", lambda: [*sources(), ROOT / "rtl" / "lib" / "ik_new.v"])
-    assert "rtl/lib/ik_new.v: no simulation has it" in judged({})[1]
-
-
-def test_nothing_is_judged_when_a_test_fails(judged, monkeypatch):
-    monkeypatch.setattr(coverage, "run", lambda only: 1)
-    status, out, err = judged({}, words=[])
-    assert (status, out, err) == (1, [], ["coverage: pytest ended with status 1"])
-
-
-@pytest.mark.parametrize(
-    ("by", "which"),
+    ("pattern", "left"),
     [
-        ("q", {"q[0]:0->1", "q[0]:1->0", "q[3]:0->1"}),
-        ("q[3:1]", {"q[3]:0->1"}),
-        ("q[7,0] 0->1", {"q[0]:0->1"}),
-        ("r", {"r:0->1"}),
-        ("g[1].q", set()),
-        ("(a==1) => 0", {"(a==1) => 0"}),
+        ("line*m_valid*!empty* q", []),
+        ("line* q[7:0]", []),
+        ("line* q[2,0]", []),
+        ("line* q[2:1] q[0]:1->0", ["toggle q[0]:0->1"]),
+        ("*", []),
+        ("line*full* q", ["line block", "no unreached"]),
+        ("branch* q", ["line block", "no unreached"]),
+        ("line* q g[0].q", ["no unreached"]),
     ],
 )
-def test_names_of_a_waiver(by, which):
-    points = ["q[0]:0->1", "q[0]:1->0", "q[3]:0->1", "r:0->1", "(a==1) => 0"]
-    assert {point for point in points if waivers.named(point, by)} == which
+def test_a_waiver_matches_its_points_only(judge, pattern, left):
+    status, out, _ = judge(MISSED, f"# waivers\nwaive rtl/*/ik_fifo.v {pattern} -- a test\n")
+    assert status == bool(left) and len(out) == 1 + (len(left) or 2)
+    assert all(part in line for part, line in zip(left, out[1:], strict=False))
+    mark = (coverage.ANNOTATED / FIFO).read_text().splitlines()[ROW - 1][0]
+    assert mark == ("%" if any(MISSED.keys() & {name} for name in left) else "~")
 
 
-def test_waivers_of_the_tree_have_reasons():
-    given = waivers.waivers()
-    assert given == list(dict.fromkeys(given)) and all(isinstance(one, Waiver) and len(one.reason) > 8 for one in given)
+def test_a_bin_or_a_file_without_a_count_is_a_finding(judge, monkeypatch):
+    monkeypatch.setattr(coverage, "sources", lambda: [*sources(), ROOT / "rtl" / "lib" / "ik_new.v"])
+    monkeypatch.setattr(coverage, "BINS", [*BINS, bin_of("new")])
+    assert judge({})[1][1:] == ["rtl/lib/ik_new.v: no simulation has it", "cross not reached: new"]
+
+
+def test_a_failing_test_ends_the_command(judge, monkeypatch):
+    monkeypatch.setattr(coverage, "run", lambda only: 1)
+    assert judge({}, words=[]) == (1, [], ["coverage: pytest ended with status 1"])
+
+
+def test_waivers_of_the_tree_can_be_parsed():
+    reasons, idle = coverage.waived([])
+    assert not reasons and idle
 
 
 def test_regions_of_targets():
-    from tb.core.functional_coverage import regions
-
-    assert NAME and regions((300, 200, 100, 5, 300, 200)) == ["regular"]
+    assert regions((300, 200, 100, 5, 300, 200)) == ["regular"]
     assert regions((0, 0, 400, 0, 300, 200)) == ["axis"]
     assert regions((0, 0, 0, 0, 300, 300)) == ["axis", "shoulder", "folded"]
     assert regions((500, 0, 0, 0, 300, 200)) == ["stretched"] and regions((101, 0, 0, 0, 300, 200)) == ["folded"]

@@ -1,46 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
 """Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern.
 
-:class:`tb.core.pipeline.Pipeline` samples each result that leaves; samples are kept once a test has checked its
-results. cocotb-coverage is needed only when coverage is enabled, and requires Python 3.11.
+:class:`tb.core.pipeline.Pipeline` samples each result that leaves, and writes the samples once a test has checked them.
 """
 
 from __future__ import annotations
 
-import ast
 import itertools
 import uuid
+from collections import Counter
 from collections.abc import Sequence
 from math import isqrt
-from pathlib import Path
 
 import numpy as np
 
 from model.io.flags import FLAGS, SATURATED, expected_flags, names
 from model.io.stimuli import mixed
+from tb.sim import coverage
+from tb.sim.coverage import Point
 
-NAME = "ik_axis.flag_datapath_region_stall"
 NEAR = 64
 """A target is near a singular pose if it is within reach / NEAR of it."""
 
-SIMULATION = uuid.uuid4().hex
-"""Identifier shared by all tests of one simulation, and thus by their bins."""
+FILE = f"{uuid.uuid4().hex}.txt"
+"""Counts of this simulation."""
 
-AXES = {
-    "flag": ["-", *(flag.name for flag in FLAGS if flag.bit != SATURATED)],
-    "datapath": ["lean", "paper", "fold"],
-    "region": ["regular", "axis", "shoulder", "stretched", "folded"],
-    "stall": ["none", "gap", "held", "gap and held"],
-}
+REGIONS = ("regular", "axis", "shoulder", "stretched", "folded")
+STALLS = ("none", "gap", "held", "gap and held")
+"""Idle clocks before the target, a result that had to wait, or both."""
 
 IMPOSSIBLE = {
-    ("too_far", None, "regular", None): "beyond full stretch",
-    ("too_near", None, "regular", None): "inside full fold",
-    ("on_axis", None, "regular", None): "on the axis",
-    ("at_shoulder", None, "regular", None): "at the shoulder",
-    ("too_far", None, "shoulder", None): "farther than d1 + d2 is not within a 64th of it",
+    *itertools.product(("too_far", "too_near", "on_axis", "at_shoulder"), ("regular",)),
+    ("too_far", "shoulder"),  # farther than d1 + d2 is not within a 64th of it
 }
-"""Bins that cannot be hit, and the reason."""
+"""Flags that exclude a region."""
+
+
+def bin_of(*values: str) -> Point:
+    """Return the point of a bin: flag, datapath, region, stall pattern."""
+    return Point("ik_axis", 0, 0, "cross", " x ".join(values))
+
+
+BINS = [
+    bin_of(flag, datapath, region, stall)
+    for flag in ["-", *(flag.name for flag in FLAGS if flag.bit != SATURATED)]
+    for datapath, region, stall in itertools.product(("lean", "paper", "fold"), REGIONS, STALLS)
+    if (flag, region) not in IMPOSSIBLE
+]
 
 
 def regions(target: Sequence[int]) -> list[str]:
@@ -68,47 +74,17 @@ def every_kind(width: int) -> np.ndarray:
     return np.array(list(dict.fromkeys(map(tuple, found.values()))))
 
 
-def merged(folder: Path) -> dict[tuple[str, ...], int]:
-    """Merge all simulations in ``folder``; return bin of the cross -> hits, empty without a simulation."""
-    import yaml
-    from cocotb_coverage.coverage import merge_coverage
-
-    files = sorted(map(str, folder.glob("*.yml")))
-    if not files:
-        return {}
-    whole = folder / "crosses.yaml"
-    merge_coverage(lambda _: None, str(whole), *files)
-    hits = yaml.safe_load(whole.read_text())[NAME]["bins:_hits"]
-    return {ast.literal_eval(name): count for name, count in hits.items()}
+HITS: Counter[Point] = Counter()
+"""Samples of this simulation."""
 
 
-class Crosses:
-    """Coverage of one simulation; :meth:`keep` writes it to its own file in ``folder``."""
-
-    def __init__(self, folder: Path) -> None:
-        from cocotb_coverage.coverage import CoverCross, CoverPoint, coverage_db
-
-        self.path, self.bins = folder / f"{SIMULATION}.yml", coverage_db
-
-        def sample(flag, datapath, region, stall):
-            """Receive the lists of bins that are hit."""
-
-        points = [
-            CoverPoint(f"ik_axis.{name}", vname=name, rel=_among, bins=bins, inj=False) for name, bins in AXES.items()
-        ]
-        self.sample = CoverCross(NAME, items=[f"ik_axis.{name}" for name in AXES], ign_bins=list(IMPOSSIBLE))(sample)
-        for point in points:
-            self.sample = point(self.sample)
-
-    def result(self, flags: int, datapath: str, target: Sequence[int], gap: bool, held: bool) -> None:
-        """Sample a result; ``gap``: its target followed idle clocks, ``held``: the result had to wait."""
-        stall = AXES["stall"][gap + 2 * held]
-        self.sample(names(flags).split("+"), [datapath], regions(target), [stall])
-
-    def keep(self) -> None:
-        """Write everything sampled so far."""
-        self.bins.export_to_yaml(str(self.path))
+def sample(flags: int, datapath: str, target: Sequence[int], gap: bool, held: bool) -> None:
+    """Sample a result; ``gap``: its target followed idle clocks, ``held``: the result had to wait."""
+    for flag, region in itertools.product(names(flags).split("+"), regions(target)):
+        HITS[bin_of(flag, datapath, region, STALLS[gap + 2 * held])] += 1
 
 
-def _among(seen: Sequence[str], of: str) -> bool:
-    return of in seen
+def keep() -> None:
+    """Write everything sampled so far."""
+    if folder := coverage.folder():
+        coverage.write(folder / FILE, HITS)

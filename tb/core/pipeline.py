@@ -22,8 +22,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from model.io.words import FIELDS, pack, unpack
-from tb.core.functional_coverage import Crosses
-from tb.sim import coverage
+from tb.core import functional_coverage
 from tb.sim.job import KEPT, Difference, report
 
 
@@ -129,8 +128,6 @@ class Pipeline:
         self.results: list[tuple[tuple[int, ...], int, int, int]] = []
         self.latencies: list[int] = []
         self.errors: list[str] = []
-        folder = coverage.folder()
-        self.crosses = Crosses(folder) if folder else None
         self.gap = self.held = False  # an idle input clock since the last target; a waiting result
         self.gaps: list[bool] = []
         cocotb.start_soon(self._watch())
@@ -203,8 +200,7 @@ class Pipeline:
         board = self.scoreboard
         assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
         assert board.compared or not (board.nodes and self.results), "the scoreboard compared nothing"
-        if self.crosses:
-            self.crosses.keep()
+        functional_coverage.keep()
 
     # ---- monitors ------------------------------------------------------------------------------------------------
 
@@ -265,9 +261,8 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
-        if self.crosses:
-            path = CONFIGURATIONS[self.datapath].rtl
-            self.crosses.result(flags, path, self.words[target], self.gaps[target], self.held)
+        path = CONFIGURATIONS[self.datapath].rtl
+        functional_coverage.sample(flags, path, self.words[target], self.gaps[target], self.held)
         self.held = False
         self.latencies.append(self.clock - self.admitted[target])
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])
