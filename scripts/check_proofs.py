@@ -17,7 +17,7 @@ from types import SimpleNamespace
 
 from scripts import formal, soak
 from scripts.console import command, switch
-from scripts.fpga import designs
+from scripts.fpga import measure
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ PAGES = (
         lambda: {name: row[-1] for name, row in formal.rows().items()},
         formal.digests,
     ),
-    Page(designs.PAGE, "make fpga", designs.recorded, designs.present),
+    Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
     Page(
         soak.PAGE,
         "make soak KEEP=1",

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from scripts import coverage, follow, formal, run, soak
-from scripts.fpga import __main__ as fpga
+from scripts.fpga import measure
 from scripts.paper import __main__ as paper
 from scripts.playground import page as playground
 from scripts.report import page
@@ -24,7 +24,7 @@ MAINS = {
     "soak": soak.main,
     "formal": formal.main,
     "paper": paper.main,
-    "fpga": fpga.main,
+    "fpga": measure.main,
     "playground": playground.main,
     "coverage": coverage.main,
 }

@@ -17,7 +17,7 @@ from model.io.words import FIELDS, RESULT_FIELDS, from_words
 from model.motion.pose import solve
 from model.reference.equations import solve_clamped
 from scripts import results, run
-from scripts.fpga.designs import clock, load
+from scripts.fpga.page import FIGURES, clock
 from scripts.recording import WAVES
 from tb.sim.simulate import Run, SimulationError
 
@@ -78,7 +78,7 @@ def test_the_scenario_of_the_paper_runs_on_both_datapaths(cli, simulator, files)
         ("paper", 100, True),
     ]
     table = {line[:41].strip(): line[41:].split() for line in out if line.startswith(" ")}
-    mhz = [clock(load(), datapath, 32) for datapath in ("lean", "paper")]
+    mhz = [clock(json.loads(FIGURES.read_text()), datapath, 32) for datapath in ("lean", "paper")]
     assert table["latency (clocks)"] == ["~550", "363", "363"]
     assert table["until the last (us)"] == ["6", *(f"{463 / each:.2f}" for each in mhz)]
 

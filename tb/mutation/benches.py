@@ -14,7 +14,6 @@ import re
 import sys
 import time
 from dataclasses import dataclass
-from functools import partial
 from inspect import signature
 from pathlib import Path
 
@@ -28,6 +27,7 @@ from tb.sim.runner import alone
 from tb.sim.seeded_bugs import copy_rtl
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import INCLUDE, LIST, MEMORY, includes
+from tb.units.unit import Case, simulation
 
 LEAST, TIMES = 30.0, 10.0
 """Time limit of a simulation: seconds, or multiples of the time without a mutant."""
@@ -122,14 +122,12 @@ def emptied(place: Path) -> Path:
 
 
 @functools.cache
-def unit_benches() -> dict[str, partial]:
-    """Return module of rtl/ -> the simulation of its bench in tb/units."""
+def unit_benches() -> dict[str, Case]:
+    """Return module of rtl/ -> its bench in tb/units."""
     found = {}
     for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
-        for value in vars(importlib.import_module(f"tb.units.{file.stem}")).values():
-            if hasattr(value, "simulations"):
-                module, groups = value.simulations
-                found[module] = groups["few"]
+        for test in vars(importlib.import_module(f"tb.units.{file.stem}")).values():
+            found |= {case.module: case for case in getattr(test, "cases", ())}
     return found
 
 
@@ -137,15 +135,14 @@ def unit_fault(mutant: Mutant, place: Path) -> str:
     """Return the fault by which the bench of its module kills a mutant; empty without one for these parameters."""
     module = mutant.options["module"]
     name, parameters = source_name(module), mutant.netlist.modules[module]["parameters"]
-    found = unit_benches().get(name)
-    if not found:
+    case = unit_benches().get(name)
+    if not case:
         return ""
-    *_, bench = found.args
     try:
-        signature(bench).bind(**parameters)
+        signature(case.bench).bind(**parameters)
     except TypeError:
         return ""
-    given = found.func(name, [parameters], bench, flat=True)
+    given = simulation([(case, parameters)])
     try:
         right, changed = (_unit(mutant, command, name, parameters, emptied(place)) for command in ("", mutant.command))
     except YosysError:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cocotb side of :func:`tb.units.unit.run_unit`: the tests of a bench, for every instance of the generated top.
+"""cocotb side of :func:`tb.units.unit.runs`: the tests of each instance of the generated top.
 
-IK_BENCH names the file and function of the bench; IK_SETS maps instances to their parameters. A test gets its instance
-as ``dut`` and is named after it. IK_FLAT skips the tests that access module internals.
+IK_SETS maps instances to module and function of their bench, and their parameters. A test gets its instance as ``dut``
+and is named after it.
 """
 
 import importlib
@@ -21,11 +21,6 @@ def _on(instance: str, test):
     return narrowed
 
 
-_file, _, _function = os.environ["IK_BENCH"].partition(":")
-_bench = getattr(importlib.import_module(_file), _function)
-for _instance, _parameters in json.loads(os.environ["IK_SETS"]).items():
-    for _name, _test in _bench(**_parameters).items():
-        if os.environ["IK_FLAT"] and hasattr(_test, "inside"):
-            continue
-        _title = f"{_instance}.{_name}"
-        globals()[_title] = cocotb.test(name=_title)(_on(_instance, _test))
+for _instance, (_file, _function, _parameters) in json.loads(os.environ["IK_SETS"]).items():
+    for _name, _test in getattr(importlib.import_module(_file), _function)(**_parameters).items():
+        globals()[f"{_instance}.{_name}"] = cocotb.test(name=f"{_instance}.{_name}")(_on(_instance, _test))

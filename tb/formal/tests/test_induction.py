@@ -65,7 +65,7 @@ def test_every_divider_and_root_of_the_model_is_proved(op):
 
 
 def test_every_number_of_places_is_proved():
-    """The FIFO's places follow from the latency, see tb/core/test_places.py."""
+    """The FIFO's places follow from the latency, see tb/core/test_elaboration.py."""
     text = (ROOT / "rtl" / "include" / "ik_latency.vh").read_text()
     latencies = re.findall(r"(\d+): datapath_latency = (\d+);", text)
     places = {int(key): 1 << (int(clocks) + 2).bit_length() for key, clocks in latencies}

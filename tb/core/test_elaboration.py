@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Unsupported parameters stop elaboration with a named error; neighbouring supported values elaborate."""
+"""Elaboration: unsupported parameters stop it with a named error, their neighbours do not; depth of the FIFO."""
 
 import re
 import subprocess
 
 import pytest
 
+from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.nodes import WIDTHS
 from tb.sim.env import ROOT, environment, simulator
-from tb.sim.sources import includes, sources
+from tb.sim.sources import header, includes, sources
+from tb.units.unit import sets_of
 
 AXIS = {
     "illegal_TAG_W": [{"TAG_W": 0}, {"TAG_W": -1}, {"TAG_W": 0, "DATAPATH": 0}, {"TAG_W": 0, "DATAPATH": 2}],
@@ -57,18 +60,35 @@ FOLD = {
     "illegal_TILE": [{"TILE": 17}, {"TILE": 25}],
 }
 
+DIV, SQRT, MUL3 = "NW DW SH QW LAT", "NW SH QW LAT", "AW BW SH OW"
+OPERATORS = [
+    ("ik_delay", "illegal_N", [{"N": -1}]),
+    ("ik_ring", "illegal_N", [{"N": 2}]),
+    ("ik_even", "illegal_width", sets_of("VW MW", (2, 20), (33, 20), (66, 34), (64, 51))),
+    ("ik_mul", "illegal_width", [{"AW": 36}]),
+    ("ik_mul3", "illegal_width", sets_of(MUL3, (36, 33, 31, 33), (33, 36, 30, 33), (1, 9, 4, 9))),
+    ("ik_mul3", "illegal_width", sets_of(f"{MUL3} TILE", (9, 9, 2, 9, 8), (5, 5, 8, 3, 4), (9, 9, 4, 9, 1))),
+    ("ik_div", "digit_illegal_LAT", sets_of(DIV, (6, 5, 2, 5, 3), (32, 32, 30, 32, 17), (2, 2, 0, 2, 2), DIGIT=1)),
+    ("ik_div", "digit_illegal_width", sets_of(DIV, (1, 5, 4, 5, 9), (5, 1, 4, 5, 9), (5, 5, 4, 1, 9), DIGIT=1)),
+    ("ik_root", "digit_illegal_LAT", sets_of(SQRT, (10, 5, 8, 4), (32, 30, 32, 16), (10, 0, 2, 1), DIGIT=1)),
+    ("ik_root", "digit_illegal_width", sets_of(SQRT, (1, 5, 8, 9), (10, 5, 1, 9), DIGIT=1)),
+]
+
+CORES = (
+    ("ik_axis", "ik_axis", AXIS),
+    ("ik_axi", "ik_axi", AXI),
+    ("ik_axi", "ik_axis", PASSED_ON),
+    ("ik_lean", "ik_lean", LEAN),
+    ("ik_paper", "ik_paper", PAPER),
+    ("ik_fold", "ik_fold", FOLD),
+)
 ILLEGAL = [
     # only the first of each name is in the quick gate
-    pytest.param(top, parameters, f"{named}_{name}", marks=pytest.mark.slow if k else ())
-    for top, named, table in (
-        ("ik_axis", "ik_axis", AXIS),
-        ("ik_axi", "ik_axi", AXI),
-        ("ik_axi", "ik_axis", PASSED_ON),
-        ("ik_lean", "ik_lean", LEAN),
-        ("ik_paper", "ik_paper", PAPER),
-        ("ik_fold", "ik_fold", FOLD),
-    )
-    for name, sets in table.items()
+    pytest.param(top, parameters, guard, marks=pytest.mark.slow if k else ())
+    for top, guard, sets in [
+        *((top, f"{named}_{name}", sets) for top, named, table in CORES for name, sets in table.items()),
+        *((top, f"{top}_{name}", sets) for top, name, sets in OPERATORS),
+    ]
     for k, parameters in enumerate(sets)
 ]
 LEGAL = [
@@ -122,3 +142,38 @@ def test_stops_with_its_name(top, parameters, name):
 @pytest.mark.parametrize(("top", "parameters"), LEGAL, ids=title)
 def test_elaborates(top, parameters):
     assert elaborated(top, parameters) == (0, set())
+
+
+PARTS = ("ik_axis", "ik_axi", "ik_lean", "ik_paper")
+"""Modules that define T_OUT and LOG2; of the others only the header is compiled."""
+
+
+def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
+    """A slot is reserved from admission until the result leaves: T_OUT clocks, two of the FIFO, one of departure.
+
+    With fewer slots the stream has gaps.
+    """
+    lines, checked = ["module top;"], 0
+    for path in (path for path in CONFIGURATIONS.values() if path.period == 1):
+        for width in (w for w in path.widths if w in WIDTHS):
+            values = ", ".join(f".{k}({v})" for k, v in {"W": width, **path.parameters}.items())
+            u, v, checked = f"{path.name}_{width}", f"memory_{path.name}_{width}", checked + 1
+            out, slots = f"{u}.g_{path.rtl}.u_core.T_OUT", f"(1 << {u}.LOG2)"
+            equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.LOG2"
+            lines += [
+                f"ik_axis #({values}) {u} ();",
+                f"ik_axi #({values}) {v} ();",
+                f'initial $display("{u} %0d", {out} + 3 <= {slots} && {slots} < 2 * ({out} + 3) && {equal});',
+            ]
+    (tmp_path / "top.v").write_text("\n".join([*lines, "endmodule", ""]))
+    files = [tmp_path / "top.v"]
+    for path in sources():
+        files.append(path if path.stem in PARTS else tmp_path / path.name)
+        if path.stem not in PARTS:
+            files[-1].write_text(header(path.read_text()))
+    folders = [f"-I{folder}" for folder in includes()]
+    build = ["iverilog", "-g2001", "-s", "top", "-o", tmp_path / "top", *folders, *files]
+    subprocess.run(build, env=environment(), check=True, capture_output=True)
+    command = ["vvp", "-n", tmp_path / "top"]
+    done = subprocess.run(command, env=environment(), check=True, capture_output=True, text=True).stdout.splitlines()
+    assert len(done) == checked and [line for line in done if not line.endswith(" 1")] == []

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``ik_sincos``, ``ik_trig`` and ``ik_rsqrt`` against their models and, within a bound, the true values."""
+
+import math
+import random
+
+import numpy as np
+
+from model.dataflow import fixed
+from model.dataflow.cores import TILE, places, rsqrt, rsqrt_clocks
+from model.dataflow.nodes import Latency, inner_frac
+from model.dataflow.trig import FRACS, error_bound, form_of, half_sincos, trig_clocks
+from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, unsigned
+
+
+def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) -> Tests:
+    """Return the tests of sin and cos of phi / 2; ``bound`` is in LSBs of 2^-``frac``."""
+    words = signed(W)
+
+    def true(vectors, got):
+        """Check that results are within the bound of the true values."""
+        for (phi,), (sin, cos) in zip(vectors, got, strict=True):
+            half = math.pi * phi / 2**W
+            error = max(abs(sin - math.ldexp(math.sin(half), frac)), abs(cos - math.ldexp(math.cos(half), frac)))
+            assert error <= bound, f"W={W}, phi={phi}: error {error:.3f} last places, bound {bound:.3f}"
+
+    def near_corners():
+        """Angles near the corners, in random order."""
+        angles = [phi + e for phi in corners(words) for e in range(-20, 21) if phi + e in words]
+        return random.sample(angles, len(angles))
+
+    ports = {"sin_h": signed(frac + 2), "cos_h": signed(frac + 2)}
+    return checks({"phi": words}, ports, model, near_corners, *streams, latency=latency, also=true)
+
+
+def sincos(W: int) -> Tests:
+    def model(phi):
+        return fixed.cordic(np.array(phi, dtype=np.int64), W)
+
+    return half_angles(W, W - 2, model, fixed.sincos_bound(W), Latency(W)["sincos"])
+
+
+def trig(W: int, F: int, TILE: int = TILE) -> Tests:
+    rows = form_of(F, TILE).rows
+    step = (1 << W - 1) // rows  # angle of a segment
+
+    def model(phi):
+        return half_sincos(np.array(phi, dtype=np.int64), W, F, TILE)
+
+    def segments():
+        """Ends and middles of many segments, for both signs."""
+        near = (-1, 0, 1, step // 2 - 1, step // 2)
+        angles = [k * step + e for k in range(-rows, rows + 1, 3) for e in near if k * step + e in signed(W)]
+        return random.sample(angles, len(angles))
+
+    return half_angles(W, F, model, error_bound(F, TILE), trig_clocks(F, TILE), segments)
+
+
+def reciprocal(F: int, TILE: int = TILE) -> Tests:
+    MW = F + 3
+    words, one = unsigned(MW), 1 << MW
+    mantissas = words[one // 4 :]
+
+    def reference(m, twice):
+        """Return the model's words. For mantissas they are within an LSB of 2^(F-1) / sqrt(V), V from m to m + 1,
+        doubled modulo the word length if ``twice``."""
+        y = rsqrt(np.array(m), F, TILE).tolist()
+        square = 100 << 2 * F + MW - 2
+        off = round(10 * places(F, TILE))
+        for v, root in zip(m, y, strict=True):
+            near = (10 * root - off) ** 2 * (v + 1) <= square < (10 * root + off) ** 2 * v
+            assert near or v not in mantissas, f"the model is not faithful: {v} -> {root}"
+        return ([(root << double) % (2 << F) for root, double in zip(y, twice, strict=True)],)
+
+    def segments():
+        """Ends, middle, where u changes its sign, and neighbours of many segments, in random order."""
+        segment = one >> 11
+        near = (0, 1, segment // 4, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
+        angles = [start + place for start in range(0, one, 7 * segment) for place in near]
+        return [(m, 0) for m in random.sample(angles, len(angles))]
+
+    def random_mantissas():
+        return [(random.choice(mantissas), random.choice(BIT)) for _ in range(2000)]
+
+    def any_words():
+        """Words below 1/4 among mantissas."""
+        some = [random.choice(words) >> random.choice((0, 0, 1, 2, 3, MW // 2)) for _ in range(1000)]
+        return [(m, random.choice(BIT)) for m in some]
+
+    return checks(
+        {"m_next": words, "twice": BIT},
+        {"y": unsigned(F + 1)},
+        reference,
+        segments,
+        random_mantissas,
+        any_words,
+        latency=rsqrt_clocks(F, TILE),  # counted after the mantissa register, where `twice` enters
+        delays={"DM": 1},
+        corners=[((one // 4, 0), 1 << F), ((one - 1, 0), 1 << F - 1), ((one - 1, 1), 1 << F), ((0, 0), 1 << F)],
+        good=(one // 3, 0),
+    )
+
+
+def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
+    """Return the parameters of ``ik_trig``; F depends on W as in the datapath."""
+    return sets_of("W F", *((w, min(inner_frac(w), FRACS[-1])) for w in widths), **tile)
+
+
+test_functions = runs(
+    Case("ik_sincos", sincos, [{"W": 32}], [{"W": 16}, {"W": 27}]),
+    Case("ik_trig", trig, of_datapath(18, 32), of_datapath(16, 19, 24, 27) + of_datapath(18, 24, TILE=16)),
+    Case(
+        "ik_rsqrt",
+        reciprocal,
+        [{"F": 31}],
+        [*sets_of("F", (29,), (22,), TILE=16), *sets_of("F", (19,), (20,), (21,), (22,), (24,), (27,))],
+    ),
+)
