@@ -11,45 +11,14 @@ of N), or sympy expressions. Lengths may have any unit; angles are in radians. M
 the right and as a multivector, `mv * scalar(c)`: numpy would iterate over a multivector on its right.
 """
 
+from itertools import combinations
+
 import numpy as np
 import sympy
 from kingdon import Algebra
 
-# Table 2: the paper's blades in the paper's order, index 1 first.
-BLADES = (
-    "1",
-    "e1",
-    "e2",
-    "e3",
-    "einf",
-    "e0",
-    "e1^e2",
-    "e1^e3",
-    "e1^einf",
-    "e1^e0",
-    "e2^e3",
-    "e2^einf",
-    "e2^e0",
-    "e3^einf",
-    "e3^e0",
-    "einf^e0",
-    "e1^e2^e3",
-    "e1^e2^einf",
-    "e1^e2^e0",
-    "e1^e3^einf",
-    "e1^e3^e0",
-    "e1^einf^e0",
-    "e2^e3^einf",
-    "e2^e3^e0",
-    "e2^einf^e0",
-    "e3^einf^e0",
-    "e1^e2^e3^einf",
-    "e1^e2^e3^e0",
-    "e1^e2^einf^e0",
-    "e1^e3^einf^e0",
-    "e2^e3^einf^e0",
-    "e1^e2^e3^einf^e0",
-)
+BLADES = tuple("^".join(blade) or "1" for n in range(6) for blade in combinations(("e1", "e2", "e3", "einf", "e0"), n))
+"""Table 2: the paper's 32 blades in the paper's order, index 1 first."""
 
 
 def _expand(value):
@@ -84,20 +53,11 @@ e3 = vector(z=1)
 e_inf = vector(inf=1)
 e_0 = vector(zero=1)
 
-PSEUDOSCALAR = e1 ^ e2 ^ e3 ^ e_inf ^ e_0  # index 32 of table 2
-PSEUDOSCALAR_INVERSE = -PSEUDOSCALAR  # its square is -1
+PSEUDOSCALAR_INVERSE = -(e1 ^ e2 ^ e3 ^ e_inf ^ e_0)  # index 32 of table 2; its square is -1
 
 i = e3 ^ e2  # (1)
 j = e1 ^ e3  # (2)
 k = e2 ^ e1  # (3)
-
-
-def coefficients(mv):
-    """Return the 32 coefficients of a multivector on the blades of table 2.
-
-    The dict maps blade name to coefficient, in the order of table 2; absent blades are 0.
-    """
-    return {blade: coefficient(mv, blade) for blade in BLADES}
 
 
 def coefficient(mv, blade):
@@ -146,48 +106,13 @@ def plane(n_x, n_y, n_z, d):
     return vector(n_x, n_y, n_z, inf=d)
 
 
-def circle(s_1, s_2):
-    """Return z = s1 ^ s2, the intersection of two spheres (or of a sphere and a plane)."""
-    return s_1 ^ s_2
-
-
-def line(pi_1, pi_2):
-    """Return l = pi1 ^ pi2, the intersection of two planes."""
-    return pi_1 ^ pi_2
-
-
-def point_pair(s_1, s_2, s_3):
-    """Return Pp = s1 ^ s2 ^ s3, the intersection of three spheres (or planes, one sphere at least)."""
-    return s_1 ^ s_2 ^ s_3
-
-
-# Table 1, direct representation: outer products of points on the entity. (The table gives none for the
-# point.)
-
-
-def sphere_direct(x_1, x_2, x_3, x_4):
-    """Return s* = x1 ^ x2 ^ x3 ^ x4."""
-    return x_1 ^ x_2 ^ x_3 ^ x_4
-
-
-def plane_direct(x_1, x_2, x_3):
-    """Return pi* = x1 ^ x2 ^ x3 ^ e_inf."""
-    return x_1 ^ x_2 ^ x_3 ^ e_inf
-
-
-def circle_direct(x_1, x_2, x_3):
-    """Return z* = x1 ^ x2 ^ x3."""
-    return x_1 ^ x_2 ^ x_3
+# Outer products of these: a circle of two spheres, a line of two planes, a point pair of three spheres or planes (one
+# sphere at least). In direct representation an entity is the outer product of points on it, with e_inf for line, plane.
 
 
 def line_direct(x_1, x_2):
     """Return l* = x1 ^ x2 ^ e_inf."""
     return x_1 ^ x_2 ^ e_inf
-
-
-def point_pair_direct(x_1, x_2):
-    """Return Pp* = x1 ^ x2."""
-    return x_1 ^ x_2
 
 
 # Metric.
@@ -250,12 +175,7 @@ def half_angle(cos_phi):
     if not isinstance(cos_phi, sympy.Expr):
         plus, minus = np.clip(plus, 0.0, 2.0), np.clip(minus, 0.0, 2.0)
     sqrt = _functions(cos_phi).sqrt
-    return sqrt(plus / 2), sqrt(minus / 2)  # (6), (7)
-
-
-def half_angle_between(o_1, o_2):
-    """Return (8), (9): (cos(phi/2), sin(phi/2)) of the angle phi measured by `cos_angle`, both roots >= 0."""
-    return half_angle(cos_angle(o_1, o_2))
+    return sqrt(plus / 2), sqrt(minus / 2)  # (6), (7); of an angle between entities (8), (9)
 
 
 # Quaternions: 1, i, j, k span them inside the algebra.

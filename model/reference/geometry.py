@@ -38,7 +38,7 @@ def elbow_point_pair(P_w, pi_swivel, d1, d2):
     """
     S_1 = cga.sphere(P_w, d2)
     S_2 = cga.sphere(e_0, d1)
-    Z_e = cga.circle(S_1, S_2)
+    Z_e = S_1 ^ S_2
     PP = Z_e ^ pi_swivel  # (12), there as the coefficients of PP*
     return S_1, S_2, Z_e, PP
 
@@ -82,7 +82,7 @@ def elbow_rotation(P_e, d1):
     P_ze = cga.point(0, 0, d1)
     pi_m = P_ze - P_e
     pi_e = cga.dual(e_0 ^ P_ze ^ P_e ^ e_inf)
-    L_m = cga.line(pi_e, pi_m)
+    L_m = pi_e ^ pi_m
     return P_ze, pi_m, pi_e, L_m, L_m * cga.scalar(1 / cga.norm(L_m))  # (15)
 
 
@@ -123,18 +123,12 @@ def solve(x, y, z, phi, d1, d2):
         P_ze, pi_m, pi_e, L_m, Q_12 = elbow_rotation(P_e, d1)
         pi_yz2, c3, sign, Q_3 = wrist_rotation(Q_12, pi_swivel, P_w)
         Q_s = Q_12 * Q_3  # (18)
-    qs_w, qs_i, qs_j, qs_k = cga.quaternion_coefficients(Q_s)
-    qe_w, qe_i, _, _ = cga.quaternion_coefficients(Q_e)
-    p_e_x, p_e_y, p_e_z = cga.euclidean_coordinates(P_e)
-    scalars = {
-        "qs_w": qs_w, "qs_i": qs_i, "qs_j": qs_j, "qs_k": qs_k, "qe_w": qe_w, "qe_i": qe_i,
-        "p_e_x": p_e_x, "p_e_y": p_e_y, "p_e_z": p_e_z, "l_sw": l_sw, "c3": c3, "c4": c4, "sign": sign,
-    }  # fmt: skip
-    entities = {
-        "P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel,
-        "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP, "P_e": P_e,
-        "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e,
-        "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m, "Q_12": Q_12,
+    found = {"l_sw": l_sw, "c3": c3, "c4": c4, "sign": sign}
+    found |= zip(("qs_w", "qs_i", "qs_j", "qs_k"), cga.quaternion_coefficients(Q_s), strict=True)
+    found |= zip(("qe_w", "qe_i"), cga.quaternion_coefficients(Q_e)[:2], strict=True)
+    found |= zip(("p_e_x", "p_e_y", "p_e_z"), cga.euclidean_coordinates(P_e), strict=True)
+    return found | {
+        "P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel, "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP, "P_e": P_e,
+        "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e, "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m, "Q_12": Q_12,
         "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s,
     }  # fmt: skip
-    return scalars | entities

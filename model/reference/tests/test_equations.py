@@ -1,50 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 3, equations (10)-(18): against forward kinematics, the print, and at poses that the print omits.
+"""Layer 3, equations (10)-(18) and the lean equations: against forward kinematics, the print, and each other.
 
-Measured largest errors over 10^5 targets of the domain of `random_targets`: with theta_3 0.05 rad or more
-from 0 and pi, hand 2e-14 of the reach and shoulder 3e-14 rad against the rotation matrix; with any theta_3,
-1e-11 and 3e-11, at the pose nearest to 0 or pi. At such a pose itself both are about 1e-8.
+Largest errors of `solve`, measured over 10^5 targets of `random_targets`: with theta_3 0.05 rad or more from 0 and pi,
+hand 2e-14 of the reach and shoulder 3e-14 rad against the rotation matrix; with any theta_3, 1e-11 and 3e-11, at the
+pose nearest to 0 or pi. At such a pose itself both are about 1e-8. `solve_lean` has 1.4e-15 over the whole workspace;
+next to singular poses it is 1e-15 rad from the print evaluated with 80 digits, `solve` up to 3e-8 rad.
 """
 
+from fractions import Fraction
+
+import mpmath
 import numpy as np
 import pytest
+import sympy
 
 from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.reference import kinematics
+from model.reference import kinematics, printed
 from model.reference.equations import pose_flags, shoulder_quaternion, solve, solve_clamped, swivel_normal
+from model.reference.lean_equations import solve_lean
 
+RESULTS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
+SQUARES = ("rho_sq", "s", "a_far", "b_near", "k_law")
 PHIS = np.linspace(-np.pi, np.pi, 17)
 
 HALF_OF_THE_DIGITS = 6e-8
 """Bound (rad, and relative to the reach) for the roots of (14) and (17) at a half angle of 0 or pi/2."""
 
+ROUNDOFF = 5e-15
+"""Bound (rad, and relative to the reach) for the lean equations."""
 
-def random_targets(size, seed):
-    """Return x, y, z, phi, d1, d2 of reachable targets all over the workspace, off the singular poses.
-
-    The elbow's interior angle is 0.05 rad or more from 0 and pi, wrist and elbow are 0.05 rad or more from
-    the z axis. theta_3 is not restricted.
-    """
-    rng = np.random.default_rng(seed)
-    d1, d2 = rng.uniform(0.2, 1, (2, 4 * size))
-    interior = rng.uniform(0.05, np.pi - 0.05, 4 * size)
-    p = rng.normal(size=(4 * size, 3))
-    p *= (np.sqrt(d1**2 + d2**2 - 2 * d1 * d2 * np.cos(interior)) / np.linalg.norm(p, axis=1))[:, None]
-    targets = (*p.T, rng.uniform(-np.pi, np.pi, 4 * size), d1, d2)
-    e = elbow_direction(targets)
-    off_axis = np.hypot(p[:, 0], p[:, 1]) > np.sin(0.05) * np.linalg.norm(p, axis=1)
-    keep = np.flatnonzero(off_axis & (np.hypot(e[:, 0], e[:, 1]) > np.sin(0.05)))[:size]
-    return tuple(column[keep] for column in targets)
-
-
-def elbow_direction(targets):
-    """Return p_e/d1 (N, 3) by the law of cosines, without the paper's equations."""
-    x, y, z, phi, d1, d2 = (np.asarray(column, dtype=float) for column in targets)
-    p = np.stack((x, y, z), axis=-1)
-    distance = np.linalg.norm(p, axis=1)
-    cos_a = np.clip((distance**2 + d1**2 - d2**2) / (2 * d1 * distance), -1, 1)
-    m = np.cross(swivel_normal(x, y, z, phi), p / distance[:, None])
-    return cos_a[:, None] * p / distance[:, None] + np.sqrt(1 - cos_a**2)[:, None] * m
+BOUNDS = {solve: HALF_OF_THE_DIGITS, solve_lean: ROUNDOFF}
+both = pytest.mark.parametrize("solver", BOUNDS, ids=lambda solver: solver.__name__)
 
 
 def shoulder(result):
@@ -59,6 +45,45 @@ def vector(result, name):
     return np.stack([result[f"{name}_{axis}"] for axis in "xyz"], axis=-1)
 
 
+def columns(*values):
+    return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
+
+
+def directions(rng, size):
+    v = rng.normal(size=(3, size))
+    return v / np.linalg.norm(v, axis=0)
+
+
+def workspace(size, seed):
+    """Return reachable targets of all poses: any direction, any distance between fold and stretch, any swivel."""
+    rng = np.random.default_rng(seed)
+    d1, d2 = rng.uniform(0.2, 1, (2, size))
+    distance = rng.uniform(np.abs(d1 - d2), d1 + d2)
+    return *(directions(rng, size) * distance), rng.uniform(-np.pi, np.pi, size), d1, d2
+
+
+def random_targets(size, seed):
+    """Return targets of `workspace` off the singular poses: the elbow's interior angle is 0.05 rad or more from 0 and
+    pi, wrist and elbow are 0.05 rad or more from the z axis. theta_3 is not restricted."""
+    targets = workspace(4 * size, seed)
+    x, y, z, _, d1, d2 = targets
+    interior = np.arccos((d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2))
+    e = elbow_direction(targets)
+    off_axis = np.minimum(np.hypot(x, y) / np.hypot(np.hypot(x, y), z), np.hypot(e[:, 0], e[:, 1])) > np.sin(0.05)
+    keep = np.flatnonzero(off_axis & (np.abs(interior - np.pi / 2) < np.pi / 2 - 0.05))[:size]
+    return tuple(column[keep] for column in targets)
+
+
+def elbow_direction(targets):
+    """Return p_e/d1 (N, 3) by the law of cosines, without the paper's equations."""
+    x, y, z, phi, d1, d2 = (np.asarray(column, dtype=float) for column in targets)
+    p = np.stack((x, y, z), axis=-1)
+    distance = np.linalg.norm(p, axis=1)
+    cosine = np.clip((distance**2 + d1**2 - d2**2) / (2 * d1 * distance), -1, 1)
+    m = np.cross(swivel_normal(x, y, z, phi), p / distance[:, None])
+    return cosine[:, None] * p / distance[:, None] + np.sqrt(1 - cosine**2)[:, None] * m
+
+
 def hand_error(result, targets):
     """Return the distance of the forward kinematics' wrist from the target, over the reach."""
     *p, _, d1, d2 = targets
@@ -66,33 +91,33 @@ def hand_error(result, targets):
     return np.linalg.norm(wrist - np.stack(p, axis=-1), axis=1) / (np.asarray(d1) + d2)
 
 
-def matrix_form(targets):
-    """Return the shoulder from the directions of normal and elbow, a form without singular poses."""
-    return shoulder_quaternion(swivel_normal(*targets[:4]), elbow_direction(targets))
+def angle(a, b):
+    return kinematics.angle_between(shoulder(a), shoulder(b))
 
 
-def columns(*values):
-    return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
-
-
-def assert_unit(result):
-    np.testing.assert_allclose((shoulder(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qs| = 1")
-    np.testing.assert_allclose((elbow(result) ** 2).sum(axis=1), 1, rtol=0, atol=1e-14, err_msg="|Qe| = 1")
-    assert (result["qs_k"] >= 0).all(), "the k part of Qs is never negative"
+def elbow_angle(result):
+    return 2 * np.arctan2(result["qe_i"], result["qe_w"])
 
 
 def assert_defined(result):
     for name, values in result.items():
-        assert np.isfinite(values).all(), f"{name} is not finite"
-    assert_unit(result)
+        assert not np.isnan(values).any(), f"{name} is nan"
+        assert np.isfinite(values).all() or name not in RESULTS, f"{name} is not finite"
+    for quaternion in (shoulder(result), elbow(result)):
+        np.testing.assert_allclose((quaternion**2).sum(axis=1), 1, rtol=0, atol=1e-14)
+    assert (result["qs_k"] >= 0).all() and (result["qe_w"] >= 0).all() and (result["qe_i"] <= 0).all()
+    if "length_sq" in result:
+        assert (result["length_sq"] >= 1 / 8).all() and (result["length_sq"] <= 1 + 1e-15).all()
 
 
 def assert_pose(targets):
-    """Assert a defined pose, with the hand at the target and the shoulder of the non-singular matrix form."""
+    """Assert that `solve` gives a defined pose, with the hand at the target and the shoulder of the matrix form, which
+    has no singular poses."""
     result = solve(*targets)
     assert_defined(result)
     assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
-    assert kinematics.angle_between(shoulder(result), matrix_form(targets)).max() < HALF_OF_THE_DIGITS, "shoulder"
+    matrix_form = shoulder_quaternion(swivel_normal(*targets[:4]), elbow_direction(targets))
+    assert kinematics.angle_between(shoulder(result), matrix_form).max() < HALF_OF_THE_DIGITS, "shoulder"
     return result
 
 
@@ -100,85 +125,175 @@ def assert_pose(targets):
 
 TARGETS = random_targets(20_000, seed=1)
 RESULT = solve(*TARGETS)
-REGULAR = (RESULT["q3_scalar"] > np.sin(0.05 / 2)) & (np.abs(RESULT["q3_k"]) > np.sin(0.05 / 2))
-"""theta_3 is 0.05 rad or more from 0 and pi, where (17) keeps its digits."""
 
 
-def test_hand_is_at_the_target():
-    error = hand_error(RESULT, TARGETS)
-    assert error[REGULAR].max() < 1e-12, "forward kinematics of Qs, Qe"
-    assert error.max() < HALF_OF_THE_DIGITS, "and for any theta_3"
-    assert_defined(RESULT)
-
-
-def test_elbow_of_forward_kinematics_is_the_elbow_point():
-    found, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), *TARGETS[4:])
+def test_poses_agree_with_forward_kinematics():
+    """Hand, elbow, the rotation with columns -n, e x (-n), e, and the law of cosines."""
+    x, y, z, _, d1, d2 = TARGETS
+    regular = (RESULT["q3_scalar"] > np.sin(0.05 / 2)) & (np.abs(RESULT["q3_k"]) > np.sin(0.05 / 2))  # theta_3
+    assert_pose(TARGETS)
+    assert hand_error(RESULT, TARGETS)[regular].max() < 1e-12
+    e = elbow_direction(TARGETS)
+    gap = kinematics.angle_between(shoulder(RESULT), shoulder_quaternion(swivel_normal(*TARGETS[:4]), e))
+    assert gap.max() < 1e-9 and gap[regular].max() < 1e-12, "(15)-(18)"
+    found, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), d1, d2)
     np.testing.assert_allclose(vector(RESULT, "p_e"), found, rtol=0, atol=1e-13, err_msg="(13) against Qs")
-    expected = TARGETS[4][:, None] * elbow_direction(TARGETS)
-    np.testing.assert_allclose(vector(RESULT, "p_e"), expected, rtol=0, atol=1e-13, err_msg="(13) against trigonometry")
-
-
-def test_shoulder_is_the_rotation_of_the_matrix_form():
-    error = kinematics.angle_between(shoulder(RESULT), matrix_form(TARGETS))
-    assert error.max() < 1e-9, "(15)-(18) against columns -n, e x (-n), e"
-    assert error[REGULAR].max() < 1e-12, "theta_3 0.05 rad off 0 and pi"
-
-
-def signed_swivel(targets, normal):
-    """Return the angle (rad) of the plane with this normal from the vertical plane, about the wrist's direction."""
-    p = np.stack(targets[:3], axis=-1)
-    axis = p / np.linalg.norm(p, axis=1, keepdims=True)
-    vertical = np.stack((p[:, 1], -p[:, 0], 0 * p[:, 0]), axis=-1)
-    return np.arctan2((axis * np.cross(vertical, normal)).sum(axis=1), (vertical * normal).sum(axis=1))
+    np.testing.assert_allclose(vector(RESULT, "p_e"), d1[:, None] * e, rtol=0, atol=1e-13, err_msg="(13)")
+    cosine = (d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2)
+    np.testing.assert_allclose(RESULT["c4"], cosine, rtol=0, atol=1e-13, err_msg="(14)")
 
 
 def test_swivel_angle_is_phi():
-    """Modulo a turn, with its sign, for the plane and the arm."""
+    """Modulo a turn, with its sign, from the vertical plane and about the wrist's direction: of plane and arm."""
+    p = np.stack(TARGETS[:3], axis=-1)
+    axis = p / np.linalg.norm(p, axis=1, keepdims=True)
+    vertical = np.stack((p[:, 1], -p[:, 0], 0 * p[:, 0]), axis=-1)
     found, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), *TARGETS[4:])
-    arm = np.cross(np.stack(TARGETS[:3], axis=-1), found)
-    for what, normal in (("pi_swivel (11)", vector(RESULT, "pi_swivel")), ("the arm itself", arm)):
-        error = np.angle(np.exp(1j * (signed_swivel(TARGETS, normal) - TARGETS[3])))
-        assert np.abs(error).max() < 1e-11, f"swivel angle of {what}"
+    for what, normal in (("pi_swivel (11)", vector(RESULT, "pi_swivel")), ("arm", np.cross(p, found))):
+        turned = np.arctan2((axis * np.cross(vertical, normal)).sum(axis=1), (vertical * normal).sum(axis=1))
+        assert np.abs(np.angle(np.exp(1j * (turned - TARGETS[3])))).max() < 1e-11, what
 
 
-def test_elbow_angle_is_the_interior_one():
-    x, y, z, _, d1, d2 = TARGETS
-    cosine = (d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2)
-    np.testing.assert_allclose(RESULT["c4"], cosine, rtol=0, atol=1e-13, err_msg="(14), law of cosines")
-    assert (RESULT["qe_w"] > 0).all() and (RESULT["qe_i"] < 0).all(), "signs of (14)"
-
-
+@both
 @pytest.mark.parametrize("exponent", [-40, -9, 9, 40])
-def test_unit_of_length_does_not_matter(exponent):
+def test_unit_of_length_does_not_matter(solver, exponent):
     x, y, z, phi, d1, d2 = TARGETS
-    scaled = solve(*(np.ldexp(v, exponent) for v in (x, y, z)), phi, *(np.ldexp(v, exponent) for v in (d1, d2)))
-    for name in ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i"):
-        # Powers of two are exact, so even roundoff is the same.
-        np.testing.assert_array_equal(scaled[name], RESULT[name], err_msg=f"{name} in a unit of 2^{-exponent}")
+    scaled = solver(*(np.ldexp(v, exponent) for v in (x, y, z)), phi, *(np.ldexp(v, exponent) for v in (d1, d2)))
+    one = solver(*TARGETS)
+    for name in (*RESULTS, *(SQUARES if solver is solve_lean else ())):
+        # Powers of two are exact, so even roundoff is the same; in lean an odd one moves the mantissas of d1 and d2.
+        tolerance = 2e-15 if solver is solve_lean and exponent % 2 else 0
+        power = 2 * exponent if name in SQUARES else 0
+        np.testing.assert_allclose(np.ldexp(scaled[name], -power), one[name], rtol=0, atol=tolerance, err_msg=name)
 
 
-# -- poses at which the printed equations are 0/0
+def test_lean_equations_agree_with_the_paper_in_the_whole_workspace():
+    targets = workspace(100_000, seed=1)
+    lean, paper = solve_lean(*targets), solve(*targets)
+    assert (lean["flags"] == 0).all(), "in reach"
+    assert angle(lean, paper).max() < 1e-9 and np.abs(elbow_angle(lean) - elbow_angle(paper)).max() < 1e-9
+    assert hand_error(lean, targets).max() < ROUNDOFF
+    assert_defined(lean)
+    x, y, z, _, d1, d2 = (column[:2000] for column in targets)
+    rho, distance = np.hypot(x, y), np.sqrt(x**2 + y**2 + z**2)
+    arm = (distance**2 + d1**2 - d2**2) / (2 * d1 * distance)
+    for name, cosine in (("az", -y / rho), ("tilt", z / distance), ("arm", arm)):  # each along half of its angle
+        half_c, half_s = lean[f"{name}_c"][:2000], lean[f"{name}_s"][:2000]
+        np.testing.assert_allclose((half_c**2 - half_s**2) / (half_c**2 + half_s**2), cosine, rtol=0, atol=1e-14)
+
+
+# -- singular poses
+
+
+def singular(size, seed):
+    """Return reachable targets 1e-2 to 1e-12 (relative) from poses where a root of the paper loses digits, by kind."""
+    rng = np.random.default_rng(seed)
+    d1, d2 = rng.uniform(0.2, 1, (2, size))
+    near, reach = np.abs(d1 - d2), d1 + d2
+    off = 10 ** rng.uniform(-12, -2, size)
+    azimuth, phi = rng.uniform(-np.pi, np.pi, (2, size))
+    v = directions(rng, size)
+    distance = near + (reach - near) * rng.uniform(0.1, 0.9, size)
+    axis = np.stack((np.sin(off) * np.cos(azimuth), np.sin(off) * np.sin(azimuth), np.cos(off) * rng.choice([-1, 1])))
+    up = np.array([0.0, 0.0, 1.0])[:, None]
+    # the elbow near +z: the forearm points anywhere in the swivel plane phi = 0 of its target
+    bend = rng.uniform(0.3, 2.8, size)
+    wrist = d1 * up + d2 * np.stack((np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend)))
+    kinds = {
+        "wrist near the z axis": (axis * distance, phi),
+        "stretched": (v * reach * (1 - off), phi),
+        "folded": (v * (near + reach * off), phi),
+        "stretched near the z axis": (axis * reach * (1 - off), phi),
+        "elbow near the z axis": (wrist, off * rng.choice([-1, 1], size)),
+        "theta_3 near 0 or pi": (v * distance, _swivel_of_theta_3(v * distance, d1, d2) + off),
+    }
+    kinds = {kind: (*p, swivel, d1, d2) for kind, (p, swivel) in kinds.items()}
+    for kind, targets in kinds.items():
+        inside = solve_lean(*targets)["flags"] == 0
+        assert inside.mean() > 0.9, kind
+        kinds[kind] = tuple(column[inside] for column in targets)
+    return kinds
+
+
+def _swivel_of_theta_3(p, d1, d2):
+    """Return phi at which qs_w is 0, by bisection: theta_3 is 0 there."""
+    low, high = np.zeros_like(d1), np.full_like(d1, 2 * np.pi)
+
+    def signed(phi):
+        result = solve_lean(*p, phi, d1, d2)
+        return result["qs_w"] * np.sign(result["qs_k"])
+
+    # Qs changes its sign over a full turn of phi, so w has a zero unless k, which is kept >= 0, has one first.
+    first = signed(low)
+    for _ in range(60):
+        middle = (low + high) / 2
+        same = signed(middle) * first > 0
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return low
+
+
+def the_print():
+    """Return (10)-(18) as printed, except for the square in (11): a function from six mpmath numbers to a dict."""
+    compiled = {}
+    for name, text in (
+        (name, text) for number, rows in printed.TEXT.items() if number != "(19)" for name, text in rows.items()
+    ):
+        if name in ("pi_swivel_x", "pi_swivel_y"):
+            assert text.count("l_sw*cos(phi/2))") == 1, "the misprint"
+            text = text.replace("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)")
+        line = printed._parse(text).doit()
+        arguments = sorted(map(str, line.free_symbols))
+        compiled[name] = arguments, sympy.lambdify(arguments, line, "mpmath")
+
+    def evaluate(*target):
+        names = ("p_w_x", "p_w_y", "p_w_z", "phi", "d1", "d2")
+        values = dict(zip(names, (mpmath.mpf(float(v)) for v in target), strict=True))
+        for name, (arguments, function) in compiled.items():
+            values[name] = function(*(values[a] for a in arguments))
+        return [float(values[name]) for name in RESULTS]
+
+    return evaluate
+
+
+SINGULAR = singular(100, seed=2)
+EVALUATE = the_print()
+
+
+@pytest.mark.parametrize("kind", SINGULAR)
+def test_agrees_with_the_print_next_to_singular_poses(kind):
+    """Double precision is insufficient for the paper's equations there: they are evaluated with 80 digits."""
+    targets = SINGULAR[kind]
+    with mpmath.workdps(80):
+        paper = np.array([EVALUATE(*target) for target in zip(*targets, strict=True)])
+    paper = dict(zip(RESULTS, paper.T, strict=True))
+    for solver, bound in BOUNDS.items():
+        result = solver(*targets)
+        assert_defined(result)
+        assert angle(result, paper).max() < bound, f"{solver.__name__}: shoulder"
+        assert np.abs(elbow_angle(result) - elbow_angle(paper)).max() < bound, f"{solver.__name__}: elbow"
+        assert hand_error(result, targets).max() < bound, f"{solver.__name__}: hand"
 
 
 @pytest.mark.parametrize("z", [0.5, -0.5])
 def test_target_on_the_z_axis_takes_azimuth_0(z):
-    targets = columns(0, 0, z, PHIS, 0.3, 0.4)
-    result = assert_pose(targets)
-    # The limit of a target that approaches the axis along +x, as its azimuth is 0.
-    limit = solve(*columns(1e-12, 0, z, PHIS, 0.3, 0.4))
-    gap = kinematics.angle_between(shoulder(result), shoulder(limit))
-    assert gap.max() < HALF_OF_THE_DIGITS, "shoulder against a target 1e-12 off the axis in the direction of x"
+    """Both equations give the limit of a target that approaches the axis along +x."""
+    targets = columns(0, 0, z, PHIS, 0.4, 0.3)
+    result, lean = assert_pose(targets), solve_lean(*targets)
+    assert (lean["flags"] == ON_AXIS).all() and hand_error(lean, targets).max() < ROUNDOFF
+    assert angle(lean, result).max() < HALF_OF_THE_DIGITS
+    assert angle(result, solve(*columns(1e-12, 0, z, PHIS, 0.4, 0.3))).max() < HALF_OF_THE_DIGITS
+    limit = solve_lean(*columns(1e-300, 0, z, PHIS, 0.4, 0.3))
+    np.testing.assert_allclose(shoulder(lean), shoulder(limit), rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("up", [1, -1], ids=["elbow up", "elbow down"])
 @pytest.mark.parametrize("bend", [0.3, 1.5, 2.8])
 def test_elbow_on_the_z_axis(up, bend):
-    """Exact for a wrist in the x-z or y-z plane, where roundoff permits; otherwise up to roundoff."""
+    """Exact for a wrist in the x-z or y-z plane; otherwise up to roundoff, where Q_3 compensates for any Q_12."""
     azimuth = np.linspace(0, 2 * np.pi, 33)
     direction = np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend) * up
     phi = 0 if up > 0 else np.pi
     targets = columns(0.25 * direction[0], 0.25 * direction[1], 0.5 * up + 0.25 * direction[2], phi, 0.5, 0.25)
-    # For an elbow on the axis up to roundoff, Q_12 is meaningless; Q_3 must compensate for it.
     result = assert_pose(targets)
     assert np.hypot(result["p_e_x"], result["p_e_y"]).max() < 1e-14, "the pose that was meant"
 
@@ -197,62 +312,80 @@ def test_straight_and_folded_arm_keep_their_swivel(p, lengths):
     assert_pose(targets)
 
 
-@pytest.mark.parametrize("exponent", range(-1, -13, -1))
-def test_near_singular_poses(exponent):
-    """Poses 10^-1 .. 10^-12 from full stretch, full fold, wrist on the axis, elbow on the axis; otherwise random."""
-    rng = np.random.default_rng(-exponent)
-    off, size = 10.0**exponent, 300
-    d1, d2, azimuth, phi = (
-        rng.uniform(0.3, 1, size),
-        rng.uniform(0.3, 1, size),
-        *rng.uniform(-3, 3, (2, size)),
-    )
-    any_way = rng.normal(size=(3, size))
-    any_way /= np.linalg.norm(any_way, axis=0)
-    up = np.stack((off * np.cos(azimuth), off * np.sin(azimuth), np.sqrt(1 - off**2) * rng.choice((-1, 1), size)))
-    middle = np.abs(d1 - d2) + rng.uniform(0.1, 0.9, size) * (d1 + d2 - np.abs(d1 - d2))
-    bend = rng.uniform(0.2, 2.9, size) * np.array((np.cos(azimuth), np.sin(azimuth), 0 * azimuth))
-    forearm = np.stack((np.sin(bend[0]) * np.sin(azimuth), np.sin(bend[0]) * np.cos(azimuth), np.cos(bend[0])))
-    kinds = {
-        "full stretch": ((d1 + d2) * (1 - off) * any_way, phi),
-        "full fold": ((np.abs(d1 - d2) * (1 + off) + off * d1) * any_way, phi),
-        "wrist near the z axis": (middle * up, phi),
-        "elbow near the z axis": (d1 * up + d2 * forearm, off * phi),
-    }
-    for kind, (p, swivel) in kinds.items():
-        targets = (*p, swivel, d1, d2)
-        result = solve(*targets)
-        assert_defined(result)
-        assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, f"{kind}: hand"
-        # At the fold the elbow's direction is as uncertain as roundoff over |p|: compare with the computed elbow.
-        e = vector(result, "p_e")
-        e /= np.linalg.norm(e, axis=1, keepdims=True)
-        expected = shoulder_quaternion(swivel_normal(*targets[:4]), e)
-        assert kinematics.angle_between(shoulder(result), expected).max() < HALF_OF_THE_DIGITS, f"{kind}: shoulder"
+@pytest.mark.parametrize("factor", ["az", "tilt", "arm"])
+def test_lean_equations_are_continuous_where_a_branch_changes(factor):
+    edges = np.array([0.0, 1e-3, 1e-7, 1e-12, 1e-15])
+    sides = np.concatenate((edges, -edges)).repeat(len(PHIS))
+    p, lengths = {
+        "az": ((0.4, -sides, 0.2), (0.4, 0.3)),
+        "tilt": ((0.3, 0.4, sides), (0.4, 0.3)),
+        "arm": ((0.0, 0.75 * (1 + sides), 0.0), (1.0, 1.25)),  # right angle at the shoulder: 3-4-5
+    }[factor]
+    targets = columns(*p, np.tile(PHIS, 2 * len(edges)), *lengths)
+    lean = solve_lean(*targets)
+    assert (np.sign(lean[f"{factor}_c"] - lean[f"{factor}_s"]) == np.sign(sides)).all(), "both branches"
+    above, below = shoulder(lean).reshape(2, len(edges), len(PHIS), 4)
+    for n, edge in enumerate(edges):
+        assert kinematics.angle_between(above[n], below[n]).max() < 10 * edge + ROUNDOFF, f"step over {edge:g}"
+    assert hand_error(lean, targets).max() < ROUNDOFF
 
 
-def test_never_nan():
-    """Reachable targets at the ends of the number range: all lengths and offsets, on and near each axis."""
+@both
+def test_defined_at_the_ends_of_the_number_range(solver):
+    """All lengths and offsets, on and near each axis."""
     lengths = [1e-15, 1e-6, 1.0, 1e15]
     offsets = [0.0, 5e-324, 1e-300, 1e-160, 1e-100, 1e-31, 1e-29, 1e-16, 1e-8, 0.5, 1.0]
-    grid = np.array(np.meshgrid(lengths, offsets, offsets, offsets, [0.0, 1.0, np.pi])).reshape(5, -1)
-    d, x, y, z, phi = grid
+    d, x, y, z, phi = np.array(np.meshgrid(lengths, offsets, offsets, offsets, [0.0, 1.0, np.pi])).reshape(5, -1)
     targets = (d * x, -d * y, d * z, phi, d, d)
-    result = solve(*targets)
+    result = solver(*targets)
     assert_defined(result)
-    assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
+    inside = pose_flags(*targets[:3], d, d) & ~ON_AXIS == 0
+    assert hand_error(result, targets)[inside | (solver is solve)].max() < BOUNDS[solver]
+
+
+def test_lean_equations_at_extreme_lengths():
+    """Clamped targets of any size; links up to 10^30 apart keep the digits of the elbow's angle at the shoulder."""
+    big = [-4e307, -1.0, 0.0, 5e-324, 1e-300, 4e307]
+    x, y, z, d1, d2 = np.array(np.meshgrid(big, big, big, big, big)).reshape(5, -1)
+    size, longer, shorter = np.max(np.abs((x, y, z)), axis=0), np.maximum(d1, d2), np.minimum(d1, d2)
+    out_of_reach = (shorter <= 0) | (size > 2 * longer) | ((size < longer / 4) & (shorter < longer / 4))
+    assert_defined(solve_lean(*(v[out_of_reach] for v in (x, y, z)), 0.3, d1[out_of_reach], d2[out_of_reach]))
+    for d1, d2 in ((1e-15, 1.0), (1.0, 1e-15), (1e-15, 1e15), (1e15, 1e-15), (1e-3, 1e3), (1e-9, 1e6)):
+        near = (1 + np.arange(-3, 4) * 2.0**-52) * max(d1, d2)
+        targets = columns(np.append(near, 0.6 * max(d1, d2)), 0.0, np.append(0 * near, 0.8 * max(d1, d2)), 0.7, d1, d2)
+        result = solve_lean(*targets)
+        assert_defined(result)
+        assert hand_error(result, targets)[result["flags"] == 0].max(initial=0) < ROUNDOFF
+
+
+def test_lean_sums_are_exact_next_to_the_limits():
+    """A, B and K against rational numbers, with links up to 10^14 apart and targets within an ulp of the limits."""
+    rng = np.random.default_rng(10)
+    size = 400
+    d1 = rng.uniform(0.5, 1, size)
+    d2 = d1 * 10 ** rng.uniform(-14, 0, size)
+    limit = np.where(rng.random(size) < 0.5, d1 + d2, d1 - d2)
+    x = np.where(rng.random(size) < 0.5, limit, d1) * np.where(rng.random(size) < 0.2, 0.6, 1)
+    y = np.sqrt(np.maximum(limit * limit - x * x, 0)) * rng.choice([1, 1 + 2e-16, 1 - 1e-16], size)
+    y = np.where((x == d1) & (rng.random(size) < 0.5), np.sqrt(2 * d1 * d2), y)  # x^2 + y^2 = r^2 except for d2^2
+    swap = rng.random(size) < 0.5
+    d1, d2 = np.where(swap, d2, d1), np.where(swap, d1, d2)
+    lean = solve_lean(x, y, 0.0, 0.3, d1, d2)
+    assert_defined(lean)
+    for n, row in enumerate(zip(x, y, d1, d2, strict=True)):
+        for name, value in exact_sums(row[0], row[1], 0.0, *row[2:]).items():
+            assert abs(Fraction(float(lean[name][n])) - value) <= abs(value) * Fraction(2) ** -52, f"{name} of {row}"
+
+
+def exact_sums(*lengths):
+    x, y, z, d1, d2 = (Fraction(float(v)) for v in lengths)
+    s = x * x + y * y + z * z
+    return {"a_far": (d1 + d2) ** 2 - s, "b_near": s - (d1 - d2) ** 2, "k_law": s + d1 * d1 - d2 * d2}
 
 
 # -- clamped poses
 
-
-def random_directions(size=50, seed=3):
-    rng = np.random.default_rng(seed)
-    v = rng.normal(size=(3, size))
-    return v / np.linalg.norm(v, axis=0), rng.uniform(-np.pi, np.pi, size)
-
-
-ANYWHERE, UP = random_directions()[0], np.array([[0.0], [0.0], [1.0]])
+ANYWHERE, UP = directions(np.random.default_rng(3), 50), np.array([[0.0], [0.0], [1.0]])
 CLAMPED = {
     "too far": (1.5 * ANYWHERE, (0.4, 0.3), TOO_FAR, 0.4, 0.7, False),
     "too near, long upper arm": (0.1 * ANYWHERE, (0.5, 0.2), TOO_NEAR, 0.5, 0.3, True),
@@ -267,25 +400,26 @@ CLAMPED = {
         for d1, d2 in ((0, 0.3), (0.3, 0), (-0.1, 0.3), (0.3, -1), (0, 0), (-1, -1))
     },
 }
-"""Return case -> positions, lengths, flags, elbow and wrist along the direction of the target, folded or straight."""
+"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, folded or straight."""
 
 
 @pytest.mark.parametrize("case", CLAMPED)
 def test_clamped_arms_lie_along_the_target(case):
     p, lengths, flags, elbow_at, wrist_at, folded = CLAMPED[case]
-    targets = columns(*p, random_directions()[1], *lengths)
-    result = solve_clamped(*targets)
-    assert_defined(result)
-    assert (result["flags"] == flags).all(), f"flags {sorted(set(result['flags']))}"
+    targets = columns(*p, np.linspace(-3, 3, 50), *lengths)
     p = np.stack(targets[:3], axis=-1)
     size = np.linalg.norm(p, axis=1, keepdims=True)
     direction = np.where(size > 0, p / np.maximum(size, 1e-300), (0, 0, 1))
-    found, wrist = kinematics.forward(shoulder(result), elbow(result), *targets[4:])
-    np.testing.assert_allclose(found, elbow_at * direction, atol=1e-14, err_msg="elbow")
-    np.testing.assert_allclose(wrist, wrist_at * direction, atol=1e-14, err_msg="wrist")
-    assert (elbow(result) == ((1, 0) if folded else (0, -1))).all(), "Qe"
-    local_x = kinematics.rotate(shoulder(result), np.array([(1.0, 0.0, 0.0)]))
-    np.testing.assert_allclose(local_x, -swivel_normal(*targets[:4]), atol=1e-14, err_msg="swivel plane")
+    for solver in (solve_clamped, solve_lean):
+        result = solver(*targets)
+        assert_defined(result)
+        assert (result["flags"] == flags).all(), f"flags {sorted(set(result['flags']))}"
+        found, wrist = kinematics.forward(shoulder(result), elbow(result), *targets[4:])
+        np.testing.assert_allclose(found, elbow_at * direction, atol=1e-14, err_msg="elbow")
+        np.testing.assert_allclose(wrist, wrist_at * direction, atol=1e-14, err_msg="wrist")
+        assert (elbow(result) == ((1, 0) if folded else (0, -1))).all(), "Qe"
+        local_x = kinematics.rotate(shoulder(result), np.array([(1.0, 0.0, 0.0)]))
+        np.testing.assert_allclose(local_x, -swivel_normal(*targets[:4]), atol=1e-14, err_msg="swivel plane")
 
 
 def test_flags_are_exact_at_the_limits():
@@ -294,63 +428,68 @@ def test_flags_are_exact_at_the_limits():
     x, y = 3 * (2**28 - 1) * ulp, 4 * (2**28 - 1) * ulp
     reach = 5 * (2**28 - 1) * ulp
     z = np.array([0, ulp])
-    np.testing.assert_array_equal(pose_flags(x, y, z, reach - 0.5, 0.5), [0, TOO_FAR], err_msg="far limit")
-    np.testing.assert_array_equal(pose_flags(x, y, z, reach + 0.5, 0.5), [0, 0], err_msg="near limit")
-    np.testing.assert_array_equal(
-        pose_flags(x, y, z, reach + 0.5 + ulp, 0.5),
-        [TOO_NEAR, TOO_NEAR],
-        err_msg="one unit inside the near limit",
-    )
-    inside = solve_clamped(x, y, z, 0.7, reach - 0.5, 0.5)
-    assert_defined(inside)
+    for d1, flags in ((reach - 0.5, [0, TOO_FAR]), (reach + 0.5, [0, 0]), (reach + 0.5 + ulp, [TOO_NEAR] * 2)):
+        np.testing.assert_array_equal(pose_flags(x, y, z, d1, 0.5), flags)
+        assert_defined(solve_clamped(x, y, z, 0.7, d1, 0.5))
 
 
-def test_flags_are_those_of_the_integer_rule():
-    rng = np.random.default_rng(6)
+def test_words_of_the_core():
+    """Every kind of small word, all corners of large ones: flags by the integer rule, the same poses, exact squares."""
+    rng = np.random.default_rng(5)
     words = rng.integers(-(2**31), 2**31, (3000, 6))
-    words[::2] = rng.integers(-3, 4, (1500, 6))  # small words: ties, axis, shoulder, bad lengths
-    found = pose_flags(*(words[:, [0, 1, 2, 4, 5]].T * 2.0**-30))
-    np.testing.assert_array_equal(found, expected_flags(words, 32), err_msg="model.io.flags on the same words")
-
-
-def test_mixed_stream_keeps_its_order():
-    x = np.array([0.5, 2.0, 0.01, 0.5, 0.3])
-    d1 = np.array([0.4, 0.4, 0.4, -1.0, 0.4])
-    mixed = solve_clamped(x, 0.1, 0.2, 0.3, d1, 0.3)
-    np.testing.assert_array_equal(mixed["flags"], [0, TOO_FAR, 0, BAD_LENGTH, 0], err_msg="flags")
-    for n in range(5):
-        alone = solve_clamped(x[n], 0.1, 0.2, 0.3, d1[n], 0.3)
-        for name, value in alone.items():
-            assert value[0] == mixed[name][n], f"{name} of target {n}"
+    words[:2000] = rng.integers(-3, 4, (2000, 6))
+    words[2000:2200] = rng.choice([-(2**31), 2**31 - 1, 0, 1, -1], (200, 6))
+    scaled = words * 2.0**-30
+    targets = (*scaled.T[:3], words[:, 3] * (np.pi / 2**31), *scaled.T[4:])
+    lean, paper = solve_lean(*targets), solve_clamped(*targets)
+    for result in (lean, paper):
+        assert_defined(result)
+        np.testing.assert_array_equal(result["flags"], expected_flags(words, 32))
+    clamped = lean["flags"] & ~ON_AXIS != 0
+    assert 0.1 < clamped.mean() < 0.95, "both kinds"
+    assert angle(lean, paper)[clamped].max() < ROUNDOFF
+    assert angle(lean, paper).max() < 1e-7, "small words hit singular poses, where the paper keeps half of the digits"
+    for n, row in enumerate(scaled[:, [0, 1, 2, 4, 5]]):
+        for name, value in exact_sums(*row).items():
+            assert lean[name][n] == float(value), f"{name} of {row}, rounded once"
+    for n in range(0, 3000, 500):  # each target alone, too
+        alone = solve_clamped(*(column[n] for column in targets))
+        assert all(value[0] == paper[name][n] for name, value in alone.items())
 
 
 def test_a_clamped_pose_continues_the_reachable_ones():
-    v, phi = random_directions()
     for limit, sign in ((0.7, 1), (0.1, -1)):
-        inside = solve_clamped(*((limit - sign * 1e-9) * v), phi, 0.4, 0.3)
-        outside = solve_clamped(*((limit + sign * 1e-9) * v), phi, 0.4, 0.3)
+        inside, outside = (
+            solve_clamped(*((limit + side * sign * 1e-9) * ANYWHERE), np.linspace(-3, 3, 50), 0.4, 0.3)
+            for side in (-1, 1)
+        )
         assert (inside["flags"] == 0).all() and (outside["flags"] != 0).all(), "the pair straddles the limit"
-        gap = kinematics.angle_between(shoulder(inside), shoulder(outside))
-        assert gap.max() < 1e-3, "shoulder: the root of 1e-9 is the natural step"
+        assert angle(inside, outside).max() < 1e-3, "the root of 1e-9 is the natural step"
 
 
 # -- rejected input
 
 
 @pytest.mark.parametrize(
-    "arguments, message",
+    "solver, arguments, message",
     [
-        ((np.nan, 0, 0.5, 0, 0.4, 0.3), "x must be finite"),
-        ((0.1, 0, 0.5, np.inf, 0.4, 0.3), "phi must be finite"),
-        ((0.1, 0, 0.5, 0, 0.0, 0.3), "d1 must lie in"),
-        ((0.1, 0, 0.5, 0, 0.4, -0.3), "d2 must lie in"),
-        ((0.1, 0, 0.5, 0, 0.4, 1e16), "d2 must lie in"),
-        ((0.1, 0, [0.5, 0.8], 0, 0.4, 0.3), "target 1 cannot be reached"),
-        ((0.0, 0, 0.05, 0, 0.4, 0.3), "target 0 cannot be reached"),
-        ((np.zeros((2, 2)), 0, 0.5, 0, 0.4, 0.3), r"of shape \(N,\), not \(2, 2\)"),
-        ((np.zeros(2), np.zeros(3), 0.5, 0, 0.4, 0.3), "broadcast"),
+        *(
+            (solver, *row)
+            for solver in BOUNDS
+            for row in (
+                ((np.nan, 0, 0.5, 0, 0.4, 0.3), "x must be finite"),
+                ((0.1, 0, 0.5, np.inf, 0.4, 0.3), "phi must be finite"),
+                ((np.zeros((2, 2)), 0, 0.5, 0, 0.4, 0.3), r"of shape \(N,\), not \(2, 2\)"),
+                ((np.zeros(2), np.zeros(3), 0.5, 0, 0.4, 0.3), "broadcast"),
+            )
+        ),
+        (solve, (0.1, 0, 0.5, 0, 0.0, 0.3), "d1 must lie in"),
+        (solve, (0.1, 0, 0.5, 0, 0.4, 1e16), "d2 must lie in"),
+        (solve, (0.1, 0, [0.5, 0.8], 0, 0.4, 0.3), "target 1 cannot be reached"),
+        (solve, (0.0, 0, 0.05, 0, 0.4, 0.3), "target 0 cannot be reached"),
+        (solve_lean, (0.1e16, 0, 0.5, 0, 1e16, 1e16), "d1 of a target in reach must lie in"),
     ],
 )
-def test_solve_refuses(arguments, message):
+def test_bad_input_is_refused(solver, arguments, message):
     with pytest.raises(ValueError, match=message):
-        solve(*arguments)
+        solver(*arguments)

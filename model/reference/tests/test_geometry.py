@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 2, the inverse kinematics built as geometry, against layer 3, the equations.
+"""Layers 1 and 2: blades, entities, quaternions and angles of section 2 of the paper; section 3 as geometry.
 
-Measured largest differences over 10^4 targets, arms of about 1: shoulder 3e-12 rad (3e-14 rad where theta_3
-is 0.05 rad from 0 and pi), elbow 8e-14 rad, elbow point 2e-14.
+Measured largest differences of layer 2 from layer 3 over 10^4 targets, arms of about 1: shoulder 3e-12 rad (3e-14 rad
+where theta_3 is 0.05 rad from 0 and pi), elbow 8e-14 rad, elbow point 2e-14.
 """
 
 import numpy as np
@@ -10,89 +10,239 @@ import pytest
 import sympy
 
 from model.reference import cga, equations, geometry, kinematics
-from model.reference.tests.test_equations import elbow, random_targets, shoulder, vector
+from model.reference.cga import e1, e2, e3, e_0, e_inf, i, j, k
+from model.reference.tests.test_equations import random_targets
+
+RNG = np.random.default_rng(20080101)
+BASIS = {"e1": e1, "e2": e2, "e3": e3, "einf": e_inf, "e0": e_0}
+
+
+def coefficients(mv):
+    return {blade: cga.coefficient(mv, blade) for blade in cga.BLADES}
+
+
+def values(mv):
+    """Return the 32 coefficients as an array (32, N)."""
+    return np.stack(np.broadcast_arrays(*coefficients(mv).values())).astype(float).reshape(32, -1)
+
+
+def close(a, b, what="", atol=1e-12):
+    np.testing.assert_allclose(a, b, rtol=0, atol=atol, err_msg=what)
+
+
+def unit_vectors(size):
+    v = RNG.normal(size=(3, size))
+    return v / np.linalg.norm(v, axis=0)
+
+
+# -- tables 1 and 2
+
+
+def test_each_blade_reads_as_itself():
+    for blade in cga.BLADES:
+        mv = cga.scalar(1)
+        for name in blade.split("^") if blade != "1" else ():
+            mv = mv ^ BASIS[name]
+        assert coefficients(mv) == {name: float(name == blade) for name in cga.BLADES}
+    with pytest.raises(KeyError, match="e2\\^e1"):
+        cga.coefficient(e1, "e2^e1")
+    inner = {(a, a): 1 for a in ("e1", "e2", "e3")} | {("einf", "e0"): -1, ("e0", "einf"): -1}
+    for a in BASIS:
+        for b in BASIS:
+            assert cga.inner(BASIS[a], BASIS[b]) == inner.get((a, b), 0), f"{a} . {b}"
+
+
+def test_coefficients_may_be_numbers_arrays_and_symbols():
+    x, y, z = sympy.symbols("x y z")
+    read = coefficients(cga.point(x, y, z))
+    assert read["einf"] == (x**2 + y**2 + z**2) / 2 and read["e0"] == 1, "exact for symbols"
+    assert not cga.point(x, y, z).e4.atoms(sympy.Float), "no rounded numbers inside either"
+    numbers = coefficients(cga.point(1.0, 2.0, -2.0))
+    assert (numbers["e3"], numbers["einf"], numbers["e0"]) == (-2.0, 4.5, 1.0), "exact for small numbers"
+    assert cga.coefficient(cga.point(*RNG.normal(size=(3, 7))), "einf").shape == (7,), "an array stays an array"
+
+
+def entities():
+    """Return entity -> standard and direct representation, grades of table 1, and points on it not used to build it."""
+    size = 20
+    frame = np.linalg.qr(RNG.normal(size=(size, 3, 3)))[0]
+    u, v, normal = frame[:, :, 0].T, frame[:, :, 1].T, frame[:, :, 2].T
+    centre, radius = RNG.normal(size=(3, size)), RNG.uniform(0.5, 2, size)
+
+    def at(*offsets):
+        return [cga.point(*(centre + offset)) for offset in offsets]
+
+    def plane(n):
+        return cga.plane(*n, (centre * n).sum(axis=0))
+
+    def sphere(offset):
+        """Return the sphere about an offset through the circle or pair whose offset is orthogonal."""
+        return cga.sphere(at(offset)[0], np.sqrt(radius**2 + (offset**2).sum(axis=0)))
+
+    round_ = at(*(radius * (np.cos(t) * u + np.sin(t) * v) for t in (0, 1, 3, 5)))
+    ball = at(*(radius * unit_vectors(size) for _ in range(5)))
+    flat = at(0 * u, u + 0.3 * v, v - 0.5 * u, 2 * u + 2 * v)
+    along = at(-u, 0.5 * u, 3 * u)
+    pair = at(radius * u, -radius * u)
+    s_1, s_2, *s_3 = ball[:4]
+    return {
+        "sphere": (sphere(0 * u), s_1 ^ s_2 ^ s_3[0] ^ s_3[1], (1, 4), ball[4:]),
+        "plane": (plane(normal), flat[0] ^ flat[1] ^ flat[2] ^ e_inf, (1, 4), flat[3:]),
+        "circle": (sphere(0.7 * normal) ^ sphere(-0.4 * normal), round_[0] ^ round_[1] ^ round_[2], (2, 3), round_[3:]),
+        "line": (plane(v) ^ plane(normal), cga.line_direct(*along[:2]), (2, 3), along[2:]),
+        "point pair": (sphere(0 * u) ^ sphere(v) ^ sphere(normal), pair[0] ^ pair[1], (3, 2), pair),
+    }
+
+
+@pytest.mark.parametrize("what", ["sphere", "plane", "circle", "line", "point pair"])
+def test_entities_of_table_1(what):
+    """Both representations have table 1's grades, are dual up to a scale, and contain exactly their points."""
+    standard, direct, grades, points = entities()[what]
+    for mv, grade in zip((standard, direct), grades, strict=True):
+        assert all(blade.count("^") + 1 == grade for blade, value in coefficients(mv).items() if np.any(value))
+    a, b = values(standard), values(cga.dual(direct))
+    lengths = np.linalg.norm(a, axis=0) * np.linalg.norm(b, axis=0)
+    close(np.abs((a * b).sum(axis=0)) / lengths, 1, "the same entity")
+    for p in points:
+        assert np.abs(values(p | standard)).max() < 1e-10 and np.abs(values(p ^ direct)).max() < 1e-10
+    elsewhere = cga.point(5.0, 6.0, 7.0)
+    assert np.abs(values(elsewhere | standard)).max(axis=0).min() > 1e-3, "a point elsewhere is not on it"
+    assert np.abs(values(elsewhere ^ direct)).max(axis=0).min() > 1e-9, "a point elsewhere is not on it"
+
+
+def test_metric_of_points_and_parts_of_entities():
+    """Distances, and entities built from a given centre, radius and direction."""
+    p, q = RNG.normal(size=(2, 3, 20))
+    close(cga.inner(cga.point(*p), cga.point(*q)), -((p - q) ** 2).sum(axis=0) / 2, "P . Q is -distance^2 / 2")
+    close(cga.euclidean_coordinates(cga.point(*p) * cga.scalar(-3.0)), p, "a point is homogeneous")
+    radius, normal = RNG.uniform(0.5, 2, 20), unit_vectors(20)
+    sphere = cga.sphere(cga.point(*p), radius)
+    close(cga.radius(sphere), radius)
+    close(cga.euclidean_coordinates(cga.centre(sphere)), p)
+    plane = cga.plane(*normal, (normal * p).sum(axis=0) + radius / 2)
+    close(cga.direction(plane), normal)
+    close(cga.euclidean_coordinates(cga.centre(sphere ^ plane)), p + normal * radius / 2, atol=1e-10)
+    close(cga.radius(sphere ^ plane), radius * np.sqrt(3) / 2, atol=1e-10)
+    apart = cga.plane(*normal, (normal * p).sum(axis=0) + 2 * radius)
+    assert np.isnan(cga.radius(sphere ^ apart)).all()
+    pair = cga.dual(cga.point(*p) ^ cga.point(*q))
+    close(cga.euclidean_coordinates(cga.centre(pair)), (p + q) / 2, atol=1e-10)
+    line = cga.dual(cga.line_direct(cga.point(*p), cga.point(*q)))
+    close(cga.direction(line), (q - p) / np.linalg.norm(q - p, axis=0), atol=1e-10)
+
+
+# -- quaternions and angles
+
+
+def test_quaternion_units_are_hamiltons():
+    for name, product in {"i^2": i * i, "j^2": j * j, "k^2": k * k, "ijk": i * j * k}.items():
+        close(values(product), values(cga.scalar(-1)), f"{name} = -1, (1)-(3)")
+
+
+def test_rotation_about_any_line_through_the_origin():
+    axis, v = unit_vectors(50), RNG.normal(size=(3, 50))
+    phi = RNG.uniform(-7, 7, 50)
+    turned = cga.rotate(cga.rotation(cga.dual(cga.line_direct(e_0, cga.point(*axis))), phi), cga.vector(*v))
+    rodrigues = (
+        v * np.cos(phi) + np.cross(axis.T, v.T).T * np.sin(phi) + axis * (axis * v).sum(axis=0) * (1 - np.cos(phi))
+    )
+    close(values(turned)[1:4], rodrigues, "(4) against Rodrigues' formula")
+
+
+def test_angles_between_lines_and_planes():
+    shared, a, b = RNG.normal(size=(3, 3, 50))
+    cosine = (a * b).sum(axis=0) / np.linalg.norm(a, axis=0) / np.linalg.norm(b, axis=0)
+    lines = [cga.line_direct(cga.point(*shared), cga.point(*(shared + d))) for d in (a, b)]
+    planes = [cga.plane(*n, d) for n, d in zip((a, b), RNG.normal(size=(2, 50)), strict=True)]
+    close(cga.cos_angle(*lines), cosine, "(5), direct lines", 1e-10)
+    close(cga.cos_angle(*map(cga.dual, lines)), -cosine, "(5), standard lines", 1e-10)
+    close(cga.cos_angle(*planes), cosine, "(5), standard planes", 1e-10)
+    close(cga.cos_angle(*map(cga.dual, planes)), -cosine, "(5), direct planes", 1e-10)
+    phi = np.linspace(0, np.pi, 101)
+    close(cga.half_angle(np.cos(phi)), (np.cos(phi / 2), np.sin(phi / 2)), "(6), (7)", 1e-8)
+    beyond = 1 + 1e-15
+    assert cga.half_angle(beyond) == (1.0, 0.0) and cga.half_angle(-beyond) == (0.0, 1.0), "beyond 1 by roundoff"
+
+
+# -- quaternions as arrays
+
+
+def test_product_and_rotation_are_those_of_the_algebra():
+    a, b, v = RNG.normal(size=(40, 4)), RNG.normal(size=(40, 4)), RNG.normal(size=(40, 3))
+    Q_a, Q_b = cga.quaternion(*a.T), cga.quaternion(*b.T)
+    close(kinematics.multiply(a, b).T, cga.quaternion_coefficients(Q_a * Q_b), "a b")
+    turned = kinematics.rotate(a, v)
+    close(turned.T, values(cga.rotate(Q_a, cga.vector(*v.T)))[1:4], "Q v Q~, Q of any length")
+    np.testing.assert_array_equal(kinematics.rotate(a[0], v)[0], turned[0], err_msg="one quaternion")
+    np.testing.assert_array_equal(kinematics.rotate(a, v[0])[0], turned[0], err_msg="one vector")
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-15, 1e-9, 1e-4, 0.7, 3.0, np.pi])
+def test_angle_between(angle):
+    a = RNG.normal(size=(50, 4))
+    a /= np.linalg.norm(a, axis=1, keepdims=True)
+    b = kinematics.multiply(
+        a, np.column_stack((np.full(50, np.cos(angle / 2)), np.sin(angle / 2) * unit_vectors(50).T))
+    )
+    for other in (b, -b, 3 * b):
+        close(kinematics.angle_between(a, other), angle, atol=1e-15 + 1e-14 * angle)
+
+
+def test_poses_made_by_hand():
+    one, turn_x = (1, 0, 0, 0), (np.sqrt(0.5), np.sqrt(0.5), 0, 0)  # a quarter turn, right-handed: z to -y
+    poses = {
+        "rest: folded back": (one, (1, 0), (0, 0, 2), (0, 0, 2 - 0.5)),
+        "straight: Qe = -i": (one, (0, -1), (0, 0, 2), (0, 0, 2 + 0.5)),
+        "elbow at a right angle": (one, (np.sqrt(0.5), -np.sqrt(0.5)), (0, 0, 2), (0, -0.5, 2)),
+        "straight, shoulder turned": (turn_x, (0, -1), (0, -2, 0), (0, -2.5, 0)),
+    }
+    for name, (qs, qe, *points) in poses.items():
+        close(np.concatenate(kinematics.forward(qs, qe, 2.0, 0.5)), points, name, 1e-15)
+
+
+# -- section 3 ------------------------------------------------------------------------------------
 
 TARGETS = random_targets(10_000, seed=2)  # reachable, any theta_3, 0.05 rad or more off all other singular poses
-X, Y, Z, PHI, D1, D2 = TARGETS
 GEOMETRY = geometry.solve(*TARGETS)
-EQUATIONS = equations.solve(*TARGETS)
 
 
-def normal(plane):
-    """Return the (non-unit) normal of a plane in standard representation, (N, 3)."""
-    return np.stack([cga.coefficient(plane, name) for name in ("e1", "e2", "e3")], axis=-1)
-
-
-def assert_incident(entity, point, what):
-    """Assert that the point lies on the entity, which is in standard representation."""
-    product = np.stack([v for v in cga.coefficients(point | entity).values() if np.shape(v)])
-    size = np.stack([v for v in cga.coefficients(entity).values() if np.shape(v)])
-    assert (np.abs(product).max(axis=0) < 1e-11 * np.abs(size).max(axis=0)).all(), what
-
-
-# -- against layer 3
-
-
-def test_quaternions_are_those_of_the_equations():
-    shoulder_angle = kinematics.angle_between(shoulder(GEOMETRY), shoulder(EQUATIONS))
-    assert shoulder_angle.max() < 1e-9, "Qs"
-    elbow_quaternions = [np.pad(elbow(result), ((0, 0), (0, 2))) for result in (GEOMETRY, EQUATIONS)]
-    assert kinematics.angle_between(*elbow_quaternions).max() < 1e-9, "Qe"
-    for name in ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i"):
-        np.testing.assert_allclose(GEOMETRY[name], EQUATIONS[name], rtol=0, atol=1e-9, err_msg=f"{name}, sign included")
-
-
-@pytest.mark.parametrize("name", ["l_sw", "p_e_x", "p_e_y", "p_e_z", "c4", "c3", "sign"])
-def test_scalars_are_those_of_the_equations(name):
-    np.testing.assert_allclose(GEOMETRY[name], EQUATIONS[name], rtol=0, atol=1e-11, err_msg=name)
-
-
-def test_swivel_plane_has_the_coefficients_of_11():
-    found = normal(GEOMETRY["pi_swivel"])
-    np.testing.assert_allclose(found, vector(EQUATIONS, "pi_swivel"), rtol=0, atol=1e-13, err_msg="(11)")
-    assert np.abs(cga.coefficient(GEOMETRY["pi_swivel"], "einf")).max() < 1e-13, "it goes through the shoulder"
-
-
-def test_point_pair_has_the_coefficients_of_12():
-    pair = cga.dual(GEOMETRY["PP"])
-    found = {"i": -pair.e23, "j": pair.e13, "k": -pair.e12}
-    found |= {"14": pair.e14, "15": pair.e15, "24": pair.e24, "25": pair.e25, "34": pair.e34, "35": pair.e35}
-    printed = np.stack([EQUATIONS[f"pp_{name}"] for name in found])
-    np.testing.assert_allclose(np.stack(list(found.values())), printed, rtol=0, atol=1e-13, err_msg="(12)")
-    assert np.abs(pair.e45).max() < 1e-13, "(12) has no e45: the pair's plane goes through the shoulder"
-
-
-def test_rotation_to_the_elbow_has_the_coefficients_of_15():
-    w, *q12 = cga.quaternion_coefficients(GEOMETRY["Q_12"])
-    assert np.abs(w).max() < 1e-14, "a half turn"
-    printed = [EQUATIONS[f"q12_{unit}"] for unit in "ijk"]
-    np.testing.assert_allclose(q12, printed, rtol=0, atol=1e-12, err_msg="(15)")
-
-
-# -- the geometry itself
+def test_geometry_gives_the_equations():
+    """Results with their signs, scalars, and the coefficients of (11), (12), (15)."""
+    printed = equations.solve(*TARGETS)
+    for bound, names in ((1e-9, "qs_w qs_i qs_j qs_k qe_w qe_i"), (1e-11, "l_sw p_e_x p_e_y p_e_z c4 c3 sign")):
+        for name in names.split():
+            close(GEOMETRY[name], printed[name], name, bound)
+    plane, pair, (w, *q12) = (
+        GEOMETRY["pi_swivel"],
+        cga.dual(GEOMETRY["PP"]),
+        cga.quaternion_coefficients(GEOMETRY["Q_12"]),
+    )
+    found = {f"pi_swivel_{axis}": value for axis, value in zip("xyz", (plane.e1, plane.e2, plane.e3), strict=True)}
+    found |= {f"pp_{unit}": value for unit, value in zip("ijk", cga.quaternion_coefficients(pair)[1:], strict=True)}
+    found |= {f"pp_{blade}": getattr(pair, f"e{blade}") for blade in (14, 15, 24, 25, 34, 35)}
+    for name, value in found.items():
+        close(value, printed[name], f"{name} of (11), (12)", 1e-13)
+    close(q12, [printed[f"q12_{unit}"] for unit in "ijk"], "(15)", 1e-12)
+    close(cga.coefficient(plane, "einf"), 0, "the swivel plane goes through the shoulder", 1e-13)
+    close(pair.e45, 0, "(12) has no e45: so does the pair's plane", 1e-13)
+    close(w, 0, "a half turn", 1e-14)
 
 
 def test_entities_meet_where_they_should():
-    P_e, P_w, shoulder_point = GEOMETRY["P_e"], GEOMETRY["P_w"], cga.point(0 * X, 0 * X, 0 * X)
-    on_them = {
-        "S_1": [P_e],
-        "S_2": [P_e],
-        "Z_e": [P_e],
-        "PP": [P_e],
-        "pi_swivel": [shoulder_point, P_w, P_e],
-        "L_sw": [shoulder_point, P_w],
-        "L_se": [shoulder_point, P_e],
-        "L_ew": [P_e, P_w],
-        "pi_m": [shoulder_point],
-        "pi_e": [shoulder_point, P_e, GEOMETRY["P_ze"]],
-        "L_m": [shoulder_point],
-    }
-    for name, points in on_them.items():
-        for point in points:
-            assert_incident(GEOMETRY[name], point, f"{name} contains its points")
-
-
-# -- inputs
+    P_e, P_w, origin = GEOMETRY["P_e"], GEOMETRY["P_w"], cga.point(*np.zeros((3, len(TARGETS[0]))))
+    on_them = [
+        ("S_1 S_2 Z_e PP", P_e),
+        ("L_sw", origin, P_w),
+        ("L_se", origin, P_e),
+        ("L_ew", P_e, P_w),
+        ("pi_swivel", origin, P_w, P_e),
+        ("pi_e", origin, P_e, GEOMETRY["P_ze"]),
+        ("pi_m L_m", origin),
+    ]
+    for names, *points in on_them:
+        for name, point in ((name, point) for name in names.split() for point in points):
+            product, size = np.abs(values(point | GEOMETRY[name])), np.abs(values(GEOMETRY[name]))
+            assert (product.max(axis=0) < 1e-11 * size.max(axis=0)).all(), f"{name} contains its points"
 
 
 def test_numbers_and_arrays_broadcast():
@@ -101,19 +251,3 @@ def test_numbers_and_arrays_broadcast():
         assert found[name].shape == (2,), f"{name}: one value a target, even where it does not depend on phi"
     with pytest.raises(ValueError, match="broadcast"):
         geometry.solve([0.1, 0.2], [0.1, 0.2, 0.3], 0.1, 0.4, 0.3, 0.25)
-
-
-def test_symbols_give_the_papers_swivel_plane():
-    """The geometry yields (11), with the squared cosine that the print lacks."""
-    x, y, z, phi = sympy.symbols("p_wx p_wy p_wz phi", real=True)
-    _, length, pi_swivel = geometry.swivel_plane(cga.point(x, y, z), phi)
-    assert sympy.simplify(length - sympy.sqrt(x**2 + y**2 + z**2)) == 0, "(10)"
-    c, s = sympy.cos(phi / 2), sympy.sin(phi / 2)
-    l_sw = sympy.sqrt(x**2 + y**2 + z**2)
-    corrected = {
-        "e1": (2 * c * s * z * x - y * l_sw + 2 * y * l_sw * c**2) / l_sw,
-        "e2": (2 * c * s * z * y + x * l_sw - 2 * x * l_sw * c**2) / l_sw,
-        "e3": -2 * s * c * (x**2 + y**2) / l_sw,
-    }
-    for blade, expected in corrected.items():
-        assert sympy.simplify(cga.coefficient(pi_swivel, blade) - expected) == 0, f"(11), {blade}"

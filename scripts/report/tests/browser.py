@@ -7,7 +7,6 @@ no frames in virtual time.
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 import select
@@ -18,27 +17,12 @@ from pathlib import Path
 WIDE, NARROW = (1400, 1000), (400, 800)
 
 # Scripts evaluated in the page.
-AT = "Number(document.documentElement.dataset.target)"
-PICTURE = "document.getElementById('scene').toDataURL()"
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
 # Elements that overflow the window or their own box sideways, except inside scrolling boxes.
 STICKING_OUT = """[...document.body.querySelectorAll("*")]
     .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 0.5
         || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
     .map((e) => e.tagName + "#" + e.id)"""
-COUNT = """((name) => {
-    const canvas = document.getElementById('scene');
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
-    copy.drawImage(canvas, 0, 0);
-    const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
-    const hex = getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
-    const rgb = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-    let count = 0;
-    for (let i = 0; i < pixels.length; i += 4) {
-        count += rgb.every((v, k) => pixels[i + k] === v) && pixels[i + 3] === 255;
-    }
-    return count;
-})"""
 
 LIMIT = 60  # seconds per reply; a loaded computer may start a browser slowly
 
@@ -170,29 +154,6 @@ class Page:
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
     def click(self, selector: str) -> None:
+        """Click the centre of an element."""
         point = self.middle(selector)
         self.drag(point, point)
-
-    def screenshot(self, path: Path, *, whole: bool = False) -> None:
-        """Write the visible part of the page, or the whole page, as PNG."""
-        data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"]
-        path.write_bytes(base64.b64decode(data))
-
-
-def across(page, plot):
-    """Return the position of a plot's middle along its axis, between the margins: 0 to 1."""
-    width = page.run(f"document.querySelector('{plot}').clientWidth")
-    return (width / 2 - 66) / (width - 80)
-
-
-def stays(page, seconds=0.4):
-    """Assert that the page stays at its target; return the target."""
-    before = page.run(AT)
-    time.sleep(seconds)
-    assert page.run(AT) == before
-    return before
-
-
-def show(page, name):
-    page.run(f"""(() => {{ const s = document.getElementById('trajectory'); s.value = '{name}';
-                 s.dispatchEvent(new Event('change')); }})()""")

@@ -1,247 +1,239 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report in headless Chromium (`make test-browser`, which installs it if necessary).
+"""The report in headless Chromium (`make test-browser`, which installs it if necessary); not part of `make test`."""
 
-Not part of `make test`. The page is from an RTL run of all trajectories.
-"""
-
+import json
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from model.dataflow.fixed import latency
 from model.io import trajectories
 from scripts.report import page as report
-from scripts.report.tests.browser import AT, COUNT, FITS, NARROW, PICTURE, STICKING_OUT, WIDE, Page, across, show, stays
+from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
+from scripts.report.tests.conftest import LATENCY
 
 NAMES = list(trajectories.TRAJECTORIES)
+SIZES = [(WIDE, "light"), ((900, 700), "light"), (NARROW, "dark"), ((320, 600), "dark")]
+AT = "Number(document.documentElement.dataset.target)"
+FRAME = "Number(document.documentElement.dataset.frame)"
+BADGES = """[...document.querySelectorAll('.badge')].filter((b) => b.clientHeight || b.offsetHeight)
+    .map((b) => [b.textContent, getComputedStyle(b).backgroundColor])"""
+
+# Pixels of colours of the style sheet, or of any colour (null): count, distances from the edges, extent / canvas size.
+PIXELS = """((id, names) => {
+    const { width: w, height: h } = document.getElementById(id);
+    const copy = new OffscreenCanvas(w, h).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(document.getElementById(id), 0, 0);
+    const pixels = copy.getImageData(0, 0, w, h).data;
+    const style = getComputedStyle(document.documentElement);
+    return names.map((name) => {
+        const hex = name && style.getPropertyValue('--' + name).trim();
+        const rgb = name && [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+        let count = 0, [left, top, right, bottom] = [w, h, 0, 0];
+        for (let i = 0; i < pixels.length; i += 4) {
+            if (name ? rgb.every((v, k) => pixels[i + k] === v) && pixels[i + 3] === 255 : pixels[i + 3]) {
+                const [x, y] = [(i / 4) % w, Math.floor(i / 4 / w)];
+                [left, top] = [Math.min(left, x), Math.min(top, y)];
+                [right, bottom] = [Math.max(right, x), Math.max(bottom, y)];
+                count++;
+            }
+        }
+        const margin = Math.min(left, top, w - 1 - right, h - 1 - bottom);
+        return [count, margin, Math.max(right - left, bottom - top) / Math.min(w, h)];
+    });
+})"""
+
+# Calls of a method while a canvas is drawn: arguments, width of the text, alignment, font.
+CALLS = """((id, method) => {
+    const g = document.getElementById(id).getContext('2d');
+    const calls = [];
+    g[method] = (...all) => calls.push([...all.slice(0, 3), g.measureText(all[0]).width, g.textAlign, g.font]);
+    window.dispatchEvent(new Event('resize'));
+    delete g[method];
+    window.dispatchEvent(new Event('resize'));
+    return calls;
+})"""
+
+AXIS = """((id) => {
+    const copy = new OffscreenCanvas(60, 174).getContext('2d');
+    copy.drawImage(document.getElementById(id), 0, 0);
+    return copy.getImageData(0, 0, 60, 174).data.join();
+})"""
 
 
-# -- it loads and moves ----------------------------------------------------------------------------
+def choose(page, name, value):
+    page.run(f"""(() => {{ const e = document.getElementById('{name}'); e.value = '{value}';
+                 e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})()""")
 
 
-def test_it_opens_from_disk_and_plays(written, browser):
+def text(page, name):
+    return page.run(f"document.getElementById('{name}').textContent")
+
+
+def picture(page, name="scene"):
+    return page.run(f"document.getElementById('{name}').toDataURL()")
+
+
+def across(page, plot):
+    """Return the position of a plot's middle along its axis, between the margins: 0 to 1."""
+    width = page.run(f"document.querySelector('{plot}').clientWidth")
+    return (width / 2 - 66) / (width - 80)
+
+
+def stays(page, seconds=0.1):
+    """Assert that the page stays at its target; return the target."""
+    before = page.run(AT)
+    time.sleep(seconds)
+    assert page.run(AT) == before
+    return before
+
+
+def assert_fits(page, what=None):
+    assert page.run(FITS) and page.run("document.documentElement.dataset.fits") == "true", what
+    assert page.run(STICKING_OUT) == [], what
+
+
+def assert_figure_is_whole(page, what):
+    """Assert that the figure of the paper is inside its canvas, and that its names do not overlap."""
+    assert page.run(f"{PIXELS}('paper', [null])")[0][1] >= 2, what
+    boxes = []
+    for name, x, y, width, align, font in page.run(f"{CALLS}('paper', 'fillText')"):
+        if not font.startswith("9.5px"):  # subscripts are drawn separately
+            left = x - width / 2 if align == "center" else x
+            boxes.append((left, y - 6, left + width, y + 6, name))
+    for n, a in enumerate(boxes):
+        for b in boxes[:n]:
+            assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3], (what, a, b)
+    return len(boxes)
+
+
+# -- one page of all trajectories ------------------------------------------------------------------
+
+
+def test_playback(written, browser):
     page = browser(written)
     assert page.requests == [written], "nothing but the file itself is loaded"
     page.wait_for(f"{AT} >= 3")
-    first, picture = page.run(AT), page.run(PICTURE)
+    first, before = page.run(AT), picture(page)
     page.wait_for(f"{AT} > {first} + 5")
-    assert page.run(PICTURE) != picture
+    assert picture(page) != before
     page.wait_for(f"{AT} < {first}")  # the motion restarts after its end
-    assert page.run("document.getElementById('play').textContent") == "Pause"
-
-
-def test_it_does_not_move_for_who_asks_for_less_motion(written, browser):
-    assert stays(browser(written, prefers_reduced_motion="reduce")) == 0
-
-
-@pytest.mark.parametrize("target, shown", [("-5", 0), ("1000", 99), ("x", 0), ("", 0)])
-def test_addresses_that_lead_nowhere(written, browser, target, shown):
-    page = browser(f"{written}#trajectory=none&target={target}")
-    assert stays(page, 0.1) == shown
-    assert page.run("document.getElementById('trajectory').value") == NAMES[0]
-
-
-# -- its controls ----------------------------------------------------------------------------------
-
-
-def test_play_and_pause(written, browser):
-    page = browser(written + "#target=10")
-    assert stays(page) == 10
     page.click("#play")
-    page.wait_for(f"{AT} > 12")
-    page.click("#play")
-    at = stays(page)
+    at = stays(page, 0.4)
     page.press(" ")  # the focused button treats the key as a click
     page.wait_for(f"{AT} != {at}")
     page.run("document.activeElement.blur()")
     page.press(" ")
-    stays(page)
+    stays(page, 0.4)
+    for target, at in (("-5", 0), ("1000", 99), ("x", 0), ("", 0)):
+        page.open(f"{written}#trajectory=none&target={target}")
+        assert stays(page) == at and page.run("document.getElementById('trajectory').value") == NAMES[0]
+    assert stays(browser(written, prefers_reduced_motion="reduce"), 0.4) == 0
 
 
-def test_keys(written, browser):
-    page = browser(written)
-    page.press("Home")
-    assert stays(page) == 0, "a step pauses"
-    for key, at in [
-        ("ArrowRight", 1),
-        ("ArrowRight", 2),
-        ("ArrowLeft", 1),
-        ("End", 99),
-        ("ArrowRight", 99),
-        ("Home", 0),
-    ]:
+def test_controls(written, browser):
+    page = browser(written + "#trajectory=reach&target=20&figure=4")
+    figures = "[...document.querySelectorAll('#paper-choice button')].findIndex((b) => b.ariaPressed === 'true') + 1"
+    assert page.run(figures) == 4
+    page.click("#paper-choice button:nth-child(2)")
+    assert page.run(figures) == 2 and stays(page) == 20
+    for canvas in ("scene", "paper"):  # a drag turns, a click does not
+        before = picture(page, canvas)
+        x, y = page.middle(f"#{canvas}")
+        page.drag((x, y), (x + 80, y + 20))
+        turned = picture(page, canvas)
+        page.click(f"#{canvas}")
+        assert picture(page, canvas) == turned != before and page.run(AT) == 20
+        page.click("#view")
+        assert picture(page, canvas) == before
+
+    page.run("document.activeElement.blur()")
+    keys = [("Home", 0), ("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 99), ("ArrowRight", 99)]
+    for key, at in [*keys, ("Home", 0)]:
         page.press(key)
         assert page.run(AT) == at, key
-    page.click("#next")
-    page.click("#next")
-    page.click("#back")
-    assert stays(page, 0.1) == 1
+    for button, at in (("#next", 1), ("#next", 2), ("#back", 1)):
+        page.click(button)
+        assert page.run(AT) == at, button
     page.run("document.getElementById('scrub').focus()")
     page.press("ArrowRight")  # handled by the slider alone: one step, not two
     assert page.run(AT) == 2
-
-
-def test_scrub(written, browser):
-    page = browser(written + "#target=0")
     x, y = page.middle("#scrub")
     page.drag((x, y), (x + 60, y))
-    assert 50 < stays(page, 0.1) < 99
-    page.drag((x, y), (x, y))
-    assert page.run(AT) in (49, 50)
-
-
-def test_click_on_a_plot_goes_there(written, browser):
-    page = browser(written + "#target=0")
-    clocks = latency("lean", 32)
-    out = across(page, "#pipeline") * (100 + clocks) - clocks  # the target that leaves at that clock
-    middles = [(plot, 99 * across(page, plot)) for plot in ("#hand", "#angles")]
-    for plot, at in [*middles, ("#pipeline", out)]:
+    assert 50 < stays(page) < 99
+    out = across(page, "#pipeline") * (100 + LATENCY) - LATENCY  # the target that leaves at that clock
+    for plot, at in [*((plot, 99 * across(page, plot)) for plot in ("#hand", "#angles")), ("#pipeline", out)]:
         page.click(plot)
         assert abs(page.run(AT) - at) < 2, plot
-    x, y = page.middle("#pipeline")
-    width = page.run("document.getElementById('pipeline').clientWidth")
-    page.drag((x + 0.4 * width, y), (x + 0.4 * width, y))
-    assert page.run(AT) > 60
+
+    cards = "[...document.querySelectorAll('#cards button')]"
+    assert page.run(f"{cards}.map((b) => b.dataset.name)") == NAMES
+    assert page.run(f"{cards}.every((b) => b.querySelector('.good'))")
+    assert len(set(page.run(f"{cards}.map((b) => b.querySelector('canvas').toDataURL())"))) == len(NAMES)
+    for name in ("punch", "out_of_reach"):
+        page.click(f"#cards button[data-name={name}]")
+        assert page.run("document.getElementById('trajectory').value") == name
+        assert page.run(f"{cards}.filter((b) => b.ariaPressed === 'true').map((b) => b.dataset.name)") == [name]
+    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
+    folder = Path(written.removeprefix("file://")).parent
+    assert links == [folder / name for name in (f"{name}/results.csv", f"{name}/results.npz", "score.json")]
+    assert all(path.is_file() for path in links)
+
+    for node in page.call("Accessibility.getFullAXTree")["nodes"]:
+        role = node.get("role", {}).get("value")
+        if role in ("button", "slider", "combobox", "image", "img", "region") and not node.get("ignored"):
+            assert node.get("name", {}).get("value"), f"no name for a screen reader: {node}"
 
 
-def test_drag_turns_the_view(written, browser):
-    page = browser(written + "#target=20")
-    picture = page.run(PICTURE)
-    x, y = page.middle("#scene")
-    page.drag((x, y), (x + 100, y + 30))
-    turned = page.run(PICTURE)
-    assert turned != picture and stays(page, 0.1) == 20
-    page.drag((x, y), (x, y))
-    assert page.run(PICTURE) == turned, "a click does not turn"
-    page.click("#view")
-    assert page.run(PICTURE) == picture
-
-
-# -- what it draws ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("size", [WIDE, (1000, 700), NARROW, (320, 600)], ids=str)
-def test_every_trajectory_is_drawn_and_fits(written, browser, size):
-    page = browser(written + "#target=50", size)
-    assert page.run("[...document.getElementById('trajectory').options].map((o) => o.value)") == NAMES
-    pictures = set()
+@pytest.mark.parametrize(("size", "scheme"), SIZES, ids=str)
+def test_every_trajectory_is_drawn_and_fits(written, browser, size, scheme):
+    """Limbs are inside the picture and large enough to see; figures 1 to 5 are whole; every picture differs."""
+    page = browser(written + "#target=50", size, prefers_color_scheme=scheme)
+    pictures, figures = set(), set()
     for name in NAMES:
-        show(page, name)
-        page.press("End")
-        assert page.run(FITS) and page.run("document.documentElement.dataset.fits") == "true", name
-        assert page.run(STICKING_OUT) == [], name
-        assert page.run("document.getElementById('verdict').textContent").startswith("pass: ")
-        rows = page.run("document.getElementById('figures').rows.length")
-        assert rows == (15 if name == "out_of_reach" else 14), name
-        for canvas in ("scene", "hand", "angles"):
-            pictures.add(page.run(f"document.getElementById('{canvas}').toDataURL()"))
-    assert len(pictures) == 3 * len(NAMES), "no canvas is empty, or as the trajectory before left it"
-
-
-COLOURS = """(() => {
-    const canvas = document.getElementById('scene');
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
-    copy.drawImage(canvas, 0, 0);
-    const pixels = copy.getImageData(0, 0, canvas.width, canvas.height).data;
-    const style = getComputedStyle(document.documentElement);
-    return ['upper', 'fore', 'joint', 'goal'].map((name) => {
-        const hex = style.getPropertyValue('--' + name).trim();
-        const [r, g, b] = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-        const box = [Infinity, Infinity, -Infinity, -Infinity];
-        for (let i = 0; i < pixels.length; i += 4) {
-            if (pixels[i] === r && pixels[i + 1] === g && pixels[i + 2] === b && pixels[i + 3] === 255) {
-                const [x, y] = [(i / 4) % canvas.width, Math.floor(i / 4 / canvas.width)];
-                [box[0], box[1]] = [Math.min(box[0], x), Math.min(box[1], y)];
-                [box[2], box[3]] = [Math.max(box[2], x), Math.max(box[3], y)];
-            }
-        }
-        return [...box, canvas.width, canvas.height];
-    });
-})()"""
-
-
-@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")], ids=str)
-def test_the_arm_is_in_the_picture(written, browser, size, scheme):
-    """At several targets of every motion, the limbs are large enough to see and inside the picture."""
-    page = browser(written + "#target=0", size, prefers_color_scheme=scheme)
-    for name in NAMES:
-        show(page, name)
-        for n in range(0, 100, 33):
-            page.run(f"""(() => {{ const s = document.getElementById('scrub'); s.value = {n};
-                         s.dispatchEvent(new Event('input')); }})()""")
-            boxes = page.run(COLOURS)
-            for left, top, right, bottom, width, height in boxes:
-                assert 0 < left and right < width - 1 and 0 < top and bottom < height - 1, (name, n, boxes)
-            arm = [min(b[0] for b in boxes[:3]), min(b[1] for b in boxes[:3]), max(b[2] for b in boxes[:3])]
-            arm.append(max(b[3] for b in boxes[:3]))
-            size_on_screen = max(arm[2] - arm[0], arm[3] - arm[1])
+        choose(page, "trajectory", name)
+        for n in (0, 33, 66, 99):
+            choose(page, "scrub", n)
+            limbs = page.run(f"{PIXELS}('scene', ['upper', 'fore', 'joint', 'goal'])")
+            assert min(margin for _, margin, _ in limbs) > 0, (name, n, limbs)
             # A child's arm next to an adult's, or an arm with the hand near the shoulder, is small but never a dot.
-            assert size_on_screen > 0.12 * min(boxes[0][4:]), (name, n, boxes)
+            assert max(extent for *_, extent in limbs[:3]) > 0.09, (name, n, limbs)
+        assert_fits(page, name)
+        assert page.run("document.getElementById('verdict').className") == "good"
+        pictures |= {picture(page, canvas) for canvas in ("scene", "hand", "angles")}
+        if name in ("reach", "overhead", "two_arms", "fold_in"):
+            for number, n in ((number, n) for number in range(1, 6) for n in (0, 66)):
+                page.run(f"document.querySelectorAll('#paper-choice button')[{number - 1}].click()")
+                choose(page, "scrub", n)
+                assert assert_figure_is_whole(page, (name, number, n)) >= 6
+                figures.add(picture(page, "paper"))
+    assert len(pictures) == 3 * len(NAMES), "no canvas is empty, or as the trajectory before left it"
+    assert len(figures) == 4 * 5 * 2
 
 
-def test_dark_and_light_follow_the_system(written, browser):
+def test_window_and_colours_change(written, browser):
     page = browser(written + "#target=0", prefers_color_scheme="light")
-    page.run(f"window.light = {PICTURE}; 0")
-    assert page.run("getComputedStyle(document.body).backgroundColor") == "rgb(245, 246, 248)"
+    light, background = picture(page), "getComputedStyle(document.body).backgroundColor"
+    colour = page.run(background)
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
-    page.wait_for(f"{PICTURE} !== window.light", 10)
-    assert page.run("getComputedStyle(document.body).backgroundColor") == "rgb(18, 21, 26)"
-
-
-def test_another_size_of_the_window_draws_again(written, browser):
-    page = browser(written + "#target=0", WIDE)
+    page.wait_for(f"document.getElementById('scene').toDataURL() !== {json.dumps(light)}", 10)
+    assert page.run(background) != colour
     page.call("Emulation.setDeviceMetricsOverride", width=400, height=800, deviceScaleFactor=2, mobile=False)
     page.wait_for("document.getElementById('scene').width === 2 * document.getElementById('scene').clientWidth")
     assert page.run(FITS)
 
 
-def test_everything_has_a_name_for_who_does_not_see_it(written, browser):
-    page = browser(written + "#target=0")
-    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
-    for node in nodes:
-        role = node.get("role", {}).get("value")
-        if role in ("button", "slider", "combobox", "image", "img", "region") and not node.get("ignored"):
-            assert node.get("name", {}).get("value"), node
-
-
-@pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
-def test_the_overview_leads_to_each_trajectory(written, browser, size):
-    page = browser(written + "#target=0", size)
-    cards = "[...document.querySelectorAll('#cards button')]"
-    assert page.run(f"{cards}.map((b) => b.dataset.name)") == NAMES
-    assert page.run(f"{cards}.every((b) => b.textContent.includes('pass'))")
-    empty = "document.createElement('canvas')"
-    pictures = page.run(f"{cards}.map((b) => b.querySelector('canvas').toDataURL())")
-    assert len(set(pictures)) == len(NAMES) and page.run(f"{empty}.toDataURL()") not in pictures
-    for name in ("punch", "out_of_reach"):
-        page.click(f"#cards button[data-name={name}]")
-        assert page.run("document.getElementById('trajectory').value") == name
-        assert page.run(f"{cards}.filter((b) => b.ariaPressed === 'true').map((b) => b.dataset.name)") == [name]
-
-
-def test_links_lead_to_files(written, browser):
-    page = browser(written + "#trajectory=wave&target=0")
-    links = page.run("[...document.querySelectorAll('#files a')].map((a) => a.href)")
-    assert [link.rpartition("report0/")[2] for link in links] == ["wave/results.csv", "wave/results.npz", "score.json"]
-    assert all(Path(link.removeprefix("file://")).is_file() for link in links)
-
-
 # -- a clip ----------------------------------------------------------------------------------------
 
-FRAME = "Number(document.documentElement.dataset.frame)"
 
-
-def test_a_clip_moves_frame_by_frame(clip, browser):
+def test_a_clip_is_played_by_frames(clip, browser):
     page = browser(clip + "#frame=0")
     assert page.run("document.getElementById('scrub').max") == "60"
-    for key, frame in [("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 60), ("Home", 0)]:
+    for key, frame in [("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("Home", 0), ("End", 60)]:
         page.press(key)
         assert [page.run(FRAME), page.run(AT)] == [frame, 2 * frame], key
-    page.press("End")
-    assert page.run("document.getElementById('target').textContent") == "frame 60 / 60, 0.50 s"
-    page.run("""(() => { const s = document.getElementById('arm'); s.value = '1';
-                s.dispatchEvent(new Event('change')); })()""")
+    choose(page, "arm", 1)
     assert [page.run(FRAME), page.run(AT)] == [60, 121], "the other arm, at the same time"
     for plot in ("#joints", "#hand", "#angles"):
         page.press("Home")
@@ -249,78 +241,110 @@ def test_a_clip_moves_frame_by_frame(clip, browser):
         assert abs(page.run(FRAME) - 60 * across(page, plot)) < 1, plot
     page.click("#pipeline")
     assert page.run(AT) % 2 == 1
-
-
-def test_a_clip_plays_at_its_own_rate(clip, browser):
-    """A 120 Hz clip at a tenth of its speed plays 12 frames per second."""
-    page = browser(clip + "#frame=0")
-    page.run("document.getElementById('speed').value = '0.1'")
+    assert page.run("document.getElementById('overview').clientHeight") == 0
+    page.press("Home")
+    choose(page, "speed", 0.1)
     page.press(" ")
     start = time.monotonic()
-    page.wait_for(f"{FRAME} >= 24")
+    page.wait_for(f"{FRAME} >= 24")  # 120 Hz at a tenth of the speed
     assert 1.5 < time.monotonic() - start < 4
 
 
-@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")], ids=str)
-def test_the_whole_figure_is_in_the_picture(clip, browser, size, scheme):
+@pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
+def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
+    """The whole figure is in the picture; figure 1 of each arm has the joints' directions, apart from perspective."""
     page = browser(clip + "#frame=0", size, prefers_color_scheme=scheme)
     pictures = set()
     for frame in (0, 20, 40, 60):
-        page.run(f"""(() => {{ const s = document.getElementById('scrub'); s.value = {frame};
-                     s.dispatchEvent(new Event('input')); }})()""")
-        for name in ("body", "upper", "fore", "joint", "goal"):
-            assert page.run(f"{COUNT}('{name}')") > 20, (name, frame)
-        for left, top, right, bottom, width, height in page.run(COLOURS)[:3]:
-            assert 0 < left and right < width - 1 and 0 < top and bottom < height - 1, frame
-        pictures.add(page.run(PICTURE))
-        assert page.run(FITS) and page.run(STICKING_OUT) == []
-    assert len(pictures) == 4
-    shown = "[...document.querySelectorAll('.legend li')].filter((e) => e.clientWidth).length"
-    assert page.run(shown) == 6
+        choose(page, "scrub", frame)
+        parts = page.run(f"{PIXELS}('scene', ['body', 'upper', 'fore', 'joint', 'goal'])")
+        assert min(count for count, *_ in parts) > 20 and min(margin for _, margin, _ in parts[1:4]) > 0, (frame, parts)
+        pictures |= {picture(page), picture(page, "paper")}
+        assert_fits(page, frame)
+    choose(page, "scrub", 10)
+    for arm in (0, 1):
+        choose(page, "arm", arm)
+        pictures.add(picture(page, "paper"))
+        scene, paper = (np.array([c[:2] for c in page.run(f"{CALLS}('{at}', 'arc')")]) for at in ("scene", "paper"))
+        ours, theirs = scene[3 * arm : 3 * arm + 3], paper[:6:2]
+        for a, b in ((0, 1), (1, 2), (0, 2)):
+            ways = [(joints[b] - joints[a]) / np.linalg.norm(joints[b] - joints[a]) for joints in (ours, theirs)]
+            assert ways[0] @ ways[1] > 0.97, (arm, a, b)
+        for number in range(1, 6):
+            page.click(f"#paper-choice button:nth-child({number})")
+            assert_figure_is_whole(page, (arm, number))
+        page.click("#paper-choice button:nth-child(1)")
+    assert len(pictures) == 10
 
 
-def test_a_lone_trajectory_has_no_overview(clip, browser):
-    page = browser(clip + "#frame=0")
-    assert page.run("document.getElementById('overview').clientHeight") == 0
-    assert "clip (BVH)" in page.run("document.getElementById('files').textContent")
+# -- several datapaths -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)
+def test_datapaths_side_by_side(three, browser, size, scheme):
+    """Each datapath has its colour, plots, verdict, files; axes are common."""
+    page = browser(three + "#target=10", size, prefers_color_scheme=scheme)
+    assert_fits(page)
+    folder, names = Path(three.removeprefix("file://")).parent, ("lean", "fold", "paper")
+    badges = page.run(BADGES)
+    assert [label for label, _ in badges] == [*names] * 4, "of target, score, errors, pipeline"
+    assert len({tuple(each) for each in badges}) == 3, "each has one colour"
+    scores = {score["datapath"]: score for score in json.loads((folder / "score.json").read_text())}
+    for place, name in zip(("", "2", "3"), names, strict=True):
+        assert text(page, f"verdict{place}") == scores[name]["outcome"]
+        assert f"{scores[name]['hand_error_max']:.1e}" in text(page, f"figures{place}")
+        assert f"leaves {scores[name]['latency_cycles']} clocks after" in text(page, f"pipeline-note{place}")
+    for canvas in ("hand", "angles", "pipeline"):
+        assert len({picture(page, canvas + place) for place in ("", "2", "3")}) >= 2, canvas
+        axes = {page.run(f"{AXIS}('{canvas + place}')") for place in ("", "2", "3")}
+        assert len(axes) == 1 or canvas == "pipeline", f"{canvas}: one scale"
+    place = "document.getElementById('{}').getBoundingClientRect().x"
+    assert (page.run(place.format("hand2")) > page.run(place.format("hand"))) == (size[0] >= 900), "where there is room"
+    assert page.run(
+        "[...document.querySelectorAll('[id]')].every((e, i, all) => all.filter((o) => o.id === e.id).length < 2)"
+    )
+    for plot in ("#hand2", "#angles3"):
+        page.press("Home")
+        page.click(plot)
+        assert abs(page.run(AT) - 19 * across(page, plot)) < 2, plot
+    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
+    assert links == [folder / n for n in (*(f"{d}/results.{k}" for d in names for k in ("csv", "npz")), "score.json")]
+    assert all(path.is_file() for path in links)
 
 
 # -- other input -----------------------------------------------------------------------------------
+
+SINGULAR = "0,0,0.5,1\n0.6,0,0,1\n0.59999,0,0,1\n0.000001,0,0.5,1\n0.27,0,0.33,0.0001\n0.6,0.6,0.1,1\n0,0,0,1\n"
 
 
 @pytest.mark.parametrize(
     "rows",
     [
-        "0.3,0.1,-0.2\n",
-        "0.3,0.1,-0.2\n" * 2,
-        "0,0,0\n9,9,9\n0,0,0.4\n0.01,0,0\n",
-        "".join(f"0.3,{0.2 * k / 10_000},-0.2\n" for k in range(10_000)),
+        "0.3,0.1,-0.2,3\n",
+        "0.3,0.1,-0.2,3\n" * 2,
+        SINGULAR,
+        "".join(f"0.3,{k / 15_000},-0.2,3\n" for k in range(3000)),
     ],
-    ids=["one", "two that rest", "at the edges", "ten thousand"],
+    ids=["one", "two that rest", "singular", "thousands"],
 )
-def test_other_numbers_of_targets(fake, browser, rows, capsys):
+def test_other_targets(simulator, browser, rows, tmp_path):
+    """Any number of targets; a name that is markup is text."""
+    name = "<img src=x onerror=console.log(1)>&'" + "long" * 30
+    (tmp_path / f"{name}.csv").write_text("x,y,z,phi\n" + rows)
+    assert report.main(["--trajectory", str(tmp_path / f"{name}.csv"), "--out", str(tmp_path)]) == 0
+    page = browser((tmp_path / "report.html").as_uri(), NARROW)
+    assert page.run("document.title").endswith(name) and page.run("document.images.length") == 0
+    assert page.run("document.getElementById('trajectory').value") == name
     count = rows.count("\n")
-    page = browser(fake("x,y,z\n" + rows), NARROW)
     if count > 2:
         page.wait_for(f"{AT} > 0")
     page.press("End")
-    assert stays(page, 0.1) == count - 1
-    assert page.run(FITS) and page.run(STICKING_OUT) == []
-
-
-def test_a_name_that_is_markup_is_text(fake, browser, tmp_path):
-    fake("x,y,z\n0.3,0.1,-0.2\n")
-    name = "<img src=x onerror=console.log(1)>&'" + "long" * 30
-    (tmp_path / f"{name}.csv").write_text("x,y,z\n0.3,0.1,-0.2\n")
-    assert report.main(["--trajectory", str(tmp_path / f"{name}.csv"), "--out", str(tmp_path)]) in (0, 1)
-    page = browser((tmp_path / "report.html").as_uri(), NARROW)
-    assert page.run("document.title") == f"CGA-IK: {name}"
-    assert page.run("document.images.length") == 0
-    assert page.run("document.getElementById('trajectory').value") == name
-    assert page.run(FITS) and page.run(STICKING_OUT) == []
-
-
-# -- seeded bugs -----------------------------------------------------------------------------------
+    assert stays(page) == count - 1
+    assert_fits(page)
+    for n, number in ((n, number) for n in range(min(count, 7)) for number in (1, 2, 4)):
+        choose(page, "scrub", n)
+        page.run(f"document.querySelectorAll('#paper-choice button')[{number - 1}].click()")
+        assert page.run(f"{PIXELS}('paper', [null])")[0][1] >= 2, (n, number)
 
 
 @pytest.mark.parametrize(
@@ -336,9 +360,8 @@ def test_a_name_that_is_markup_is_text(fake, browser, tmp_path):
 )
 def test_problems_are_noticed(written, tmp_path, spoilt, problem):
     path = tmp_path / "spoilt.html"
-    path.write_text(
-        Path(written.removeprefix("file://")).read_text().replace("\nstart();\n", f"\nstart();\n{spoilt}\n")
-    )
+    text = Path(written.removeprefix("file://")).read_text()
+    path.write_text(text.replace("\nstart();\n", f"\nstart();\n{spoilt}\n"))
     with Page(tmp_path / "profile", *WIDE) as page:
         page.open(path.as_uri())
         page.run("new Promise((done) => setTimeout(done, 200))")

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures of the report's browser tests: pages from the RTL and a browser."""
+"""Fixtures of the report's tests: pages, their data, and a browser."""
 
+import json
+import re
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from model.motion.tests import figure
@@ -8,38 +13,72 @@ from scripts import run
 from scripts.report import page as report
 from scripts.report.tests.browser import WIDE, Page
 from scripts.tests.test_run import FakeSimulator
-from tb.sim.env import simulator
+from tb.sim.env import simulator as simulator_name
+
+LATENCY = 44
+
+
+def without_rtl(patch):
+    """Replace the simulator by the double-precision model, and the predicted errors by a ramp; return the fake."""
+    fake = FakeSimulator()
+    patch.setattr(run, "simulate", fake.simulate)
+    patch.setattr(run, "hand_bar", lambda words, width, _: np.linspace(1, 2, len(words)) * 2.0 ** (8 - width))
+    return fake
+
+
+def write(folder, *options):
+    assert report.main([*options, "--sim", simulator_name(), "--out", str(folder)]) == 0
+    return (folder / "report.html").as_uri()
+
+
+def write_without_rtl(folder, *options):
+    """Write a page into a folder; return its address."""
+
+    def faster(runs):
+        for each in runs:
+            each.latency_cycles, each.total_cycles = LATENCY, LATENCY + len(each.results)
+
+    with pytest.MonkeyPatch.context() as patch:
+        without_rtl(patch).spoil = faster
+        return write(folder, *options)
 
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory):
-    """Write the report of an RTL run of all trajectories; return its address."""
-    out = tmp_path_factory.mktemp("report")
-    assert report.main(["--trajectory", "all", "--sim", simulator(), "--out", str(out)]) == 0
-    return (out / "report.html").as_uri()
-
-
-@pytest.fixture
-def fake(tmp_path, monkeypatch):
-    """Write a report of a file's targets without the RTL; return its address."""
-    monkeypatch.setattr(run, "simulate", FakeSimulator().simulate)
-
-    def fake(text):
-        (tmp_path / "t.csv").write_text(text)
-        assert report.main(["--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path)]) == 0
-        return (tmp_path / "report.html").as_uri()
-
-    return fake
+    """Address of the page of all trajectories."""
+    return write_without_rtl(tmp_path_factory.mktemp("report"), "--trajectory", "all")
 
 
 @pytest.fixture(scope="session")
 def clip(tmp_path_factory):
-    """Write the report of an RTL run of a clip with a changed swivel angle; return its address."""
-    out = tmp_path_factory.mktemp("clip")
-    figure.write(out / "t.bvh", frames=61)
-    options = ["--trajectory", str(out / "t.bvh"), "--phi", "1.5", "--sim", simulator(), "--out", str(out)]
-    assert report.main(options) == 0
-    return (out / "report.html").as_uri()
+    """Address of the page of a clip with a changed swivel angle."""
+    path = figure.write(tmp_path_factory.mktemp("clip") / "t.bvh", frames=61)
+    return write_without_rtl(path.parent, "--trajectory", str(path), "--phi", "1.5")
+
+
+@pytest.fixture(scope="session")
+def three(tmp_path_factory):
+    """Address of the page of an RTL run of three datapaths, 20 targets."""
+    path = tmp_path_factory.mktemp("three") / "t.csv"
+    path.write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
+    return write(path.parent, "--trajectory", str(path), "--datapath", "lean,fold,paper")
+
+
+@pytest.fixture
+def simulator(monkeypatch):
+    return without_rtl(monkeypatch)
+
+
+@pytest.fixture
+def trajectories_in():
+    """Return a function that reads the data of a page, delimited as a browser does."""
+
+    def trajectories_in(path, key="trajectories"):
+        text = Path(path).read_text(encoding="utf-8")
+        (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
+        return json.loads(found)[key]
+
+    return trajectories_in
 
 
 @pytest.fixture

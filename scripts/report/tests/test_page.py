@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report without a browser: page contents, self-containedness, command line.
+"""The report without a browser: its data agree with scores, clips and geometry; its files; its command line.
 
 The simulator is the fake of test_run.py. browser_test_report.py tests the opened page.
 """
 
+import base64
 import html
 import json
 import os
-import re
 from functools import partial
 from pathlib import Path
 
@@ -16,23 +16,18 @@ import pytest
 
 from model.bounds import tolerances
 from model.io import trajectories
-from model.reference.kinematics import forward
+from model.motion import clip as clips
+from model.motion.tests import figure
+from model.reference.kinematics import forward, matrix
 from scripts import run
 from scripts.report import page as report
-from scripts.tests.test_run import FakeSimulator
+from scripts.report.constructions import ANGLES, LENGTHS, NOTHING, STEPS, VECTORS
+from scripts.report.figure import FORE, UPPER
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
 PAGE = Path("build/report/report.html")
-
-
-@pytest.fixture
-def simulator(monkeypatch):
-    fake = FakeSimulator()
-    prediction = lambda words, width, datapath: np.linspace(1.0, 2.0, len(words)) * 2.0 ** (8 - width)  # noqa: E731
-    monkeypatch.setattr(run, "simulate", fake.simulate)
-    monkeypatch.setattr(run, "hand_bar", prediction)
-    return fake
+SHARED = Path(__file__).parents[3].parent / "shared" / "mocap"
 
 
 @pytest.fixture
@@ -40,219 +35,113 @@ def cli(simulator, command):
     return partial(command, report.main)
 
 
-def text(path=PAGE):
-    return path.read_text(encoding="utf-8")
+@pytest.fixture
+def shown(cli, trajectories_in):
+    """Write a page and return the data of its only trajectory."""
+
+    def shown(*options, status=0):
+        assert cli(*options)[0] == status
+        (one,) = trajectories_in(PAGE)
+        return one
+
+    return shown
 
 
-def data(path=PAGE):
-    """Return the trajectories from the page's JSON script element, delimited as a browser does."""
-    return whole(path)["trajectories"]
+def spoil_hand(simulator, n, datapath=None, amount=2**28):
+    """Change qs_i of a result of the core."""
+
+    def spoil(runs):
+        if datapath in (None, simulator.calls[-1]["datapath"]):
+            runs[0].results[n, 1] += amount
+
+    simulator.spoil = spoil
 
 
-def whole(path=PAGE):
-    (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text(path), re.S)
-    return json.loads(found)
+# -- scores and files ------------------------------------------------------------------------------
 
 
-# -- contents --------------------------------------------------------------------------------------
-
-
-def test_one_trajectory(cli, simulator, files):
-    status, out, err = cli()
-    assert (status, out, err) == (0, ["wrote build/report/report.html"], [])
-    names = ["report.html", "results.csv", "results.npz", "score.json"]
-    assert files() == [f"build/report/{name}" for name in names]
-    assert len(simulator.calls) == 1
-    (shown,) = data()
-    assert (shown["name"], shown["about"]) == ("reach", trajectories.describe("reach"))
-    assert "<title>CGA-IK: reach</title>" in text()
-    assert "lean datapath, 32 bits, icarus" in text()
-    assert shown["passed"] and shown["failures"] == []
-    others = "figures", "failures", "beside"
-    lists = [key for key, value in shown.items() if isinstance(value, list) and key not in others]
-    assert len(lists) == 16 and {len(shown[key]) for key in lists} == {100}
-
-
-def test_all_trajectories_are_in_one_file_of_one_run(cli, simulator, files):
-    assert cli("--trajectory", "all", "--sim", "verilator", "--width", "24")[0] == 0
-    assert len(files()) == 2 * len(trajectories.TRAJECTORIES) + 2
-    assert [shown["name"] for shown in data()] == list(trajectories.TRAJECTORIES)
-    (call,) = simulator.calls
-    assert (call["simulator"], call["width"]) == ("verilator", 24)
+def test_data_agree_with_the_score(cli, command, simulator, files, trajectories_in):
+    """Plots have the maxima written by `make run`; arms are at their targets, in the swivel plane; one run for all."""
+    assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
+    assert len(simulator.calls) == 1 and len(files()) == 2 * len(trajectories.TRAJECTORIES) + 2
     assert PAGE.stat().st_size < 2_000_000
-
-
-@pytest.mark.parametrize(("datapath", "bar"), [("lean", tolerances.LEAN[32]), ("paper", tolerances.REGULAR)])
-def test_figures_agree_with_the_score(cli, command, datapath, bar):
-    """The plots have the maxima written by `make run`, and the table equals its table."""
-    cli("--trajectory", "all", "--datapath", datapath)
-    command(run.main, "--trajectory", "all", "--datapath", datapath)
+    command(run.main, "--trajectory", "all", "--datapath", "lean")
     scores = json.loads(Path("build/run/score.json").read_text())
-    for shown, score in zip(data(), scores, strict=True):
+    for shown, score in zip(trajectories_in(PAGE), scores, strict=True):
+        assert shown["name"] == score["trajectory"]
         clamped = np.array(shown["clamped"])
-
-        def most(key, where, shown=shown):
-            return np.array(shown[key])[where].max() if where.any() else None
-
-        for key, where, figure in [
+        for key, where, figure_of in [
             ("hand", ~clamped, "hand_error_max"),
             ("predicted", ~clamped, "hand_error_predicted"),
             ("shoulderAngle", ~clamped, "shoulder_angle_error_max"),
             ("elbowAngle", ~clamped, "elbow_angle_error_max"),
             ("hand", clamped, "clamped_error_max"),
         ]:
-            expected = score[figure]
-            assert most(key, where) == (expected and pytest.approx(expected, rel=1e-6)), (score["trajectory"], figure)
-        assert shown["bar"] == score["hand_error_bar"] and shown["bar"] in (bar, None)
-        assert shown["outcome"] == score["outcome"]
-        assert [shown["latency"], shown["cycles"]] == [score["latency_cycles"], score["total_cycles"]]
-        measured = {row[0]: row[1] for row in shown["figures"]}
-        assert measured["hand error / reach, largest"] == f"{score['hand_error_max']:.1e}"
-        assert measured["latency (clocks)"] == str(score["latency_cycles"])
+            most = np.array(shown[key])[where].max() if where.any() else None
+            assert most == (score[figure_of] and pytest.approx(score[figure_of], rel=1e-6)), (shown["name"], figure_of)
+        assert shown["bar"] == score["hand_error_bar"]
+        assert [shown[key] for key in ("outcome", "latency", "cycles")] == [
+            score[key] for key in ("outcome", "latency_cycles", "total_cycles")
+        ]
+        for point in ("elbow", "wrist"):
+            assert np.abs((np.array(shown["normal"]) * shown[point]).sum(axis=1)).max() < 1e-5, (shown["name"], point)
+    assert sum(shown["clamped"]) == 48 and {*shown["flags"]} == {"too_far", "-"}, "out_of_reach is the last"
 
 
-def test_the_arm_is_where_the_words_put_it(cli, simulator):
-    """A wrong result word moves the drawn arm away from the target."""
-
-    def spoil(runs):
-        runs[0].results[30, 1] += 2**28  # 0.25 of qs_i
-
-    simulator.spoil = spoil
-    assert cli()[0] == 1
-    (shown,) = data()
-    wrist, target, lengths = (np.array(shown[key]) for key in ("wrist", "target", "lengths"))
+def test_a_wrong_word_moves_the_arm(shown, simulator):
+    spoil_hand(simulator, 30)
+    data = shown(status=1)
+    wrist, target, lengths = (np.array(data[key]) for key in ("wrist", "target", "lengths"))
     off = np.linalg.norm(wrist - target, axis=1)
     assert np.flatnonzero(off > 1e-5).tolist() == [30] and off[30] > 0.05
-    elbow, hand = forward(shown["qs"], shown["qe"], *lengths.T)
-    np.testing.assert_allclose(elbow, shown["elbow"], atol=1e-6)
-    np.testing.assert_allclose(hand, wrist, atol=1e-6)
-    assert not shown["passed"] and "at target 30" in shown["failures"][0]
+    np.testing.assert_allclose(forward(data["qs"], data["qe"], *lengths.T), (data["elbow"], wrist), atol=1e-6)
+    assert not data["passed"] and data["failures"]
 
 
-def test_the_swivel_plane_holds_the_arm(cli):
-    cli("--trajectory", "all")
-    for shown in data():
-        normal = np.array(shown["normal"])
-        for point in ("elbow", "wrist"):
-            height = (normal * shown[point]).sum(axis=1)
-            assert np.abs(height).max() < 1e-5, (shown["name"], point)
-
-
-def test_arms_of_a_file(cli):
-    cli("--trajectory", "two_arms")
-    assert data()[0]["arm"] == [1, 0] * 50
-    rows = [f"0.2,0.1,0.1,{0.3 + k / 100}\n" for k in range(report.MOST_ARMS + 1)]
-    Path("t.csv").write_text("x,y,z,d1\n" + "".join(rows[:-1]))
-    cli("--trajectory", "t.csv")
-    assert data()[0]["arm"] == [0, 1, 2, 3]
-    Path("t.csv").write_text("x,y,z,d1\n" + "".join(rows))
-    cli("--trajectory", "t.csv")
-    assert data()[0]["arm"] == [0, 0, 0, 0, 0]
-
-
-@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e3, 1e150])
-def test_lengths_are_in_the_unit_of_the_file(cli, unit):
-    Path("t.csv").write_text(f"x,y,z,d1,d2\n{0.3 * unit},{0.1 * unit},{0.2 * unit},{0.33 * unit},{0.27 * unit}\n")
-    assert cli("--trajectory", "t.csv")[0] == 0
-    (shown,) = data()
-    assert shown["about"] == "Targets of t.csv."
-    np.testing.assert_allclose(shown["wrist"], np.array([[0.3, 0.1, 0.2]]) * unit, rtol=1e-5)
-
-
-def test_clamped_targets_are_measured_against_the_clamped_pose(cli):
-    cli("--trajectory", "out_of_reach")
-    (shown,) = data()
-    assert sum(shown["clamped"]) == 48
-    assert max(shown["hand"]) < 1e-6, "15 cm out of reach is no error of the hand"
-    assert {shown["flags"][n] for n in range(100) if shown["clamped"][n]} == {"too_far"}
-
-
-def test_both_datapaths_on_the_same_targets(cli, simulator, command, files):
+def test_several_datapaths(cli, command, simulator, trajectories_in):
     """Each datapath has its own simulation, results and files, equal to those of `make run`."""
-
-    def spoil(runs):
-        if simulator.calls[-1]["datapath"] == "paper":
-            runs[0].results[30, 1] += 2**10
-
-    simulator.spoil = spoil
-    assert cli("--datapath", "lean,paper")[0] == 1
-    first, second = simulator.calls
+    spoil_hand(simulator, 30, "paper", 2**10)
+    status, _, errors = cli("--datapath", "lean,paper")
+    assert status == 1 and len(errors) == 1 and errors[0].startswith("report, paper datapath: reach fails: ")
     assert [call["datapath"] for call in simulator.calls] == ["lean", "paper"]
-    assert (first["jobs"][0].words == second["jobs"][0].words).all()
-    written = [f"build/report/{datapath}/results.{kind}" for datapath in ("lean", "paper") for kind in ("csv", "npz")]
-    assert files() == [*written, "build/report/report.html", "build/report/score.json"]
-    (shown,) = data()
-    (beside,) = shown["beside"]
-    assert (shown["datapath"], beside["datapath"]) == ("lean", "paper")
-    assert set(beside) < set(shown) and "target" not in beside
-    assert shown["bar"] == tolerances.LEAN[32] and beside["bar"] == tolerances.REGULAR
-    off = np.abs(np.array(beside["wrist"]) - shown["wrist"]).max(axis=1)
+    assert (simulator.calls[0]["jobs"][0].words == simulator.calls[1]["jobs"][0].words).all()
+    (first,) = trajectories_in(PAGE)
+    (second,) = first["beside"]
+    assert (first["bar"], second["bar"]) == (tolerances.LEAN[32], tolerances.REGULAR)
+    assert (first["passed"], second["passed"]) == (True, False)
+    off = np.abs(np.array(second["wrist"]) - first["wrist"]).max(axis=1)
     assert np.flatnonzero(off > 1e-7).tolist() == [30]
-    assert "lean and paper datapaths, 32 bits, icarus" in text()
     for datapath in ("lean", "paper"):
         command(run.main, "--datapath", datapath, "--out", datapath)
         assert (PAGE.parent / datapath / "results.csv").read_bytes() == Path(datapath, "results.csv").read_bytes()
-    listed = whole()["files"]
-    assert listed == {
-        "reach": [f"{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")],
-        "": ["score.json"],
-    }
+    names = [f"{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")]
+    assert trajectories_in(PAGE, "files") == {"reach": names, "": ["score.json"]}
 
 
-def test_one_of_both_that_fails_is_named(cli, simulator):
-    def spoil(runs):
-        if simulator.calls[-1]["datapath"] == "paper":
-            runs[0].bit_mismatches, runs[0].first_mismatch = 5, "target 3, node c4"
-
-    simulator.spoil = spoil
-    status, out, err = cli("--datapath", "lean,paper")
-    assert (status, out) == (1, ["wrote build/report/report.html"])
-    assert err == [
-        "report, paper datapath: reach fails: 5 bits differ from the bit-true model; target 3, node c4",
-    ]
-    (shown,) = data()
-    assert shown["passed"] and [each["passed"] for each in shown["beside"]] == [False]
-
-
-# -- self-containedness ----------------------------------------------------------------------------
+def test_arms_and_units_of_a_file(shown):
+    """Up to four arms are drawn; coordinates are in the file's unit, entities of the paper's figures in no unit."""
+    for count, arms in ((4, [0, 1, 2, 3]), (5, [0] * 5)):
+        Path("t.csv").write_text("x,y,z,d1\n" + "".join(f"0.2,0.1,0.1,{0.3 + k / 100}\n" for k in range(count)))
+        assert shown("--trajectory", "t.csv")["arm"] == arms
+    rows = []
+    for unit in (1e-9, 1.0, 1e3, 1e150):
+        Path("t.csv").write_text(f"x,y,z,d1,d2\n{0.3 * unit},{0.1 * unit},{0.2 * unit},{0.33 * unit},{0.27 * unit}\n")
+        data = shown("--trajectory", "t.csv")
+        np.testing.assert_allclose(data["wrist"], np.array([[0.3, 0.1, 0.2]]) * unit, rtol=1e-5)
+        rows.append(np.frombuffer(base64.b64decode(data["paper"]["rows"]), "<i2"))
+        assert np.abs(rows[-1] - rows[0].astype(int)).max() < 10
 
 
-def test_the_same_run_writes_the_same_bytes(cli):
-    cli()
-    first = PAGE.read_bytes()
-    cli()
-    assert PAGE.read_bytes() == first
-
-
-def test_names_cannot_break_out(cli):
+def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
+    """Markup in a name is text; no path of this computer stands in the page; the same run writes the same bytes."""
     name = """<!--<script>&"'{{links}}{{x}}\u2028.csv"""
     Path(name).write_text("x,y,z\n0.3,0.1,-0.2\n")
-    assert cli("--trajectory", name)[0] == 0
-    (shown,) = data()
-    assert shown["name"] == name[:-4] and shown["about"] == f"Targets of {name}."
-    assert f"<title>CGA-IK: {html.escape(name[:-4])}</title>" in text()
-    assert text().count("<script") == 2 and text().count("</script>") == 2 and "<!--" not in text()
-
-
-def test_no_path_of_this_machine_stands_in_the_page(cli, tmp_path):
-    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n")
-    cli("--trajectory", str(tmp_path / "t.csv"), "--out", str(tmp_path / "o"))
-    page = text(tmp_path / "o" / "report.html")
-    assert str(ROOT) not in page and str(tmp_path) not in page and "docs/" not in page
-
-
-# -- the command line ------------------------------------------------------------------------------
-
-
-def test_a_trajectory_that_fails_is_shown_all_the_same(cli, simulator):
-    def spoil(runs):
-        runs[2].bit_mismatches, runs[2].first_mismatch = 5, "target 3, node c4"
-
-    simulator.spoil = spoil
-    status, out, err = cli("--trajectory", "all")
-    assert (status, out) == (1, ["wrote build/report/report.html"])
-    assert err == ["report: figure_eight fails: 5 bits differ from the bit-true model; target 3, node c4"]
-    assert [shown["name"] for shown in data() if not shown["passed"]] == ["figure_eight"]
+    assert shown("--trajectory", str(tmp_path / name))["name"] == name[:-4]
+    text = PAGE.read_text(encoding="utf-8")
+    assert f"<title>CGA-IK: {html.escape(name[:-4])}</title>" in text
+    assert text.count("<script") == 2 and text.count("</script>") == 2 and "<!--" not in text
+    assert str(ROOT) not in text and str(tmp_path) not in text
+    assert cli("--trajectory", name)[0] == 0 and PAGE.read_text(encoding="utf-8") == text
 
 
 @pytest.mark.parametrize("what", ["simulation", "ctrl-c", "disk"])
@@ -260,24 +149,184 @@ def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, w
     PAGE.parent.mkdir(parents=True)
     PAGE.write_text("old")
 
-    def broken(runs):
-        raise SimulationError("iverilog: not found")
+    def stop(error):
+        raise error
 
-    def interrupted(runs):
-        raise KeyboardInterrupt
-
-    def full(old, new):
-        raise OSError(28, "No space left on device", os.fspath(new))
-
-    if what == "simulation":
-        simulator.spoil = broken
-        expected = (1, "report: iverilog: not found")
-    elif what == "ctrl-c":
-        simulator.spoil = interrupted
-        expected = (130, "report: interrupted")
+    if what == "disk":
+        full = OSError(28, "No space left on device")
+        monkeypatch.setattr(os, "replace", lambda old, new: stop(full))
     else:
-        monkeypatch.setattr(os, "replace", full)
-        expected = (2, f"report: cannot write '{PAGE}': No space left on device")
+        error = SimulationError("iverilog: not found") if what == "simulation" else KeyboardInterrupt()
+        simulator.spoil = lambda runs: stop(error)
     status, out, err = cli()
-    assert (status, out, err) == (expected[0], [], [expected[1]])
-    assert files() == [str(PAGE)] and text() == "old"
+    assert (status, out, len(err)) == ({"simulation": 1, "ctrl-c": 130, "disk": 2}[what], [], 1)
+    assert files() == [str(PAGE)] and PAGE.read_text() == "old"
+
+
+# -- the figure of a clip --------------------------------------------------------------------------
+
+
+def points(clip):
+    """Return nodes (F, K, 3) and the clip's elbows and wrists (F, 2 A, 3) in the page's frame and the clip's unit."""
+    nodes, own = (np.array(clip[key], dtype=float).reshape(len(clip[key]), -1, 3) for key in ("nodes", "own"))
+    root = nodes[:, :1].copy()
+    nodes[:, 1:] += root
+    return nodes * clip["unit"], (own + root) * clip["unit"]
+
+
+FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
+"""`up` argument of a test figure -> its up axis and facing direction in the clip."""
+
+
+@pytest.mark.parametrize(("up", "phi", "still"), [("x", "clip", False), ("y", "1.5", True), ("z", "clip", True)])
+def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
+    mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=40))
+    if still:  # it neither climbs nor flies
+        mine.bvh.root_pos = mine.bvh.root_pos * np.where(np.eye(3)["xyz".index(FORWARD[up][0])], 0.01, 1)
+        mine.bvh.write("t.bvh")
+        mine = clips.read(Path("t.bvh").absolute())
+    data = shown("--trajectory", "t.bvh", "--phi", phi)
+    clip = data["clip"]
+    nodes, own = points(clip)
+    turn, unit = np.array(clip["place"]), clip["unit"]
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(turn) == pytest.approx(1) and turn[2]["xyz".index(FORWARD[up][0])] == 1
+    turned = clips.read(PAGE.parent / "clip.bvh")
+    index = [turned.bvh.node_index[name] for name in turned.bvh.joint_names]
+    assert clip["parents"][0] == -1 and len(clip["parents"]) == len(turned.bvh.nodes) == nodes.shape[1]
+    np.testing.assert_allclose(nodes[:, index], turned.positions @ turn.T, atol=2 * unit)
+    for n, (arm, names) in enumerate(zip(clips.arms(mine), clip["arms"], strict=True)):
+        assert names["side"] == arm.side
+        for k, part in enumerate(("fore", "hand")):
+            theirs = mine.positions[:, getattr(arm, part)] @ turn.T
+            np.testing.assert_allclose(own[:, 2 * n + k], theirs, atol=2 * unit)
+            core = np.array(data["elbow" if part == "fore" else "wrist"])[n::2] @ turn.T
+            np.testing.assert_allclose(nodes[:, names[part]] - nodes[:, names["upper"]], core, atol=3 * unit)
+        assert clip["parts"][names["fore"]] == UPPER and clip["parts"][names["hand"]] == FORE
+    assert clip["parts"].count(UPPER) == 2 and clip["parts"].count(FORE) == 2
+    moved = np.linalg.norm(own[:, 0] - nodes[:, clip["arms"][0]["fore"]], axis=1).max()
+    assert moved > 0.1 if phi == "1.5" else moved < 3 * unit
+    assert (np.array(data["elbowError"]).max() > 0.1) == (phi == "1.5")
+
+    assert clip["rate"] == pytest.approx(120, rel=1e-4) and data["arm"] == [0, 1] * 40
+    low, high = nodes[..., 2].min(), nodes[..., 2].max()
+    assert low == pytest.approx(clip["floor"], abs=2 * unit)
+    centre = nodes[:, :1].copy()
+    if still:
+        assert clip["middle"] == pytest.approx((low + high) / 2, abs=2 * unit)
+        centre[..., 2] = clip["middle"]
+    else:
+        assert clip["middle"] is None
+    far = np.linalg.norm(np.concatenate((nodes, own), axis=1) - centre, axis=2).max()
+    assert far == pytest.approx(clip["radius"], abs=2 * unit)
+
+
+@pytest.mark.parametrize(("up", "sides"), [("x", "both"), ("y", "left"), ("z", "right")])
+def test_a_figure_at_rest_faces_forward(shown, up, sides):
+    mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=10))
+    mine.bvh.joint_angles = np.zeros_like(mine.bvh.joint_angles)
+    mine.bvh.write("t.bvh")
+    clip = shown("--trajectory", "t.bvh", "--arm", sides, "--axis", "0.1,0.2,0.3")["clip"]
+    assert [arm["side"] for arm in clip["arms"]] == (["left", "right"] if sides == "both" else [sides])
+    expected = np.array(clip["place"]) @ FORWARD[up][1]
+    np.testing.assert_allclose((np.cos(clip["facing"]), np.sin(clip["facing"])), expected[:2], atol=1e-3)
+
+
+@pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
+def test_joint_angles(shown, axis):
+    """Elevation and azimuth match the torso's axes; flexion matches the angle between the bones."""
+    mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=40))
+    data = shown("--trajectory", "t.bvh", f"--axis={axis}")
+    elbow, wrist, angles = (np.array(data[key]) for key in ("elbow", "wrist", "angles"))
+    for n, arm in enumerate(clips.arms(mine)):
+        e, w = elbow[n::2], wrist[n::2]
+        azimuth, elevation, phi, flexion = np.radians(angles[n::2]).T
+        bend = np.arccos(np.sum(e * (w - e), axis=1) / figure.UPPER / figure.FORE)
+        np.testing.assert_allclose(flexion, bend, atol=2e-4)
+        seen = np.einsum("fij,fi->fj", mine.world[:, arm.torso], e) / figure.UPPER  # x right, y forward, z up
+        ours = np.stack((-np.cos(elevation) * np.sin(azimuth), np.cos(elevation) * np.cos(azimuth), np.sin(elevation)))
+        np.testing.assert_allclose(ours.T, seen, atol=2e-4)
+        np.testing.assert_allclose(phi, np.array(data["phi"])[n::2], atol=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SHARED.is_dir(), reason="clips of motion capture are not next to the checkout")
+@pytest.mark.parametrize("name", ["cmu_12_01_walk", "cmu_01_01_jump"])
+def test_size_of_real_clips(shown, name):
+    shown("--trajectory", str(SHARED / f"{name}.bvh"))
+    assert PAGE.stat().st_size < 4_500_000
+
+
+# -- figures 1 to 5 --------------------------------------------------------------------------------
+
+TURNS = ("folded", "rest", "half", "middle", "yz2", *ANGLES)
+
+
+def unpack(data):
+    """Decode the page's entities by name: VECTORS (N, 3), ANGLES and LENGTHS (N,); undefined ones are nan."""
+    words = np.frombuffer(base64.b64decode(data["rows"]), "<i2").astype(float)
+    words = words.reshape(-1, 3 * len(VECTORS) + len(ANGLES) + len(LENGTHS))
+    words[words == NOTHING] = np.nan
+    found = {name: words[:, 3 * i : 3 * i + 3] / STEPS for i, name in enumerate(data["vectors"])}
+    scalars = words[:, 3 * len(VECTORS) :].T / STEPS
+    scalars[: len(ANGLES)] *= np.pi
+    return found | dict(zip((*data["angles"], *data["lengths"]), scalars, strict=True))
+
+
+def turn(v, axis, angle):
+    """Rotate v about an axis by an angle, right-handed."""
+    a = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+    half = np.broadcast_to(angle, len(v))[:, None] / 2
+    return (matrix(np.hstack((np.cos(half), np.sin(half) * a))) @ v[:, :, None])[:, :, 0]
+
+
+def assert_near(a, b, what):
+    assert np.abs(a - b).max() < 3e-4, what
+
+
+CASES = [(name, "--axis=z") for name in trajectories.TRAJECTORIES]
+CASES += [("circle", axis) for axis in ("--axis=-z", "--axis=x", "--axis=0.3,1,0")]
+CASES += [("t.bvh", axis) for axis in ("--axis=torso", "--axis=0.2,1,0.1")]
+
+
+@pytest.mark.parametrize(("name", "axis"), CASES)
+def test_each_figure_leads_to_the_next(shown, name, axis):
+    """Each entity, rotated by the drawn angle, gives the next one; the elbow is the core's."""
+    figure.write(Path("t.bvh"), frames=40)
+    data = shown("--trajectory", name, axis)
+    e, lengths = unpack(data["paper"]), np.array(data["lengths"])
+    reach = lengths.sum(axis=1, keepdims=True)
+    wrist, (upper, fore) = np.array(data["target"]) / reach, (lengths / reach).T
+    assert_near(e["along"], wrist / np.linalg.norm(wrist, axis=1, keepdims=True), "L_sw")
+    assert_near(turn(e["vertical"], e["along"], np.array(data["phi"])), e["swivel"], "figure 1")
+    ok = np.isfinite(e["elbow"]).all(axis=1)
+    assert ok.tolist() == [not clamped for clamped in data["clamped"]]
+    for missing in ("other", "radius", *TURNS):
+        assert (np.isfinite(e[missing]).reshape(len(ok), -1).all(axis=1) == ok).all(), missing
+    e = {key: value[ok] for key, value in e.items()}
+    wrist, upper, fore, elbow = wrist[ok], upper[ok], fore[ok], (np.array(data["elbow"]) / reach)[ok]
+    assert_near(e["elbow"], elbow, "the core's elbow")
+    for point in ("elbow", "other"):
+        assert_near(np.linalg.norm(e[point], axis=1), upper, "figure 2: on S_2")
+        assert_near(np.linalg.norm(e[point] - wrist, axis=1), fore, "figure 2: on S_1")
+        assert_near((e[point] * e["swivel"]).sum(axis=1), 0, "figure 2: in the swivel plane")
+        assert_near(np.linalg.norm(e[point] - e["centre"], axis=1), e["radius"], "figure 2: on Z_e")
+    assert_near(e["elbow"] + e["other"], 2 * e["centre"], "figure 2: opposite each other")
+    assert_near(turn(e["folded"] - e["elbow"], e["swivel"], e["theta4"]) + e["elbow"], wrist, "figure 3")
+    assert_near(turn(e["axis"] * upper[:, None], e["middle"], np.pi), e["elbow"], "figure 4")
+    assert_near(turn(e["rest"], e["middle"], np.pi), e["half"], "figure 4")
+    for point in ("elbow", "half"):
+        assert_near((e[point] * e["yz2"]).sum(axis=1), 0, "figure 5: in pi_yz2")
+    assert_near(turn(e["half"], e["elbow"], e["theta3"]), wrist, "figure 5")
+
+
+def test_entities_are_undefined_at_singular_poses(shown):
+    """On the axis, straight, out of reach, at the shoulder, elbow on the axis."""
+    Path("t.csv").write_text("x,y,z,phi\n0,0,0.5,1\n0.6,0,0,1\n0.6,0.6,0,1\n0,0,0,1\n0.27,0,0.33,0\n")
+    e = unpack(shown("--trajectory", "t.csv")["paper"])
+    has = {name: np.isfinite(value).reshape(5, -1).all(axis=1).tolist() for name, value in e.items()}
+    assert has["swivel"] == [False, True, True, False, True]
+    assert has["radius"] == [True, True, False, False, True]
+    assert has["elbow"] == has["other"] == [False, True, False, False, True]
+    assert all(has[name][:4] == [False, True, False, False] for name in TURNS)
+    assert e["radius"][1] < 1e-4
