@@ -12,9 +12,8 @@ import math
 import os
 import signal
 import sys
+import tempfile
 import threading
-import time
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -40,6 +39,9 @@ PLAIN_COLUMNS = 120
 
 EVERY = 5.0
 """Seconds between lines of progress without a terminal."""
+
+RECENT = 120.0
+"""Seconds over which a rate is averaged."""
 
 
 class InputError(click.ClickException):
@@ -84,11 +86,66 @@ def command(
     def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
         def main(arguments: Sequence[str] | None = None) -> int:
             words = sys.argv[1:] if arguments is None else arguments
-            return exit_status(name, lambda: work(parse(parser, f"python -m {module or f'scripts.{name}'}", words)))
+            with stoppable():
+                return _status(name, lambda: work(parse(parser, f"python -m {module or f'scripts.{name}'}", words)))
 
         return main
 
     return main_of
+
+
+def _status(name: str, work: Callable[[], int]) -> int:
+    """Return the status of `work`; after an error print one line, `name` first, and return 1, 2 or 128 + signal."""
+    try:
+        return work()
+    except click.exceptions.Exit as exc:  # after --help
+        return exc.exit_code
+    except KeyboardInterrupt as exc:
+        number = exc.args[0] if exc.args else signal.SIGINT
+        status, line = 128 + number, SIGNALS[number]
+    except OSError as exc:
+        where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
+        status, line = 2, f"cannot read or write {where}: {exc.strerror or exc}"
+    except click.ClickException as exc:
+        param = None if isinstance(exc, click.MissingParameter) else getattr(exc, "param", None)
+        status, line = 2, f"argument {param.opts[0]}: {exc}" if param else exc.format_message()
+    except (TargetError, SimulationError) as exc:
+        status, line = 1 if isinstance(exc, SimulationError) else 2, str(exc)
+    print(f"{name}: {line}", file=sys.stderr)
+    return status
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal ended the command; the argument is its number."""
+
+
+SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
+"""Signals that end a command and the simulators it has started."""
+
+
+@contextlib.contextmanager
+def stoppable() -> Iterator[None]:
+    """Raise :class:`Stopped` at the first of SIGNALS, except ignored ones, such as SIGHUP under nohup; later ones
+    do not interrupt the clean-up. If make has started the command and is killed, the command gets SIGTERM."""
+
+    def stop(number: int, _) -> None:
+        for each in SIGNALS:
+            signal.signal(each, signal.SIG_IGN)
+        raise Stopped(number)
+
+    if "MAKELEVEL" in os.environ:
+        end_with_parent()
+    before = {number: handler for number in SIGNALS if (handler := signal.getsignal(number)) is not signal.SIG_IGN}
+    try:
+        for number in before:
+            signal.signal(number, stop)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+# -- options ---------------------------------------------------------------------------------------
 
 
 def option(name: str, about: str, kind: Any = None, **settings) -> click.Option:
@@ -169,73 +226,7 @@ def swivel_angle(text: str) -> float | str:
     return text if text in ("clip", "constant") else Finite()(text)
 
 
-# -- exit status and files -------------------------------------------------------------------------
-
-
-class Stopped(KeyboardInterrupt):
-    """A signal ended the command; the argument is its number."""
-
-
-SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
-"""Signals that end a command and the simulators it has started."""
-
-
-@contextlib.contextmanager
-def stoppable() -> Iterator[None]:
-    """Raise :class:`Stopped` at the first of SIGNALS, except ignored ones, such as SIGHUP under nohup; later ones
-    do not interrupt the clean-up. If make has started the command and is killed, the command gets SIGTERM.
-
-    Outside the main thread this has no effect.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {number: signal.getsignal(number) for number in SIGNALS}
-    stopped = False
-
-    def stop(number: int, _) -> None:
-        nonlocal stopped
-        if not stopped:
-            stopped = True
-            raise Stopped(number)
-
-    if "MAKELEVEL" in os.environ:
-        end_with_parent()
-    try:
-        for number, handler in before.items():
-            if handler is not signal.SIG_IGN:
-                signal.signal(number, stop)
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def exit_status(name: str, work: Callable[[], int]) -> int:
-    """Return the status of `work`; after an error print one line, `name` first, and return 1, 2 or 128 + signal.
-
-    Without a terminal, a line every few seconds reports the elapsed time, unless an inner meter reports more.
-    """
-    try:
-        with stoppable(), contextlib.nullcontext() if Console(stderr=True).is_terminal else progress(name, 0):
-            return work()
-    except KeyboardInterrupt as exc:
-        number = exc.args[0] if isinstance(exc, Stopped) else signal.SIGINT
-        print(f"{name}: {SIGNALS[number]}", file=sys.stderr)
-        return 128 + number
-    except OSError as exc:
-        print(f"{name}: cannot read or write {_what_failed(exc)}", file=sys.stderr)
-        return 2
-    except click.exceptions.Exit as exc:  # after --help
-        return exc.exit_code
-    except click.ClickException as exc:
-        param = getattr(exc, "param", None)
-        named = param and not isinstance(exc, click.MissingParameter)
-        print(f"{name}: {f'argument {param.opts[0]}: {exc}' if named else exc.format_message()}", file=sys.stderr)
-        return 2
-    except (SimulationError, TargetError) as exc:
-        print(f"{name}: {exc}", file=sys.stderr)
-        return 1 if isinstance(exc, SimulationError) else 2
+# -- files and tables ------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
@@ -244,43 +235,23 @@ def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
 
     Raises InputError.
     """
-    folders = list(dict.fromkeys([out, *(path.parent for path in paths)]))
-    new = [one for one in dict.fromkeys(p for f in folders for p in (f, *f.parents)) if not os.path.exists(one)]
+    folders = dict.fromkeys([out, *(path.parent for path in paths)])
+    new = {each for folder in folders for each in (folder, *folder.parents) if not os.path.exists(each)}
     try:
-        _check_out(folders, paths)
+        for folder in folders:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                tempfile.TemporaryFile(dir=folder).close()
+            except OSError as exc:
+                raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
+        for path in paths:
+            if path.is_dir():
+                raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
         yield
     finally:
         for folder in sorted(new, key=lambda path: -len(path.parts)):
             with contextlib.suppress(OSError):  # not empty
                 folder.rmdir()
-
-
-def _check_out(folders: Sequence[Path], paths: Sequence[Path]) -> None:
-    for folder in folders:
-        probe = folder / f".probe.{os.getpid()}"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            probe.write_bytes(b"")
-            probe.unlink()
-        except OSError as exc:
-            raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
-    for path in paths:
-        if path.is_dir():
-            raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
-
-
-@contextlib.contextmanager
-def writing() -> Iterator[None]:
-    """Turn an OSError, a full disk for example, into an InputError."""
-    try:
-        yield
-    except OSError as exc:
-        raise InputError(f"cannot write {_what_failed(exc)}") from None
-
-
-def _what_failed(error: OSError) -> str:
-    where = repr(os.fspath(error.filename)) if error.filename else "a file"
-    return f"{where}: {error.strerror or error}"
 
 
 @contextlib.contextmanager
@@ -295,13 +266,6 @@ def whole_file(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def folder_name(text: str) -> Path:
-    """Convert an option to the path of a folder."""
-    if not text.strip():
-        raise click.BadParameter("the name of a folder is empty")
-    return Path(text)
-
-
 def show(*tables: Table) -> None:
     """Print tables, as wide as the terminal, or `PLAIN_COLUMNS` into a file."""
     console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
@@ -312,116 +276,43 @@ def show(*tables: Table) -> None:
 # -- progress --------------------------------------------------------------------------------------
 
 
-RECENT = 120.0
-"""Seconds over which a rate is averaged."""
-
-
-def pace(rate: float) -> str:
-    """Format a rate per second, minute or hour."""
-    of, seconds = next(((of, k) for of, k in (("s", 1), ("min", 60)) if rate * k >= 1 or not rate), ("h", 3600))
-    return f"{rate * seconds:.0f}/{of}"
-
-
 class Meter:
-    """Progress on stderr: a bar on a terminal, otherwise a line every `every` seconds that begins with `name`.
+    """Progress of `total` items on stderr: a bar on a terminal, otherwise lines that begin with `name`."""
 
-    total, first: number of items, and of items done by an earlier run.
-    """
-
-    def __init__(self, name: str, total: int, first: int = 0, every: float = EVERY, bar: Progress | None = None):
-        self.name, self.total, self.every, self.bar = name, total, every, bar
-        self.done, self.what, self.lock = first, "", threading.Lock()
-        self.begin = self.said = time.monotonic()
-        self.recent = deque([(self.begin, first)])
-        self.task = bar.add_task(name, total=total, completed=first, rate=pace(0.0)) if bar else None
+    def __init__(self, name: str, total: int):
+        console = Console(stderr=True)
+        columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+        more = {"console": console, "transient": True, "disable": not console.is_terminal}
+        self.bar = Progress(*columns, TimeRemainingColumn(), speed_estimate_period=RECENT, **more)
+        self.bar.add_task(name, total=total)
+        (self.task,) = self.bar.tasks
+        self.name = name
 
     def __call__(self, done: int, what: str = "") -> None:
         """Report the number of items done and the present activity."""
-        with self.lock:
-            self.done, self.what = done, what
-            self.recent.append((time.monotonic(), done))
-        if self.bar:
-            self.bar.update(self.task, description=what or self.name, completed=done, rate=pace(self.rate()))
-        else:
-            self.beat()
+        self.bar.update(self.task.id, completed=done, description=what or self.name)
 
-    def rate(self) -> float:
-        """Return items per second over the last RECENT seconds, or between the last two reports if that is longer."""
-        with self.lock:
-            now = time.monotonic()
-            while len(self.recent) > 2 and now - self.recent[1][0] > RECENT:
-                self.recent.popleft()
-            since, before = self.recent[0]
-            return (self.done - before) / max(now - since, 1e-9)
-
-    def beat(self) -> None:
-        """Print a line if it is due, also without progress."""
-        with self.lock:
-            now = time.monotonic()
-            if now - self.said < self.every:
-                return
-            self.said = now
-        of = f"{now - self.begin:.0f} s so far"
-        if rate := self.rate():
-            left = (self.total - self.done) / rate
-            of = f"{self.done} of {self.total} done, {pace(rate)}, {left:.0f} s left"
-        self.line(": ".join(part for part in (self.name, self.what, of) if part))
-
-    def line(self, text: str) -> None:
-        """Print a line on stderr, above the bar if there is one."""
-        if self.bar:
-            self.bar.console.print(text, highlight=False, markup=False, soft_wrap=True)
-        else:
-            print(text, file=sys.stderr, flush=True)
+    def line(self) -> str:
+        """Return the line of a log."""
+        task = self.task
+        left = f", {task.time_remaining:.0f} s left" if task.time_remaining else ""
+        what = f"{task.description}: " if task.description != self.name else ""
+        return f"{self.name}: {what}{task.completed} of {task.total} done after {task.elapsed:.0f} s{left}"
 
 
 @contextlib.contextmanager
-def _repeated(call: Callable[[], None], seconds: float) -> Iterator[None]:
-    """Call a function every `seconds` in a thread."""
-    over = threading.Event()
+def progress(name: str, total: int) -> Iterator[Meter]:
+    """Yield a `Meter`, which also prints while nothing is reported, during a compilation for example."""
+    meter, over = Meter(name, total), threading.Event()
 
     def repeat() -> None:
-        while not over.wait(seconds):
-            call()
+        while not over.wait(EVERY):
+            print(meter.line(), file=sys.stderr, flush=True)
 
-    thread = threading.Thread(target=repeat, daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
-
-
-_meters: list[Meter] = []
-"""Nested meters without a terminal; the innermost prints."""
-
-
-@contextlib.contextmanager
-def progress(name: str, total: int, first: int = 0, every: float = EVERY) -> Iterator[Meter]:
-    """Yield a `Meter`, which also prints while nothing is reported, during a compilation for example."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        meter = Meter(name, total, first, every)
-        if _meters:
-            meter.said = _meters[-1].said
-        _meters.append(meter)
+    with meter.bar:
+        if meter.bar.disable:
+            threading.Thread(target=repeat, daemon=True).start()
         try:
-            with _repeated(lambda: _meters[-1] is meter and meter.beat(), every / 5):
-                yield meter
+            yield meter
         finally:
-            _meters.pop()
-            if _meters:
-                _meters[-1].said = meter.said
-        return
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True, speed_estimate_period=RECENT) as bar:
-        yield Meter(name, total, first, bar=bar)
+            over.set()

@@ -25,7 +25,7 @@ from importlib.metadata import version
 from types import SimpleNamespace
 
 from model.io.files import write_atomically
-from scripts.console import InputError, command, option, switch, writing
+from scripts.console import InputError, command, option, switch
 from scripts.generate.render import table
 from tb.core.functional_coverage import BINS
 from tb.sim.coverage import Point, read
@@ -194,8 +194,7 @@ def main(options: SimpleNamespace) -> int:
     if not (counts := read(COUNTS)):
         raise InputError("there are no counts")
     reasons, idle = waived(point for point, count in counts.items() if not count)
-    with writing():
-        annotate(counts, reasons)
+    annotate(counts, reasons)
     print(f"wrote {os.path.relpath(ANNOTATED, ROOT)}")
     if options.only:
         return 0
@@ -206,8 +205,7 @@ def main(options: SimpleNamespace) -> int:
         )
     )
     if options.keep and not found:
-        with writing():
-            write_atomically(PAGE, page(counts, reasons))
+        write_atomically(PAGE, page(counts, reasons))
         print(f"wrote {PAGE.name}")
     return 1 if found else 0
 

@@ -68,10 +68,8 @@ def _operand(node: Node, of: Node) -> str:
 
 
 def made_of(node: Node) -> str:
-    """Return operation, operands and, if the dataflow has one, the expression of a node."""
-    operands = ", ".join(_operand(each, node) for each in node.operands)
-    exact = f": {node.facts.exact}" if node.facts.exact else ""
-    return f"{node.op} {operands}{exact}" if operands else node.op
+    """Return operation and operands of a node."""
+    return f"{node.op} {', '.join(_operand(each, node) for each in node.operands)}".rstrip()
 
 
 HEADINGS = ("clock", "after", "equation", "node", "RTL word", "model word", "RTL value", "model value", "made of")

@@ -18,12 +18,13 @@ import os
 import subprocess
 import sys
 from datetime import date
+from pathlib import Path
 from types import SimpleNamespace
 
 from rich.table import Table
 
 from scripts import parallel
-from scripts.console import InputError, Stopped, command, folder_name, option, progress, show, switch, whole, whole_file
+from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole, whole_file
 from scripts.generate.render import render
 from tb.mutation import campaign
 from tb.mutation.campaign import COLUMNS, SURVIVED, Result
@@ -43,7 +44,7 @@ HEAD = ("file", "mutants", *COLUMNS)
         option("--only", "files of rtl/ with this in their name", default="", metavar="FILE"),
         option("--jobs", "parallel mutants", whole(1), default=os.cpu_count(), metavar="N"),
         parallel.FARM,
-        option("--out", "folder of the results", folder_name, default="build/mutants", metavar="DIR"),
+        option("--out", "folder of the results", Path, default="build/mutants", metavar="DIR"),
         switch("--keep", "write docs/generated/mutants.md; not with --only"),
     ],
     fails="one survives",

@@ -17,7 +17,7 @@ from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
 from model.dataflow.nodes import Node
-from scripts.console import whole_file, writing
+from scripts.console import whole_file
 from scripts.save_file import TOP, Mark, place, write_aligned_save_file, write_save_file
 from tb.sim.job import Difference
 
@@ -177,16 +177,15 @@ def write_waves(
     """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)
     first = found[0] if found else None
-    with writing():
-        with whole_file(aligned) as unfinished:
-            write_aligned(unfinished, recording, datapath, nodes, {each.target for each in found})
-        for path, clock, write in (
-            (vcd, first.clock if first else 0, write_save_file),
-            (aligned, column(recording, nodes, first.target) if first else 0, write_aligned_save_file),
-        ):
-            mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
-            with whole_file(path.with_suffix(".gtkw")) as unfinished:
-                write(path, datapath, width, unfinished, mark)
+    with whole_file(aligned) as unfinished:
+        write_aligned(unfinished, recording, datapath, nodes, {each.target for each in found})
+    for path, clock, write in (
+        (vcd, first.clock if first else 0, write_save_file),
+        (aligned, column(recording, nodes, first.target) if first else 0, write_aligned_save_file),
+    ):
+        mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
+        with whole_file(path.with_suffix(".gtkw")) as unfinished:
+            write(path, datapath, width, unfinished, mark)
 
 
 def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:

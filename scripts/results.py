@@ -16,7 +16,6 @@ from model.io.scoring import Score, write_results_csv, write_results_npz, write_
 from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
-from scripts.console import writing
 from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
@@ -70,10 +69,9 @@ def write_results(
     out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Sequence[Sequence[tuple[Run, Score]]]
 ) -> None:
     """Write the files of each datapath to its folder, and one score.json."""
-    with writing():
-        for folder, ran in zip(folders, done, strict=True):
-            _write_datapath(folder, prepared, ran)
-        write_score_json(out / SCORES, [result for ran in done for _, result in ran])
+    for folder, ran in zip(folders, done, strict=True):
+        _write_datapath(folder, prepared, ran)
+    write_score_json(out / SCORES, [result for ran in done for _, result in ran])
 
 
 def _write_datapath(folder: Path, prepared: Sequence[Prepared], done: Sequence[tuple[Run, Score]]) -> None:

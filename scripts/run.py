@@ -21,7 +21,7 @@ from types import SimpleNamespace
 from model.bounds.predict import hand_bar
 from model.io import trajectories
 from model.io.scoring import Score, score
-from scripts.console import command, output, progress, show, switch, whole_file, writing
+from scripts.console import command, output, progress, show, switch, whole_file
 from scripts.paper.side_by_side import table_beside_the_paper
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
@@ -103,8 +103,7 @@ def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str
     if len(prepared) == 1:
         align(vcd, prepared[0].words, width, datapath)
         return [folder / name for name in WAVES]
-    with writing():
-        write_save_file(vcd, datapath, width, vcd.with_suffix(".gtkw"))
+    write_save_file(vcd, datapath, width, vcd.with_suffix(".gtkw"))
     return [folder / name for name in WAVES if name.stem == vcd.stem]
 
 

@@ -28,7 +28,6 @@ import math
 import os
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -56,14 +55,12 @@ from scripts.console import (
     Stopped,
     command,
     core_options,
-    folder_name,
     option,
     output,
     progress,
     show,
     switch,
     whole,
-    writing,
 )
 from scripts.generate.render import render
 from scripts.paper.table6.compiled import SOURCE, library
@@ -86,7 +83,7 @@ OPTIONS = [
     *core_options(sim="verilator", datapath=None, width=None),
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
-    option("--out", "folder for hardest.csv and failing.csv", folder_name, default="build/soak", metavar="DIR"),
+    option("--out", "folder for hardest.csv and failing.csv", Path, default="build/soak", metavar="DIR"),
     option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
     switch("--keep", "update tb/core/hardest.csv and soak.md"),
     option("--again", "run the targets of a failing.csv or hardest.csv", Path, metavar="FILE"),
@@ -258,8 +255,7 @@ def _worst(arguments: SimpleNamespace) -> int:
 
 
 def _write_rows(path: Path, rows: list[hardest.Row]) -> None:
-    with writing():
-        write_atomically(path, hardest.text(rows))
+    write_atomically(path, hardest.text(rows))
 
 
 def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> hardest.Row:
@@ -308,9 +304,8 @@ def _keep(core: Core, of: str, found: Found, first: int) -> None:
         "apart": found.apart,
     }
     rows = dict(sorted((recorded() | {f"{core.datapath}, {core.width} bits, {of}": row}).items()))
-    with writing():
-        write_atomically(FIGURES, json.dumps(rows, indent=1) + "\n")
-        write_atomically(PAGE, _page(list(rows.values())))
+    write_atomically(FIGURES, json.dumps(rows, indent=1) + "\n")
+    write_atomically(PAGE, _page(list(rows.values())))
 
 
 def _page(rows: list[dict]) -> str:
@@ -373,7 +368,7 @@ def _soak(arguments: SimpleNamespace) -> int:
         with progress("soak", arguments.targets) as meter:
             try:
                 broken = chunks.run(arguments.jobs, meter, arguments.farm)
-                rate = chunks.found.targets / (time.monotonic() - meter.begin)
+                rate = chunks.found.targets / meter.task.elapsed
             except Stopped:
                 done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
                 print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)

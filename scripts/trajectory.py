@@ -21,7 +21,7 @@ from model.motion import clip as clips
 from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
 from model.motion.pose import hanging
-from scripts.console import POSITIVE, InputError, core_options, folder_name, option, reference_axis, swivel_angle
+from scripts.console import POSITIVE, InputError, core_options, option, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
 ALL = "all"
@@ -78,7 +78,7 @@ def trajectory_options(
     about = f"folder for {written}, created if missing"
     return [
         option("--trajectory", trajectory, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
-        option("--out", about, folder_name, default=out, metavar="DIR"),
+        option("--out", about, Path, default=out, metavar="DIR"),
         *(core_options(datapath=datapath, most=most) if core else ()),
         *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
         option("--axis", axis, reference_axis, metavar="AXIS"),

@@ -14,7 +14,7 @@ import click
 from vcd.reader import VCDParseError
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from scripts.console import WORD_LENGTH, InputError, command, whole_file, writing
+from scripts.console import WORD_LENGTH, InputError, command, whole_file
 from scripts.save_file import write_save_file
 
 
@@ -36,7 +36,7 @@ def main(options: SimpleNamespace) -> int:
     except OSError as error:
         raise InputError(f"{options.vcd}: cannot be read: {error.strerror}") from None
     try:
-        with writing(), whole_file(options.save) as path:
+        with whole_file(options.save) as path:
             write_save_file(options.vcd, options.datapath, options.width, path)
     except ValueError as error:
         raise InputError(str(error)) from None

@@ -27,7 +27,7 @@ from model.io.flags import FLAGS
 from model.io.words import FIELDS, HEADROOM_BITS
 from model.motion.axes import NAMED, to_z
 from model.reference.kinematics import matrix
-from scripts.console import WORD_LENGTH, command, folder_name, option, output, some_of, writing
+from scripts.console import WORD_LENGTH, command, option, output, some_of
 from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
 
 HERE = Path(__file__).parent
@@ -88,7 +88,7 @@ def page(machines: Sequence[Machine]) -> str:
 
 _NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 OPTIONS = [
-    option("--out", "folder for index.html", folder_name, default="build/playground", metavar="DIR"),
+    option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
     option("--datapath", f"only these of {', '.join(_NAMES)}", some_of(_NAMES, len(_NAMES)), metavar="NAME[,NAME]"),
     option("--width", "only cores of this word length", WORD_LENGTH, metavar="BITS"),
 ]
@@ -107,12 +107,11 @@ def main(parsed: SimpleNamespace) -> int:
     tools()
     path = parsed.out / "index.html"
     with output(parsed.out, [path]):
-        with writing():
-            try:
-                text = page(machines)
-            except BuildError as error:
-                print(f"playground: {error}", file=sys.stderr)
-                return 1
-            write_atomically(path, text)
+        try:
+            text = page(machines)
+        except BuildError as error:
+            print(f"playground: {error}", file=sys.stderr)
+            return 1
+        write_atomically(path, text)
     print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
     return 0

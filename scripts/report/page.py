@@ -30,7 +30,7 @@ from model.io.files import write_atomically
 from model.io.scoring import Score
 from model.io.words import from_words, result_values
 from model.reference.equations import swivel_normal
-from scripts.console import command, output, writing
+from scripts.console import command, output
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
 from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
@@ -183,8 +183,7 @@ def main(parsed: SimpleNamespace) -> int:
         shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
         text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)
-        with writing():
-            write_atomically(path, text)
+        write_atomically(path, text)
         write_results(parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for ran in done for _, result in ran])

@@ -41,7 +41,6 @@ BAD_INPUT = [
     ("run --speed 9", "--speed"),
     ("run --traj reach", "--traj"),
     ("run --out", "--out"),
-    ("run --out=", "--out empty"),
     ("run --out file", "--out 'file': File exists"),
     ("run --out file/sub", "--out 'file/sub': Not a directory"),
     ("run --out o", "--out 'o/score.json' folder"),

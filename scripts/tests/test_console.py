@@ -1,67 +1,58 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/console.py: exit status, signals, folders, progress."""
+"""scripts/console.py: exit status, signals to make and to a command, folders, progress."""
 
 import io
+import os
 import signal
-import threading
+import subprocess
+import sys
+import time
 
-import click
 import pytest
-from rich.progress import Progress
+from rich.console import Console
 
 from scripts import console
-from scripts.console import InputError, Meter, exit_status, pace, progress, writing
+from scripts.console import InputError
+from tb.sim.env import ROOT, environment
+from tb.sim.test_subprocesses import alive
 
 
 def raising(error):
-    """Return a function that raises `error`."""
-
-    def work():
+    def work(_):
         raise error
 
-    return work
-
-
-def parsing():
-    parser = click.Command("some", params=[console.option("--count", "", console.whole(2))])
-    return console.parse(parser, "", ["--count", "1"]).count
+    return console.command("some", "", [console.option("--count", "", console.whole(2))])(work)
 
 
 @pytest.mark.parametrize(
-    ("work", "status", "message"),
+    ("error", "status", "message"),
     [
-        (parsing, 2, "argument --count: 1 is not in the range 2<=x<=1000000000000000."),
-        (raising(InputError("no")), 2, "no"),
-        (raising(KeyboardInterrupt()), 130, "interrupted"),
-        (raising(OSError(28, "disk full", "a/b")), 2, "cannot read or write 'a/b': disk full"),
-        (raising(OSError(28, "disk full")), 2, "cannot read or write a file: disk full"),
+        (InputError("no"), 2, "no"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (OSError(28, "disk full", "a/b"), 2, "cannot read or write 'a/b': disk full"),
+        (OSError(28, "disk full"), 2, "cannot read or write a file: disk full"),
     ],
 )
-def test_errors_become_a_status_and_one_line(work, status, message, capsys):
-    assert exit_status("some", work) == status
+def test_errors_become_a_status_and_one_line(error, status, message, capsys):
+    assert raising(error)([]) == status
     assert capsys.readouterr().err == f"some: {message}\n"
 
 
-def test_a_full_disk_is_an_input_error():
-    with pytest.raises(InputError, match="^cannot write 'a/b': disk full$"), writing():
-        raise OSError(28, "disk full", "a/b")
-
-
-@pytest.mark.parametrize("number", console.SIGNALS)
 @pytest.mark.usefixtures("interruptible")
-def test_a_second_signal_does_not_stop_the_clean_up(number):
+def test_a_second_signal_does_not_stop_the_clean_up():
     cleaned = []
 
-    def work():
+    @console.command("some", "")
+    def main(_):
         try:
-            signal.raise_signal(number)
+            signal.raise_signal(signal.SIGTERM)
         finally:
-            signal.raise_signal(number)
+            signal.raise_signal(signal.SIGINT)
             cleaned.append(True)
 
-    before = signal.getsignal(number)
-    assert exit_status("some", work) == 128 + number and cleaned == [True]
-    assert signal.getsignal(number) is before
+    before = signal.getsignal(signal.SIGTERM)
+    assert main([]) == 143 and cleaned == [True]
+    assert signal.getsignal(signal.SIGTERM) is before
 
 
 def test_new_empty_folders_are_removed(tmp_path):
@@ -75,49 +66,80 @@ def test_new_empty_folders_are_removed(tmp_path):
     assert (tmp_path / "old/a/b/file").exists()
 
 
-@pytest.fixture
-def clock(monkeypatch):
-    """Clock in seconds, set by the test."""
-    now = [100.0]
-    monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
-    return now
+def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):
+    monkeypatch.setattr(console, "EVERY", 0.01)
+    with console.progress("some", 5000) as meter:
+        meter(1000, "half [3/4]")
+        time.sleep(0.5)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines and lines[-1].startswith("some: half [3/4]: 1000 of 5000 done after ")
 
 
-def test_lines_of_progress_without_a_terminal(clock, capsys):
-    """The inner of two meters reports; its rate covers the last minutes and excludes an earlier run's work."""
-    with progress("some", 0, every=30) as outer:
-        clock[0] += 20
-        with progress("inner", 5000, first=1000, every=30) as inner:
-            inner(1000)
-            clock[0] += 20
-            inner(3000, "half")
-            clock[0] += 200
-            inner(3100, "slow")
-        outer.beat()
-        clock[0] += 40
-        outer.beat()
-    assert capsys.readouterr().err.splitlines() == [
-        "inner: half: 3000 of 5000 done, 100/s, 20 s left",
-        "inner: slow: 3100 of 5000 done, 30/min, 3800 s left",
-        "some: 280 s so far",
-    ]
-    assert [pace(rate) for rate in (0.0, 0.999, 1 / 60, 0.01, 50.4)] == ["0/s", "60/min", "1/min", "36/h", "50/s"]
-
-
-def test_lines_appear_while_nothing_gets_done(monkeypatch):
-    beaten = threading.Event()
-    monkeypatch.setattr(Meter, "beat", lambda meter: beaten.set())
-    with progress("some", 100, every=0.01):
-        assert beaten.wait(60)
-
-
-def test_a_bar_on_a_terminal(clock):
+def test_a_bar_on_a_terminal(monkeypatch):
     out = io.StringIO()
-    bar = Progress(console=console.Console(file=out, force_terminal=True), auto_refresh=False)
-    meter = Meter("some", 100, bar=bar)
-    clock[0] += 2
-    meter(50, "half [3/4]")
-    (task,) = bar.tasks
-    assert (task.completed, task.total, task.fields["rate"], task.description) == (50, 100, "25/s", "half [3/4]")
-    meter.line("some: [a] line")
-    assert "some: [a] line" in out.getvalue()
+    monkeypatch.setattr(console, "Console", lambda **_: Console(file=out, force_terminal=True))
+    with console.progress("some", 100) as meter:
+        meter(50, "half")
+        meter.bar.refresh()
+    assert "half" in out.getvalue() and "50/100" in out.getvalue()
+
+
+# -- signals: make, a command and its simulator end within seconds and leave no temporary files ----
+
+COMMAND = """
+import os, sys, tempfile
+from scripts.console import command
+from tb.sim.subprocesses import started
+
+@command("some", "")
+def main(_):
+    with tempfile.TemporaryDirectory() as folder, started(["sleep", "600"], folder) as simulator:
+        print(os.getpid(), simulator.pid, flush=True)
+        return simulator.wait()
+
+sys.exit(main())
+"""
+TERMINATED, HUNG_UP = "some: terminated\n", "some: hung up\n"
+
+
+@pytest.mark.parametrize(
+    ("number", "to", "message"),
+    [
+        (signal.SIGINT, "group", "some: interrupted\n"),
+        (signal.SIGTERM, "group", TERMINATED),
+        (signal.SIGHUP, "group", HUNG_UP),
+        (signal.SIGTERM, "make", TERMINATED),
+        (signal.SIGKILL, "make", TERMINATED),
+        (signal.SIGKILL, "command", ""),
+        (signal.SIGHUP, "nohup", TERMINATED),
+    ],
+)
+def test_a_signal_ends_command_and_simulator(tmp_path, number, to, message):
+    """The group gets a signal from a terminal, make alone from kill; under nohup SIGHUP is ignored and SIGTERM ends."""
+    (tmp_path / "command.py").write_text(COMMAND)
+    (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
+    (tmp_path / "tmp").mkdir()
+    ignored = ["--ignore-signal=HUP"] if to == "nohup" else []
+    make = subprocess.Popen(
+        ["env", "--default-signal", *ignored, "make", "run"],
+        cwd=tmp_path,
+        start_new_session=True,
+        text=True,
+        env=environment() | {"TMPDIR": str(tmp_path / "tmp")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    command, simulator = (int(pid) for pid in make.stdout.readline().split())
+    assert alive(command) and alive(simulator)
+    send, pid = {"make": (os.kill, make.pid), "command": (os.kill, command)}.get(to, (os.killpg, make.pid))
+    send(pid, number)
+    if to == "nohup":
+        time.sleep(0.5)
+        assert alive(command) and alive(simulator)
+        make.terminate()
+    assert message in make.communicate(timeout=60)[1]  # also waits for the command, which shares stderr
+    limit = time.monotonic() + 10
+    while (alive(command) or alive(simulator)) and time.monotonic() < limit:
+        time.sleep(0.05)
+    assert not alive(command) and not alive(simulator)
+    assert to == "command" or os.listdir(tmp_path / "tmp") == []

@@ -173,7 +173,7 @@ def test_a_full_disk(cli, monkeypatch):
 
     monkeypatch.setattr(results, "write_score_json", full)
     status, _, err = cli()
-    assert (status, err) == (2, ["run: cannot write 'build/run/score.json': No space left on device"])
+    assert (status, err) == (2, ["run: cannot read or write 'build/run/score.json': No space left on device"])
 
 
 @pytest.mark.parametrize(

@@ -386,7 +386,7 @@ def test_a_disk_that_fills_up(cli, monkeypatch):
 
     monkeypatch.setattr(soak, "write_atomically", full)
     status, _, err = cli("--targets", "400")
-    assert (status, err) == (2, ["soak: cannot write 'build/soak/hardest.csv': No space left on device"])
+    assert (status, err) == (2, ["soak: cannot read or write 'build/soak/hardest.csv': No space left on device"])
 
 
 # -- the worst targets -------------------------------------------------------------------------------------------------

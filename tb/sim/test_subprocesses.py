@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stopped compilers and simulators leave no process and no file. scripts/tests/test_signals.py covers signals."""
+"""Stopped compilers and simulators leave no process and no file. scripts/tests/test_console.py covers signals."""
 
 import signal
 import subprocess
