@@ -240,7 +240,6 @@ module ik_fold #(
 
   // ---- dataflow nodes, for waves and testbenches only ----
 
-  localparam integer WX = W;
   wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // a product rounded as its node is
   wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
   wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum};

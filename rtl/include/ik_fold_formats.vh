@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/nodes.py; do not edit.
 
-// For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a
-// table's row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the
+// For the body of a module with parameters W and TILE: fraction bits of words and of a table's row, the bits of its
+// words and of its number, and what the sum of a polynomial leaves of the product of the
 // high parts.
 
 /* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
-localparam integer FRAC = (W < 28) ? W + 5 : 33;  // of an inner word
+`include "ik_lean_formats.vh"
 localparam integer SINE_FRAC = (FRAC < 31) ? FRAC : 31;
-localparam integer ROOT_FRAC = (W < 19) ? 22 : SINE_FRAC;
 localparam [0:0] SMALL = TILE < 18;
 localparam integer INDEX_BITS = SMALL ? 9 : 10;
 localparam integer C0_FRAC = SMALL ? 34 : 35;

@@ -5,9 +5,7 @@
 // which it is valid, counted from the clock in which its target is at the datapath's input.
 // LAT_<OPERATION>: clocks of an operation.
 
-localparam integer WX = (W < 16) ? 16 : W;  // the word length that formats follow
-localparam integer FRAC = (WX < 17) ? 22 : (WX < 28) ? WX + 5 : 33;  // of an inner word
-localparam integer ROOT_FRAC = (W < 19) ? 22 : ((FRAC < 31) ? FRAC : 31);
+`include "ik_lean_formats.vh"
 localparam integer LAT_SUM2 = 2;  // add, round and saturate
 localparam integer LAT_SHIFT = 2;  // barrel shift: by eights, by ones
 localparam integer LAT_MUX = 1;  // an exact addition, a choice, a sign change or a comparison

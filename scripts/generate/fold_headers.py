@@ -11,7 +11,7 @@ from model.dataflow.fold import timing
 from model.dataflow.fold.program import CODES, FIELDS, program
 from model.dataflow.fold.shown import Shown, shown
 from model.dataflow.fold.steps import Operand, Pick
-from model.dataflow.nodes import INNER_FRAC, ROOT_FRACS, Node
+from model.dataflow.nodes import ROOT_FRACS, Node
 from model.dataflow.quadratic import Form
 
 WIDTH = 24
@@ -104,14 +104,13 @@ def formats() -> str:
     numbers = [_numbers(*forms) for forms in FORMS]
     values = [f"localparam integer {k} = SMALL ? {numbers[1][k]} : {numbers[0][k]};" for k in numbers[0]]
     return f"""\
-// For the body of a module with parameters W and TILE: fraction bits of words, as in ik_lean_nodes.vh, and of a
-// table's row, the bits of its words and of its number, and what the sum of a polynomial leaves of the product of the
+// For the body of a module with parameters W and TILE: fraction bits of words and of a table's row, the bits of its
+// words and of its number, and what the sum of a polynomial leaves of the product of the
 // high parts.
 
 /* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
-localparam integer FRAC = (W < {INNER_FRAC - 5}) ? W + 5 : {INNER_FRAC};  // of an inner word
+`include "ik_lean_formats.vh"
 localparam integer SINE_FRAC = (FRAC < {ROOT_FRACS[1]}) ? FRAC : {ROOT_FRACS[1]};
-localparam integer ROOT_FRAC = (W < 19) ? {ROOT_FRACS[0]} : SINE_FRAC;
 localparam [0:0] SMALL = TILE < 18;
 {chr(10).join(values)}
 /* verilator lint_on UNUSEDPARAM */"""

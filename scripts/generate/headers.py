@@ -65,14 +65,7 @@ def nodes_header(datapath: str) -> str:
         lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
     else:
         lines[1] = lines[1].replace("parameter W.", "parameters W and TILE.")
-        least, most = WIDTHS[0], INNER_FRAC
-        short, long = ROOT_FRACS
-        lines.append(f"localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow")
-        lines.append(
-            f"localparam integer FRAC = (WX < {short - 5}) ? {short} : (WX < {most - 5}) ? WX + 5 : {most};"
-            "  // of an inner word"
-        )
-        lines.append(f"localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});")
+        lines.append('`include "ik_lean_formats.vh"')
     for kind, (_, _, why) in Latency.TABLE.items():
         if kind in used:
             lines.append(f"localparam integer LAT_{kind.upper()} = {Latency.expression(kind)};  // {why}")
@@ -94,6 +87,19 @@ def nodes_header(datapath: str) -> str:
     outputs = _start(tuple(nodes[n] for n in RESULT_FIELDS), runs)
     lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
     return "\n".join(lines)
+
+
+def formats_header() -> str:
+    """Return ``rtl/include/ik_lean_formats.vh``."""
+    least, most = WIDTHS[0], INNER_FRAC
+    short, long = ROOT_FRACS
+    return f"""{NOTE.format(source="model/dataflow/nodes.py")}
+// For the body of a module with parameter W: fraction bits of the inner words of ik_lean and ik_fold.
+
+localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow
+localparam integer FRAC = (WX < {short - 5}) ? {short} : (WX < {most - 5}) ? WX + 5 : {most};  // of an inner word
+localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});  // of a reciprocal root
+"""
 
 
 def latency_header() -> str:
@@ -262,6 +268,7 @@ def fold_header(name: str) -> str:
 HEADERS = {
     ROOT / "rtl" / "include" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
     ROOT / "rtl" / "include" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
+    ROOT / "rtl" / "include" / "ik_lean_formats.vh": formats_header,
     ROOT / "rtl" / "include" / "ik_latency.vh": latency_header,
     ROOT / "rtl" / "include" / "ik_sincos_table.vh": sincos_header,
     ROOT / "rtl" / "include" / "ik_rsqrt_table.vh": rsqrt_header,

@@ -44,7 +44,7 @@ def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str,
 )
 def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
     """Expressions evaluate to the model's clocks and fraction bits at every word length."""
-    text = headers.nodes_header(header)
+    text = headers.nodes_header(header).replace('`include "ik_lean_formats.vh"', headers.formats_header())
     latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latency_header()))
     runs = headers.traced(datapath)
     assert tuple(runs) == tuple(CONFIGURATIONS[datapath].widths)
