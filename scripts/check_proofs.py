@@ -35,23 +35,14 @@ class Page:
         return sorted(name for name in {*recorded, *present} if recorded.get(name) != present.get(name))
 
 
-def _soaks(code: Callable[[dict], str]) -> Callable[[], dict[str, str]]:
-    return lambda: {name: code(row) for name, row in soak.recorded().items()}
-
-
 PAGES = (
-    Page(
-        formal.PAGE,
-        "make formal",
-        lambda: {name: row[-1] for name, row in formal.rows().items()},
-        formal.digests,
-    ),
+    Page(formal.PAGE, "make formal", lambda: {name: row[-1] for name, row in formal.rows().items()}, formal.digests),
     Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
     Page(
         soak.PAGE,
         "make soak KEEP=1",
-        _soaks(lambda row: row["code"]),
-        _soaks(lambda row: soak.code(row["datapath"])),
+        lambda: {name: row["code"] for name, row in soak.recorded().items()},
+        lambda: {name: soak.code(row["datapath"]) for name, row in soak.recorded().items()},
     ),
 )
 

@@ -43,25 +43,22 @@ def rows() -> dict[str, list[str]]:
 
 def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
     """Write the page: new rows for the proofs in ``proved``, name -> outcome and digest, earlier rows otherwise."""
-    found = rows()
-    for task in TASKS:
-        if task.name in proved:
-            outcome, digest = proved[task.name]
-            result = [f"{outcome.result}, bug found", f"{outcome.seconds:.0f}", date.today().isoformat(), digest]
-            found[task.name] = [task.name, task.what, task.engine, *result]
-    listed = [found[task.name] for task in TASKS if task.name in found]
-    write_atomically(PAGE, render("proofs", rows=listed))
+    found, tasks = rows(), {task.name: task for task in TASKS}
+    for name, (outcome, digest) in proved.items():
+        result = [f"{outcome.result}, bug found", f"{outcome.seconds:.0f}", date.today().isoformat(), digest]
+        found[name] = [name, tasks[name].what, tasks[name].engine, *result]
+    write_atomically(PAGE, render("proofs", rows=[found[name] for name in tasks if name in found]))
     say(f"wrote {PAGE.relative_to(ROOT)}")
 
 
-def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> Outcome:
-    """Run a proof, or return the result of an earlier run of the same code and tools."""
+def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, str]:
+    """Run a proof, or take the result of an earlier run of the same code and tools; return outcome and digest."""
     before = task.digest()
     kept = BUILD / f"{task.name}-{digest_of(before, versions())}.json"
     if kept.exists() and not again:
         outcome = Outcome(**json.loads(kept.read_text()))
         say(f"ok   {task.name:<16} {outcome.result}, unchanged since an earlier run ({outcome.seconds:.0f} s)")
-        return outcome
+        return outcome, before
     outcome = task.run(pool, say)
     if task.digest() != before:
         outcome.failed.append("sources were changed during the run")
@@ -73,7 +70,7 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> Outcome:
     say(f"{'FAIL' if outcome.failed else 'ok  '} {task.name:<16} {outcome.result}, {outcome.seconds:.0f} s")
     for line in outcome.failed:
         say(f"     {line}")
-    return outcome
+    return outcome, before
 
 
 @command(
@@ -92,13 +89,13 @@ def main(options: SimpleNamespace) -> int:
             raise InputError(f"argument --only: no proof {name!r}; --list prints their names")
     chosen = [task for task in TASKS if not options.only or task.name.startswith(tuple(options.only))]
     if options.list:
-        say("\n".join(f"{task.name:<16} {task.engine:<6} {task.what}" for task in chosen))
+        say("\n".join(f"{task.name:<16} {task.engine:<9} {task.what}" for task in chosen))
         return 0
     if absent := missing():
         raise InputError(f"{', '.join(absent)} not installed here: `make formal` sets them up")
     with ThreadPoolExecutor(cpu_count()) as pool:
         try:
-            outcomes = {task.name: (prove(task, pool, options.again), task.digest()) for task in chosen}
+            outcomes = {task.name: prove(task, pool, options.again) for task in chosen}
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             stop()

@@ -49,8 +49,6 @@ def test_what_is_new_or_gone_is_stale(tmp_path):
     assert Page(tmp_path, "", lambda: {"a": "1", "b": "2"}, lambda: {"b": "2", "c": "3"}).stale() == ["a", "c"]
 
 
-def test_command(monkeypatch, capsys):
-    assert main([]) == 0
-    assert f"of {len(PAGES)} pages are of the present code" in capsys.readouterr().out
+def test_command(monkeypatch):
     monkeypatch.setattr(check_proofs, "PAGES", [Page(ROOT / "x", "", dict, lambda: {"a": "1"})])
     assert (main([]), main(["--strict"]), main(["--strickt"])) == (0, 1, 2)

@@ -77,7 +77,7 @@ def test_missing_tools(monkeypatch, capsys):
 
 @pytest.mark.skipif(bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal`")
 def test_interrupt(interruptible):
-    command = [sys.executable, "-u", "-m", "scripts.formal", "--only", "root_row", "--again"]
+    command = [sys.executable, "-u", "-m", "scripts.formal", "--only", "handshake", "--again"]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     run.stdout.readline()  # the first proof; the second follows
     run.send_signal(signal.SIGINT)

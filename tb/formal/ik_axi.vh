@@ -92,6 +92,7 @@ always @* if (\u_job.f_on ) begin
   quiet : assert (f_running || (!m_axi_arvalid && \u_read.f_open == 0 && !m_axi_awvalid && !m_axi_wvalid &&
       \u_write.f_waits == 0 && \u_write.f_open == 0));
   some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.tell || \u_write.size != 0));
+  // at most one clock of a job passes in which neither memory nor ik_axis has to act
   never_stuck : assert (!f_running || f_still < 2);
 end
 

@@ -78,6 +78,7 @@ always @* if (f_on) begin
   within_promise : assert (f_open <= (1 << LOG2_BURSTS));
   place_for_every_record : assert (f_inside <= PLACES);
   none_when_stopped : assert (!m_axi_arvalid || f_may);
+  // with nothing under way, all places free and records left, a burst is offered two clocks later
   asked_in_time : assert (f_waited < 2 || m_axi_arvalid);
 end
 

@@ -89,8 +89,10 @@ always @* if (f_on) begin
   within_promise : assert (f_waits <= (1 << LOG2_BURSTS));
   none_when_stopped : assert (!m_axi_awvalid || f_may);
   ends_with_burst : assert (!allowed || (f_open != 0 && ends_burst == (f_oldest == 1)));
+  // records of bursts with the response OKAY, up to the first other response
   written_is_answered : assert (written == f_ok);
   written_no_more : assert (written <= f_told);
+  // a burst that may be announced is offered two clocks later
   told_in_time : assert (f_waited < 2 || m_axi_awvalid);
 end
 

@@ -118,11 +118,15 @@ always @* if (f_on) begin
   stable : assert (!f_stall || (m_axis_tvalid && {m_axis_tuser, m_axis_tdata} == f_held));
   in_order : assert (!(f_due && m_axis_tvalid) || {m_axis_tuser, m_axis_tdata} == f_expected);
   nothing_invented : assert (!m_axis_tvalid || f_total != 0);
+  // in the pipeline, in the FIFO's memory and in its output register
   within_places : assert (f_inside <= {2'b00, PLACES});
   place_for_every_write : assert (!core_valid || f_D - f_L < PLACES);  // f_contract of ik_fifo.vh
   ready_when_places : assert (s_axis_tready == (!rst && f_total < PLACES));
-  offered_in_time : assert (!f_quiet[T] || m_axis_tvalid);               // for any receiver
-  ready_in_time : assert (!f_shut[T+1] || s_axis_tready || rst);         // for any sender
+  // no deadlock: a result is offered after T+1 clocks at most, whatever tready is; a ready receiver opens the input
+  // after T+2 clocks at most
+  offered_in_time : assert (!f_quiet[T] || m_axis_tvalid);
+  ready_in_time : assert (!f_shut[T+1] || s_axis_tready || rst);
+  // a target in every clock while the receiver has never stalled
   full_rate : assert (!f_never_stalled || rst || s_axis_tready);
 end
 

@@ -77,7 +77,9 @@ always @* if (f_on) begin
   in_order : assert (!(f_due && m_valid) || m_data == f_data);
   nothing_invented : assert (!m_valid || f_inside != 0);
   within_places : assert (f_held_words <= {1'b0, PLACES});
+  // not the address that is written: the value read then would depend on the memory
   read_apart : assert (!wr_en || !load || empty || wr_ptr[LOG2-1:0] != rd_ptr[LOG2-1:0]);
+  // a word is offered after one clock at most, for any receiver
   no_deadlock : assert (!f_waited || m_valid);
 end
 

@@ -34,8 +34,8 @@ generate
     assign f_holds[gi] = f_hold;
     assign f_begins[gi] = f_first_result;
     assign f_ends[gi] = f_last_result;
-    assign f_so_far[6*gi+6+:6] = f_so_far[6*gi+:6] | (f_result == RESULT_NONE ?
-        6'd0 : 6'd1 << (f_result - RESULT_QS_W));
+    assign f_so_far[6*gi+6+:6] = f_so_far[6*gi+:6] |
+        (f_result == RESULT_NONE ? 6'd0 : 6'd1 << (f_result - RESULT_QS_W));
     assign f_take_at[7*gi+:7] = (f_last_input ? CLOCK : 7'd0) + (gi == 0 ? 7'd0 : f_take_at[7*(gi==0?0:gi-1)+:7]);
     assign f_end_at[7*gi+:7] = (f_last_result ? CLOCK : 7'd0) + (gi == 0 ? 7'd0 : f_end_at[7*(gi==0?0:gi-1)+:7]);
   end
@@ -116,17 +116,20 @@ end
 always @* if (f_on) begin
   low_after_reset : assert (!f_reset || (!m_axis_tvalid && !s_axis_tready));
   stable : assert (!f_stall || (m_axis_tvalid && {m_axis_tuser, m_axis_tdata} == f_held));
-  in_order : assert (!(m_axis_tvalid && f_at != OUT && f_ahead == 0) || (f_at == OFFERED &&
-      m_axis_tuser[TAG_W-1:0] == f_tag));
+  in_order : assert (!(m_axis_tvalid && f_at != OUT && f_ahead == 0) ||
+      (f_at == OFFERED && m_axis_tuser[TAG_W-1:0] == f_tag));  // the n-th result has the n-th target's tag
   nothing_invented : assert (!m_axis_tvalid || f_total != 0);
   two_at_most : assert (f_total <= 2);
   taken_when_offered : assert (!s_axis_tready || s_axis_tvalid);
   loads_what_is_offered : assert (!(go && here && f_source == SOURCE_INPUT) || (s_axis_tvalid && !f_accepted));
+  // all six words are written, and they are those of the program
   answer_whole : assert (!m_axis_tvalid || (f_words == 6'b111111 && m_axis_tdata == f_data));
   word_once : assert (!(go && giving && !f_first_result) || (f_word & f_words) == 0);
   step_of_clock : assert (!f_some || step == rom[clock]);
+  // no deadlock: two laps at most until a result is offered, and until a target is taken
   offered_in_time : assert (f_quiet <= PERIOD + f_end_clock - f_take_clock);
   ready_in_time : assert (f_shut <= PERIOD + f_take_clock);
+  // a target in every PERIOD clocks while neither side waits
   full_rate : assert (!f_steady || f_since < PERIOD || (f_since == PERIOD && s_axis_tready));
 end
 
@@ -148,8 +151,7 @@ always @* if (f_on) begin
   clock_in_lap : assert (f_some || clock == 7'd127);
   read_follows : assert (fetched == 0 ? read == 7'd127 || read == END || read == f_broken_at : fetched == read + 7'd1);
   clock_follows : assert (read == 7'd127 ? clock == 7'd127 : read == 0 ? clock == 7'd127 || clock == END ||
-      clock == f_broken_at
-                          : read == clock + 7'd1);
+      clock == f_broken_at : read == clock + 7'd1);
   nothing_broken_off : assert (!f_broken || (!current && !previous));
   current_in_lap : assert (!current || (f_some && clock != 0));
   accepted_in_lap : assert (f_accepted == (current && clock > f_take_clock));

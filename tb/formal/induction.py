@@ -13,11 +13,10 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
-from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 from tb.formal.bugs import BUGS
-from tb.formal.task import Outcome, Say, digest_of
+from tb.formal.task import Outcome, Say, digest_of, no_circle
 from tb.formal.tools import call, yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT
@@ -220,15 +219,6 @@ class Steps:
         return self._ask(1, facts or [f"|{self.formula.top}_a@0|"], self.formula.holds(name, 1))
 
 
-def no_circle(after: dict[str, str]) -> None:
-    """Raise RuntimeError if properties that follow from others in the same clock follow from each other."""
-    graph = {name: {other.rstrip("*$") for other in others.split()} for name, others in after.items()}
-    try:
-        tuple(TopologicalSorter(graph).static_order())
-    except CycleError as error:
-        raise RuntimeError(f"properties follow from each other: {error.args[1]}") from None
-
-
 def survives(proof: Proof, bug: Bug) -> str:
     """Seed a bug; return the reason if the proof does not fail, else an empty text."""
     try:
@@ -265,7 +255,7 @@ def digest(proof: Proof) -> str:
 
 def prove(proof: Proof, design: Design, pool: Executor, outcome: Outcome, progress: Callable[[str], None]) -> None:
     """Prove each property in a separate question."""
-    no_circle(proof.after)
+    no_circle({name: others.replace("*", "").replace("$", "").split() for name, others in proof.after.items()})
     steps = design.formula()
 
     def one(name: str) -> tuple[str, Answer]:

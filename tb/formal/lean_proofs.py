@@ -12,14 +12,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from graphlib import CycleError, TopologicalSorter
 
 from model.dataflow.annotations import Limited
 from model.dataflow.nodes import FLOOR, JAM, WIDTHS, Node
 from tb.formal.arithmetic import Question
 from tb.formal.lean_exact import Exact, between, number
 from tb.formal.lean_lemmas import BY_WORDS, GEOMETRY, SQUARES, USES
-from tb.formal.task import digest_of
+from tb.formal.task import digest_of, no_circle
 from tb.formal.unrolled import ask
 
 SOLVER = "(check-sat-using qfnra-nlsat)"
@@ -28,21 +27,35 @@ SEEDED = "wi_0"
 """The node whose claim is made too narrow."""
 
 
-class Rules:
-    """Questions about the exact ranges at one word length."""
+class Questions:
+    """Questions at one word length: each is a set of facts and a claim that follows from them."""
 
     def __init__(self, width: int) -> None:
         self.exact = Exact(width)
+
+    def question(self, name: str) -> str:
+        """Return the formula that z3 must refute."""
+        return self.exact.formula(self.facts(name), self.claim(name))
+
+    def assumed(self, name: str) -> str:
+        """Return the formula of the facts alone, which z3 must satisfy."""
+        return self.exact.formula(self.facts(name), "false")
+
+
+class Rules(Questions):
+    """Questions about the exact ranges."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__(width)
         self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
-        if circle := self.circle():
-            raise RuntimeError(f"claims depend on each other: {circle}")
+        no_circle({name: [used for used in self.uses(name) if used[0] not in "=#"] for name in self.names()})
 
     def names(self) -> list[str]:
         """Return the names of the lemmas and of the nodes with a range in exact arithmetic."""
         return [*self.lemmas, *(name for name in self.exact.claimed if name not in BY_WORDS)]
 
     def uses(self, name: str) -> list[str]:
-        """Return the facts that a question uses."""
+        """Return the names of the facts that a question uses."""
         if name in self.lemmas:
             return GEOMETRY[name][1]
         if name in USES:
@@ -50,28 +63,17 @@ class Rules:
         operands = [node.name for node in self.exact.nodes[name].operands]
         return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
 
-    def circle(self) -> str:
-        """Return the names of claims that depend on each other, empty if none do."""
-        graph = {name: [u for u in self.uses(name) if u[0] not in "=#"] for name in self.names()}
-        try:
-            tuple(TopologicalSorter(graph).static_order())
-        except CycleError as error:
-            return " <- ".join(error.args[1])
-        return ""
-
     def says(self, name: str) -> str:
         """Return the meaning of a question, for the full table."""
         return GEOMETRY[name][0] if name in self.lemmas else self.exact.nodes[name].facts.within.why
 
-    def question(self, name: str) -> str:
-        """Return the formula that z3 must refute."""
-        return self._formula(name, GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name))
+    def claim(self, name: str) -> str:
+        return GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name)
 
-    def assumed(self, name: str) -> str:
-        """Return the formula of the facts alone, which z3 must satisfy."""
-        return self._formula(name, "false")
+    def facts(self, name: str) -> list[str]:
+        return [fact for used in self.uses(name) for fact in self._fact(used)]
 
-    def _facts(self, name: str) -> list[str]:
+    def _fact(self, name: str) -> list[str]:
         if name[0] == "#":
             return [self.exact.places(name[1:])]
         if name[0] == "=":
@@ -80,15 +82,14 @@ class Rules:
             return self.exact.equations[name[1:]]
         return [GEOMETRY[name][0] if name in GEOMETRY else self.exact.known(name)]
 
-    def _formula(self, name: str, goal: str) -> str:
-        return self.exact.formula([fact for used in self.uses(name) for fact in self._facts(used)], goal)
 
+class Rounded(Questions):
+    """Questions about the errors of the words.
 
-class Rounded:
-    """Questions about the errors at one word length."""
-
-    def __init__(self, width: int) -> None:
-        self.exact = Exact(width)
+    A word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). Each operand's word
+    is within its own error of its exact value, which lies in its range (:class:`Rules`). The node's error of
+    :mod:`model.bounds.lean_ranges` follows. ``n_w`` is the word of node n, ``n_f`` the word before rounding.
+    """
 
     def names(self) -> list[str]:
         """Return the nodes that have a fraction and are not exact."""
@@ -108,7 +109,7 @@ class Rounded:
             return [*known, f"(= {name}_w {name})"]
         return [*known, between(-error, f"(- {name}_w {name})", error)]
 
-    def _facts(self, name: str) -> list[str]:
+    def facts(self, name: str) -> list[str]:
         node = self.exact.nodes[name]
         fractions = [n for n in node.operands if n.format.frac]
         facts = [fact for n in node.operands if n.format.frac for fact in self._near(n)]
@@ -130,7 +131,7 @@ class Rounded:
         if "low" in {n.name for n in node.operands}:  # the only decision that does not depend on signs alone
             facts.append("(= low (< length_sq_w 0.25))")
         if name == "inv_q":
-            facts += self._facts("m_q")
+            facts += self.facts("m_q")
         return facts
 
     def claim(self, name: str) -> str:
@@ -146,22 +147,14 @@ class Rounded:
         node = self.exact.ranges[name]
         return f"within {node.value.error / node.format.ulp:.6g} ulps of its exact value"
 
-    def question(self, name: str) -> str:
-        """Return the formula that z3 must refute."""
-        return self.exact.formula(self._facts(name), self.claim(name))
 
-    def assumed(self, name: str) -> str:
-        """Return the formula of the facts alone, which z3 must satisfy."""
-        return self.exact.formula(self._facts(name), "false")
-
-
-def _question(asked: Rules | Rounded, name: str) -> Question:
+def _question(asked: Questions, name: str) -> Question:
     text, assumed = asked.question(name), asked.assumed(name)
     label = f"{name}, W={asked.exact.width}"
     return Question(label, asked.says(name), partial(ask, text, SOLVER, LIMIT), partial(ask, assumed, SOLVER, LIMIT))
 
 
-def questions(kind: type[Rules] | type[Rounded], widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
+def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
     """Yield each question; one that recurs at several widths only once."""
     known: set[str] = set()
     for width in sorted(widths, reverse=True):
@@ -172,12 +165,12 @@ def questions(kind: type[Rules] | type[Rounded], widths: Sequence[int] = WIDTHS)
                 yield _question(asked, name)
 
 
-def digest(kind: type[Rules] | type[Rounded]) -> str:
+def digest(kind: type[Questions]) -> str:
     """Return the digest of all questions."""
     return digest_of(SOLVER, *(asked.question(name) for asked in map(kind, WIDTHS) for name in asked.names()))
 
 
-def too_narrow(kind: type[Rules] | type[Rounded]) -> Iterator[Question]:
+def too_narrow(kind: type[Questions]) -> Iterator[Question]:
     """Yield a question whose claim does not hold: a range of 5/6, an error of half its size."""
     asked = kind(max(WIDTHS))
     exact = asked.exact

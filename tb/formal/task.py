@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
 
 Say = Callable[[str], None]
 
@@ -14,6 +15,14 @@ Say = Callable[[str], None]
 def digest_of(*texts: str) -> str:
     """Return a short digest of texts."""
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
+
+
+def no_circle(rests: dict[str, Iterable[str]]) -> None:
+    """Raise RuntimeError if claims rest on each other; ``rests`` maps a claim to those on which it rests."""
+    try:
+        tuple(TopologicalSorter(rests).static_order())
+    except CycleError as error:
+        raise RuntimeError(f"claims rest on each other: {' <- '.join(error.args[1])}") from None
 
 
 @dataclass
