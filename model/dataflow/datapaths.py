@@ -57,14 +57,7 @@ class Datapath:
 
 
 DATAPATHS = {
-    "lean": Datapath(
-        "lean",
-        lean.lean,
-        lean.sections,
-        lean.SECTIONS,
-        {"DATAPATH": 1, "TILE": TILE},
-        lean.WIDTHS,
-    ),
+    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, {"DATAPATH": 1, "TILE": TILE}, lean.WIDTHS),
     "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"DATAPATH": 0}),
 }
 """Dataflows by name."""
@@ -75,11 +68,7 @@ DEFAULT = "lean"
 LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"DATAPATH": 1, "TILE": 25}, tile=25)
 
 LEAN16 = replace(
-    DATAPATHS["lean"],
-    name="lean16",
-    parameters={"DATAPATH": 1, "TILE": 16},
-    tile=16,
-    widths=range(16, 25),
+    DATAPATHS["lean"], name="lean16", parameters={"DATAPATH": 1, "TILE": 16}, tile=16, widths=range(16, 25)
 )
 
 FOLD = replace(
@@ -92,13 +81,7 @@ FOLD = replace(
     behind=0,
 )
 
-FOLD16 = replace(
-    FOLD,
-    name="fold16",
-    parameters={"DATAPATH": 2, "TILE": 16},
-    tile=16,
-    widths=range(18, 25, 2),
-)
+FOLD16 = replace(FOLD, name="fold16", parameters={"DATAPATH": 2, "TILE": 16}, tile=16, widths=range(18, 25, 2))
 
 CONFIGURATIONS = DATAPATHS | {path.name: path for path in (LEAN25, LEAN16, FOLD, FOLD16)}
 """Everything that can be run, by its ``DATAPATH=`` name: the dataflows, the lean one with products cut for multipliers

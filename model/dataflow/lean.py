@@ -221,14 +221,7 @@ def triangle(d: Domain, f: Lean) -> None:
         L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms, within=shorter)
         shifted = ("inv_12", f"n_{side}")
         L(line).op(
-            f"inv_12_{side}_raw",
-            shifted,
-            f.raised,
-            "shift",
-            down,
-            FLOOR,
-            within=ARMS_UNIT,
-            grows=Growth((8.0, 0.0)),
+            f"inv_12_{side}_raw", shifted, f.raised, "shift", down, FLOOR, within=ARMS_UNIT, grows=Growth((8.0, 0.0))
         )
         limited(d, f, f"inv_12_{side}", ARMS_UNIT)
         L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
@@ -261,14 +254,7 @@ def triangle(d: Domain, f: Lean) -> None:
     )
     down = Shift(-1, left=2)
     L(28).op(
-        "inv_law_ab_raw",
-        ("inv_law", "n_ab"),
-        f.raised,
-        "shift",
-        down,
-        FLOOR,
-        within=LAW_UNIT,
-        grows=Growth((4.0, 0.0)),
+        "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down, FLOOR, within=LAW_UNIT, grows=Growth((4.0, 0.0))
     )
     inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
     L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)

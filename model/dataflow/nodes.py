@@ -281,16 +281,7 @@ class Domain(ABC):
 
     # ``facts`` are the fields of :class:`Facts`.
 
-    def op(
-        self,
-        name: str,
-        operands,
-        fmt: Format,
-        latency: str | None,
-        words: Callable,
-        error=EXACT,
-        **facts,
-    ) -> Node:
+    def op(self, name: str, operands, fmt: Format, latency: str | None, words: Callable, error=EXACT, **facts) -> Node:
         """Create a selection, shift, sign change or comparison: ``words``, a function on words."""
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
         self.facts[name] = Facts(**facts)

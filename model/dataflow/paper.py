@@ -90,14 +90,7 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
 
     d.op("bad_length", (d1, d2), d.bit, "mux", lambda a, b: (a <= 0) | (b <= 0), within=REACHABLE)
     d.op("on_axis", (x, y), d.bit, "mux", lambda a, b: (a == 0) & (b == 0))
-    d.op(
-        "at_shoulder",
-        (x, y, z),
-        d.bit,
-        "mux",
-        lambda a, b, c: (a == 0) & (b == 0) & (c == 0),
-        within=REACHABLE,
-    )
+    d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0), within=REACHABLE)
 
     r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b)
     d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b)
@@ -130,37 +123,18 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     d.normalize(("b_x", "b_y"), (x, y), "lz_b", within=DIRECTION_UNIT)
     # The arms in a unit of length that brings d1 + d2 to [1/2, 1), and the target in the same unit.
     lz_r = d.op(
-        "lz_r",
-        (r_raw,),
-        d.unsigned(6, 0, "0"),
-        "lzc",
-        lambda r: np.where(r == 0, 0, room(r, w + 1)),
-        within=leading(w),
+        "lz_r", (r_raw,), d.unsigned(6, 0, "0"), "lzc", lambda r: np.where(r == 0, 0, room(r, w + 1)), within=leading(w)
     )
     mantissa = Format(w + 1, w, "W")
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
         d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=ARM_SH)
         d.op(
-            name,
-            (f"{name}_sh", "clamp"),
-            d.word(0),
-            "mux",
-            lambda a, c: half_of(a, c, quarter),
-            error=JAM,
-            within=ARM,
+            name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM, within=ARM
         )
     for axis, raw in (("x", x), ("y", y), ("z", z)):
         d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=IN_REACH_SH)
-        d.op(
-            f"p_a_{axis}",
-            (f"p_a_{axis}_sh", "clamp"),
-            d.word(0),
-            "mux",
-            half_of,
-            error=JAM,
-            within=IN_REACH,
-        )
+        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM, within=IN_REACH)
     # d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder out
     # of reach.
     finer = Format(w + 1, w - 1, "W - 1")
@@ -323,24 +297,8 @@ def elbow(d: Domain) -> None:
     n = d.nodes
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
-    d.op(
-        "d_sum",
-        ("d_1", "d_2"),
-        d.word(0),
-        "mux",
-        lambda a, b: a + b,
-        within=ARMS,
-        grows=SUM,
-    )
-    d.op(
-        "s_j",
-        ("s", "scale_j"),
-        d.word(2),
-        "shift",
-        lambda a, j: a >> j,
-        FLOOR,
-        within=TARGET,
-    )
+    d.op("d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, within=ARMS, grows=SUM)
+    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, FLOOR, within=TARGET)
     d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
     k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2), within=LAW)
 
@@ -393,11 +351,4 @@ def elbow(d: Domain) -> None:
             JAM,
         )
     # (15) needs the length of the upper arm in the scale of p_e.
-    d.op(
-        "d_e",
-        ("d_1", "l_sw", "clamp"),
-        d.word(1),
-        "mux",
-        lambda a, b, c: np.where(c, b >> 1, a >> 1),
-        FLOOR,
-    )
+    d.op("d_e", ("d_1", "l_sw", "clamp"), d.word(1), "mux", lambda a, b, c: np.where(c, b >> 1, a >> 1), FLOOR)

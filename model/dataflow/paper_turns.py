@@ -141,14 +141,7 @@ def rotate_to_elbow(d: Domain) -> None:
     d.mul("uu_y", n["u_y"], p_y, d.wide(1), within=ELBOW_SAME)
     d.sum("uu", n["uu_x"], n["uu_y"], fmt=d.word(1), within=ELBOW_UNIT)
     for axis, low, high in (("x", "uh_x", p_x), ("y", "uh_y", p_y), ("z", "uu", h)):
-        d.op(
-            f"m_{axis}",
-            ("p_e_z", low, high),
-            d.word(1),
-            "mux",
-            lambda z, a, b: np.where(z < 0, a, b),
-            grows=SAME,
-        )
+        d.op(f"m_{axis}", ("p_e_z", low, high), d.word(1), "mux", lambda z, a, b: np.where(z < 0, a, b), grows=SAME)
     d.normalize(("l_m_z", "l_m_x", "l_m_y"), (n["m_z"], n["m_x"], n["m_y"]), "lz_m", within=MANTISSA)
     for a in "xyz":
         d.mul(f"tmp2_{a}", n[f"l_m_{a}"], n[f"l_m_{a}"], d.wide(1))
@@ -222,14 +215,7 @@ def rotate_to_wrist(d: Domain) -> None:
     q3_scalar = d.root("q3_scalar", n["h3_p"], d.word(1))
     d.root("q3_abs", n["h3_m"], d.word(1))
     # 0 counts as positive: either sign is correct there.
-    q3_k = d.op(
-        "q3_k",
-        ("q3_abs", "sign"),
-        d.word(1),
-        "mux",
-        signed,
-        grows=SAME,
-    )
+    q3_k = d.op("q3_k", ("q3_abs", "sign"), d.word(1), "mux", signed, grows=SAME)
 
     d.at(equation="(18)")
     d.mul("w_kk", q_k, q3_k, d.wide(1))

@@ -7,25 +7,19 @@ import re
 from collections.abc import Iterator
 
 from model.dataflow import cores, trig
-from model.dataflow.fold import timing
-from model.dataflow.fold.program import CODES, FIELDS, program
+from model.dataflow.fold import steps as timing
+from model.dataflow.fold.program import CODES, FIELDS, WIDTH, program
 from model.dataflow.fold.shown import Shown, shown
-from model.dataflow.fold.steps import Operand, Pick
+from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.nodes import ROOT_FRACS, Node
 from model.dataflow.quadratic import Form
-
-WIDTH = 24
-"""Program and nodes are the same at every word length."""
 
 STEP_BITS = sum(FIELDS.values())
 
 
-def _name(code: str) -> str:
+def _name(code: str | Selector) -> str:
     """Convert a code to part of an identifier."""
-    text = code or "none"
-    for old, new in (("<0", ""), ("<bits", "_bits"), ("=", "_"), (" ^ ", "_xor_"), ("~", "not_"), ("-", "minus_")):
-        text = text.replace(old, new)
-    return text.replace(" & ", "_and_").upper()
+    return (code.code if isinstance(code, Selector) else code.replace("-", "minus_") or "none").upper()
 
 
 def codes() -> str:

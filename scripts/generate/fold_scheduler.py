@@ -17,21 +17,16 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from types import SimpleNamespace
 
-from model.dataflow.fold import timing
-from model.dataflow.fold.check import check
-from model.dataflow.fold.layout import Layout
-from model.dataflow.fold.program import SCHEDULE, encode
-from model.dataflow.fold.steps import Group, lower
-from model.dataflow.fold.timing import INPUTS, Placed, Schedule
+from model.dataflow.fold import steps as timing
+from model.dataflow.fold.lowering import Lowering, lower
+from model.dataflow.fold.program import INPUTS, SCHEDULE, WIDTH, Schedule, encode
+from model.dataflow.fold.steps import Group, Placed, Selector
 from scripts.console import InputError, command, option, whole
 
 try:
     from ortools.sat.python import cp_model
 except ImportError:
     cp_model = None
-
-WIDTH = 24
-"""Word length used; the steps are the same at every word length."""
 
 LATENCY = 140
 """Largest latency of a target, in clocks."""
@@ -44,8 +39,8 @@ class NoScheduleError(Exception):
 class _Problem:
     """Schedule as variables and constraints: ``model`` and the start of each group."""
 
-    def __init__(self, groups: list[Group], period: int) -> None:
-        self.model, self.period = cp_model.CpModel(), period
+    def __init__(self, lowering: Lowering, groups: list[Group], period: int) -> None:
+        self.lowering, self.model, self.period = lowering, cp_model.CpModel(), period
         self.loads = {name: self.model.new_int_var(0, period - 1, name) for name in INPUTS}
         self.starts = {group.name: self.model.new_int_var(1, LATENCY, group.name) for group in groups}
         self.placed = [(self.starts[group.name], Placed(at, step)) for group in groups for at, step in group.steps]
@@ -98,13 +93,13 @@ class _Problem:
 
     def _flags(self) -> None:
         """Constrain flags and counts, which are registers, in the same way."""
-        self.set_at: dict[str, list] = {"phi<0": [self.loads["phi"]]}
+        self.set_at: dict[str, list] = {"phi": [self.loads["phi"]]}
         for start, placed in self.placed:
-            for use in timing.flag_sets(placed):
+            for use in timing.registers_set(placed):
                 self.set_at.setdefault(use.of, []).append(start + use.at)
         for start, placed in self.placed:
-            for use in timing.flag_uses(placed):
-                self._needs(timing.roots_of(use.of), start + use.at)
+            for selector, at in timing.selections(placed):
+                self._needs(self.lowering.registers(selector), start + at)
             if placed.step.count:
                 for number, (_, register) in enumerate(placed.step.count.terms):
                     self._needs({register}, start + timing.first_count(placed) + number)
@@ -123,7 +118,8 @@ class _Problem:
         self.model.add_min_equality(first, results)
         self.model.add_max_equality(last, results)
         self.model.add_max_equality(taken, list(self.loads.values()))
-        self._needs(timing.roots_of("flags"), first)
+        for name in ("clamp", "away", "on_axis"):  # they give the flags
+            self._needs(self.lowering.registers(Selector(name)), first)
         self.model.add(first <= taken + self.period)
         self.model.add(last < first + self.period)
         (place,) = self._in_lap([last], "last result")
@@ -131,12 +127,12 @@ class _Problem:
         self.model.minimize(last)
 
 
-def schedule(groups: list[Group], period: int, seconds: float) -> Schedule | None:
+def schedule(lowering: Lowering, groups: list[Group], period: int, seconds: float) -> Schedule | None:
     """Return the schedule of least latency found within the time, or None.
 
     Raises :class:`NoScheduleError` if there is none.
     """
-    problem, solver = _Problem(groups, period), cp_model.CpSolver()
+    problem, solver = _Problem(lowering, groups, period), cp_model.CpSolver()
     solver.parameters.max_time_in_seconds = seconds
     status = solver.solve(problem.model)
     if status == cp_model.INFEASIBLE:
@@ -161,18 +157,17 @@ def main(parsed: SimpleNamespace) -> int:
     """Run the command line and return the exit status."""
     if cp_model is None:
         raise InputError("ortools is not installed: use make schedule")
-    _, groups = lower(Layout(WIDTH))
+    lowering, groups = lower(WIDTH)
     print(f"{sum(len(group.steps) for group in groups)} steps, a target each {parsed.period} clocks", flush=True)
     try:
-        found = schedule(groups, parsed.period, parsed.seconds)
+        found = schedule(lowering, groups, parsed.period, parsed.seconds)
     except NoScheduleError:
         print(f"there is none within a latency of {LATENCY} clocks")
         return 1
     if found is None:
         print(f"none found in {parsed.seconds} s")
         return 1
-    program = encode(groups, found)
-    check([program.word(clock) for clock in range(program.period)], groups)
+    encode(groups, found)  # raises where two steps need a field or a place
     SCHEDULE.write_text(json.dumps(asdict(found), indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULE.name}")
     return 0

@@ -13,8 +13,8 @@ from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.dataflow.fold import timing
 from model.dataflow.fold.program import program
+from model.dataflow.fold.steps import WRITE
 from model.io.stimuli import mixed
 from tb.core.functional_coverage import every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
@@ -44,7 +44,7 @@ def places(bench: Pipeline) -> int:
     if bench.period == 1:
         return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
     _, made = program(bench.width)
-    first = min(placed.at + timing.WRITE for placed in made.steps if placed.step.result)
+    first = min(placed.at + WRITE for placed in made.steps if placed.step.result)
     return 2 + (first > bench.period + max(made.loads.values()))
 
 

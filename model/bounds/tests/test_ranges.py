@@ -47,10 +47,7 @@ def test_nothing_saturates_but_by_design(width):
     assert saturating(width) == BY_DESIGN
 
 
-@pytest.mark.parametrize(
-    ("name", "width"),
-    [("l_sw", 16), ("k_e", 24), ("inf_pp", 16), ("qs_j", 18)],
-)
+@pytest.mark.parametrize(("name", "width"), [("l_sw", 16), ("k_e", 24), ("inf_pp", 16), ("qs_j", 18)])
 def test_a_format_one_bit_too_short_is_named(name, width):
     fmt = ranges.proved(width)[name].node.format
     found = ranges.analyse(width, {name: replace(fmt, width=fmt.width - 1)})[1]

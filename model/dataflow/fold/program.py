@@ -12,51 +12,55 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from . import timing
-from .layout import Layout
+from ...io.words import FIELDS as INPUTS
+from ...io.words import RESULT_FIELDS
+from .lowering import Lowering, lower
 from .steps import (
+    ADD,
     ADDENDS,
     ALWAYS,
     CUTS,
     HALF,
+    NEVER,
     NO_COUNT,
+    NORM,
     NORMS,
     ONE,
     POWER,
+    WRITE,
     ZERO,
     Group,
-    Lowering,
     Pick,
-    lower,
+    Placed,
+    Selector,
+    first_count,
+    row_reads,
+    word_reads,
+    word_writes,
 )
-from .timing import INPUTS, Placed, Schedule
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Program schedule: the clocks of a lap, the clock in which each input is loaded, and the clock in which the first
+    step of each group, which names the group, is issued."""
+
+    period: int
+    loads: dict[str, int]
+    starts: dict[str, int]
+
+
+def placed_steps(groups: list[Group], starts: dict[str, int]) -> list[Placed]:
+    """Return all steps with their clocks, in order."""
+    steps = [Placed(starts[group.name] + at, step) for group in groups for at, step in group.steps]
+    return sorted(steps, key=lambda placed: placed.at)
+
+
+WIDTH = 24
+"""A word length; steps and program are the same at all."""
 
 PLACES = 64
 """Read/write words of the memory; an equal number of powers follows."""
-
-A_BY = ("", "u_y<0", "at_shoulder", "clamp")
-B_BY = ("", "sin_el<0", "arm_swap")
-W_BY = ("", "u_y<0", "sin_el<0", "arm_swap")
-"""Flags that select one of two places."""
-
-S_BY = ("", "on_axis", "at_shoulder", "clamp")
-"""Flags that select an addend."""
-
-MINUS_BY = (
-    "",
-    ALWAYS,
-    NO_COUNT,
-    "phi<0",
-    "u_y<0",
-    "sin_el<0 & ~at_shoulder",
-    "cos_a<0 & ~clamp",
-    "~arm_swap",
-    "minus",
-)
-"""Flags that select the sign of a product."""
-
-SIGNS = ("", "d1<0", "d2<0", "d_dif<0", "a_far<0", "b_near<0", "u_y<0", "sin_el<0", "cos_a<0", "k_1<0")
-"""Signs of T that are stored."""
 
 WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")
@@ -64,17 +68,37 @@ SOURCES = ("none", "sum", "normal", "input")
 FUNCTIONS = ("root", "sine", "cosine")
 PLACED_AS = ("", "root", "angle")
 CARRIES = ("", "minus")
-COUNTS = ("", "e_rho", "e_s", "e_far", "e_near", "e_1", "e_2", "e_q")
 BASES = ("count", "1", "2", "4", "-2")
-RESULTS = ("", "qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 
-CODES = {
-    "a_by": A_BY, "b_by": B_BY, "w_by": W_BY, "s_by": S_BY, "minus_by": MINUS_BY,
-    "r_function": FUNCTIONS, "b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS,
-    "last": LASTS, "sign": SIGNS, "norm": ("", *NORMS), "source": SOURCES, "input": INPUTS, "result": RESULTS,
-    "e_set": COUNTS, "n_base": BASES, "n_e": COUNTS,
-}  # fmt: skip
-"""Field -> the names of its codes."""
+
+def codes() -> dict[str, tuple]:
+    """Return field -> its codes; those of selectors, signs and counts in the order of the dataflow, inputs first."""
+    lowering, groups = lower(WIDTH)
+    steps = [step for group in groups for _, step in group.steps]
+    fixed = (NEVER, ALWAYS, NO_COUNT)
+    found = dict.fromkeys(s for step in steps for s in step.selectors if s not in fixed)
+    order = sorted(found, key=lambda selector: selector.node not in INPUTS)
+
+    def selectors(used, *first: Selector) -> tuple[Selector, ...]:
+        return NEVER, *first, *(s for s in order if s in used)
+
+    def picked(operands) -> tuple[Selector, ...]:
+        return selectors({o.flag for o in operands if isinstance(o, Pick)})
+
+    signs = [name for name in lowering.nodes if name in {step.sign for step in steps}]
+    counts = "", *dict.fromkeys(normal.count for normal, _ in lowering.norms.values() if normal.count)
+    return {
+        "a_by": picked(step.a for step in steps), "b_by": picked(step.b for step in steps),
+        "w_by": picked(step.write and step.write.to for step in steps),
+        "s_by": selectors({step.addend_by for step in steps}),
+        "minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT),
+        "r_function": FUNCTIONS, "b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS,
+        "last": LASTS, "sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": INPUTS,
+        "result": ("", *RESULT_FIELDS), "e_set": counts, "n_base": BASES, "n_e": counts,
+    }  # fmt: skip
+
+
+CODES = codes()
 
 PLAIN_BITS = {
     "a": 7, "b": 7, "b_count": 1, "r": 6, "a_bend": 1, "b_high": 1, "limit": 1, "w": 6, "n_minus": 1, "n_twice": 1,
@@ -114,10 +138,10 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
     first: dict[str, int] = dict(loads)
     last: dict[str, int] = {}
     for placed in steps:
-        for use in timing.word_writes(placed):
+        for use in word_writes(placed):
             first[use.of] = min(first.get(use.of, use.at), use.at)
             last[use.of] = max(last.get(use.of, use.at), use.at)
-        for use in timing.word_reads(placed):
+        for use in word_reads(placed):
             last[use.of] = max(last.get(use.of, use.at), use.at)
     return {name: (clock, last.get(name, clock)) for name, clock in first.items()}
 
@@ -150,35 +174,33 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
 
 def encode(groups: list[Group], of: Schedule) -> Program:
     """Return the program of a schedule."""
-    steps = timing.placed_steps(groups, of.starts)
+    steps = placed_steps(groups, of.starts)
     loads, period = of.loads, of.period
     program = Program(period, [dict.fromkeys(FIELDS, 0) for _ in range(period)], {}, steps, loads)
     program.places = allocate(steps, loads, period)
     taken: set[tuple[int, str]] = set()
 
-    def put(clock: int, **fields: int | str) -> None:
+    def put(clock: int, **fields: int | str | Selector) -> None:
         for name, value in fields.items():
             if (clock % period, name) in taken:
                 raise ConflictError(f"{name} is needed twice in clock {clock % period}")
             taken.add((clock % period, name))
-            if isinstance(value, str) and value not in CODES[name]:
-                raise ConflictError(f"{name} has no code for {value}")
-            code = CODES[name].index(value) if isinstance(value, str) else int(value)
+            code = CODES[name].index(value) if isinstance(value, str | Selector) else int(value)
             if code >> FIELDS[name]:
                 raise ConflictError(f"{name}: {value} has no code")
             program.clocks[clock % period][name] = code
 
-    def operand(of) -> tuple[int, str]:
+    def operand(of) -> tuple[int, Selector]:
         if isinstance(of, Pick):
             return program.places[of.pair] + of.second, of.flag
         constants = {ZERO: PLACES + 63, ONE: PLACES + 1, HALF: PLACES + 2}
-        return constants.get(of, program.places.get(of, 0)), ""
+        return constants.get(of, program.places.get(of, 0)), NEVER
 
     for name, clock in loads.items():
-        put(clock, source="input", input=name, w=program.places[name], w_by="")
+        put(clock, source="input", input=name, w=program.places[name], w_by=NEVER)
     put(max(loads.values()), last_input=1)
     results = sorted((p for p in steps if p.step.result), key=lambda p: p.at)
-    first, last = results[0].at + timing.WRITE, results[-1].at + timing.WRITE
+    first, last = results[0].at + WRITE, results[-1].at + WRITE
     put(first - 1, hold=1)
     put(first, first_result=1)
     put(last, last_result=1)
@@ -189,39 +211,32 @@ def encode(groups: list[Group], of: Schedule) -> Program:
             put(t, a=place, a_by=flag)
         place, flag = operand(step.b)
         put(t, b=place, b_by=flag, b_count=step.b == POWER)
-        for row, clock in zip(reversed(step.rows * 2), reversed(timing.row_reads(placed)), strict=False):
+        for row, clock in zip(reversed(step.rows * 2), reversed(row_reads(placed)), strict=False):
             put(clock, r=program.places[row.of])
             put(clock + 1, r_function=row.function)
         function = {"root": "root", "sine": "angle", "cosine": "angle"}[step.rows[0].function] if step.place else ""
         put(t + 1, a_bend=step.a is None, b_place=function, b_high=step.place == "high")
-        put(
-            t + timing.ADD,
-            cut=step.cut,
-            s=step.addend,
-            s_by=step.addend_by,
-            minus_by=step.minus,
-            carry=step.carry,
-        )
+        put(t + ADD, cut=step.cut, s=step.addend, s_by=step.addend_by, minus_by=step.minus, carry=step.carry)
         w = step.write
-        window = (w.double_by or {1: "plain", 2: "double"}[w.window]) if w else ""
+        window = (str(w.double_by) or {1: "plain", 2: "double"}[w.window]) if w else ""
         if step.result:
             window = "double" if step.cut == "double" else "plain"
         put(
-            t + timing.WRITE,
+            t + WRITE,
             window=window or "plain",
             limit=bool(w and w.limit),
             last=w.last if w else "inner",
-            sign=step.sign if step.sign in SIGNS else "",
+            sign=step.sign,
             result=step.result,
             norm=step.norm.kind if step.norm else "",
         )
         if w:
             place, flag = operand(w.to)
-            put(t + timing.WRITE, source="sum", w=place, w_by=flag)
+            put(t + WRITE, source="sum", w=place, w_by=flag)
         if step.norm:
-            put(t + timing.NORM, source="normal", w=program.places[step.norm.to], w_by="", e_set=step.norm.count)
+            put(t + NORM, source="normal", w=program.places[step.norm.to], w_by=NEVER, e_set=step.norm.count)
         if step.count:
-            begin = timing.first_count(placed)
+            begin = first_count(placed)
             for number, (factor, register) in enumerate(step.count.terms):
                 base = str(step.count.base) if number == 0 else "count"
                 put(begin + number, n_base=base, n_e=register, n_minus=factor < 0, n_twice=abs(factor) == 2)
@@ -229,7 +244,7 @@ def encode(groups: list[Group], of: Schedule) -> Program:
 
 
 SCHEDULE = Path(__file__).with_name("schedule.json")
-"""Schedule found by :mod:`.solve`."""
+"""Schedule found by `make schedule`."""
 
 
 @cache
@@ -241,5 +256,5 @@ def schedule() -> Schedule:
 @cache
 def program(width: int) -> tuple[Lowering, Program]:
     """Return the dataflow's steps at a word length, and the program of the schedule on file."""
-    lowering, groups = lower(Layout(width))
+    lowering, groups = lower(width)
     return lowering, encode(groups, schedule())

@@ -11,14 +11,10 @@ from dataclasses import dataclass
 from functools import cache
 
 from ..nodes import Node
-from . import timing
-from .layout import DOUBLE, PLAIN
-from .program import Program, program
-from .steps import Lowering, Pick, Step
-from .timing import INPUTS, Placed
-
-FLAGS = ("bad_length", "on_axis", "at_shoulder", "too_far", "too_near", "clamp", "fold", "away", "arm_swap", "minus")
-"""Nodes that are flags, wires of ``ik_fold_flags``."""
+from . import steps as timing
+from .lowering import Lowering
+from .program import INPUTS, Program, program
+from .steps import DOUBLE, PLAIN, Pick, Placed, Selector, Step
 
 
 @dataclass(frozen=True)
@@ -87,7 +83,7 @@ class _Finder:
         if step.count:
             of = step.count
             clock = at + (timing.WRITE if norm else timing.READ)
-            self.add(of.node if of.node not in timing.EVENS else "", clock, f"n - 6'd{of.offset & 63}")
+            self.add(of.node if of.node in self.lowering.counts else "", clock, f"n - 6'd{of.offset & 63}")
         if step.term in self.nodes:
             self.add(step.term, at + timing.SUM, self.of_product(step.cut))
         if norm:
@@ -119,11 +115,12 @@ class _Finder:
     def flags(self) -> None:
         set_at: dict[str, int] = {}
         for placed in self.program.steps:
-            for use in timing.flag_sets(placed):
+            for use in timing.registers_set(placed):
                 set_at[use.of] = max(set_at.get(use.of, 0), use.at)
-        for name in FLAGS:
-            clock = max(set_at[root] for root in timing.roots_of(name)) + 1
-            self.add(name, clock, f"flag_nodes[{FLAGS.index(name)}]")
+        masks = [name for name in self.lowering.made_of if name != "low"]
+        for bit, name in enumerate(masks):  # wires of ik_fold_flags
+            clock = max(set_at[root] for root in self.lowering.registers(Selector(name))) + 1
+            self.add(name, clock, f"flag_nodes[{bit}]")
         self.add("low", set_at["e_q"] + 2, "q_low")
 
 

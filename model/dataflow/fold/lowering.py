@@ -1,0 +1,389 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lean dataflow as steps of the fold datapath.
+
+:class:`Lowering` is a domain of the dataflow: it derives the steps of a node from its operation, and uses no node
+names except those of the inputs.
+
+Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
+places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit
+2 ``bits`` - 2 weighs 2^(w + w'); the word written back is its :data:`PLAIN` or :data:`DOUBLE` window.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...io.words import ARMS
+from .. import lean
+from ..nodes import Domain, Node, inner_frac, root_frac
+from ..operations import (
+    Addition,
+    Count,
+    Elbow,
+    HalfLength,
+    HalfPart,
+    Limit,
+    Mantissa,
+    PartSum,
+    Product,
+    Result,
+    Shift,
+    Turned,
+)
+from .steps import (
+    ALWAYS,
+    DOUBLE,
+    HALF,
+    NEVER,
+    NO_COUNT,
+    ONE,
+    PLAIN,
+    POWER,
+    ZERO,
+    Counted,
+    Group,
+    Normal,
+    Operand,
+    Pick,
+    Row,
+    Selector,
+    Step,
+    Write,
+)
+
+EXACT_WEIGHT = 2
+"""Weight of input words and their sums, the operands of squares."""
+
+ONE_WEIGHT = 1
+"""Weight of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
+
+POSITION = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Sum of a group's first term, or of an earlier sum, and the term of another name."""
+
+    name: str
+    term: str
+    minus: Selector = NEVER  # the term is subtracted
+    inverse: bool = False  # T is the inverted node: the term is subtracted from the addend, not vice versa
+    write: Write | None = None
+
+
+class Lowering(Domain):
+    """Lean dataflow as steps: run it, then call :meth:`groups`."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__(width, lean.WIDTHS)
+        self.inner = inner_frac(width) + 2  # bits of an inner word
+        self.bits = max(self.inner, root_frac(width) + 4)  # of a memory word: an inner word, or a mantissa with a sign
+        self.weight: dict[str, int] = {}
+        self.terms: dict[str, Step] = {}  # products, and nodes computed like one, without an earlier addend
+        self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
+        self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # of a term or a sum
+        self.counts: dict[str, tuple[Count, tuple[str, ...]]] = {}
+        self.signs: set[str] = set()  # nodes whose signs select
+        self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
+        self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
+        self.picks: dict[str, Pick] = {}  # place of a squared length, or a word that a flag replaces by 0
+
+    def inputs(self, value=lambda name, fmt: None):
+        inputs = super().inputs(value)
+        self.weight |= dict.fromkeys(inputs, EXACT_WEIGHT)
+        return inputs
+
+    # ---- operations and their operands ---------------------------------------------------------------------------
+
+    def op(self, name, operands, fmt, latency, words, error=(0.0, 0.0), **facts):
+        node = super().op(name, operands, fmt, latency, words, error, **facts)
+        read = [n.name for n in node.operands]
+        match words:
+            case Count():
+                self.counts[name] = words, tuple(read)
+            case Shift():
+                self._shift(node, words, *read)
+            case Limit():
+                raw = self.terms[read[0]]
+                assert raw.write
+                self.terms[raw.name] = replace(raw, write=replace(raw.write, to=name, limit=True))
+                self.weight[name] = self.weight[raw.name]
+            case Mantissa():
+                count = "e" + name.removeprefix("m")
+                self.norms[read[0]] = Normal("unit", name, count), None
+                self.weight[name], self.made_of[read[1]] = 0, {count}
+                self.signs.discard(read[0])  # the count decides
+            case HalfLength():
+                self._half_length(node, *read)
+            case HalfPart():
+                self._half_part(node, words, *read)
+            case PartSum():
+                less = ALWAYS if words.sign < 0 else NEVER
+                self.sums[read[0]].append(Sum(name, f"{read[1]}/2", less, write=Write(name)))
+            case Turned():
+                self.sums[read[0]].append(Sum(name, read[1], Selector(read[2], inverted=True), write=Write(name)))
+            case Result() | Elbow():
+                if isinstance(words, Result):
+                    less = Selector(read[1])
+                else:
+                    less = ALWAYS if words.sign < 0 else NEVER
+                raw = self.terms[read[0]]
+                addend = raw.addend.replace("half", "result")
+                self.terms[raw.name] = replace(raw, minus=less, result=name, write=None, addend=addend)
+            case Product():
+                self.terms[name] = Step(name, read[0], read[-1])
+            case Addition():
+                first, second = read
+                self._plus(node, first, second, less=words.sign < 0)
+            case _:  # a mask
+                self.made_of[name] = set().union(*(self._roots(name, n) for n in node.operands))
+        if isinstance(words, Turned | PartSum):
+            self.weight[name] = self._weight(node)
+        return node
+
+    def _roots(self, mask: str, of: Node) -> set[str]:
+        """Return the registers of an operand of a mask: of another mask, the sign of a word, and whether it is 0."""
+        if of.format == self.bit:
+            return self.made_of[of.name]
+        if of.name in POSITION:  # the sum of their squares is 0
+            return {mask}
+        self.signs.add(of.name)
+        return {of.name} | ({f"no_{of.name[1:]}"} if of.name in ARMS else set())
+
+    def registers(self, selector: Selector) -> set[str]:
+        """Return the registers that a selector is made of."""
+        names = {selector.node, selector.unless} - {NEVER.node, ALWAYS.node, NO_COUNT.node}
+        return set().union(*(self.made_of.get(name, {name}) for name in names))
+
+    def _weight(self, node: Node) -> int:
+        """Return the weight of an inner word: all inner words share the last place."""
+        return self.inner - 1 - node.format.frac
+
+    def _plus(self, node: Node, first: str, second: str, less: bool) -> None:
+        name = node.name
+        if first in ARMS:  # halved: an arm is normalized from T
+            window = Write(name, DOUBLE)
+            half = f"{first}/2"  # not the normalized T: both would be written in the same clock
+            for term, arm in ((first, first), (half, first), (second, second)):
+                self.terms[term] = Step(term, arm, HALF, write=None)
+            self.sums[half].append(Sum(name, second, ALWAYS if less else NEVER, write=window))
+            self.weight[name] = EXACT_WEIGHT
+        elif less and second not in self.terms:
+            self.sums[second].append(Sum(name, first, ALWAYS, inverse=True))
+        else:
+            exact = node.format.width > self.bits
+            if not exact:
+                self.weight[name] = self._weight(node)
+            self.sums[first].append(Sum(name, second, ALWAYS if less else NEVER, write=None if exact else Write(name)))
+
+    def _shift(self, node: Node, shift: Shift, value: str, count: str) -> None:
+        power = shift.power(node.operands[0].format.frac, node.format.frac)
+        self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
+        if shift.sign > 0:  # to the left, by the normalizer, whose first bit has twice a product's weight
+            is_word = value in self.weight
+            first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
+            normal = Normal("count", node.name), self._counted(count, power + first - weight)
+            if is_word:
+                self.terms[node.name] = Step(node.name, value, ONE)
+            self.norms[node.name if is_word else value] = normal
+        else:
+            offset = weight - self.weight[value] - power
+            window = PLAIN if offset + PLAIN >= 0 else DOUBLE
+            counted = self._counted(count, offset + window)
+            self.terms[node.name] = Step(
+                node.name,
+                value,
+                POWER,
+                "power",
+                minus=NO_COUNT,
+                carry="minus",
+                write=Write(node.name, window),
+                count=counted,
+            )
+
+    def _counted(self, name: str, offset: int) -> Counted:
+        """Return a count plus ``offset``; an arm is shifted one pair more than its node's count (:data:`NORMS`)."""
+        count, registers = self.counts.get(name, (Count((1,)), (name,)))
+        arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
+        terms = tuple(zip(count.factors, registers, strict=True))
+        further = sum(factor for factor, register in terms if register in arms)
+        return Counted(count.constant + offset - further, terms, name, offset)
+
+    def _half_length(self, node: Node, cosine: str, mask: str = "") -> None:
+        self.signs.add(cosine)
+        self.weight[node.name] = 1
+        a: Operand = cosine
+        if mask:
+            a = self.picks[cosine] = Pick(cosine, Selector(mask))
+        self.terms[node.name] = Step(
+            node.name,
+            a,
+            HALF,
+            cut="word",
+            addend="length",
+            addend_by=Selector(mask),
+            minus=Selector(cosine, True, unless=mask),
+        )
+
+    def _half_part(self, node: Node, part: HalfPart, length: str, cosine: str, sine: str, *masks: str) -> None:
+        """Record the parts of a rotation: the larger is written with the squared length, the smaller by its own step;
+        both are created on the second call."""
+        self.weight[node.name] = 1
+        lengths = (name for name, term in self.terms.items() if term.addend == "length")
+        length = next(name for name in lengths if cosine in map(self._variable, self.terms[name].reads))
+        if length not in self.pairs:
+            self.pairs[length] = (node.name, "")
+            return
+        first, second = self.pairs[length][0], node.name
+        self.pairs[length] = first, second
+        second_larger = bool(part.large(np.int64(1), *(np.False_ for _ in masks)))
+        flag = Selector("arm_swap") if part.none else Selector(cosine, negative=True)
+        self.picks[length] = Pick(first, flag, second_larger)
+        self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
+        a: Operand = sine
+        if part.none:
+            a = self.picks[sine] = Pick(sine, Selector(masks[0]))
+        small = Step(f"{sine}/2", a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
+        if masks and not part.none:  # both parts are 1/2
+            small = replace(small, addend="none_or_half", addend_by=Selector(masks[0]))
+        self.terms[small.name] = small
+
+    def _norm(self, value: str, normal: Normal) -> None:
+        self.norms[value] = normal, None
+        self.weight[normal.to] = 0
+
+    # ---- products, roots, sines ----------------------------------------------------------------------------------
+
+    def product3(self, name, a, b, fmt, scale):
+        weight = self.inner - 1 - fmt.frac
+        for word in (a, b):
+            top = word.format.width - word.format.signed - word.format.frac
+            if top != self.weight[word.name]:
+                raise ValueError(f"{name}: {word.name} does not begin at the first bit of a word")
+        window = self.weight[a.name] + self.weight[b.name] + scale - weight
+        kind = {PLAIN: "plain", DOUBLE: "double"}[window]
+        self.weight[name] = weight
+        self.terms[name] = Step(name, a.name, b.name, kind, f"half_{kind}", write=Write(name, window))
+
+    def even_mantissa(self, count, name, value, width, fmt):
+        inverse = any(of.inverse and of.name == value.name for sums in self.sums.values() for of in sums)
+        kind = "arm" if value.name in ARMS else "inverse" if inverse else "even"
+        self._norm(value.name, Normal(kind, name, count))
+        return None, None
+
+    def reciprocal_root(self, name, m, fmt, twice):
+        write = Write(name, PLAIN, Selector(twice.name) if twice else NEVER, last="root")
+        self._table(name, Row("root", m.name, False), write)
+
+    def half_sincos(self, names, phi, fmt):
+        sine, cosine = names
+        angle = f"|{phi.name}|"
+        self.signs.add(phi.name)
+        negative = Selector(phi.name, negative=True)
+        self.terms[angle] = Step(angle, phi.name, ONE, minus=negative, carry="minus", write=Write(angle))
+        self._table(f"|{sine}|", Row("sine", angle, False), Write(f"|{sine}|", DOUBLE, last="sine"))
+        self.terms[sine] = Step(sine, f"|{sine}|", ONE, minus=negative, carry="minus", write=Write(sine))
+        self._table(cosine, Row("cosine", angle, False), Write(cosine, DOUBLE, last="sine"))
+        self.weight |= {angle: 1, f"|{sine}|": 1, sine: 1}
+        return None, None
+
+    def _table(self, name: str, row: Row, write: Write) -> None:
+        """Add the steps of a quadratic: the slope in the row's segment, and the value."""
+        self.weight[name] = 1
+        falls = NEVER if row.function == "sine" else ALWAYS
+        bends_down = NEVER if row.function == "cosine" else ALWAYS
+        slope = f"{name}'"
+        self.terms[slope] = Step(
+            slope,
+            None,
+            row.of,
+            addend="slope_less" if bends_down else "slope",
+            minus=bends_down,
+            carry="minus",
+            place="high",
+            write=Write(slope, last="slope"),
+            rows=(row,),
+        )
+        self.terms[name] = Step(
+            name,
+            slope,
+            row.of,
+            "root" if row.function == "root" else "sine",
+            "value",
+            minus=falls,
+            carry="minus",
+            place="all",
+            write=write,
+            rows=(replace(row, value=True),),
+        )
+
+    def apply(self, name, operands, fmt, words):
+        return None
+
+    # ---- groups --------------------------------------------------------------------------------------------------
+
+    def groups(self) -> list[Group]:
+        """Return all steps; a step whose addend is the T of another is in its group."""
+        read = {name for step in self.terms.values() for name in map(self._variable, step.reads)}
+        groups = []
+        for name, step in self.terms.items():
+            paired = isinstance(step.write and step.write.to, Pick)
+            wanted = step.result or name in self.norms or name in self.sums or paired
+            if wanted or (step.write and step.write.to in read):
+                groups.append(Group())
+                kept = step if step.write is None or isinstance(step.write.to, Pick) or step.write.to in read else None
+                self._extend(groups[-1], 0, kept or replace(step, write=None))
+        return groups
+
+    def _variable(self, operand: Operand) -> str:
+        return operand.pair if isinstance(operand, Pick) else operand
+
+    def _picked(self, operand: Operand | None) -> Operand | None:
+        """Return a word of a pair, or one that a flag replaces by 0, as a :class:`Pick`; others unchanged."""
+        if not isinstance(operand, str):
+            return operand
+        for pair in self.pairs.values():
+            if operand in pair:
+                return Pick(pair[0], NEVER, operand == pair[1])
+        return self.picks.get(operand, operand)
+
+    def _extend(self, group: Group, at: int, step: Step) -> None:
+        """Add a step, and the steps whose addend is its T."""
+        normal, counted = self.norms.get(step.name, (None, step.count))
+        step = replace(
+            step,
+            a=self._picked(step.a),
+            b=self._picked(step.b) or ZERO,
+            norm=normal,
+            count=counted,
+            sign=step.name if step.name in self.signs else "",
+        )
+        group.add(at, step)
+        sums = sorted(self.sums.get(step.name, ()), key=lambda s: s.name in self.sums)
+        for number, of in enumerate(sums):
+            term = self.terms[of.term]
+            words = term.addend.startswith("half")
+            addend = "hold" if number else "T_half" if words else "T"
+            carry = "minus" if of.minus and not words and not of.inverse else ""
+            made = replace(
+                term,
+                name=of.name,
+                addend=addend,
+                addend_by=NEVER,
+                minus=of.minus,
+                carry=carry,
+                write=of.write,
+                norm=None,
+                term=of.term,
+            )
+            self._extend(group, at + 2 + number, made)
+
+
+def lower(width: int) -> tuple[Lowering, list[Group]]:
+    """Lower the lean dataflow to steps at an even word length."""
+    lowering = Lowering(width)
+    lean.lean(lowering, lowering.inputs())
+    return lowering, lowering.groups()
