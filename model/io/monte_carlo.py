@@ -17,7 +17,7 @@ from . import trajectories
 from .flags import UNREACHABLE, expected_flags
 from .scoring import singular_distance
 from .stimuli import random_reachable, unreachable
-from .words import DEFAULT_D1, DEFAULT_D2, Targets, from_words, result_values, scale_exponent
+from .words import DEFAULT_D1, DEFAULT_D2, Targets, from_words, result_values, scale_exponent, to_words
 
 CHUNK = 20000
 """Targets in one chunk."""
@@ -85,17 +85,6 @@ def regular_poses(count: int, seed: int, arm: tuple[float, float] | None = None)
         far = singular_distance(Targets("regular", *rows)) >= REGULAR_DISTANCE
         columns = np.hstack([columns, rows[:, far]])
     return Targets("regular", *columns[:, :count])
-
-
-def words_of(targets: Targets, width: int) -> np.ndarray:
-    """Return the input words of targets whose lengths are below 2."""
-    scale = 2.0 ** (width - 2)
-    lengths = [np.rint(getattr(targets, k) * scale) for k in ("x", "y", "z", "d1", "d2")]
-    lengths.insert(3, np.rint(targets.phi / (2 * np.pi) * 2.0**width))
-    words = np.column_stack(lengths).astype(np.int64)
-    half = 1 << (width - 1)
-    words[:, 3] = (words[:, 3] + half) % (2 * half) - half
-    return words
 
 
 # -- Monte Carlo -----------------------------------------------------------------------------------------------------
@@ -185,6 +174,6 @@ def monte_carlo(targets: int, width: int, seed: int, step=lambda done: None) -> 
 
 def hand_errors(width: int, poses: Targets) -> np.ndarray:
     """Return the distance of the hand from the unrounded target / reach."""
-    values = result_values(fixed.run(words_of(poses, width), width).results, width)
+    values = result_values(fixed.run(to_words(poses, width, 0)[0], width).results, width)
     _, wrist = forward(values[:, :4], values[:, 4:], poses.d1, poses.d2)
     return np.linalg.norm(wrist - poses.position, axis=1) / poses.reach

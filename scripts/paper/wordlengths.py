@@ -20,9 +20,8 @@ from model.io.monte_carlo import (
     monte_carlo,
     regular_poses,
     shown,
-    words_of,
 )
-from model.io.words import DEFAULT_D1, DEFAULT_D2
+from model.io.words import DEFAULT_D1, DEFAULT_D2, to_words
 from scripts.console import progress
 from scripts.generate.page_tables import table
 from scripts.generate.render import error, render
@@ -37,7 +36,7 @@ DOMINATING = 12
 
 def sensitivities(width: int, seed: int, count: int) -> dict[str, np.ndarray]:
     """Return the hand displacement per ulp of each rounded node, relative to the reach, at regular poses (count,)."""
-    words = words_of(regular_poses(count, seed), width)
+    words, _ = to_words(regular_poses(count, seed), width, 0)
     bits = fixed.run(words, width).bits
     length = 2.0 ** (2 - width)
     d1, d2 = words[:, 4] * length, words[:, 5] * length

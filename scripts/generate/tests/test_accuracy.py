@@ -7,8 +7,8 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
-from model.io.flags import AT_SHOULDER, UNREACHABLE, expected_flags
-from model.io.stimuli import REGIONS, SINGULAR, at_distance, region
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, region
 from model.io.words import result_values
 from model.reference.kinematics import forward
 from scripts.generate.accuracy import Errors
@@ -24,13 +24,6 @@ def test_lean_is_within_its_tolerances(name, width):
     errors = Errors.of(region(name, 4000, width, 1), width, "lean")
     assert errors.hand.max() <= tolerances.lean(width)
     assert width < 32 or errors.angle < ANGLE
-
-
-@pytest.mark.parametrize("kind", SINGULAR)
-def test_lean_keeps_its_accuracy_toward_singular_targets(kind):
-    for distance in 10.0 ** (-np.arange(2, 21) / 2):
-        errors = Errors.of(at_distance(kind, distance, 400, 32, 1), 32, "lean")
-        assert errors.angle < ANGLE and errors.hand.max() <= tolerances.lean(32)
 
 
 @pytest.mark.parametrize("name", REGIONS)
@@ -74,20 +67,3 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
         assert ratio.max() > 2.0 ** (width - 5) and np.median(ratio) > 20
     if name == "short arms":
         assert (d1 + d2 <= 185).all()
-
-
-@pytest.mark.parametrize("kind", SINGULAR)
-@pytest.mark.parametrize("distance", (1e-1, 1e-4, 1e-8))
-def test_targets_are_at_the_distance_given(kind, distance):
-    words = at_distance(kind, distance, 300, 32, 4)
-    assert not (expected_flags(words, 32) & (UNREACHABLE | AT_SHOULDER)).all()
-    x, y, z, _, d1, d2 = words.T.astype(np.longdouble)
-    p, reach = np.sqrt(x**2 + y**2 + z**2), d1 + d2
-    found = {
-        "the z axis": np.hypot(x, y) / np.maximum(np.abs(z), 1),
-        "full stretch": (reach - p) / reach,
-        "full fold": (p - np.abs(d1 - d2)) / reach,
-        "the shoulder": p / reach,
-    }[kind]
-    lsb = 3 / reach.min()
-    assert (found <= 4.5 * distance + lsb).all() and np.median(found) >= distance / 4 - lsb

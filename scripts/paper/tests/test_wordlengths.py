@@ -11,6 +11,7 @@ from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
 from model.io import monte_carlo
 from model.io.scoring import singular_distance
+from model.io.words import to_words
 from scripts.paper import operations, wordlengths
 
 
@@ -25,7 +26,7 @@ def test_regular_poses_are_regular_and_fit():
     poses = monte_carlo.regular_poses(500, 2)
     assert singular_distance(poses).min() >= REGULAR_DISTANCE
     for width in (16, 32):
-        words = monte_carlo.words_of(poses, width)
+        words, _ = to_words(poses, width, 0)
         assert abs(words).max() <= 1 << (width - 1)
         assert monte_carlo.hand_errors(width, poses).max() < 2.0 ** (9 - width)
 
