@@ -185,11 +185,11 @@ def score(
     elbow, wrist = forward(qs, qe, d1, d2)
     pose_elbow = np.column_stack([pose[name] for name in ("p_e_x", "p_e_y", "p_e_z")])
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
-    hand_error = _distance(wrist, np.ldexp(targets.core_position, exponent)) / reach
-    clamped_error = _distance(wrist, pose_wrist) / reach
-    elbow_error = _distance(elbow, pose_elbow) / reach
+    hand_error = np.linalg.norm(wrist - np.ldexp(targets.core_position, exponent), axis=1) / reach
+    clamped_error = np.linalg.norm(wrist - pose_wrist, axis=1) / reach
+    elbow_error = np.linalg.norm(elbow - pose_elbow, axis=1) / reach
     shoulder_angle = angle_between(qs, pose_qs)
-    elbow_angle = angle_between(_as_quaternion(qe), _as_quaternion(pose_qe))
+    elbow_angle = angle_between(*(np.pad(q, ((0, 0), (0, 2))) for q in (qe, pose_qe)))
     qs_norm = np.abs((qs**2).sum(axis=1) - 1)
     qe_norm = np.abs((qe**2).sum(axis=1) - 1)
 
@@ -204,8 +204,11 @@ def score(
     norm_bar = tolerances.norm(width, datapath)
     everywhere = np.ones(count, dtype=bool)
 
+    mismatch = f"{bit_mismatches} bits differ from the bit-true model" + (
+        f"; {first_mismatch}" if first_mismatch else ""
+    )
     failures = [
-        *_mismatch_failures(bit_mismatches, first_mismatch),
+        *([mismatch] if bit_mismatches else []),
         *_flag_failures(np.asarray(flags), expected),
         *_bar_failures("hand error", hand_error, bar, reachable),
         *_bar_failures("error of the clamped hand", clamped_error, bar, clamped),
@@ -257,16 +260,6 @@ def score(
     )
 
 
-def _distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the distance between points a and b, both (N, 3); (N,)."""
-    return np.linalg.norm(a - b, axis=1)
-
-
-def _as_quaternion(qe: np.ndarray) -> np.ndarray:
-    """Return Q_e (N, 2) as quaternions (N, 4): its j and k are 0."""
-    return np.column_stack((qe, np.zeros_like(qe)))
-
-
 def _max(values: np.ndarray, where: np.ndarray) -> float | None:
     return float(values[where].max()) if where.any() else None
 
@@ -287,12 +280,6 @@ def _outcome(passed: bool, bar: float | None, error: float) -> str:
     if passed:
         return f"{verdict}: within {bar:.3g} of the reach, as asked; {error:.1e} was reached"
     return f"{verdict}: {bar:.3g} of the reach was asked for, {error:.1e} was reached{rest}"
-
-
-def _mismatch_failures(count: int, first: str | None) -> list[str]:
-    if count == 0:
-        return []
-    return [f"{count} bits differ from the bit-true model" + (f"; {first}" if first else "")]
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
