@@ -6,7 +6,7 @@ word (``error``), propagated forward.  Plain intervals ignore geometry, so at si
 :class:`~model.dataflow.annotations.Rule` narrows the exact range; each rule states its reason in a sentence.  The
 rules, error growth and intended saturation are stated at the nodes, in :mod:`model.dataflow.paper`.
 
-The input words are split into :func:`model.dataflow.interval_cases.cases`; a node's range is the union over them.
+The input words are split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from functools import cache, reduce
 
 import numpy as np
 
-from ..dataflow.annotations import ANYTHING, Given, Rule
-from ..dataflow.interval_cases import Case, cases
+from ..dataflow.annotations import ANYTHING, Case, Given, Rule, cases
 from ..dataflow.nodes import CORDIC, Domain, Format, Node, real_value
 from ..dataflow.paper import paper
 from ..io.words import ARMS

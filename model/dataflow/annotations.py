@@ -1,13 +1,113 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Annotations of a node beyond its computation: :class:`Facts`, stated where the node is created."""
+"""Annotations of a node beyond its computation: :class:`Facts`, stated where the node is created.
+
+Ranges of the paper datapath hold case by case: :mod:`model.bounds.ranges` runs the dataflow on parts of the input
+words (:func:`cases`), each with geometric bounds on lengths; a node's range is their union:
+
+* ``exact``: in reach, and the arms leave room for a shift: halving loses no bit of their words;
+* ``long``: in reach, d1 + d2 >= 2: halving rounds odd lengths, so d1 + d2 is off by ulps (d1 - d2 stays exact);
+* ``clamped``: everything else; computed as an arm d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from .interval_cases import Case
+SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
+
+
+@dataclass(frozen=True)
+class Case:
+    """Part of the input domain: bounds of the arms and of j in their own unit, and of |p_w| and |b|."""
+
+    name: str
+    clamped: bool
+    d_high: float  # either arm
+    j: tuple[int, int]
+    long: bool = False  # halving may round the arms
+    p: tuple[float, float] = (0.5, SQRT3)
+    b: tuple[float, float] = (0.5, SQRT2)
+    ulp: float = 0.0  # of the arms
+    elbow: float = 0.0  # an ulp of p_e
+    tilt: float = 0.0  # sine of the angle between p_w and the plane of the words pi_swivel
+    straight: float = 0.0  # distance of the words of p_e from a + t m of the words (model.dataflow.paper.off_length)
+    square: float = 0.0  # distance of the words' |p_e|^2 from exact arithmetic
+
+    def tilted(self, error: float) -> Case:
+        """Return the case with the words pi_swivel, which have an error of ``error``, taken as exact."""
+        b = self.b[0] - error, self.b[1] + error
+        return replace(self, b=b, tilt=error / b[0])
+
+    @property
+    def excess(self) -> float:
+        """Increase of |k_e| by rounded arms: the rounding of d1 + d2, times |d1 - d2|."""
+        return 4 * self.ulp if self.long else 0.0
+
+    @property
+    def k_e(self) -> float:
+        """|k_e| <= 2 d1 |p_w|, and <= s_j + (d1 + d2) |d_dif_j| where arms are rounded."""
+        limit = 2 * self.d_high * self.p[1] + self.excess
+        return min(limit, self.p[1] ** 2 * 2.0 ** -self.j[0] + 2) if self.long else limit
+
+    @property
+    def p_e(self) -> float:
+        """|p_e| = max(d1, |k_e| / 2|p_w|), the latter over the cosine of the tilt."""
+        return (self.d_high + self.excess / (2 * self.p[0])) / math.sqrt(1 - self.tilt**2)
+
+    @property
+    def pp(self) -> tuple[float, float]:
+        """|PP^-| = 2 |p_w| |pi_swivel|."""
+        return 2 * self.p[0] * self.b[0] * math.sqrt(1 - self.tilt**2), 2 * self.p[1] * self.b[1]
+
+    @property
+    def tmp1(self) -> tuple[float, float]:
+        """(d1 sin a)^2 |PP^-|^2: |pi|^2 ((2 d1 |p_w|)^2 - k_e^2), where the arms are rounded."""
+        most = (min(self.d_high, 0.5) * self.pp[1]) ** 2
+        tilted = (self.pp[1] * self.p_e * self.tilt) ** 2
+        if not self.long:
+            return -tilted, most
+        # from |k_e| <= 2 d1 |p_w| + excess, or from |k_e| alone
+        near = 4 * self.d_high * self.p[1] * self.excess + self.excess**2
+        # Where j >= 2, |d1 - d2| <= |p_a| + ulps leaves d1 >= 1/8.
+        least = (self.p[0] / 4) ** 2 if self.j[0] >= 3 else 0.0
+        return -(self.b[1] ** 2) * min(near, self.k_e**2 - least) - tilted, most
+
+    @property
+    def t_e(self) -> tuple[float, float]:
+        """p_e (p_e - p_w): d1 d2 times a cosine."""
+        if self.clamped:
+            return 0.0, 0.75
+        most = (self.p_e + self.elbow) ** 2 if self.long else 0.25 + (self.p_e * self.tilt) ** 2
+        return -most, most
+
+    @property
+    def p_e_words(self) -> float:
+        """|p_e| of the words."""
+        return math.sqrt(self.p_e**2 + self.square)
+
+
+EDGES_P = (0.5, math.sqrt(0.5), 1.0, SQRT2, SQRT3)
+EDGES_B = (0.5, math.sqrt(0.5), 1.0, SQRT2)
+"""Boundaries of the lengths of the two mantissa vectors: within a part, numerators and divisors are correlated."""
+
+
+def cases(width: int) -> list[Case]:
+    """Return the parts of the input domain; together they contain every input word."""
+    ulp = 2.0 ** (1 - width)
+    last = 1 - 2 * ulp  # d1 + d2 <= 1 - ulp, d2 >= ulp
+    whole = [
+        Case("exact", False, last, (0, width - 1)),
+        Case("long", False, 0.5, (0, width), True),
+        Case("clamped", True, 0.25, (2, 2)),
+    ]
+    boxes = list(itertools.product(itertools.pairwise(EDGES_P), itertools.pairwise(EDGES_B)))
+    return [replace(c, p=p, b=b, ulp=ulp) for c in whole for p, b in boxes]
+
+
+# ---- annotations -----------------------------------------------------------------------------------------------------
 
 Limits = tuple[float, float]
 ANYTHING = -math.inf, math.inf

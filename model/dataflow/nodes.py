@@ -29,9 +29,8 @@ from typing import Any
 import numpy as np
 
 from ..io.words import FIELDS, LENGTHS
-from .annotations import Facts, Within, leading
+from .annotations import Case, Facts, Within, leading
 from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, places, rsqrt_clocks
-from .interval_cases import Case
 from .operations import Unrounded, room
 from .trig import FRACS, trig_clocks
 from .trig import SHORT_FRAC as TRIG_SHORT_FRAC

@@ -17,8 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .annotations import COSINE, SUM, Given, Rule, leading, not_negative, upto, used
-from .interval_cases import SQRT3, Case
+from .annotations import COSINE, SQRT3, SUM, Case, Given, Rule, leading, not_negative, upto, used
 from .nodes import FLOOR, JAM, Domain, Format, Node
 from .operations import room, wrap
 from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist

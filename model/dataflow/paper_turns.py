@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 
-from .annotations import COSINE, SAME, SUM, Given, Growth, Limited, Rule, not_negative, upto, used
-from .interval_cases import SQRT2, SQRT3, Case
+from .annotations import COSINE, SAME, SQRT2, SQRT3, SUM, Case, Given, Growth, Limited, Rule, not_negative, upto, used
 from .nodes import HALF_UP, Domain
 from .operations import round_shift, saturate
 

@@ -100,18 +100,6 @@ def test_even_is_its_definition(pairs, bits, data):
         assert 1 << bits <= 4 * int(m[0]) < 4 << bits
 
 
-@pytest.mark.parametrize(("width", "bits"), [(16, 24), (32, 34), (36, 24), (50, 31), (62, 34), (64, 24), (64, 34)])
-def test_even_of_arrays_is_its_definition(width, bits):
-    """Words of every length, at and next to each power of two."""
-    random = np.random.default_rng(width)
-    corners = [v for k in range(width) for v in ((1 << k) - 1, 1 << k, (1 << k) + 1)] + [(1 << width) - 1]
-    values = [int(random.integers(1 << 62)) << 2 >> 64 - int(size) for size in random.integers(1, width + 1, 5000)]
-    words = np.array([v for v in corners + values if v < 1 << width], dtype=object)
-    k, m = even(words, width, bits)
-    assert list(zip(k.tolist(), m.tolist(), strict=True)) == [normalized(v, width, bits) for v in words.tolist()]
-    assert {(1 << width) - 1, 1 << width - 1, 0} <= set(words.tolist())
-
-
 # ---- reciprocal square root ------------------------------------------------------------------------------------------
 
 FRACS = {SHORT: range(19, SHORT_FRAC + 1), LONG: range(SHORT_FRAC + 1, 32), SMALL: range(19, SMALL_FRAC + 1)}

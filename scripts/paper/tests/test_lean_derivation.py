@@ -70,7 +70,6 @@ def assert_found(step, tables):
         ("lean", "qe_i", "-", "", "elbow_quaternion"),
         ("lean", "inv_11", "**2", "", "directions"),
         ("lean", "inv_law", "/2", "", "directions"),
-        ("lean", "cos_a", "k_law", "-k_law", "directions"),
         ("lean", "root_ab", "root_far", "k_law", "directions"),
         ("lean", "sin_a", "root_ab", "root_far", "directions"),
         ("lean", "u_x", "x*inv_rho", "x*inv_rho + y", "near_singular"),
