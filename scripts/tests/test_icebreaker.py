@@ -7,7 +7,6 @@ import json
 import os
 import pty
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -206,29 +205,7 @@ def test_a_board_that_talks(command, few):
     ]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["none"], "'none': No such file"),
-        (["few.csv"], "'few.csv': Inappropriate ioctl for device"),
-        ([], "PORT"),
-        (["none", "--baud", "0"], "--baud 0"),
-        (["none", "--timeout", "0"], "--timeout 0.0"),
-        (["none", "--trajectory", "bad.csv"], "bad.csv: row 3, column y: 'here'"),
-        (["none", "--datapath", "lean"], "--datapath"),
-    ],
-)
-def test_mistakes(command, few, files, arguments, says):
-    Path("bad.csv").write_text("x,y,z\n0.1,0.2,0.3\n0.1,here,0.3\n")
-    before = files()
-    status, out, (line,) = command(host.main, *arguments)
-    assert (status, out) == (2, []) and all(word in line for word in ("icebreaker:", *says.split())), line
-    assert files() == before
-
-
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
-def test_signals(tmp_path, few, interruptible, number, status):
-    """Earlier results remain intact."""
+def test_a_signal_leaves_earlier_results_intact(tmp_path, few, interruptible):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "results.csv").write_text("before")
     board = Board(lambda n, answer: b"")
@@ -236,8 +213,8 @@ def test_signals(tmp_path, few, interruptible, number, status):
     process = subprocess.Popen(words, cwd=ROOT, env=environment(), stderr=subprocess.PIPE, text=True)
     while not board.count:
         time.sleep(0.05)
-    process.send_signal(number)
+    process.terminate()
     said = process.communicate(timeout=30)[1]
-    assert process.returncode == status and said.startswith("icebreaker: ") and "Traceback" not in said
+    assert (process.returncode, said) == (143, "icebreaker: terminated\n")
     assert os.listdir(tmp_path / "out") == ["results.csv"]
     assert (tmp_path / "out" / "results.csv").read_text() == "before"
