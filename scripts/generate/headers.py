@@ -7,25 +7,33 @@ python -m scripts.generate.headers      writes the headers that are out of date
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from functools import partial
+import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from model.dataflow import cores as lean_cores
-from model.dataflow import trig as lean_trig
+from model.dataflow import cores, trig
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
-from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node
+from model.dataflow.fold import steps as timing
+from model.dataflow.fold.program import CODES, FIELDS, WIDTH, program
+from model.dataflow.fold.shown import Shown, shown
+from model.dataflow.fold.steps import Operand, Pick, Selector
+from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node, inner_frac
 from model.dataflow.quadratic import Form
 from model.io.words import RESULT_FIELDS
-from scripts.generate import fold_headers
+from scripts.generate.render import update
 from tb.sim.env import ROOT
 
 NOTE = """// SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from {source}; do not edit.
+
+{text}
 """
+
+
+# -- formats and clocks of nodes -----------------------------------------------------------------------------------
 
 
 def traced(datapath: str) -> dict[int, Bits]:
@@ -49,14 +57,27 @@ def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
     raise ValueError(f"no two of {sorted(times.values())} are the last at every width")
 
 
-def nodes_header(datapath: str) -> str:
+def lean_formats() -> str:
+    """Return the text of ``ik_lean_formats.vh``."""
+    least, (short, long) = WIDTHS[0], ROOT_FRACS
+    more = inner_frac(24) - 24
+    return f"""\
+// For the body of a module with parameter W: fraction bits of the inner words of ik_lean and ik_fold.
+
+localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow
+localparam integer FRAC = (WX < {short - more}) ? {short} : (WX < {INNER_FRAC - more}) ? WX + {more} : {INNER_FRAC};\
+  // of an inner word
+localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});  // of a reciprocal root"""
+
+
+def node_formats(datapath: str) -> str:
     """Return the text of ``ik_<datapath>_nodes.vh``."""
     runs = traced(datapath)
     nodes = runs[WIDTHS[-1]].nodes
     used = {node.latency for node in nodes.values()}
+    parameters = "parameter W" if datapath == "paper" else "parameters W and TILE"
     lines = [
-        NOTE.format(source="model/dataflow/paper.py" if datapath == "paper" else f"model/dataflow/{datapath}.py"),
-        "// For the body of a module with parameter W. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
+        f"// For the body of a module with {parameters}. F_<NODE>: fraction bits of the node. T_<NODE>: the clock in",
         "// which it is valid, counted from the clock in which its target is at the datapath's input.",
         "// LAT_<OPERATION>: clocks of an operation.",
         "",
@@ -64,7 +85,6 @@ def nodes_header(datapath: str) -> str:
     if datapath == "paper":
         lines.append(f"localparam integer GUARD = {GUARD};  // more fraction bits of a product that waits for its sum")
     else:
-        lines[1] = lines[1].replace("parameter W.", "parameters W and TILE.")
         lines.append('`include "ik_lean_formats.vh"')
     for kind, (_, _, why) in Latency.TABLE.items():
         if kind in used:
@@ -79,37 +99,25 @@ def nodes_header(datapath: str) -> str:
         clocks = [f"LAT_{node.latency.upper()}"] if node.latency else []
         if node.operands and any(o.time for o in node.operands):
             clocks.insert(0, _start(waits_for, runs))
-        parts = [f"T_{name} = {' + '.join(clocks) or '0'}"]
-        if node.format.signed:
-            parts.insert(0, f"F_{name} = {node.format.frac_expr}")
-        comment = f"  // {node.equation}" if node.equation else ""
-        lines.append(f"localparam integer {', '.join(parts)};{comment}")
+        parts = [f"F_{name} = {node.format.frac_expr}"] if node.format.signed else []
+        parts.append(f"T_{name} = {' + '.join(clocks) or '0'}")
+        lines.append(f"localparam integer {', '.join(parts)};{_comment(node)}")
     outputs = _start(tuple(nodes[n] for n in RESULT_FIELDS), runs)
-    lines += ["", "// All results leave together.", f"localparam integer T_OUT = {outputs};", ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, "", "// All results leave together.", f"localparam integer T_OUT = {outputs};"])
 
 
-def formats_header() -> str:
-    """Return ``rtl/include/ik_lean_formats.vh``."""
-    least, most = WIDTHS[0], INNER_FRAC
-    short, long = ROOT_FRACS
-    return f"""{NOTE.format(source="model/dataflow/nodes.py")}
-// For the body of a module with parameter W: fraction bits of the inner words of ik_lean and ik_fold.
-
-localparam integer WX = (W < {least}) ? {least} : W;  // the word length that formats follow
-localparam integer FRAC = (WX < {short - 5}) ? {short} : (WX < {most - 5}) ? WX + 5 : {most};  // of an inner word
-localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {long});  // of a reciprocal root
-"""
+def _comment(node: Node) -> str:
+    return f"  // {node.equation}" if node.equation else ""
 
 
-def latency_header() -> str:
-    """Return ``rtl/include/ik_latency.vh``."""
-    cases = []
-    for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items():
-        for width, bits in traced(name).items():
-            clocks = max(node.time for node in bits.nodes.values())
-            cases.append(f"      {key + width}: datapath_latency = {clocks};")
-    return f"""{NOTE.format(source="model/dataflow/paper.py and model/dataflow/lean.py")}
+def latencies() -> str:
+    """Return the text of ``ik_latency.vh``."""
+    cases = [
+        f"      {key + width}: datapath_latency = {max(node.time for node in bits.nodes.values())};"
+        for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items()
+        for width, bits in traced(name).items()
+    ]
+    return f"""\
 // For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,
 // which ignores the tile.
 
@@ -120,15 +128,16 @@ function integer datapath_latency(input integer lean, input integer w, input int
       default: datapath_latency = 0;
     endcase
   end
-endfunction
-"""
+endfunction"""
 
 
-def sincos_header() -> str:
-    """Return ``rtl/include/ik_sincos_table.vh``."""
+# -- tables --------------------------------------------------------------------------------------------------------
+
+
+def sincos_table() -> str:
+    """Return the text of ``ik_sincos_table.vh``."""
     entries = "\n".join(f"      {i:2d}: atan_turn = {TABLE_BITS}'d{a};" for i, a in enumerate(atan_table()))
-    return f"""{NOTE.format(source="model/dataflow/fixed.py")}
-// For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
+    return f"""// For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
 
 localparam integer TABLE_BITS = {TABLE_BITS};
 localparam integer SINCOS_GUARD = {SINCOS_GUARD};
@@ -141,65 +150,71 @@ function [{TABLE_BITS - 1}:0] atan_turn(input integer i);
       default: atan_turn = {TABLE_BITS}'d0;
     endcase
   end
-endfunction
-"""
+endfunction"""
 
 
-def table_header(
-    module: str,
-    source: str,
-    most: int,
-    forms: Sequence[Form],
-    tables: Sequence[Sequence[tuple]],
-    rounding: str,
-    besides: Sequence[str],
-) -> str:
-    """Return the table header of a module around ``ik_quadratic``. The first form and table serve results of up to
-    ``most`` fraction bits F, the second longer results, the third tiles below 18 bits. ``rounding`` is added to c0;
-    ``besides`` names further parameters of the module."""
-    numbers = [numbers_of(form, besides) for form in forms]
-    values = "\n".join(
-        f"localparam integer {k} = SMALL ? {numbers[2][k]} : LONG ? {numbers[1][k]} : {numbers[0][k]};"
-        for k in numbers[0]
+def _choose(numbers: dict[str, dict[str, int]]) -> str:
+    """Return parameters whose values depend on conditions. numbers: condition in lower case -> values; the last one
+    holds otherwise."""
+    *conditions, otherwise = numbers
+    return "\n".join(
+        f"localparam integer {key} = "
+        + "".join(f"{name.upper()} ? {numbers[name][key]} : " for name in conditions)
+        + f"{value};"
+        for key, value in numbers[otherwise].items()
     )
-    short, long, small = (rom(form, table) for form, table in zip(forms, tables, strict=True))
-    return f"""{NOTE.format(source=source)}
-// For the body of {module}: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {{c0, c1, c2}} of each
+
+
+def _rom(last: str, tables: dict[str, Iterable[str]]) -> str:
+    """Return a memory of rows 0 to ``last``. tables: condition, as in ``_choose`` -> assigned values."""
+    *conditions, _ = tables
+    lines = ['(* rom_style = "block", ram_style = "block" *)', f"reg [ROW_BITS-1:0] rom[0:{last}];", "generate"]
+    before = "  "
+    for name, rows in tables.items():
+        condition = f"if ({name.upper()}) " if name in conditions else ""
+        lines += [f"{before}{condition}begin : g_{name}_table", "    initial begin"]
+        lines += [*(f"      rom[{n}] = {row};" for n, row in enumerate(rows)), "    end"]
+        before = "  end else "
+    return "\n".join([*lines, "  end", "endgenerate"])
+
+
+def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
+    """Join the words of a row, each cut to its bits."""
+    row = 0
+    for word, size in zip(words, bits, strict=True):
+        row = row << size | word % (1 << size)
+    return f"{sum(bits)}'h{row:0{-(-sum(bits) // 4)}x} + {add}"
+
+
+def _drop(form: Form) -> int:
+    return form.slope_frac - form.slope_low + form.u_frac - form.u_low - form.sum_frac
+
+
+def quadratic_table(name: str, most: int, forms: dict[str, Form], rows, rounding: str, *more: str) -> str:
+    """Return the table of a module around ``ik_quadratic``.
+
+    forms: for tiles below 18 bits, for results of more than ``most`` fraction bits F, for others. rows: function that
+    returns the rows of a form. rounding: what is added to c0. more: further parameters of the module.
+    """
+    return f"""\
+// For the body of {name}: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {{c0, c1, c2}} of each
 // segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.
 
 localparam [0:0] SMALL = TILE < 18;
 localparam [0:0] LONG = F > {most};
-{values}
+{_choose({size: _parameters(form, *more) for size, form in forms.items()})}
 localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 localparam integer SPARE = SUM_FRAC - C0_FRAC;
 localparam integer ROUNDING = {rounding};
 localparam [SPARE-1:0] LOWEST = ROUNDING[SPARE-1:0];
 localparam [ROW_BITS-1:0] ADD = {{{{(ROW_BITS - 32) {{1'b0}}}}, ROUNDING}} >> SPARE << (C1_BITS + C2_BITS);
 
-(* rom_style = "block", ram_style = "block" *)
-reg [ROW_BITS-1:0] rom[0:ROWS-1];
-generate
-  if (SMALL) begin : g_small_table
-    initial begin
-{small}
-    end
-  end else if (LONG) begin : g_long_table
-    initial begin
-{long}
-    end
-  end else begin : g_short_table
-    initial begin
-{short}
-    end
-  end
-endgenerate
-"""
+{_rom("ROWS-1", {size: [_row(row, form.c_bits, "ADD") for row in rows(form)] for size, form in forms.items()})}"""
 
 
-def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
+def _parameters(form: Form, *more: str) -> dict[str, int]:
     """Return the parameters of a form for ``ik_quadratic`` and the module around it."""
     c2 = len(form.c_frac) > 2
-    u_frac = form.u_frac - form.u_low
     return {
         "ROWS": form.rows,
         "INDEX_BITS": form.index_bits,
@@ -213,82 +228,215 @@ def numbers_of(form: Form, besides: Sequence[str]) -> dict[str, int]:
         "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1,
         "SLOPE_LOW": form.slope_low,
         "SUM_FRAC": form.sum_frac,
-        "DROP": form.slope_frac - form.slope_low + u_frac - form.sum_frac,
-        "BEND_DROP": form.c_frac[2] + u_frac - form.slope_frac if c2 else 0,
-        **{name.upper(): getattr(form, name) for name in besides},
+        "DROP": _drop(form),
+        "BEND_DROP": form.c_frac[2] + form.u_frac - form.u_low - form.slope_frac if c2 else 0,
+        **{name.upper(): getattr(form, name) for name in more},
     }
 
 
-def rom(form: Form, table: Sequence[tuple]) -> str:
-    """Return the rows of the ROM; c0 is truncated to its word."""
-    bits = sum(form.c_bits)
-    lines = []
-    for i, row in enumerate(table):
-        word = 0
-        for size, value in zip(form.c_bits, row, strict=True):
-            word = word << size | value % (1 << size)
-        lines.append(f"      rom[{i}] = {bits}'h{word:0{-(-bits // 4)}x} + ADD;")
+def rsqrt_table() -> str:
+    """Return the text of ``ik_rsqrt_table.vh``."""
+    forms = {"small": cores.SMALL, "long": cores.LONG, "short": cores.SHORT}
+    rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
+    return quadratic_table("ik_rsqrt", cores.SHORT_FRAC, forms, cores.rsqrt_rows, rounding, "tiles", "clocks")
+
+
+def trig_table() -> str:
+    """Return the text of ``ik_trig_table.vh``."""
+    forms = {"small": trig.SMALL, "long": trig.LONG, "short": trig.SHORT}
+    return quadratic_table("ik_trig", trig.SHORT_FRAC, forms, trig.sine_rows, "1 << (SUM_FRAC - F - 1)", "clocks")
+
+
+# -- fold datapath -------------------------------------------------------------------------------------------------
+
+STEP_BITS = sum(FIELDS.values())
+
+FOLD_FORMS = {"small": (cores.SMALL, trig.SMALL), "long": (cores.LONG, trig.LONG)}
+"""Forms (root, sine) of the fold datapath's table."""
+
+
+def fold_codes() -> str:
+    """Return the text of ``ik_fold_codes.vh``."""
+    lines = [
+        "// For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.",
+        "",
+        "/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own",
+        f"localparam integer STEP_W = {STEP_BITS};  // bits of a step",
+    ]
+    for name, values in CODES.items():
+        start, end = f"localparam [{FIELDS[name] - 1}:0] {name.upper()}_", f" = {FIELDS[name]}'d"
+        lines += ["", *(f"{start}{_name(code)}{end}{n};" for n, code in enumerate(values))]
+    return "\n".join([*lines, "", "/* verilator lint_on UNUSEDPARAM */"])
+
+
+def _name(code: str | Selector) -> str:
+    """Convert a code to part of an identifier."""
+    return (code.code if isinstance(code, Selector) else code.replace("-", "minus_") or "none").upper()
+
+
+def fold_fields() -> str:
+    """Return the text of ``ik_fold_fields.vh``."""
+    lines, at = ["// For the body of ik_fold: the fields of the step.", ""], 0
+    for name, bits in FIELDS.items():
+        word, place = (f"[{bits - 1}:0] ", f"{at + bits - 1}:{at}") if bits > 1 else ("", f"{at}")
+        lines.append(f"wire {word}f_{name} = step[{place}];")
+        at += bits
     return "\n".join(lines)
 
 
-def rsqrt_header() -> str:
-    """Return ``rtl/include/ik_rsqrt_table.vh``."""
-    forms = lean_cores.SHORT, lean_cores.LONG, lean_cores.SMALL
-    return table_header(
-        "ik_rsqrt",
-        "model/dataflow/cores.py",
-        lean_cores.SHORT_FRAC,
-        forms,
-        [*map(lean_cores.rsqrt_rows, forms)],
-        "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2",
-        ("tiles", "clocks"),
-    )
+def fold_program() -> str:
+    """Return the text of ``ik_fold_program.vh``."""
+    _, made = program(WIDTH)
+    period = made.period
+    notes: list[list[str]] = [[] for _ in range(period)]
+    for name, clock in made.loads.items():
+        notes[clock].append(f"{name} loaded")
+    for placed in made.steps:
+        step, at = placed.step, placed.at
+        notes[at % period].append(f"{step.name}: {_operand(step.a)} * {_operand(step.b)}")
+        if step.write:
+            notes[(at + timing.WRITE) % period].append(f"-> {_operand(step.write.to)}")
+        if step.norm:
+            notes[(at + timing.NORM) % period].append(f"-> {step.norm.to}")
+        if step.result:
+            notes[(at + timing.WRITE) % period].append(f"-> {step.result}")
+    results = [placed.at + timing.WRITE for placed in made.steps if placed.step.result]
+    laps = {"HOLD": min(results) - 1, "FIRST": min(results), "LAST": max(results)}
+    digits = -(-STEP_BITS // 4)
+    words = (f"{STEP_BITS}'h{made.word(n):0{digits}x};  // {'; '.join(notes[n]) or '-'}" for n in range(period))
+    lines = [
+        "// For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, its own or the next",
+        "// where the machine may wait before the first result, gives it, and gives the last.",
+        "",
+        f"localparam integer PERIOD = {period};  // clocks of a lap",
+        f"localparam [6:0] END = 7'd{period - 1};  // the last of them",
+        *(f"localparam integer {name}_LAP = {clock // period};" for name, clock in laps.items()),
+        "",
+        '(* rom_style = "block", ram_style = "block" *)',
+        "reg [STEP_W-1:0] rom[0:PERIOD-1];",
+        "initial begin",
+        *(f"  rom[{n}] = {word}" for n, word in enumerate(words)),
+        "end",
+    ]
+    return "\n".join(lines)
 
 
-def trig_header() -> str:
-    """Return ``rtl/include/ik_trig_table.vh``."""
-    forms = lean_trig.SHORT, lean_trig.LONG, lean_trig.SMALL
-    return table_header(
-        "ik_trig",
-        "model/dataflow/trig.py",
-        lean_trig.SHORT_FRAC,
-        forms,
-        [*map(lean_trig.sine_rows, forms)],
-        "1 << (SUM_FRAC - F - 1)",
-        ("clocks",),
-    )
+def _operand(of: Operand | None) -> str:
+    if not isinstance(of, Pick):
+        return of or "c2"
+    return f"{of.pair}{'+1' * of.second}{f' ({of.flag})' * bool(of.flag)}"
 
 
-def fold_header(name: str) -> str:
-    """Return the text of ``ik_fold_<name>.vh``."""
-    text, source = fold_headers.HEADERS[name]
-    return f"{NOTE.format(source=source)}\n{text()}\n"
+def fold_formats() -> str:
+    """Return the text of ``ik_fold_formats.vh``."""
+    most = ROOT_FRACS[1]
+    return f"""\
+// For the body of a module with parameters W and TILE: fraction bits of words and of a table's row, the bits of its
+// words and of its number, and what the sum of a polynomial leaves of the product of the
+// high parts.
+
+/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
+`include "ik_lean_formats.vh"
+localparam integer SINE_FRAC = (FRAC < {most}) ? FRAC : {most};
+localparam [0:0] SMALL = TILE < 18;
+{_choose({size: _fold_parameters(*forms) for size, forms in FOLD_FORMS.items()})}
+/* verilator lint_on UNUSEDPARAM */"""
 
 
-HEADERS = {
-    ROOT / "rtl" / "include" / "ik_paper_nodes.vh": lambda: nodes_header("paper"),
-    ROOT / "rtl" / "include" / "ik_lean_nodes.vh": lambda: nodes_header("lean"),
-    ROOT / "rtl" / "include" / "ik_lean_formats.vh": formats_header,
-    ROOT / "rtl" / "include" / "ik_latency.vh": latency_header,
-    ROOT / "rtl" / "include" / "ik_sincos_table.vh": sincos_header,
-    ROOT / "rtl" / "include" / "ik_rsqrt_table.vh": rsqrt_header,
-    ROOT / "rtl" / "include" / "ik_trig_table.vh": trig_header,
-    **{ROOT / "rtl" / "include" / f"ik_fold_{name}.vh": partial(fold_header, name) for name in fold_headers.HEADERS},
-}
-"""File -> function that returns its text."""
+def _fold_parameters(root: Form, sine: Form) -> dict[str, int]:
+    """Return the parameters of two forms that share a table; the sine's c0 counts half, as its window is double."""
+    frac = sine.c_frac[0] + 1
+    assert root.c_frac[1:] == sine.c_frac[1:] and root.slope_frac == sine.slope_frac and root.c_frac[0] < frac
+    return {
+        "INDEX_BITS": root.index_bits,
+        "C0_FRAC": frac,
+        "C1_FRAC": root.c_frac[1],
+        "C2_FRAC": root.c_frac[2],
+        "SLOPE_FRAC": root.slope_frac,
+        "C0_BITS": frac,
+        "C1_BITS": root.c_bits[1],
+        "C2_BITS": root.c_bits[2],
+        "ROOT_DROP": _drop(root),
+        "SINE_DROP": _drop(sine),
+        "ROOT_SUM_FRAC": root.sum_frac,
+        "SINE_SUM_FRAC": sine.sum_frac,
+    }
 
 
-def stale() -> list[Path]:
-    """Return the headers that differ from the model."""
-    return [path for path, text in HEADERS.items() if not path.exists() or path.read_text() != text()]
+def _fold_rows(root: Form, sine: Form) -> list[str]:
+    frac = sine.c_frac[0] + 1
+    bits = (frac, *root.c_bits[1:])
+    rows = [_row((c0 << frac - root.c_frac[0], c1, c2), bits, "ROOT") for c0, c1, c2 in cores.rsqrt_rows(root)]
+    return rows + [_row((c0, c1, 2 * c2), bits, "SINE") for c0, c1, c2 in trig.sine_rows(sine)]
 
 
-def main() -> None:
-    """Write the headers that are out of date."""
-    for path in stale():
-        path.write_text(HEADERS[path]())
-        print(f"wrote {path.relative_to(ROOT)}")
+def fold_table() -> str:
+    """Return the text of ``ik_fold_table.vh``."""
+    return f"""\
+// For the body of ik_fold_table: {{c0, c1, c2}} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned
+// alike, c0 with what rounds the result.
+
+localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
+localparam integer ROOT_ROUNDING = ((3 << (ROOT_SUM_FRAC - ROOT_FRAC - 3)) - 2) >> (ROOT_SUM_FRAC - C0_FRAC);
+localparam integer SINE_ROUNDING = (1 << (SINE_SUM_FRAC - SINE_FRAC - 1)) >> (SINE_SUM_FRAC + 1 - C0_FRAC);
+localparam [ROW_BITS-1:0] ROOT = {{{{(ROW_BITS - 32) {{1'b0}}}}, ROOT_ROUNDING}} << (C1_BITS + C2_BITS);
+localparam [ROW_BITS-1:0] SINE = {{{{(ROW_BITS - 32) {{1'b0}}}}, SINE_ROUNDING}} << (C1_BITS + C2_BITS);
+
+{_rom("(2<<INDEX_BITS)-1", {size: _fold_rows(*forms) for size, forms in FOLD_FORMS.items()})}"""
+
+
+def fold_nodes() -> str:
+    """Return the text of ``ik_fold_nodes.vh``."""
+    lowering, made = program(WIDTH)
+    blocks: dict[str, list[Shown]] = {}
+    for of in shown(lowering, made).values():
+        blocks.setdefault(of.node.instance, []).append(of)
+    lines = ["// For the body of ik_fold: every node of the dataflow, in a register that nothing reads.", ""]
+    for block, found in blocks.items():
+        pad = "    " if block else ""
+        lines += ["generate", f"  if (1) begin : {block}"] if block else []
+        lines += [f"{pad}reg {'signed ' * of.node.format.signed}{_range(of.node)}{of.node.name};" for of in found]
+        lines += [f"{pad}always @(posedge clk)", f"{pad}  if (go) begin"]
+        for of in found:
+            when = " || ".join(f"clock == 7'd{clock % made.period}" for clock in of.clocks)
+            when = f"({when}) && {of.when}" if of.when else when
+            lines.append(f"{pad}    if ({when}) {of.node.name} <= {of.text};{_comment(of.node)}")
+        lines += [f"{pad}  end", *(["  end", "endgenerate"] if block else []), ""]
+    return "\n".join(lines).rstrip()
+
+
+def _range(node: Node) -> str:
+    """Return the Verilog range of a node's word; empty for a bit."""
+    name, sign, number = re.fullmatch(r"(.*?)(?: ([+-]) (\d+))?", node.format.frac_expr).groups()
+    more = int(f"{sign or '+'}{number or 0}") + node.format.width - node.format.frac - 1
+    if name == "0":
+        return f"[{more}:0] " if more else ""
+    return f"[{name}{f' {more:+d}'.replace('+', '+ ').replace('-', '- ') if more else ''}:0] "
+
+
+# -- files ---------------------------------------------------------------------------------------------------------
+
+
+def texts() -> dict[Path, str]:
+    """Return file -> its text."""
+    folder, model = ROOT / "rtl" / "include", "model/dataflow"
+    found = {
+        "paper_nodes": (node_formats("paper"), f"{model}/paper.py"),
+        "lean_nodes": (node_formats("lean"), f"{model}/lean.py"),
+        "lean_formats": (lean_formats(), f"{model}/nodes.py"),
+        "latency": (latencies(), f"{model}/paper.py and {model}/lean.py"),
+        "sincos_table": (sincos_table(), f"{model}/fixed.py"),
+        "rsqrt_table": (rsqrt_table(), f"{model}/cores.py"),
+        "trig_table": (trig_table(), f"{model}/trig.py"),
+        "fold_codes": (fold_codes(), f"{model}/fold/program.py"),
+        "fold_fields": (fold_fields(), f"{model}/fold/program.py"),
+        "fold_formats": (fold_formats(), f"{model}/nodes.py"),
+        "fold_nodes": (fold_nodes(), f"{model}/fold/shown.py"),
+        "fold_program": (fold_program(), f"{model}/fold/schedule.json and {model}/lean.py"),
+        "fold_table": (fold_table(), f"{model}/cores.py and {model}/trig.py"),
+    }
+    return {folder / f"ik_{name}.vh": NOTE.format(source=source, text=text) for name, (text, source) in found.items()}
 
 
 if __name__ == "__main__":
-    main()
+    update(texts())

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from tb.sim.env import ROOT
 
 TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent / "templates"),
@@ -32,6 +34,14 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
 def error(value: float | None) -> str:
     """Format an error; None means not measured."""
     return "-" if value is None else f"{value:.1e}"
+
+
+def update(texts: Mapping[Path, str]) -> None:
+    """Write the files of the checkout whose text has changed."""
+    for path, text in texts.items():
+        if not path.exists() or path.read_text() != text:
+            path.write_text(text)
+            print(f"wrote {path.relative_to(ROOT)}")
 
 
 TEMPLATES.filters |= {"row": row, "error": error}

@@ -13,18 +13,8 @@ from tb.sim.env import environment
 
 
 def test_headers_are_up_to_date():
-    stale = [str(path.relative_to(headers.ROOT)) for path in headers.stale()]
+    stale = [path.name for path, text in headers.texts().items() if path.read_text() != text]
     assert not stale, f"run `python -m scripts.generate.headers`: out of date are {stale}"
-
-
-def test_a_changed_header_is_found(tmp_path, monkeypatch):
-    changed = tmp_path / "ik_paper_nodes.vh"
-    changed.write_text(headers.nodes_header("paper").replace("F_TMP1 = W - 4", "F_TMP1 = W - 5"))
-    monkeypatch.setattr(headers, "ROOT", tmp_path)
-    monkeypatch.setattr(headers, "HEADERS", {changed: lambda: headers.nodes_header("paper")})
-    assert headers.stale() == [changed]
-    headers.main()
-    assert not headers.stale()
 
 
 def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str, int]:
@@ -44,8 +34,8 @@ def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str,
 )
 def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
     """Expressions evaluate to the model's clocks and fraction bits at every word length."""
-    text = headers.nodes_header(header).replace('`include "ik_lean_formats.vh"', headers.formats_header())
-    latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latency_header()))
+    text = headers.node_formats(header).replace('`include "ik_lean_formats.vh"', headers.lean_formats())
+    latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latencies()))
     runs = headers.traced(datapath)
     assert tuple(runs) == tuple(CONFIGURATIONS[datapath].widths)
     for width, bits in runs.items():
