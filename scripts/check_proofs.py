@@ -17,7 +17,7 @@ from types import SimpleNamespace
 
 from scripts import formal, soak
 from scripts.console import command, switch
-from scripts.fpga import measure
+from scripts.fpga import designs
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Page:
 
 PAGES = (
     Page(formal.PAGE, "make formal", lambda: {name: row[-1] for name, row in formal.rows().items()}, formal.digests),
-    Page(measure.PAGE, "make fpga", measure.recorded, measure.present),
+    Page(designs.PAGE, "make fpga", designs.recorded, designs.present),
     Page(
         soak.PAGE,
         "make soak KEEP=1",

@@ -1,8 +1,169 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m scripts.fpga``."""
+"""Table 5 of the paper again: logic, multipliers and clock of the datapaths, by open tools (make fpga).
 
+    python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold] [--width BITS] [--page]
+        [--farm tcp://HOST:PORT]
+
+Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
+ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Every run is cached in build/fpga under a hash of
+its sources, options and tools: a repeated command is quick, an interrupted one resumes. With --farm, Dask workers
+execute the runs in parallel (scripts/parallel.py). The figures go to fpga.json, the source of the page fpga.md; --page
+only renders the page.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import subprocess
 import sys
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
-from scripts.fpga.measure import main
+import click
 
-sys.exit(main())
+from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.fixed import latency
+from model.io.stimuli import region
+from scripts import parallel
+from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
+from scripts.fpga import page
+from scripts.fpga.designs import FIGURES, GROUPS, PAGE, Design, code, load, select
+from scripts.fpga.netlist import HOLDS
+from scripts.fpga.runs import TOOLS, Job, attempts, commands, version
+from scripts.generate.accuracy import Errors
+from tb.sim.env import ROOT
+
+FULL = 0.97
+"""Largest utilization of the device at which a design is placed whole."""
+
+
+def fits(family: str, cells: dict) -> bool:
+    """Return whether a synthesized design fits the ECP5-85k; the small chips are tried."""
+    used = {"MULT18X18D": "multipliers", "TRELLIS_COMB": "LUT", "TRELLIS_FF": "FF", "DP16KD": "RAM"}
+    return family != "ecp5" or all(cells[kind] <= FULL * HOLDS[bel] for bel, kind in used.items())
+
+
+def commit() -> str:
+    """Return the commit of the checkout, with a + if the RTL has been changed since."""
+
+    def git(*words):
+        return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+    return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "rtl") else "")
+
+
+def describe(design: Design) -> dict:
+    """Return commit and digest of the code; latency and largest hand error of the bit-true model on 4000 targets."""
+    facts = {"rtl": code(design), "commit": commit()}
+    if design.datapath not in CONFIGURATIONS:
+        return facts
+    errors = Errors.of(region("anywhere", 4000, design.width, 1), design.width, design.datapath)
+    hand = float(f"{errors.hand.max():.2g}")
+    return {"latency": latency(design.datapath, design.width), "hand": hand, **facts}
+
+
+class Measurement:
+    """Figures of fpga.json, written after each job. ``left_out``: a line for each job that timed out.
+
+    ``tried`` in the file is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
+    """
+
+    def __init__(self, path: Path = FIGURES, each: Callable = map):
+        self.path, self.each = path, each
+        self.left_out: list[str] = []
+        self.data = json.loads(path.read_text()) if path.exists() else {"tried": [], "designs": {}, "runs": {}}
+
+    def execute(self, jobs: Sequence[Job]) -> dict[str, dict]:
+        """Execute the jobs that are not cached; record and return the figures of each run by its title.
+
+        Of the seeds of a placement the fastest counts; ``tried`` has the clocks of all.
+        """
+        known = [attempts(job, cached=True) for job in jobs]
+        fresh = iter(self.each(attempts, [job for job, found in zip(jobs, known, strict=True) if not found]))
+        best = {}
+        with progress("fpga", len(jobs)) as meter:
+            for done, ((run, aim), found) in enumerate(zip(jobs, known, strict=True)):
+                meter(done, run.title)
+                if not found:
+                    found = next(fresh)
+                    for figures in found:
+                        replace(run, seed=figures.get("seed", run.seed)).cache(figures)
+                if not found:
+                    self.left_out.append(f"{run.title}: not done in time")
+                    continue
+                best[run.title] = max(found, key=lambda figures: figures["mhz"]) if aim else found[0]
+                extra = {"tried": [figures["mhz"] for figures in found]} if aim else {}
+                date = datetime.date.today().isoformat()
+                self.data["runs"][run.title] = {"date": date, **best[run.title], **extra}
+                self.write()
+        return best
+
+    def measure(self, designs: Sequence[Design]) -> None:
+        """Synthesize designs for all of their families, and place them whole, if they fit, and section by section."""
+        for design in designs:
+            self.data["designs"].setdefault(design.name, {}).update(describe(design))
+        runs = [design.run(family) for design in designs for family in design.families]
+        runs += [d.run("xc2vp", "tree") for d in designs if d.sections and d.width in page.BROKEN_DOWN]
+        done = self.execute([(run, None) for run in runs])
+        jobs: list[Job] = []
+        for design in designs:
+            for family, aim in design.aims.items():
+                synthesized = done.get(design.run(family).title)
+                if synthesized and fits(family, synthesized["cells"]):
+                    jobs.append((design.run(family, "place"), aim))
+                jobs += [(design.placements()[module], aim) for module in design.sections]
+        done = self.execute(jobs)
+        for design in designs:
+            if design.sections:
+                whole = design.placements()[design.top].title in done
+                self.data["designs"][design.name]["placed"] = "whole" if whole else "by module"
+        self.write()
+
+    def write(self) -> None:
+        """Write the figures, and the page from those of the checkout."""
+        self.data["tools"] = {tool: version(tool) for tool in TOOLS}
+        self.data["commands"] = commands()
+        for part in ("tools", "commands", "designs", "runs"):
+            self.data[part] = dict(sorted(self.data[part].items()))
+        # One line per run, so that a diff shows the new ones.
+        lines = [f' "{part}": {json.dumps(self.data[part])}' for part in ("tools", "commands")]
+        lines.append(' "tried": [\n' + ",\n".join(f"  {json.dumps(row)}" for row in self.data["tried"]) + "\n ]")
+        for part in ("designs", "runs"):
+            rows = (f'  "{key}": {json.dumps(value)}' for key, value in self.data[part].items())
+            lines.append(f' "{part}": {{\n' + ",\n".join(rows) + "\n }")
+        self.path.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+        if self.path == FIGURES:
+            PAGE.write_text(page.page(self.data))
+
+
+@command(
+    "fpga",
+    __doc__.splitlines()[0],
+    [
+        option("--datapath", "only this datapath or core", click.Choice(GROUPS), multiple=True),
+        option("--width", "only this word length", WORD_LENGTH, metavar="BITS", multiple=True),
+        switch("--page", "only write the page from the figures"),
+        parallel.FARM,
+    ],
+    fails="a run was not done in time",
+)
+def main(options: SimpleNamespace) -> int:
+    if options.farm and options.page:
+        raise InputError("argument --farm: does not go with --page")
+    if options.page:
+        PAGE.write_text(page.page(load()))
+        return 0
+    for tool in TOOLS:
+        version(tool)
+    with parallel.shared(1, options.farm) as each:
+        measurement = Measurement(each=each)
+        measurement.measure(select(options.datapath, options.width))
+    print("\n".join([page.comparison(measurement.data), "", page.folded(measurement.data), *measurement.left_out]))
+    return 1 if measurement.left_out else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

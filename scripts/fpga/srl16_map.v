@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For scripts/fpga/measure.py: shift registers of xilinx_srl as SRL16E, which Virtex-II Pro has. Yosys's own map uses SRLC32E from
+// For scripts/fpga/runs.py: shift registers of xilinx_srl as SRL16E, which Virtex-II Pro has. Yosys's own map uses SRLC32E from
 // 18 places on, which it does not have.
 
 module \$__XILINX_SHREG_ (input C, input D, input [31:0] L, input E, output Q, output SO);

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from model.io.scoring import Score
-from scripts.fpga.page import CHIPS, FIGURES, FOLD, TOPS, clock, fold_runs, synthesized
+from scripts.fpga.designs import CHIPS, clock, find, load, size
 from scripts.paper import tables
 from scripts.tables import CLOCKS, LATENCY, RATE, figures, outcome
 
@@ -47,26 +46,15 @@ def _times(targets: int, us: float) -> str:
     return f"{tables.SOFTWARE_US / tables.TARGETS * targets / us:.0f}"
 
 
-def _small_chip(datapath: str) -> str:
-    """Return the chip on which a folded datapath is placed; empty for others."""
-    return next((chip for chip, name, _ in FOLD if name == datapath), "")
-
-
 def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
     """Return the same rows for a run of the core. data: the figures of `make fpga`."""
     datapath, width = result.datapath, result.width
-    mhz = synthesis = None
-    if datapath in TOPS:
-        mhz = clock(data, datapath, width)
-        synthesis = synthesized(data, datapath, width, "xc2vp")
-    elif _small_chip(datapath):
-        synthesis, placed = fold_runs(data, _small_chip(datapath), datapath, width)
-        mhz = placed and placed["mhz"]
+    cells, family = size(data, datapath, width)
+    mhz = clock(data, datapath, width) if find(datapath, width) else None
     rows = {name: value for name, value, *_ in figures(result, flags) if not name.startswith(" ")}
-    if synthesis:
-        cells = synthesis["cells"]
+    if cells:
         rows |= {LUTS: str(cells["LUT"]), MULTIPLIERS: str(cells["multipliers"])}
-        if datapath in TOPS:
+        if family == "xc2vp":
             rows[PART] = tables.of_chip(cells["LUT"])
     if mhz:
         total = result.total_cycles / mhz
@@ -77,9 +65,10 @@ def _ours(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
 
 def table_beside_the_paper(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
     """Return a table of runs of one trajectory, with their flag bits (N,), next to the paper's figures."""
-    first, data = done[0][0], json.loads(FIGURES.read_text(encoding="utf-8"))
-    chips = {result.datapath: _small_chip(result.datapath) for result, _ in done}
-    small = [f"{name}: {CHIPS[chip][1]} and clock of an {CHIPS[chip][0]}." for name, chip in chips.items() if chip]
+    first, data = done[0][0], load()
+    families = {result.datapath: size(data, result.datapath, result.width)[1] for result, _ in done}
+    chips = {name: CHIPS[family] for name, family in families.items() if family in CHIPS}
+    small = [f"{name}: {logic} and clock of an {chip}." for name, (chip, logic) in chips.items()]
     table = Table(
         title=f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, "
         "beside tables 5 and 6 of the paper",

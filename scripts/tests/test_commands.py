@@ -11,7 +11,7 @@ import pytest
 
 from examples.icebreaker import host
 from scripts import check_proofs, coverage, follow, formal, lint, mutants, parallel, run, soak, soak_memory, waves
-from scripts.fpga import measure
+from scripts.fpga import __main__ as fpga
 from scripts.generate import fold_scheduler, memory, pages
 from scripts.paper import __main__ as paper
 from scripts.playground import page as playground
@@ -33,7 +33,7 @@ MAINS = {
     "waves": waves.main,
     "parallel": parallel.main,
     "paper": paper.main,
-    "fpga": measure.main,
+    "fpga": fpga.main,
     "schedule": fold_scheduler.main,
     "playground": playground.main,
     "icebreaker": host.main,

@@ -22,7 +22,7 @@ from model.motion.pose import solve
 from model.motion.tests import figure
 from model.reference.equations import solve_clamped
 from scripts import results, run
-from scripts.fpga.page import FIGURES, clock
+from scripts.fpga.designs import clock, load
 from scripts.generate import pages
 from scripts.generate.page_tables import differing
 from scripts.recording import WAVES
@@ -88,7 +88,7 @@ def test_the_scenario_of_the_paper_runs_on_both_datapaths(cli, simulator, files)
         ("paper", 100, True),
     ]
     table = {line[:41].strip(): line[41:].split() for line in out if line.startswith(" ")}
-    mhz = [clock(json.loads(FIGURES.read_text()), datapath, 32) for datapath in ("lean", "paper")]
+    mhz = [clock(load(), datapath, 32) for datapath in ("lean", "paper")]
     assert table["latency (clocks)"] == ["~550", "363", "363"]
     assert table["until the last (us)"] == ["6", *(f"{463 / each:.2f}" for each in mhz)]
 

@@ -27,7 +27,7 @@ from model.io.stimuli import random_reachable
 from model.io.trajectories import STEPS, make
 from model.io.words import Targets, from_words
 from scripts.console import InputError, command, option, switch, whole
-from scripts.fpga.page import FIGURES as FPGA
+from scripts.fpga.designs import FIGURES as FPGA
 from scripts.paper.table6 import hardware
 from scripts.paper.table6.compiled import FLAGS, Software, compiler_version
 from scripts.paper.table6.contenders import Bound, Contender, columns, in_c, in_jax, in_numba, in_numpy

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scripts.fpga.page import clock, memory_clock
+from scripts.fpga.designs import clock
 from scripts.generate.render import error, render
 from scripts.paper import tables
 from scripts.paper.table6.hardware import STREAMS
@@ -33,7 +33,7 @@ def mhz(fpga: dict, datapath: str, width: int) -> float:
 def clock_of(fpga: dict, row: dict) -> float:
     """Return the clock of a hardware row (MHz); memory to memory: the slower of datapath and ``ik_axi``."""
     datapath = mhz(fpga, row["datapath"], row["width"])
-    return datapath if row["path"] == STREAMS else min(datapath, memory_clock(fpga) or datapath)
+    return datapath if row["path"] == STREAMS else min(datapath, clock(fpga, "echo", 32) or datapath)
 
 
 def number(value: float) -> str:
@@ -111,7 +111,7 @@ def page(figures: dict, fpga: dict) -> str:
         busy=figures["machine"]["load"] > BUSY * figures["machine"]["cores"],
         rows=[*_quoted(), *_software(figures), *_hardware(figures, fpga)],
         waits=list(_waits(figures, fpga)),
-        memory_mhz=memory_clock(fpga),
+        memory_mhz=clock(fpga, "echo", 32),
         batch=tables.TARGETS,
         c_unanswered=[r for r in figures["software"] if r["key"].startswith("c-") and r["random"]["unanswered"]],
         number=number,

@@ -9,7 +9,7 @@ import sympy
 
 from model.dataflow.paper import paper
 from model.reference.printed import PRINTED, symbol
-from scripts.fpga.page import FIGURES
+from scripts.fpga.designs import FIGURES
 from scripts.generate.counts import operations
 from scripts.paper import operations as table4
 from scripts.paper.operations import Ops, count

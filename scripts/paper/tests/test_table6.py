@@ -16,7 +16,7 @@ from model.io.trajectories import make
 from model.io.words import RESULT_FIELDS, from_words
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
-from scripts.fpga.page import FIGURES as FPGA
+from scripts.fpga.designs import FIGURES as FPGA
 from scripts.paper.table6 import compiled, hardware, measure, others
 from scripts.paper.table6.arrays import lean_of
 from scripts.paper.table6.compiled import EQUATIONS, FLAGS, REALS, WAYS, Software

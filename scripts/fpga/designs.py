@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Designs that `make fpga` measures, and their figures in docs/generated/fpga.json."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from model.dataflow.datapaths import CONFIGURATIONS
+from scripts.fpga.runs import Run
+from tb.sim.env import GENERATED
+from tb.sim.sources import closure, digest
+
+FIGURES = GENERATED / "fpga.json"
+PAGE = GENERATED / "fpga.md"
+
+
+@dataclass(frozen=True)
+class Design:
+    """Top module with parameters, and the families for which it is synthesized or placed.
+
+    parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
+    between seeds. sections: modules that are placed alone as well.
+    """
+
+    datapath: str
+    width: int
+    top: str
+    families: tuple[str, ...]
+    aims: dict[str, float] = field(default_factory=dict)
+    parameters: dict[str, int] = field(default_factory=dict)
+    sections: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return f"{self.datapath}-{self.width}"
+
+    @property
+    def group(self) -> str:
+        """Value of --datapath that selects the design."""
+        return {"echo": "memory", "fold16": "fold"}.get(self.datapath, self.datapath)
+
+    def run(self, family: str, kind: str = "synth", module: str = "") -> Run:
+        """Return a run of the top, or the placement of a module alone, with the first seed."""
+        values = {"W": self.width, **self.parameters}
+        return Run(kind, family, module or self.top, values, echo=self.datapath == "echo")
+
+    def placements(self) -> dict[str, Run]:
+        """Return module -> its placement on the ECP5: the top, then the sections."""
+        return {module: self.run("ecp5", "place", module) for module in (self.top, *self.sections)}
+
+
+def _fold(datapath: str, width: int, families: tuple[str, ...], aims: dict[str, float]) -> Design:
+    parameters = {key: CONFIGURATIONS[datapath].parameters[key] for key in ("DATAPATH", "TILE")}
+    return Design(datapath, width, "ik_axis", families, aims, parameters)
+
+
+FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
+LEAN = ("ik_lean_guard", "ik_lean_direction", "ik_lean_triangle", "ik_lean_turn")
+PAPER = ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist")
+SMALL = ("ecp5-12k", "xc7", "gowin")
+
+DESIGNS = (
+    *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 200}, {}, LEAN) for width in (18, 24, 32)),
+    Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
+    Design("paper", 32, "ik_paper", FAMILIES, {"ecp5": 150}, {"DIGIT": 1}, PAPER),
+    Design("echo", 32, "ik_axi", FAMILIES, {"ecp5": 200}),
+    *(Design("memory", width, "ik_axi", FAMILIES, {"ecp5": 200}) for width in (18, 32)),
+    *(_fold("fold16", width, ("up5k",), {"up5k": 33}) for width in (18, 24)),
+    *(_fold("fold", width, SMALL, {"ecp5-12k": 100}) for width in (24, 32)),
+)
+"""Default designs. lean25: only the gain of larger tiles is measured. paper: dividers and roots built from logic.
+memory: ``ik_axi`` with the lean datapath. echo: ``ik_axi`` with a stand-in for the datapath."""
+
+GROUPS = list(dict.fromkeys(design.group for design in DESIGNS))
+
+CHIPS = {
+    "up5k": ("iCE40 UP5K", "logic cells"),
+    "ecp5-12k": ("ECP5-12k, speed grade 6", "LUT4"),
+    "xc7": ("xc7", "LUT6"),
+    "gowin": ("Gowin GW2A", "LUT4"),
+}
+"""Chips of the folded datapath, with their unit of logic."""
+
+
+def find(datapath: str, width: int) -> Design | None:
+    """Return the design of a datapath at any word length."""
+    return next((replace(one, width=width) for one in DESIGNS if one.datapath == datapath), None)
+
+
+def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
+    """Return the default designs, or those of groups and word lengths."""
+    designs = [one for one in DESIGNS if one.group in (groups or [one.group])]
+    if widths:
+        names = dict.fromkeys(one.datapath for one in designs)
+        designs = [find(name, width) for name in names for width in sorted(widths)]
+    limited = {name: one.widths for name, one in CONFIGURATIONS.items()}
+    return [one for one in designs if one.width in limited.get(one.datapath, [one.width])]
+
+
+def measured(data: dict, *datapaths: str) -> list[Design]:
+    """Return the measured designs of datapaths, with the figures of fpga.json."""
+    names = (name.split("-") for name in data["designs"])
+    return [find(datapath, int(width)) for datapath, width in names if datapath in datapaths]
+
+
+def load() -> dict:
+    """Return the figures."""
+    return json.loads(FIGURES.read_text())
+
+
+def run_of(data: dict, run: Run) -> dict:
+    """Return the figures of a run, empty if it was not measured."""
+    return data["runs"].get(run.title, {})
+
+
+def slowest(data: dict, design: Design) -> float | None:
+    """Return the lowest clock of the sections (MHz), None unless all were placed."""
+    clocks = [run_of(data, run).get("mhz") for run in list(design.placements().values())[1:]]
+    return min(clocks) if clocks and all(clocks) else None
+
+
+def clock(data: dict, datapath: str, width: int) -> float | None:
+    """Return the clock of a design (MHz): placed whole if it fits the device, otherwise of its slowest section."""
+    design = find(datapath, width)
+    whole = (run_of(data, design.run(family, "place")).get("mhz") for family in design.aims)
+    return next(filter(None, whole), None) or slowest(data, design)
+
+
+def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
+    """Return the cells of a design with LUT4, None if not measured, and the family, such as up5k."""
+    design = find(datapath, width)
+    family = next((one for one in ("xc2vp", "up5k", "ecp5-12k") if design and one in design.families), "")
+    return (run_of(data, design.run(family)).get("cells") if family else None), family
+
+
+def code(design: Design) -> str:
+    """Return the digest of a design's code."""
+    return digest(closure(design.top))
+
+
+def recorded() -> dict[str, str]:
+    """Return design, such as lean-32 -> digest of the code behind the checked-in figures."""
+    return {f"RTL of {name}": design["rtl"] for name, design in load()["designs"].items()}
+
+
+def present() -> dict[str, str]:
+    """Return design -> digest of the present code."""
+    names = (name.rsplit("-", 1) for name in load()["designs"])
+    return {f"RTL of {datapath}-{width}": code(find(datapath, int(width))) for datapath, width in names}

@@ -1,0 +1,316 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Netlists of Yosys and reports of nextpnr: cells by kind, packing of registers, clock and critical path."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from itertools import groupby
+
+from scripts.console import InputError
+
+HOLDS = {"MULT18X18D": 156, "TRELLIS_COMB": 83640, "TRELLIS_FF": 83640, "DP16KD": 208}
+"""Cells of an ECP5-85k."""
+
+MULTIPLIER_NS = 3.65
+"""Delay from input to output registers: nextpnr's 3.07 ns through the multiplier, 0.58 ns from clock to output."""
+
+KINDS = ("LUT", "shift", "FF", "carry", "MUXF", "multipliers", "RAM")
+"""Kinds of cells in fpga.json and on the page."""
+
+_XILINX = {
+    "FF": {f"FD{x}": 1 for x in ("RE", "SE", "CE", "PE")},
+    "MUXF": {f"MUXF{k}": 1 for k in range(5, 10)},
+    "shift": {"SRL16E": 1, "SRLC32E": 1},
+}
+_LUT = {f"LUT{k}": 1 for k in range(1, 7)} | {"INV": 1} | _XILINX["shift"]
+_PORTS = (1, 2, 4, 9, 18, 36)
+# Memories in LUTs: 16 bits each on xc2vp, 64 on xc7 and xcup; the second port of X1D doubles them.
+_LUT4_RAM = {f"RAM{depth}X1{port}": depth // 16 * (2 if port == "D" else 1) for depth in (16, 32, 64) for port in "SD"}
+_LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32M16": 8, "RAM64M8": 8, "RAM32X1D": 2, "RAM64X1D": 2}
+_LUT6_RAM |= {"RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
+CELLS = {
+    "xc2vp": _XILINX
+    | {
+        "LUT": _LUT | _LUT4_RAM,
+        "carry": {"MUXCY": 1},
+        "multipliers": {"MULT18X18": 1, "MULT18X18S": 1},
+        "RAM": {f"RAMB16_S{a}{b}": 1 for a in _PORTS for b in ("", *(f"_S{k}" for k in _PORTS))},
+    },
+    # Two CARRY4 of xcup are a CARRY8.
+    **{
+        family: _XILINX
+        | {
+            "LUT": _LUT | _LUT6_RAM,
+            "carry": {"CARRY4": 1},
+            "multipliers": {f"DSP48E{n}": 1},
+            "RAM": {f"RAMB18E{n}": 1, f"RAMB36E{n}": 2},
+        }
+        for n, family in enumerate(("xc7", "xcup"), 1)
+    },
+    # A CCU2C is two LUTs with a carry; a memory of 16x4 bits takes the LUTs of two slices, and two for writing.
+    "ecp5": {
+        "LUT": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 6},
+        "FF": {"TRELLIS_FF": 1},
+        "carry": {"CCU2C": 1},
+        "MUXF": {"PFUMX": 1, "L6MUX21": 1},
+        "multipliers": {"MULT18X18D": 1},
+        "RAM": {"DP16KD": 1},
+    },
+    # A LUT next to a carry shares the carry's logic cell; a run replaces the LUT count by the logic cell count.
+    "up5k": {
+        "LUT": {"SB_LUT4": 1},
+        "FF": {f"SB_DFF{x}": 1 for x in ("", "E", "SR", "SS", "ESR", "ESS")},
+        "carry": {"SB_CARRY": 1},
+        "multipliers": {"SB_MAC16": 1},
+        "RAM": {"SB_RAM40_4K": 1},
+    },
+    # An ALU is a LUT with a carry.
+    "gowin": {
+        "LUT": {f"LUT{k}": 1 for k in range(1, 5)} | {"ALU": 1},
+        "FF": {f"DFF{x}": 1 for x in ("", "E", "R", "S", "RE", "SE")},
+        "carry": {"ALU": 1},
+        "MUXF": {f"MUX2_LUT{k}": 1 for k in range(5, 9)},
+        "multipliers": {"MULT18X18": 1},
+        "RAM": dict.fromkeys(("SPX9", "DPX9B", "SDPX9B", "SP", "DPB", "SDPB", "pROM", "pROMX9"), 1),
+    },
+}
+"""Family -> kind -> cells that count, with their weight."""
+CELLS["ecp5-12k"] = CELLS["ecp5"]
+NOT_COUNTED = re.compile(r"\$scopeinfo|XORCY|GND|VCC|BUFG|\$paramod.*|ik_\w+")
+
+
+class ToolError(InputError):
+    """A tool is missing or has failed."""
+
+
+def counted(stat: dict, family: str) -> dict[str, int]:
+    """Return kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
+    return _kinds(stat, _instances(stat, _top(stat)), family)
+
+
+def by_module(stat: dict, family: str) -> dict[str, dict]:
+    """Return module -> its instances and its own cells in all of them, without cells of inner modules."""
+    found: dict[str, Counter] = {}
+    for key, times in _instances(stat, _top(stat)).items():
+        found.setdefault(_plain(key), Counter())[key] = times
+    return {name: {"instances": of.total(), **_kinds(stat, of, family)} for name, of in found.items()}
+
+
+def by_section(stat: dict, family: str) -> dict[str, dict]:
+    """Return module that the top instantiates -> all cells inside, summed over its instances."""
+    top = _top(stat)
+    found: dict[str, Counter] = {}
+    for key, times in _inner(stat, top).items():
+        for name, count in _instances(stat, key).items():
+            found.setdefault(_plain(key), Counter())[name] += times * count
+    return {name: _kinds(stat, of, family) for name, of in found.items()} | {
+        "itself": _kinds(stat, Counter({top: 1}), family)
+    }
+
+
+def _inner(stat: dict, key: str) -> dict[str, int]:
+    """Return the modules that a module instantiates, and how often."""
+    keys = {name.lstrip("\\"): name for name in stat["modules"]}
+    cells = stat["modules"][key]["num_cells_by_type"]
+    return {keys[cell.lstrip("\\")]: n for cell, n in cells.items() if cell.lstrip("\\") in keys}
+
+
+def _instances(stat: dict, top: str) -> Counter:
+    """Return the number of instances of each module at or below ``top``."""
+    found = Counter({top: 1})
+    for key, times in _inner(stat, top).items():
+        for name, count in _instances(stat, key).items():
+            found[name] += times * count
+    return found
+
+
+def _top(stat: dict) -> str:
+    """Return the module that no other instantiates."""
+    inner = {key for name in stat["modules"] for key in _inner(stat, name)}
+    return next(name for name in stat["modules"] if name not in inner)
+
+
+def _plain(name: str) -> str:
+    """Return ik_delay for $paramod$1a2b\\ik_delay, $paramod\\ik_delay\\W=s32'0... or \\ik_delay."""
+    return re.search(r"\\?(ik_\w+)", name)[1]
+
+
+def _kinds(stat: dict, instances: Counter, family: str) -> dict[str, int]:
+    """Return kind -> number of cells in modules, without those of inner modules."""
+    cells = Counter()
+    for key, times in instances.items():
+        for cell, n in stat["modules"][key]["num_cells_by_type"].items():
+            cells[cell] += n * times
+    known = {cell for of in CELLS[family].values() for cell in of}
+    strange = sorted(c for c in cells if c not in known and not NOT_COUNTED.fullmatch(c.lstrip("\\")))
+    if strange:
+        raise ToolError(f"{family}: no rule to count {', '.join(strange)}")
+    return {kind: sum(cells[c] * n for c, n in CELLS[family].get(kind, {}).items()) for kind in KINDS}
+
+
+def used(report: dict) -> dict[str, int]:
+    """Return kind of cell -> number used."""
+    kinds = (*HOLDS, "ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM")
+    return {k: report["utilization"][k]["used"] for k in kinds if k in report["utilization"]}
+
+
+def placed(report: dict) -> dict:
+    """Return clock, utilization and critical path from nextpnr's report."""
+    clock = next(iter(report["fmax"].values()))
+    path = next(p for p in report["critical_paths"] if p["from"].split()[-1] == p["to"].split()[-1])["path"]
+    return {
+        "mhz": round(min(clock["achieved"], 1000 / MULTIPLIER_NS), 1),
+        "used": used(report),
+        "path": {
+            "from": signal(path[0]["from"]["cell"]),
+            "to": signal(path[-1]["to"]["cell"]),
+            "through": steps(path),
+            "ns": round(sum(step["delay"] for step in path), 2),
+            "routing_ns": round(sum(step["delay"] for step in path if step["type"] == "routing"), 2),
+        },
+    }
+
+
+def signal(cell: str) -> str:
+    """Return u_turn.u_w_q.hh for dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3."""
+    name = re.sub(r"^(\$\w+\$)?dut\.", "", cell)
+    name = re.sub(r"_(TRELLIS_FF|MULT18X18D|LUT4|CCU2C|PFUMX|L6MUX21|DP16KD|SB_[A-Z]+\d*)_.*|_RAM$", "", name)
+    return re.sub(r"\$[\w$:./-]+$", "", name) or cell
+
+
+def steps(path: list[dict]) -> list[str]:
+    """Return the kinds of cells along a path; repeats are collapsed with their number: CCU2C x 14."""
+    kinds = []
+    for step in path:
+        if step["type"] == "routing":
+            continue
+        found = re.findall(r"MULT18X18D|CCU2C|LUT4|PFUMX|L6MUX21|DP16KD", step["to"]["cell"])
+        kind = found[-1] if found else "logic"
+        if step["type"] == "clk-to-q":
+            kind = kind if kind == "MULT18X18D" else "DP16KD" if step["delay"] > 2 else "FF"
+        if step["type"] != "setup" or kind == "MULT18X18D" and step["to"].get("port", "Q")[0] in "AB":
+            kinds.append(kind)
+    runs = [(kind, len(list(same))) for kind, same in groupby(kinds)]
+    return [kind if n == 1 else f"{kind} x {n}" for kind, n in runs]
+
+
+# -- registers packed into ECP5 multipliers and memories --------------------------------------------------------------
+
+
+PACKER = "3"
+"""Version of the function below."""
+
+
+def pack_registers(module: dict) -> dict:
+    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json).
+
+    Output register of a multiplier or memory port: used if all its readers are plain flip-flops of one clock.
+    Input registers of a multiplier: used if A and B both come from plain flip-flops of that clock or are constant. A
+    flip-flop with other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns
+    the number of registers of each kind and of removed flip-flops.
+    """
+    cells = module["cells"]
+    memories = [cell["connections"] for cell in cells.values() if cell["type"] == "DP16KD"]
+    late = {net for nets in memories for port in nets if port.startswith("DO") for net in nets[port]}
+    plain = {"CEMUX": "1 ", "CLKMUX": "CLK", "REGSET": "RESET"}
+    source, readers = {}, {}
+    for name, cell in cells.items():
+        flop = cell["type"] == "TRELLIS_FF"
+        simple = (
+            flop
+            and all(cell["parameters"].get(k) == v for k, v in plain.items())
+            and cell["connections"].get("LSR", ["0"]) == ["0"]
+        )
+        for port, nets in cell["connections"].items():
+            for bit, net in enumerate(nets):
+                if not isinstance(net, int):
+                    continue
+                if cell["port_directions"][port] == "input":
+                    readers.setdefault(net, []).append((name, port, bit, simple))
+                elif simple and port == "Q":
+                    source[net] = name
+    for port in module["ports"].values():
+        for net in port["bits"]:
+            if port["direction"] == "output":
+                readers.setdefault(net, []).append(("", "", 0, False))
+
+    def clock(name):
+        return cells[name]["connections"]["CLK"][0]
+
+    def data(name):
+        nets = cells[name]["connections"]
+        return nets.get("DI", nets.get("M", ["0"]))[0]
+
+    def registers(nets, ports):
+        """Return port -> flip-flops behind it; empty if the ports have other readers or more than one clock."""
+        behind = {port: readers.get(nets.get(port, ["x"])[0], []) for port in ports}
+        flat = [r for readers_of in behind.values() for r in readers_of]
+        if not all(simple and port == "DI" for _, port, _, simple in flat) or len({clock(r[0]) for r in flat}) != 1:
+            return {}
+        return {port: [r[0] for r in readers_of] for port, readers_of in behind.items() if readers_of}
+
+    def take_over(nets, behind):
+        """Connect ports to the nets of the flip-flops behind them; merge several flip-flops of one bit."""
+        for port, flops in behind.items():
+            first, *others = [cells[f]["connections"]["Q"][0] for f in flops]
+            nets[port] = [first]
+            gone.update(flops)
+            for other in others:
+                for reader, its_port, bit, _ in readers.get(other, []):
+                    cells[reader]["connections"][its_port][bit] = first
+                    readers.setdefault(first, []).append((reader, its_port, bit, False))
+            for f in flops:
+                source.pop(cells[f]["connections"]["Q"][0], None)
+
+    multipliers = [name for name, cell in cells.items() if cell["type"] == "MULT18X18D"]
+    counts = Counter(multipliers=len(multipliers))
+    gone = set()
+    for name in multipliers:
+        nets = cells[name]["connections"]
+        outputs = registers(nets, [f"P{k}" for k in range(36)])
+        clocks = {clock(f) for flops in outputs.values() for f in flops}
+        ins = {port: nets[port][0] for port in nets if re.fullmatch(r"[AB]\d+", port)}
+        fed = [source.get(net) for net in ins.values() if isinstance(net, int)]
+        loaded = bool(fed) and all(fed) and len({clock(f) for f in fed} | clocks) == 1
+        loaded = loaded and not any(data(f) in late for f in fed)
+        if loaded:
+            clocks = {clock(f) for f in fed}
+            for port, net in ins.items():
+                if isinstance(net, int):
+                    nets[port] = [data(source[net])]
+                    readers[net] = [r for r in readers[net] if r[:2] != (name, port)]
+                    if isinstance(nets[port][0], int):
+                        readers.setdefault(nets[port][0], []).append((name, port, 0, False))
+        take_over(nets, outputs)
+        if loaded or outputs:
+            nets |= {"CLK0": [clocks.pop()], "CE0": ["1"], "RST0": ["0"]}
+            cells[name]["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
+        for which, wanted in (("INPUTA", loaded), ("INPUTB", loaded), ("OUTPUT", outputs)):
+            if wanted:
+                cells[name]["parameters"] |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
+        counts["input"] += loaded
+        counts["output"] += bool(outputs)
+    for cell in cells.values():
+        for side in "AB" if cell["type"] == "DP16KD" else "":
+            nets = cell["connections"]
+            outputs = registers(nets, [f"DO{side}{k}" for k in range(18)])
+            if not outputs or nets[f"CLK{side}"] != [clock(next(iter(outputs.values()))[0])]:
+                continue
+            take_over(nets, outputs)
+            cell["parameters"][f"REGMODE_{side}"] = "OUTREG"
+            counts["memory"] += 1
+    # remove flip-flops without readers, and then their sources that have become unread
+    todo = [f for f in set(source.values())]
+    while todo:
+        name = todo.pop()
+        if name in gone or readers.get(cells[name]["connections"]["Q"][0]):
+            continue
+        gone.add(name)
+        net = data(name)
+        readers[net] = [r for r in readers.get(net, []) if r[0] != name]
+        if net in source:
+            todo.append(source[net])
+    for name in gone:
+        del cells[name]
+    return {**counts, "flip_flops": len(gone)}

@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of scripts/fpga without its tools: reports, wrapper, register packing, figures and page."""
+
+import json
+import pickle
+import re
+
+import pytest
+
+from scripts.fpga import __main__ as fpga
+from scripts.fpga import designs, netlist, page, runs
+from tb.sim.sources import closure
+
+DELAY = "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000"
+MUL3 = {"LUT4": 10, "MULT18X18": 3, "XORCY": 9, "MUXF5": 2, "$scopeinfo": 5, DELAY: 1}
+STAT = {
+    "modules": {
+        name: {"num_cells_by_type": cells}
+        for name, cells in {
+            "\\ik_top": {"LUT2": 3, "INV": 1, "MUXCY": 4, "FDRE": 2, DELAY: 2, "$paramod$0a1b\\ik_mul3": 1},
+            DELAY: {"SRL16E": 8, "FDRE": 1},
+            "$paramod$0a1b\\ik_mul3": MUL3,
+        }.items()
+    }
+}
+
+
+def test_modules_have_their_own_cells_only_and_sections_all_inside():
+    modules = netlist.by_module(STAT, "xc2vp")
+    assert modules["ik_delay"]["instances"] == 3 and modules["ik_delay"]["shift"] == 24
+    assert modules["ik_mul3"]["LUT"] == 10 and modules["ik_top"]["LUT"] == 4
+    sections = netlist.by_section(STAT, "xc2vp")
+    assert sections["ik_mul3"]["LUT"] == 18 and sections["ik_delay"]["LUT"] == 16 and sections["itself"]["LUT"] == 4
+
+
+SMALL = [
+    ("ecp5", {"CCU2C": 5, "LUT4": 7, "PFUMX": 2, "TRELLIS_FF": 3}, (17, 0, 3, 5, 2, 0, 0)),
+    ("up5k", {"SB_LUT4": 5, "SB_CARRY": 2, "SB_DFFESR": 3, "SB_MAC16": 4}, (5, 0, 3, 2, 0, 4, 0)),
+    ("gowin", {"LUT2": 5, "ALU": 2, "DFFE": 3, "SPX9": 1, "MUX2_LUT5": 6}, (7, 0, 3, 2, 6, 0, 1)),
+]
+
+
+@pytest.mark.parametrize(
+    ("family", "stat", "kinds"),
+    [("xc2vp", STAT, (3 + 1 + 10 + 3 * 8, 24, 2 + 3, 4, 2, 3, 0))]
+    + [(family, {"modules": {"\\t": {"num_cells_by_type": cells}}}, kinds) for family, cells, kinds in SMALL],
+    ids=["xc2vp", "ecp5", "up5k", "gowin"],
+)
+def test_cells_are_counted_by_kind(family, stat, kinds):
+    assert netlist.counted(stat, family) == dict(zip(netlist.KINDS, kinds, strict=True))
+
+
+def test_an_unknown_cell_is_named():
+    with pytest.raises(netlist.ToolError, match="SRLC32E_X"):
+        netlist.counted({"modules": {"\\t": {"num_cells_by_type": {"SRLC32E_X": 1}}}}, "xc2vp")
+
+
+ROM, PRODUCT, FLOP = "dut.u_q.rom.0.0", "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19", "dut.u_q.bend_2_TRELLIS_FF_Q_8"
+REPORT = {
+    "fmax": {"clk": {"achieved": 98.64851379394531, "constraint": 200}},
+    "utilization": {
+        "MULT18X18D": {"available": 156, "used": 149}, "TRELLIS_FF": {"available": 83640, "used": 15033},
+        "DCCA": {"available": 56, "used": 1},
+    },
+    "critical_paths": [
+        {"from": "posedge clk", "to": "<async>", "path": []},
+        {
+            "from": "posedge clk", "to": "posedge clk",
+            "path": [
+                {"type": kind, "delay": delay, "from": {"cell": start}, "to": {"cell": end}}
+                for kind, delay, start, end in (
+                    ("clk-to-q", 4.263, ROM, ROM), ("routing", 1.948, ROM, PRODUCT), ("logic", 3.066, PRODUCT, PRODUCT),
+                    ("routing", 0.86, PRODUCT, FLOP), ("setup", 0, FLOP, FLOP),
+                )
+            ],
+        },
+    ],
+}  # fmt: skip
+"""nextpnr's report for the lean datapath at 18 bits, shortened."""
+
+
+def test_clock_and_critical_path_of_a_report():
+    path = {"from": "u_q.rom.0.0", "to": "u_q.bend_2", "through": ["DP16KD", "MULT18X18D"]}
+    assert netlist.placed(REPORT) == {
+        "mhz": 98.6,
+        "used": {"MULT18X18D": 149, "TRELLIS_FF": 15033},
+        "path": {**path, "ns": 10.14, "routing_ns": 2.81},
+    }
+    quick = {**REPORT, "fmax": {"clk": {"achieved": 400.0}}}
+    assert netlist.placed(quick)["mhz"] == round(1000 / netlist.MULTIPLIER_NS, 1), "the limit of a multiplier"
+
+
+# -- packing of registers ------------------------------------------------------------------------------------------
+
+
+def flop(d, q, clk=2, **parameters):
+    return {
+        "type": "TRELLIS_FF",
+        "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK", "REGSET": "RESET", **parameters},
+        "port_directions": {"CLK": "input", "DI": "input", "LSR": "input", "Q": "output"},
+        "connections": {"CLK": [clk], "DI": [d], "LSR": ["0"], "Q": [q]},
+    }
+
+
+def lut(net):
+    return {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [net]}}
+
+
+def product(a, b, p):
+    ports = {"A0": a, "A1": "0", "B0": b, "B1": b, "P0": p}
+    return {
+        "type": "MULT18X18D",
+        "parameters": {},
+        "port_directions": {k: "output" if k[0] == "P" else "input" for k in ports},
+        "connections": {k: [net] for k, net in ports.items()},
+    }
+
+
+def memory(do, clk=2):
+    ports = {"CLKA": [clk], "CLKB": [2]} | {f"DO{k}": [net] for k, net in do.items()}
+    return {
+        "type": "DP16KD",
+        "parameters": {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG"},
+        "port_directions": {k: "output" if k[:2] == "DO" else "input" for k in ports},
+        "connections": ports,
+    }
+
+
+def packed(**cells):
+    """Return the counts and the cells after packing."""
+    design = {"cells": cells, "ports": {"out": {"direction": "output", "bits": [31]}}}
+    return netlist.pack_registers(design), design["cells"]
+
+
+def around(**changed):
+    """Return a multiplier with registers at its operands and its product."""
+    return {"a": flop(10, 20), "b": flop(11, 21), "m": product(20, 21, 30), "p": flop(30, 31), **changed}
+
+
+def test_registers_around_a_multiplier_go_into_it():
+    counts, cells = packed(**around())
+    assert counts == {"multipliers": 1, "input": 1, "output": 1, "flip_flops": 3} and list(cells) == ["m"]
+    nets = cells["m"]["connections"]
+    ports = ("A0", "A1", "B0", "B1", "P0", "CLK0")
+    assert [nets[port] for port in ports] == [[10], ["0"], [11], [11], [31], [2]]
+    assert cells["m"]["parameters"]["REG_INPUTA_CLK"] == "CLK0"
+
+
+@pytest.mark.parametrize(
+    ("changed", "inputs", "outputs", "removed"),
+    [
+        ({"lut": lut(20)}, 1, 1, 2),
+        ({"b": flop(11, 21, REGSET="SET")}, 0, 1, 1),
+        ({"b": flop(11, 21, clk=3)}, 0, 1, 1),
+        ({"lut": lut(30)}, 1, 0, 2),
+    ],
+    ids=["other reader", "reset to 1", "other clock", "product read directly"],
+)
+def test_what_is_no_plain_register_stays(changed, inputs, outputs, removed):
+    counts, _ = packed(**around(**changed))
+    assert counts == {"multipliers": 1, "input": inputs, "output": outputs, "flip_flops": removed}
+
+
+def test_two_multipliers_in_a_row_share_no_register():
+    """The register between them is packed into one of them only."""
+    _, cells = packed(**around(p=flop(30, 22)), n=product(22, 22, 40), q=flop(40, 31))
+    m, n = (cells[name] for name in "mn")
+    outside = "p" in cells
+    assert outside + ("REG_OUTPUT_CLK" in m["parameters"]) + ("REG_INPUTA_CLK" in n["parameters"]) == 1
+    assert n["connections"]["A0"] == (cells["p"]["connections"]["Q"] if outside else m["connections"]["P0"])
+
+
+def test_registers_behind_a_memory_go_into_it():
+    """Packing is port by port: logic reads one output of port B directly, so port B keeps its registers outside."""
+    flops = {"a0": flop(50, 40), "a1": flop(51, 41), "b0": flop(52, 42), "b1": flop(53, 43)}
+    readers = {f"lut{net}": lut(net) for net in (53, 40, 41, 42, 43)}
+    counts, cells = packed(rom=memory({"A0": 50, "A1": 51, "B0": 52, "B1": 53}), **flops, **readers)
+    assert counts == {"multipliers": 0, "memory": 1, "flip_flops": 2}
+    assert not {"a0", "a1"} & set(cells) and {"b0", "b1"} <= set(cells)
+    nets, parameters = (cells["rom"][k] for k in ("connections", "parameters"))
+    assert (nets["DOA0"], nets["DOA1"], nets["DOB0"]) == ([40], [41], [52])
+    assert (parameters["REGMODE_A"], parameters["REGMODE_B"]) == ("OUTREG", "NOREG")
+    for clk, start in ((3, "RESET"), (2, "SET")):
+        counts, _ = packed(rom=memory({"A0": 50}, clk), a=flop(50, 40, REGSET=start), lut=lut(40))
+        assert counts["flip_flops"] == 0
+
+
+# -- runs ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "module", ["ik_lean", "ik_paper", "ik_axis", "ik_axi", "ik_mul3", *designs.LEAN, *designs.PAPER]
+)
+def test_wrapper_connects_every_port(module):
+    text = closure(module)[0].read_text()
+    made = runs.wrapper(text, {"W": 18})
+    header = re.sub(r"//[^\n]*", "", runs.HEADER.search(text)[3])
+    for name in re.findall(r"(\w+)\s*(?:,|$)", header, re.M):
+        assert f".{name}({name})" in made
+    assert "W = 18" in made or not re.search(r"integer W\b", made)
+    assert made.count("input wire") == 3 and made.count("output wire") == 1
+
+
+def test_tools_work_in_their_folder_by_relative_names_only():
+    run = designs.find("lean", 18).run("ecp5", "place")
+    assert not re.search(r"(^|\s)/", run.script())
+    assert "fpga_top.v" in run.extra()
+
+
+def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
+    monkeypatch.setattr(fpga, "TOOLS", ["no-such-tool"])
+    assert fpga.main([]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "make fpga" in said
+
+
+def test_a_tool_that_takes_too_long_is_ended(tmp_path):
+    with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
+        runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
+
+
+# -- figures and page ----------------------------------------------------------------------------------------------
+
+
+def test_page_is_made_from_the_figures():
+    assert designs.PAGE.read_text() == page.page(designs.load()), "run `python -m scripts.fpga --page`"
+
+
+def sent(thing):
+    return pickle.loads(pickle.dumps(thing))
+
+
+@pytest.fixture(params=["here", "farm"])
+def begun(request, monkeypatch, tmp_path):
+    """Return a measurement with an empty cache, local or on a farm, to which jobs are sent."""
+    monkeypatch.setattr(runs, "version", lambda *_: "1")  # the tools are not needed
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")
+    monkeypatch.setattr(fpga, "describe", lambda _: {"latency": 99, "hand": 1e-6})
+    monkeypatch.setattr(runs, "BUILD", tmp_path / "build")
+    farm = lambda work, jobs: (sent(work(sent(job))) for job in jobs)  # noqa: E731
+    return fpga.Measurement(tmp_path / "fpga.json", map if request.param == "here" else farm)
+
+
+@pytest.fixture
+def tools(monkeypatch):
+    """Replace the tools; return the names of the runs, and the clock by seed, None for a time-out."""
+    clocks, ran = {}, []
+
+    def done(run):
+        ran.append(run.name)
+        if run.kind != "place":
+            return {"cells": dict.fromkeys(netlist.KINDS, run.values["W"] if run.family != "ecp5" or run.echo else 1)}
+        if clocks.get(run.seed) is None:
+            raise runs.TimeOutError(f"{run.name}: not done after 40 min, left out")
+        return {"mhz": clocks[run.seed], "path": {"from": "a", "to": "b"}}
+
+    monkeypatch.setattr(runs.Run, "done", done)
+    return clocks, ran
+
+
+@pytest.mark.parametrize(
+    ("by_seed", "best", "tried"),
+    [
+        ({1: 170.0, 2: None, 3: 175.0, 4: 171.0}, (175.0, 3), [170.0, 175.0, 171.0]),
+        ({1: 190.0, 2: 201.0, 3: 210.0}, (201.0, 2), [190.0, 201.0]),
+    ],
+    ids=["the fastest seed", "stop at the aim"],
+)
+def test_seeds_of_a_placement(begun, tools, by_seed, best, tried):
+    clocks, ran = tools
+    clocks |= by_seed
+    begun.measure(designs.select(["lean"], [18]))
+    run = begun.data["runs"]["lean-W18-ecp5-place"]
+    assert ((run["mhz"], run["seed"]), run["tried"]) == (best, tried)
+    assert begun.data["designs"]["lean-18"]["placed"] == "whole" and not begun.left_out
+    ran.clear()
+    begun.measure(designs.select(["lean"], [18]))
+    assert not ran or None in by_seed.values(), "a repeated command takes figures from the cache"
+
+
+def test_what_is_not_placed_in_time_is_placed_by_module_and_reported(begun, tools):
+    begun.measure(designs.select(["lean"], [18]))
+    assert begun.data["designs"]["lean-18"]["placed"] == "by module"
+    modules = ["ik_lean", *designs.LEAN]
+    assert [line.split("-")[0] for line in begun.left_out] == [name.removeprefix("ik_") for name in modules]
+
+
+def test_memory_to_memory_is_measured_around_an_echo_and_whole(begun, tools):
+    clocks, ran = tools
+    clocks |= {seed: 170.0 + seed for seed in runs.SEEDS}
+    begun.measure(designs.select(["memory"], []))
+    assert begun.left_out == []
+    for one in designs.select(["memory"], []):
+        folders = {path.parent.name for path in one.run("xc7").files() if path.name == "ik_lean.v"}
+        assert folders == {"axi" if one.datapath == "echo" else "lean"} and one.run("xc7").name in ran
+    rows = [row.split(" | ") for row in page.memory(begun.data).splitlines()[2:]]
+    assert [row[0].split(",")[0] for row in rows] == ["| W = 32", "| W = 18", "| W = 32"]
+    assert [row[9] for row in rows] == ["174"] * 3 and rows[0][-1] == "171, 172, 173, 174 |"
+
+
+def test_folded_datapath_is_measured_on_every_chip(begun, tools):
+    clocks, _ = tools
+    clocks |= {1: 32.5, 2: 100.0}
+    begun.measure(designs.select(["fold"], []))
+    assert begun.left_out == []
+    rows = [row.split(" | ") for row in page.folded(begun.data).splitlines()[2:]]
+    widths = [(chip, width) for chip in designs.CHIPS for width in ((18, 24) if chip == "up5k" else (24, 32))]
+    assert [row[0] for row in rows] == [f"| {designs.CHIPS[chip][0]}, W = {width}" for chip, width in widths]
+    assert [row[9] for row in rows] == ["100.0"] * 4 + ["-"] * 4  # clock of the second seed
+
+
+@pytest.mark.parametrize(
+    ("groups", "widths", "names"),
+    [
+        (["lean"], [20], ["lean-20"]),
+        (["fold"], [32], ["fold-32"]),
+        (["memory"], [], ["echo-32", "memory-18", "memory-32"]),
+    ],
+)
+def test_designs_are_selected_by_datapath_and_word_length(groups, widths, names):
+    assert [one.name for one in designs.select(groups, widths)] == names
+
+
+def test_a_design_too_large_for_the_device_is_not_placed_whole():
+    figures = json.loads(designs.FIGURES.read_text())["runs"]
+    assert [fpga.fits("ecp5", figures[f"{name}-ecp5"]["cells"]) for name in ("lean-W18", "lean-W32")] == [True, False]
