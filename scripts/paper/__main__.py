@@ -14,12 +14,11 @@ from types import SimpleNamespace
 import click
 
 from scripts.console import command, option
-from scripts.paper import figures, operations, wordlengths
-from scripts.paper.derivation import lean, paper
+from scripts.paper import derivation, figures, operations, wordlengths
 from scripts.paper.table6 import measure
 
 PARTS = {
-    "derivation": lambda: paper.write() or lean.write(),
+    "derivation": derivation.write,
     "operations": operations.write,
     "wordlengths": wordlengths.write,
     "figures": figures.write,

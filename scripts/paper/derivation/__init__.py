@@ -1,2 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The symbolic derivations: docs/generated/derivation.md and docs/generated/lean.md."""
+"""Symbolic derivations of the paper's equations and of the lean dataflow, and their pages derivation.md and lean.md."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+
+from model.reference.lean_equations import HALF, LEAN, NUMBER
+from scripts.generate.render import render
+from scripts.paper.derivation import lean, paper
+from scripts.paper.derivation.proofs import Step, aligned, derive, failures, tex
+from tb.sim.env import GENERATED
+
+STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}
+"""Page -> its steps."""
+
+
+def page(name: str, steps: Mapping[str, Step]) -> str:
+    """Return docs/generated/<name>.md."""
+    halves = {
+        rf"h(c, s) \text{{ for }} {branch}".replace(">=", r"\ge"): rf"\left({tex(c)},\ {tex(s)}\right)"
+        for branch, (c, s) in HALF.items()
+    }
+    proofs = {step: done.block() for step, done in steps.items()}
+    lines = {group: [(NUMBER[n], n, tex(f"{n} = {t}")) for n, t in table.items()] for group, table in LEAN.items()}
+    return render(name, proofs=proofs, lines=lines, halves=aligned(halves))
+
+
+def write() -> int:
+    """Derive and write both pages; if statements do not hold, print them and return 1."""
+    for name, functions in STEPS.items():
+        steps = derive(functions)
+        if wrong := failures(steps):
+            print(*wrong, f"{name}.md not written", sep="\n", file=sys.stderr)
+            return 1
+        (GENERATED / f"{name}.md").write_text(page(name, steps), encoding="utf-8")
+        print(f"wrote {name}.md: {len(steps)} steps, {sum(len(step.checks) for step in steps.values())} statements")
+    return 0

@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proof engine of both derivations: statements as text, decided by expansion modulo named relations.
+
+A statement is "left = right" in the names of the model. It is evaluated with sympy for the proof and written as LaTeX
+for the page.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+from sympy.parsing.sympy_parser import parse_expr
+
+from model.reference.printed import C4, TEXT, symbol
+
+PRINTED = {number: dict(lines) for number, lines in TEXT.items()}
+"""Equation -> row -> right side as printed. The fraction in both roots of (14) is c4 of the text before it."""
+PRINTED["(14)"] = {"c4": C4} | {name: text.replace(C4, "c4") for name, text in TEXT["(14)"].items()}
+
+SQUARE = ("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)")
+MISPRINTS = {("(11)", "pi_swivel_x"): SQUARE, ("(11)", "pi_swivel_y"): SQUARE}
+"""Misprinted row -> text in print and its correction; the print is refuted and the correction proved."""
+
+
+def corrected(number: str, name: str) -> str:
+    """Return the right side of a row of the paper, with the correction of a misprint."""
+    return PRINTED[number][name].replace(*MISPRINTS.get((number, name), ("", "")))
+
+
+# -- names and formulas ----------------------------------------------------------------------------------------------
+
+TEX = {
+    "phi": r"\phi", "d1": "d_1", "d2": "d_2", "d_sum": "d_+", "d_dif": "d_-", "rho_sq": r"\rho^2", "a_far": "A",
+    "b_near": "B", "k_law": "K", "l_sw": "|L_{sw}|", "l_m": "|L_m|", "pi": r"\pi_{swivel}", "pi_abs": r"|\pi_{swivel}|",
+    "inf_pp": r"\mathrm{inf}_{PP}", "tmp1": r"\mathrm{tmp}_1", "tmp2": r"\mathrm{tmp}_2", "c3": "c_3", "c4": "c_4",
+    "tmp_sqr": r"\mathrm{tmp}_{sqr}", "sign_raw": r"\mathrm{side}", "abs_side": r"|\mathrm{side}|",
+    "sign": r"\mathrm{sign}", "q3_scalar": r"q_{3,scalar}", "q3_k": "q_{3k}", "rho": r"\rho", "dist": "|p|",
+    "lam": r"\lambda", "gamma": r"\gamma", "sigma": r"\sigma", "delta": r"\delta", "length_sq": "|q|^2",
+    "length": "|q|", "c_plus": "c_+", "s_plus": "s_+", "c_minus": "c_-", "s_minus": "s_-",
+    "sqrt_a": r"\sqrt A", "sqrt_b": r"\sqrt B",
+    "cc": r"\mathrm{cc}", "ss": r"\mathrm{ss}", "sc": r"\mathrm{sc}", "cs": r"\mathrm{cs}", "abs_w": "|r_w|",
+    "largest": r"\Sigma", "g_q": r"g_\Sigma",
+}  # fmt: skip
+PATTERNS = (
+    (r"p_([we])_([xyz])", r"p_{\1\2}"),
+    (r"pi_swivel_([xyz])", r"\\pi_{swivel\1}"),
+    (r"pp_(\d)_plus", r"PP_\1^+"),
+    (r"pp_(\d)_minus", r"PP_\1^-"),
+    (r"pp_(\w+)", r"PP_{\1}"),
+    (r"q12_(\w)", r"q_{12\1}"),
+    (r"q([se])_w", r"\\langle Q_\1\\rangle"),
+    (r"q([se])_([ijk])", r"\\langle Q_\1\\rangle_\2"),
+    (r"(cos|sin)_a", r"\\\1 a"),
+    (r"(cos|sin)_h", r"\\\1\\frac\\phi2"),
+    (r"(cos|sin)_(\w\w)", r"\\\1_{\2}"),
+    (r"(cos|sin)_phi", r"\\\1\\phi"),
+    (r"(cos|sin)([34])", r"\\\1\\frac{\\theta_\2}{2}"),
+    (r"(inv|root)_rho", r"\\mathrm{\1}_\\rho"),
+    (r"(inv|root)_(\w+)", r"\\mathrm{\1}_{\2}"),
+    (r"sqrt_(\w)", r"\\sqrt{d_\1}"),
+    (r"(az|tilt|arm)_([cs])", r"\\mathrm{\1}_\2"),
+    (r"(az|tilt|arm)_sq", r"|\\mathrm{\1}|^2"),
+    (r"sum_(\w)", r"\\Sigma_\1"),
+    (r"([wij])_([ijk])", r"\\Sigma_{\1\2}"),
+    (r"other_(\d)", r"\\Sigma'_\1"),
+)
+"""Name -> LaTeX, by pattern; other names stand for themselves."""
+
+
+def name_tex(name: str) -> str:
+    """Return the LaTeX of a name."""
+    found = (re.sub(pattern, latex, name) for pattern, latex in PATTERNS if re.fullmatch(pattern, name))
+    return TEX.get(name) or next(found, name)
+
+
+def symbols(names: str) -> list[sp.Symbol]:
+    """Return the symbols of names separated by spaces."""
+    return [symbol(name) for name in names.split()]
+
+
+def vector(name: str) -> sp.Matrix:
+    """Return the vector of the symbols name_x, name_y, name_z."""
+    return sp.Matrix([symbol(f"{name}_{axis}") for axis in "xyz"])
+
+
+class rsqrt(sp.Function):  # noqa: N801 - the name in the tables
+    """Reciprocal square root as one operation."""
+
+
+COS_H, SIN_H = symbols("cos_h sin_h")
+HALF_PHI = {sp.cos(symbol("phi") / 2): COS_H, sp.sin(symbol("phi") / 2): SIN_H}
+HALF_CIRCLE = "sin_h**2 = 1 - cos_h**2"
+
+FUNCTIONS: dict[str, Any] = {
+    "sqrt": sp.sqrt, "Abs": sp.Abs, "cos": sp.cos, "sin": sp.sin, "rsqrt": rsqrt,
+    "dot": lambda a, b: a.dot(b), "cross": lambda a, b: a.cross(b), "sq": lambda a: a.dot(a),
+    "vec": lambda *parts: sp.Matrix(parts),
+}  # fmt: skip
+
+
+def parse(text: str, values: Mapping[str, Any] | None = None, evaluate: bool = True) -> Any:
+    """Return the value of a formula; names without a value are symbols. `values` may also replace functions."""
+    names = {name: symbol(name) for name in re.findall(r"[A-Za-z_]\w*", text)} | FUNCTIONS | dict(values or {})
+    return parse_expr(text, local_dict=names, evaluate=evaluate)
+
+
+def tex(text: str) -> str:
+    """Return the LaTeX of a formula or statement, in the order of its text."""
+    return " = ".join(_tex(ast.parse(side, mode="eval").body) for side in text.split(" = "))
+
+
+CALLS = {
+    "sqrt": r"\sqrt{{{}}}", "rsqrt": r"\frac{{1}}{{\sqrt{{{}}}}}", "Abs": "|{}|", "sq": "|{}|^2",
+    "dot": r"{} \cdot {}", "cross": r"{} \times {}", "cos": r"\cos{}", "sin": r"\sin{}",
+    "half_c": "h_c({}, {})", "half_s": "h_s({}, {})",
+}  # fmt: skip
+
+
+def _tex(node: ast.expr, level: int = 0) -> str:
+    """Return the LaTeX of a syntax tree. level: 0 any expression, 1 factor of a product, 2 base of a power."""
+    match node:
+        case ast.Constant(value):
+            return str(value)
+        case ast.Name(name):
+            latex = name_tex(name)
+            return f"{{{latex}}}" if level == 2 and re.search(r"\^|\\sqrt", latex) else latex
+        case ast.BinOp(ast.Name(name), ast.Pow(), ast.Constant(power)) if re.fullmatch("(cos|sin)_(a|h|phi)", name):
+            return re.sub(r"^(\\...)(.*)$", rf"\1^{power}\2", name_tex(name))
+        case ast.BinOp(ast.Call(ast.Name("cos" | "sin" as name), [angle]), ast.Pow(), ast.Constant(power)):
+            return rf"\{name}^{power}{_tex(angle, 2)}"
+        case ast.Call(ast.Name("vec"), parts):
+            return rf"\left({', '.join(map(_tex, parts))}\right)"
+        case ast.Call(ast.Name(name), parts):
+            result = CALLS[name].format(*(_tex(part, 2 * (name in ("dot", "cross"))) for part in parts))
+            own = 0 if name in ("dot", "cross") else 2
+        case ast.UnaryOp(ast.USub(), operand):
+            result, own = f"-{_tex(operand, 1)}", 1 - level // 2
+        case ast.BinOp(left, ast.Add(), right):
+            result, own = f"{_tex(left)} + {_tex(right)}", 0
+        case ast.BinOp(left, ast.Sub(), right):
+            result, own = f"{_tex(left)} - {_tex(right, 1)}", 0
+        case ast.BinOp(left, ast.Mult(), right):
+            result, own = f"{_tex(left, 1)} {_tex(right, 1)}", 1
+        case ast.BinOp(left, ast.Div(), right):
+            result, own = rf"\frac{{{_tex(left)}}}{{{_tex(right)}}}", 1
+        case ast.BinOp(left, ast.Pow(), right):
+            result, own = f"{_tex(left, 2)}^{_tex(right)}", 2
+        case _:
+            raise ValueError(f"no LaTeX for {ast.unparse(node)}")
+    return result if own >= level else rf"\left({result}\right)"
+
+
+def latex(expression: sp.Expr) -> str:
+    """Return the LaTeX of a sympy expression."""
+    return sp.latex(expression, symbol_names={v: name_tex(v.name) for v in expression.free_symbols})
+
+
+def aligned(equations: Mapping[str, str]) -> str:
+    """Format equations, LaTeX of both sides, as a block aligned at the equals signs."""
+    lines = " \\\\\n".join(f"{left} &= {right}" for left, right in equations.items())
+    return f"$$\n\\begin{{aligned}}\n{lines}\n\\end{{aligned}}\n$$"
+
+
+def lines_tex(lines: Mapping[str, str]) -> str:
+    """Format the lines of a table as an aligned block."""
+    return aligned({name_tex(name): tex(text) for name, text in lines.items()})
+
+
+def parts(left: Any, right: Any) -> list[sp.Expr]:
+    """Return left - right by components."""
+    sides = [list(side) if isinstance(side, sp.MatrixBase) else [side] for side in (left, right)]
+    return [sp.sympify(a) - b for a, b in zip(*sides, strict=True)]
+
+
+# -- proofs ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Check:
+    """Statement as Markdown, the relations that it needs, and an error message if it fails."""
+
+    statement: str
+    used: tuple[str, ...] = ()
+    wrong: str = ""
+
+
+class Step:
+    """Section of a derivation: values of names, relations, recognized roots, and checked statements.
+
+    A relation is "a*v**k = expression" for a symbol v that occurs neither in a nor in the expression nor in an earlier
+    relation; a is not 0. `roots`: a quantity that is not negative -> its square.
+    """
+
+    def __init__(self, relations: Iterable[str] = ()):
+        self.values: dict[str, Any] = {}
+        self.relations: dict[str, tuple[sp.Symbol, int, sp.Expr, sp.Expr]] = {}
+        self.roots: dict[sp.Expr, sp.Expr] = {}
+        self.checks: list[Check] = []
+        self.printed: dict[str, str] = {}
+        self.extra: list[str] = []
+        self.used: dict[str, None] = {}
+        self.suppose(*relations)
+
+    def suppose(self, *relations: str) -> None:
+        """Add relations."""
+        for text in relations:
+            left, right = text.split(" = ")
+            v = symbol(re.findall(r"[A-Za-z_]\w*", left)[-1])
+            k = sp.degree(parse(left), v)
+            self.relations[text] = (v, k, parse(left) / v**k, sp.expand(parse(right, self.values)))
+
+    def reduce(self, part: sp.Expr) -> sp.Expr:
+        """Return a polynomial, times powers of the factors a, without a power v**k of any relation.
+
+        This form is unique, so it is 0 exactly if the polynomial follows from the relations.
+        """
+        part = sp.expand(part)
+        for label, (v, k, factor, right) in reversed(self.relations.items()):
+            try:
+                powers = sp.Poly(part, v)
+            except sp.PolynomialError:  # v in an unrecognized root
+                continue
+            if (most := powers.degree() // k) > 0:
+                self.used[label] = None
+                terms = ((n // k, c * v ** (n % k)) for (n,), c in powers.terms())
+                part = sp.expand(sum(c * right**n * factor ** (most - n) for n, c in terms))
+        return part
+
+    def rest(self, expression: sp.Expr) -> sp.Expr:
+        """Return the reduced numerator of an expression; it is 0 exactly if the expression is."""
+        expression = sp.sympify(expression)
+        if any(power.exp.is_negative for power in expression.atoms(sp.Pow)):
+            expression, below = sp.fraction(sp.together(expression))
+            used, self.used = self.used, {}
+            assert self.reduce(below) != 0, "a denominator vanishes identically"
+            self.used = used
+        return self.reduce(expression)
+
+    def root(self, square: sp.Expr) -> sp.Expr:
+        """Return the quantity of `roots` with this square, otherwise the root as it is."""
+        for quantity, known in self.roots.items():
+            before = dict(self.used)
+            if self.rest(square - known) == 0:
+                return quantity
+            self.used = before
+        return sp.sqrt(square)
+
+    def named(self, expression: Any) -> Any:
+        """Return a coefficient of the algebra with its roots and absolute values replaced by known quantities."""
+        expression = sp.nsimplify(expression, rational=True).xreplace(HALF_PHI)
+        for _ in range(2):  # the root of a known square is an absolute value again
+            expression = expression.replace(sp.Abs, self.absolute)
+        halves = lambda part: part.is_Pow and part.exp.is_Rational and part.exp.q == 2  # noqa: E731
+        return expression.replace(halves, lambda part: self.root(part.base) ** (2 * part.exp))
+
+    def absolute(self, v: sp.Expr) -> sp.Expr:
+        """Return |v|: a known square, if v is one or the opposite of one, otherwise the root of v**2."""
+        for known in self.roots.values():
+            for opposite in (known, -known):
+                before = dict(self.used)
+                if self.rest(v - opposite) == 0:
+                    return known
+                self.used = before
+        return self.root(v**2)
+
+    def value(self, text: str, **more: Any) -> Any:
+        """Return the value of a formula, with its roots recognized."""
+        return parse(text, {"sqrt": self.root, "Abs": self.absolute} | self.values | more).xreplace(HALF_PHI)
+
+    def prove(self, *statements: str, label: str = "", **values: Any) -> None:
+        """Prove statements, "left = right" or a chain, by expansion. label: LaTeX in place of the statement's own."""
+        for text in statements:
+            first, *others = [self.value(side, **values) for side in text.split(" = ")]
+            rests = [rest for other in others for part in parts(first, other) if (rest := self.rest(part)) != 0]
+            wrong = f"{text}: does not hold; left minus right: {rests}" if rests else ""
+            self._add(f"${label or tex(text)}$", wrong)
+
+    def true(self, statement: str, holds: bool) -> None:
+        """Add a statement (Markdown) that has been decided in another way."""
+        self._add(statement, "" if holds else f"{statement}: does not hold")
+
+    def refute(self, text: str, point: Mapping[str, Any], label: str = "", **values: Any) -> None:
+        """Refute a statement by an exact point that satisfies all relations, which give its remaining coordinates."""
+        left, right = (self.value(side, **values) for side in text.split(" = "))
+        at = {symbol(name): sp.sympify(value) for name, value in point.items()}
+        for v, k, factor, power in self.relations.values():
+            at.setdefault(v, sp.root((power / factor).subs(at), k))
+            assert sp.simplify((factor * v**k - power).subs(at)) == 0, f"the point is not on a relation of {v}"
+        for quantity, square in self.roots.items():
+            at.setdefault(quantity, sp.sqrt(square.subs(at)))
+        above, below = sp.fraction(sp.together(left - right))
+        difference = sp.factor(sp.cancel(self.reduce(above) / below))
+        number = sp.simplify(difference.subs(at))
+        spot = ", ".join(f"{name_tex(name)}={sp.latex(sp.sympify(value))}" for name, value in point.items())
+        shown = sp.latex(number if number.is_Rational else sp.N(number, 6))
+        value = f"left minus right is ${latex(difference)}$, at ${spot}$ it is ${shown}$"
+        statement = f"${label or tex(text)}$: **does not hold**; {value}"
+        wrong = "" if number != 0 and not number.free_symbols else f"{text}: not refuted"
+        self._add(statement, wrong)
+
+    def rows(self, number: str, derived: Mapping[str, Any], factor: int = 1, point: Mapping[str, Any] = {}) -> None:
+        """Compare the printed rows of an equation, times 1/factor, with derived ones; a misprint must be refuted."""
+        wrong = []
+        for name, text in PRINTED[number].items():
+            value = self.value(corrected(number, name))
+            if self.rest(derived[name] * factor - value) != 0:
+                wrong.append(name)
+            if (number, name) in MISPRINTS:
+                values = {"derived": derived[name], name: self.value(text)}
+                self.refute(f"derived = {name}", point, rf"{name_tex(name)} \text{{ as printed}}", **values)
+            self.values[name] = value
+        self.printed |= {name_tex(name): tex(text) for name, text in PRINTED[number].items()}
+        which = ", corrected," if any(number == n for n, _ in MISPRINTS) else ""
+        times = f" times {factor}" if factor != 1 else ""
+        error = f"{number}: {', '.join(wrong)} differ from the derived rows" if wrong else ""
+        self._add(f"all rows of {number}{which} equal the derived ones{times}", error)
+
+    def _add(self, statement: str, wrong: str) -> None:
+        self.checks.append(Check(statement, tuple(self.used), wrong))
+        self.used = {}
+
+    def block(self) -> str:
+        """Return the proofs as Markdown: printed rows, tables, relations by letter, statements."""
+        letters = dict(zip(dict.fromkeys(u for check in self.checks for u in check.used), "abcdefghijkl", strict=False))
+        parts = [f"Printed:\n\n{aligned(self.printed)}"] if self.printed else []
+        parts += self.extra
+        if letters:
+            named = ", ".join(f"({letter}) ${tex(text)}$" for text, letter in letters.items())
+            parts.append(f"Modulo {named}:")
+        lines = []
+        for check in self.checks:
+            used = f" ({''.join(sorted(letters[u] for u in check.used))})" if check.used else ""
+            lines.append(f"- {check.statement}{used}")
+        return "\n\n".join([*parts, "\n".join(lines)])
+
+
+def derive(steps: Iterable[Callable[[Step], None]]) -> dict[str, Step]:
+    """Run the functions of all steps; return step name -> step."""
+    found = {}
+    for function in steps:
+        function(step := Step())
+        found[function.__name__] = step
+    return found
+
+
+def failures(steps: Mapping[str, Step]) -> list[str]:
+    """Return the statements that do not hold, each with its step."""
+    return [f"step {name}: {check.wrong}" for name, step in steps.items() for check in step.checks if check.wrong]
