@@ -208,8 +208,8 @@ class Ranges(Domain):
         if self.decides(fmt):
             return self._rule(name, *word, 0.0, fmt)
         values = [sorted({n.value.low, n.value.high, min(max(0.0, n.value.low), n.value.high)}) for n in operands]
-        corners = [np.array(c, dtype=np.float64) for c in zip(*itertools.product(*values), strict=True)]
-        exact = real_value(words, operands, corners, fmt)
+        points = [np.array(c, dtype=np.float64) for c in zip(*itertools.product(*values), strict=True)]
+        exact = real_value(words, operands, points, fmt)
         low, high = float(np.min(exact)), float(np.max(exact))
         error = self.facts[name].grows([n.value.error for n in operands], fmt.ulp)
         return self._rule(name, low, high, error, fmt, word)

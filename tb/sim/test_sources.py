@@ -18,7 +18,9 @@ def test_the_list_names_every_file_once():
 
 def test_every_header_is_found():
     assert sorted(headers()) == sorted(RTL.rglob("*.vh"))
-    wanted = {name for path in sources() for name in re.findall(r'`include\s+"([^"]+)"', path.read_text())}
+    wanted = {
+        name for path in [*sources(), *headers()] for name in re.findall(r'`include\s+"([^"]+)"', path.read_text())
+    }
     assert wanted == {path.name for path in headers()}
     assert all(folder.is_dir() for folder in includes())
 

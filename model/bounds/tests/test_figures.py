@@ -149,7 +149,7 @@ class Local(Real):
         super().__init__(bits, {})
 
     def _moved(self, name, value, fmt):
-        word = self.bits.nodes[name].value * fmt.ulp
+        word = np.asarray(self.bits.nodes[name].value * fmt.ulp, np.float64)
         self.off[name] = np.asarray(word - value, np.float64)
         return word
 
