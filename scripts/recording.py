@@ -18,7 +18,7 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from model.dataflow.nodes import Node
 from scripts.console import whole_file
-from scripts.save_file import TOP, Mark, place, write_aligned_save_file, write_save_file
+from scripts.save_file import TOP, Mark, place, signals, write_save_file
 from tb.sim.job import Difference
 
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
@@ -55,48 +55,37 @@ class Recording:
 
 def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
     """Read the VCD of a run of one trajectory. Raises ValueError for a VCD of another design."""
-    wanted = {place(datapath, node): node for node in nodes}
-    code_of: dict[tuple[str, ...], str] = {}
-    value: dict[str, int | str] = {}
+    found, places = signals(vcd), [place(datapath, node) for node in nodes]
+    for path in (("clk",), *HANDSHAKE, *places):
+        if path not in found:
+            raise ValueError(f"{vcd}: no {'.'.join((TOP, *path))} in this VCD")
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
-    shown: list[tuple[list[str], str, int]] = []  # a node's words, its identifier in the VCD, its bits
-    scopes: list[str] = []
+    shown = [(words[node.name], found[path].code, node.format.width) for node, path in zip(nodes, places, strict=True)]
+    clk, handshake = found[("clk",)].code, [found[path].code for path in HANDSHAKE]
+    value: dict[str, int | str] = {}
     edges: list[int] = []
     admitted: list[int] = []
-    timescale, now, fell, clk = "", 0, False, ""
+    timescale, now, fell = "", 0, False
 
     def sample() -> None:
         edges.append(now)
         for column, code, bits in shown:
             column.append(_bits(value.get(code, "x"), bits))
-        if [_bits(value.get(code_of[path], "x"), 1) for path in HANDSHAKE] == ["0", "1", "1"]:
+        if [_bits(value.get(code, "x"), 1) for code in handshake] == ["0", "1", "1"]:
             admitted.append(len(edges))
 
     with open(vcd, "rb") as stream:
         for token in tokenize(stream):
-            kind = token.kind
-            if kind is TokenKind.CHANGE_SCALAR or kind is TokenKind.CHANGE_VECTOR:
+            if token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR):
                 change = token.data
                 value[change.id_code] = change.value
                 fell |= change.id_code == clk and change.value in (0, "0") and now > 0  # not the initial value
-            elif kind is TokenKind.CHANGE_TIME:
+            elif token.kind is TokenKind.CHANGE_TIME:
                 if fell:
                     sample()
                 now, fell = token.time_change, False
-            elif kind is TokenKind.SCOPE:
-                scopes.append(token.scope.ident)
-            elif kind is TokenKind.UPSCOPE:
-                scopes.pop()
-            elif kind is TokenKind.VAR and TOP in scopes:
-                code_of[(*scopes[scopes.index(TOP) + 1 :], token.var.reference)] = token.var.id_code
-            elif kind is TokenKind.TIMESCALE:
+            elif token.kind is TokenKind.TIMESCALE:
                 timescale = f"{int(token.timescale.magnitude)} {token.timescale.unit.value}"
-            elif kind is TokenKind.ENDDEFINITIONS:
-                missing = [path for path in (("clk",), *HANDSHAKE, *wanted) if path not in code_of]
-                if missing:
-                    raise ValueError(f"{vcd}: no {'.'.join((TOP, *missing[0]))} in this VCD")
-                clk = code_of[("clk",)]
-                shown = [(words[node.name], code_of[path], node.format.width) for path, node in wanted.items()]
     if fell:
         sample()
     if len(edges) < 2:
@@ -147,16 +136,21 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Sequen
             differs = _line(writer, (TOP, DIFFERS), 1)
             lines = [_line(writer, (TOP, *place(datapath, node)), node.format.width) for node in nodes]
             end = 0
+
+            def blank() -> None:
+                for line in (number, differs, *lines):
+                    writer.change(line, end, "x")
+
             for target in range(len(recording.admitted)):
                 now = recording.time(column(recording, nodes, target)) - recording.period // 2
                 if end and end != now:
-                    _blank(writer, end, [number, differs, *lines])
+                    blank()
                 writer.change(number, now, target)
                 writer.change(differs, now, int(target in wrong))
                 for line, node in zip(lines, nodes, strict=True):
                     writer.change(line, now, recording.word(node, target))
                 end = now + recording.period
-            _blank(writer, end, [number, differs, *lines])
+            blank()
             writer.close(end + recording.period)
 
 
@@ -164,11 +158,6 @@ def _line(writer: VCDWriter, path: tuple[str, ...], bits: int):
     """Register a variable at its path, with a range as simulators write it."""
     *scopes, name = path
     return writer.register_var(tuple(scopes), f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits, init="x")
-
-
-def _blank(writer: VCDWriter, now: int, lines) -> None:
-    for line in lines:
-        writer.change(line, now, "x")
 
 
 def write_waves(
@@ -179,13 +168,11 @@ def write_waves(
     first = found[0] if found else None
     with whole_file(aligned) as unfinished:
         write_aligned(unfinished, recording, datapath, nodes, {each.target for each in found})
-    for path, clock, write in (
-        (vcd, first.clock if first else 0, write_save_file),
-        (aligned, column(recording, nodes, first.target) if first else 0, write_aligned_save_file),
-    ):
+    for path in (vcd, aligned):
+        clock = (column(recording, nodes, first.target) if path == aligned else first.clock) if first else 0
         mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
         with whole_file(path.with_suffix(".gtkw")) as unfinished:
-            write(path, datapath, width, unfinished, mark)
+            write_save_file(path, datapath, width, unfinished, mark, aligned=path == aligned)
 
 
 def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:

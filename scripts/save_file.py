@@ -10,7 +10,7 @@ GTKWave shows a fixed-point word through its "fixed point shift", correct for wo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,9 +30,17 @@ SHOWN_BITS = 64
 STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
 
 
-def signals(vcd: Path) -> dict[tuple[str, ...], str]:
-    """Return the signals below ``ik_axis`` in a VCD: path from there -> name in GTKWave, with outer scopes."""
-    found: dict[tuple[str, ...], str] = {}
+@dataclass(frozen=True)
+class Signal:
+    """A signal of a VCD: name in GTKWave, with all scopes, and identifier in the file."""
+
+    name: str
+    code: str
+
+
+def signals(vcd: Path) -> dict[tuple[str, ...], Signal]:
+    """Return the signals below ``ik_axis`` in a VCD by their path from there."""
+    found: dict[tuple[str, ...], Signal] = {}
     scopes: list[str] = []
     with open(vcd, "rb") as stream:
         for token in tokenize(stream):
@@ -42,7 +50,8 @@ def signals(vcd: Path) -> dict[tuple[str, ...], str]:
                 scopes.pop()
             elif token.kind is TokenKind.VAR and TOP in scopes:
                 below = scopes[scopes.index(TOP) + 1 :]
-                found[(*below, token.var.reference)] = ".".join([*scopes, token.var.ref_str])
+                name = ".".join([*scopes, token.var.ref_str])
+                found[(*below, token.var.reference)] = Signal(name, token.var.id_code)
             elif token.kind is TokenKind.ENDDEFINITIONS:
                 break
     if not found:
@@ -65,51 +74,35 @@ class Mark:
     period: int
 
 
-def write_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
+def write_save_file(
+    vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None, aligned: bool = False
+) -> None:
     """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
 
     Raises ValueError for a VCD of another design, OSError if a file cannot be read or written.
     With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
+    ``aligned``: the VCD is one by :func:`scripts.recording.write_aligned`, which has no streams.
     """
-    nodes = _nodes(datapath, width)
+    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
+    core = f"g_{CONFIGURATIONS[datapath].rtl}", "u_core"
+    how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, vcd)
-        command = f"python -m scripts.waves VCD {datapath} {width} GTKW"
-        save.open(f"{TOP}, {datapath} datapath, words of {width} bits: {command}", mark)
-        with save.writer.group("streams"):
-            for name in ("clk", "rst", *STREAMS[:3]):
-                save.plain((name,))
-            save.plain(("s_axis_tdata",))
+        save.open(f"{TOP}, {datapath} datapath, words of {width} bits: {how}", mark)
+        with save.writer.group("target" if aligned else "streams"):
+            for name in ("target", "differs") if aligned else ("clk", "rst", *STREAMS[:3], "s_axis_tdata"):
+                save.plain((name,), "dec" if aligned else "hex")
             for name in FIELDS:
-                label = name if name != "phi" else "phi (half turns)"
-                save.word(place(datapath, nodes[name]), nodes[name].format, label)
-            for name in STREAMS[3:]:
-                save.plain((name,))
-            save.plain(("m_axis_tdata",))
-            for k, name in enumerate(RESULT_FIELDS):
-                save.word(("m_axis_tdata",), nodes[name].format, name, lowest=k * width, of=len(RESULT_FIELDS) * width)
-            for name in ("in_valid", "out_valid") if CONFIGURATIONS[datapath].period == 1 else ("clock", "go"):
-                save.plain((f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", name))
+                save.word(place(datapath, nodes[name]), nodes[name].format, name + " (half turns)" * (name == "phi"))
+            if not aligned:
+                for name in (*STREAMS[3:], "m_axis_tdata"):
+                    save.plain((name,))
+                for k, name in enumerate(RESULT_FIELDS):
+                    bits = {"lowest": k * width, "of": len(RESULT_FIELDS) * width}
+                    save.word(("m_axis_tdata",), nodes[name].format, name, **bits)
+                for name in ("in_valid", "out_valid") if CONFIGURATIONS[datapath].period == 1 else ("clock", "go"):
+                    save.plain((*core, name))
         save.sections(datapath, nodes, mark)
-
-
-def write_aligned_save_file(vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None) -> None:
-    """Write the save file for an aligned VCD (:func:`scripts.recording.write_aligned`), which has no streams."""
-    nodes = _nodes(datapath, width)
-    with open(path, "w", encoding="utf-8", newline="\n") as stream:
-        save = _Save(stream, vcd)
-        save.open(f"{TOP}, {datapath} datapath, words of {width} bits, aligned: one clock, one target", mark)
-        with save.writer.group("target"):
-            save.plain(("target",), "dec")
-            save.plain(("differs",))
-            for name in FIELDS:
-                label = name if name != "phi" else "phi (half turns)"
-                save.word(place(datapath, nodes[name]), nodes[name].format, label)
-        save.sections(datapath, nodes, mark)
-
-
-def _nodes(datapath: str, width: int) -> dict[str, Node]:
-    return fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
 
 
 class _Save:
@@ -125,7 +118,7 @@ class _Save:
         """Return the name of a signal in the VCD. Raises ValueError if it has none, as with another datapath."""
         if path not in self.names:
             raise ValueError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
-        return self.names[path]
+        return self.names[path].name
 
     def open(self, comment: str, mark: Mark | None) -> None:
         """Write the window's settings and its initial position."""
@@ -185,12 +178,3 @@ class _Save:
         first = (of or fmt.width) - lowest - fmt.width
         bits = [(first + k, self.name_of(path)) for k in range(shown)]
         self.writer.trace_combined(label, bits, **options)
-
-
-def names(save_file: Path) -> Iterator[str]:
-    """Yield the signals of a save file, in its order, with repetitions."""
-    for line in save_file.read_text(encoding="utf-8").splitlines():
-        if line.startswith("#{"):
-            yield from (word.split(")", 1)[1] for word in line.split("} ", 1)[1].split())
-        elif line and line[0] not in "@[*-^":
-            yield line.split("} ", 1)[1] if line.startswith("+{") else line

@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `make follow`: it prints every node of a target and names the wrong one; its VCD aligns nodes by target."""
+"""Tests of `make follow`, of recordings, aligned VCDs and save files: with the model as simulator, then in the RTL."""
 
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from vcd.gtkw import GTKWColor
+from vcd.gtkw import GTKWColor, GTKWFlag
 from vcd.reader import TokenKind, tokenize
 from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
+from model.io.stimuli import random_reachable
 from model.io.words import to_words
-from scripts import follow, recording, run
-from scripts.save_file import names as names_in
+from scripts import follow, recording, waves
 from scripts.save_file import place, signals
 from tb.sim.env import SIMULATORS, simulator
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -51,107 +51,96 @@ class Simulator:
         (job,) = jobs
         nodes = nodes_of(job.words, datapath, width)
         admitted = [FIRST + k + GAP * (k > 1) for k in range(len(job.words))]
+        core = (*TOP, f"g_{datapath}", "u_core")
         with open(waves, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
-            plain = {
-                name: writer.register_var(TOP, name, "wire", 1)
-                for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")
-            }
-            for name in STREAMS:
-                bits = 6 * width if name.endswith("tdata") else 8
-                writer.register_var(TOP, f"{name}[{bits - 1}:0]", "wire", bits)
-            for name in ("m_axis_tvalid", "m_axis_tready"):
-                writer.register_var(TOP, name, "wire", 1)
-            core = (*TOP, f"g_{datapath}", "u_core")
+
+            def line(path, bits):
+                *scopes, name = path
+                return writer.register_var(scopes, f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits)
+
+            plain = {name: line((*TOP, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
+            for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 6 * width)):
+                for side in "sm" if bits > 1 else "m":
+                    line((*TOP, f"{side}_axis_{name}"), bits)
             for name in ("in_valid", "out_valid"):
-                writer.register_var(core, name, "wire", 1)
-            lines = {}
-            for node in nodes:
-                place = (*core, *([node.instance] if node.instance else []))
-                bits = node.format.width
-                name = f"{node.name}[{bits - 1}:0]" if bits > 1 else node.name
-                lines[node.name] = writer.register_var(place, name, "wire", bits)
+                line((*core, name), 1)
+            lines = {node.name: line((*TOP, *place(datapath, node)), node.format.width) for node in nodes}
             for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
                 rise = 10_000 * clock - 5_000
-                for name, bit in (
-                    ("clk", 1),
-                    ("rst", clock < 4),
-                    ("s_axis_tready", 1),
-                    ("s_axis_tvalid", clock in admitted),
-                ):
+                bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
+                for name, bit in bits.items():
                     writer.change(plain[name], rise, int(bit))
                 for node in nodes:
+                    bits = "x"
                     if clock - node.time in admitted:
                         target = admitted.index(clock - node.time)
                         bits = recording.model_bits(node, target)
                         if (node.name, target) in self.wrong:
                             bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
-                        writer.change(lines[node.name], rise, bits)
-                    else:
-                        writer.change(lines[node.name], rise, "x")
+                    writer.change(lines[node.name], rise, bits)
                 writer.change(plain["clk"], 10_000 * clock, 0)
-
-
-STREAMS = [f"{side}_axis_{what}" for side in "sm" for what in ("tuser", "tdata")]
 
 
 def columns(vcd):
     """Return the content of an aligned VCD: time of a change -> path -> bits or X."""
-    names, scopes, now, shown = {}, [], {}, {}
+    paths = {signal.code: path for path, signal in signals(vcd).items()}
+    sizes, now, shown, time = {}, {}, {}, 0
     with open(vcd, "rb") as stream:
-        time = 0
         for token in tokenize(stream):
-            if token.kind is TokenKind.SCOPE:
-                scopes.append(token.scope.ident)
-            elif token.kind is TokenKind.UPSCOPE:
-                scopes.pop()
-            elif token.kind is TokenKind.VAR:
-                names[token.var.id_code] = (".".join([*scopes, token.var.reference]), token.var.size)
+            if token.kind is TokenKind.VAR:
+                sizes[token.var.id_code] = token.var.size
             elif token.kind is TokenKind.CHANGE_TIME:
                 time = token.time_change
             elif token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR):
-                name, size = names[token.data.id_code]
-                value = token.data.value
-                now[name] = f"{value:0{size}b}" if isinstance(value, int) else str(value)
+                code, value = token.data.id_code, token.data.value
+                now[paths[code]] = f"{value:0{sizes[code]}b}" if isinstance(value, int) else str(value)
                 shown[time] = dict(now)
     return shown
 
 
-def check_aligned(vcd, nodes, targets, first, wrong=()):
+def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
     """Check each column against the model's words, and names and scopes against the design."""
-    paths = {node.name: ".".join(("ik_axis", *place("lean", node))) for node in nodes}
-    shown = columns(vcd)
+    paths = {node.name: place(datapath, node) for node in nodes}
     last = max(node.time for node in nodes)
     seen, gaps = [], []
-    for time, column in shown.items():
-        assert set(column) == {*paths.values(), "ik_axis.target", "ik_axis.differs"}
-        if "x" in column["ik_axis.target"]:
+    for time, column in columns(vcd).items():
+        assert set(column) == {*paths.values(), ("target",), ("differs",)}
+        if "x" in column["target",]:
             assert all(set(bits) == {"x"} for bits in column.values())
             gaps.append(time)
             continue
-        target = int(column["ik_axis.target"], 2)
+        target = int(column["target",], 2)
         seen.append(target)
         assert time == (first[target] + last) * 10_000 - 5_000
         for node in nodes:
             differs = (node.name, target) in wrong
             assert (column[paths[node.name]] != recording.model_bits(node, target)) == differs, (node.name, target)
-        assert int(column["ik_axis.differs"]) == (target in {each for _, each in wrong})
-    assert seen == list(range(targets))
+        assert int(column["differs",]) == (target in {each for _, each in wrong})
+    assert seen == list(range(len(first)))
     # X from the beginning, and in the clock after a target that has no neighbour
     lonely = [clock for clock in first if clock + 1 not in first]
     assert gaps == [0, *((clock + last) * 10_000 + 5_000 for clock in lonely)]
 
 
+def traces(save_file):
+    """Yield label, signal, flags, fixed-point shift and colour of each trace of a save file."""
+    flags, shift, color = None, None, None
+    for line in save_file.read_text(encoding="utf-8").splitlines():
+        if line[:1] == "@":
+            flags = GTKWFlag(int(line[1:], 16))
+        elif line.startswith("[fpshift_count]"):
+            shift = int(line.split()[1])
+        elif line.startswith("[color]"):
+            color = GTKWColor(int(line.split()[1]))
+        elif found := re.match(r"[+#]\{(.*?)\} (?:\(\d+\))?(\S+)", line):
+            yield found[1], found[2], flags, shift, color
+            shift = color = None
+
+
 def marker(save_file):
-    """Return the time of a save file's marker and the label of the trace in red."""
-    lines = save_file.read_text().splitlines()
-    (at,) = [int(line.split()[1]) for line in lines if re.match(r"\*-?\d", line)]
-    red = [label(lines[k + 1 :]) for k, line in enumerate(lines) if line == f"[color] {GTKWColor.red.value}"]
-    return at, red
-
-
-def label(lines):
-    """Return the label of the first trace in lines of a save file."""
-    return next(re.search(r"{(.*?)}", line)[1] for line in lines if line[0] in "+#")
+    """Return the time of a save file's marker and the labels of the traces in red."""
+    (at,) = re.findall(r"^\*\S+ (-?\d+)", save_file.read_text(encoding="utf-8"), re.M)
+    return int(at), [label for label, _, _, _, color in traces(save_file) if color is GTKWColor.red]
 
 
 # -- the command, with the model as simulator ------------------------------------------------------
@@ -165,13 +154,11 @@ def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
     nodes = nodes_of(reach(), datapath)
     assert (status, err, files()) == (0, [], [])
     admitted = FIRST + 42 + GAP
-    assert f"target 42 of reach: {datapath} datapath, 32 bits, icarus; admitted in clock {admitted}" in out[0]
-    assert out[-1] == f"all {len(nodes)} nodes equal the model"
+    assert f"admitted in clock {admitted}" in out[0] and f"all {len(nodes)} nodes" in out[-1]
     sections = dict.fromkeys(node.section for node in nodes if node.op != "input")
     titles = [f"{section}: {DATAPATHS[datapath].sections[section]}" for section in sections]
     assert [line for line in out if line[0] != " "][1:-1] == ["inputs", *titles]
     rows = [line.split() for line in out if re.match(r"  +\d+ +\+\d", line)]
-    assert len(rows) == len(nodes)
     for row, node in zip(rows, nodes, strict=True):
         bits = recording.model_bits(node, 42)
         word = f"{int(bits, 2):0{-(-len(bits) // 4)}x}"
@@ -187,19 +174,17 @@ def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
     assert [line.split()[4] for line in out if line.startswith("!")] == ["wi_c", "w_1", "qs_w"]
-    told = out[[line.startswith("first difference") for line in out].index(True) :]
+    shown = out[[line.startswith("first difference") for line in out].index(True) :]
     admitted = FIRST + 3 + GAP
-    clock = admitted + TIMES["wi_c"]
-    assert told[0].startswith(f"first difference: turn.wi_c (L52) of target 3 at clock {clock}: RTL ")
-    assert told[1].strip() == "made of: mul3 wi_0, triangle.arm_c; in RTL and model alike"
-    for line, name in zip(told[2:4], ("wi_0", "triangle.arm_c"), strict=True):
+    assert f"turn.wi_c (L52) of target 3 at clock {admitted + TIMES['wi_c']}: RTL " in shown[0]
+    assert "mul3 wi_0, triangle.arm_c" in shown[1]
+    for line, name in zip(shown[2:4], ("wi_0", "triangle.arm_c"), strict=True):
         (node,) = (node for node in nodes_of(reach()) if node.name == name.split(".")[-1])
         bits = recording.model_bits(node, 3)
         assert line.split()[:-1] == [*f"{name} at clock {admitted + node.time}:".split(), f"{int(bits, 2):09x}"]
-    assert told[4] == "            then: 2 more nodes of this target, marked with !"
-    status, out, err = command(follow.main, "--target", "4")
-    assert (status, err) == (0, ["follow: the first target that differs is 3"])
-    assert out[-1] == f"all {len(TIMES)} nodes equal the model"
+    assert "2 more nodes" in shown[4]
+    status, out, (err,) = command(follow.main, "--target", "4")
+    assert status == 0 and "target that differs is 3" in err and f"all {len(TIMES)} nodes" in out[-1]
 
 
 def test_aligned_vcd(command, monkeypatch):
@@ -207,22 +192,35 @@ def test_aligned_vcd(command, monkeypatch):
     wrong = [("w_1", 3), ("u_x", 5)]
     Simulator(monkeypatch, wrong)
     status, out, _ = command(follow.main, "--target", "3", "--waves", "--out", "o")
-    assert status == 1
     written = [f"o/{name}" for name in ("waves.vcd", "waves.gtkw", "aligned.vcd", "aligned.gtkw")]
-    assert out[-4:] == [f"wrote {name}" for name in written] and all(map(Path.exists, map(Path, written)))
+    assert status == 1 and out[-4:] == [f"wrote {name}" for name in written]
     admitted = [FIRST + k + GAP * (k > 1) for k in range(100)]
-    nodes = nodes_of(reach())
-    check_aligned(Path("o/aligned.vcd"), nodes, 100, admitted, wrong)
+    check_aligned(Path("o/aligned.vcd"), nodes_of(reach()), admitted, wrong)
     label = f"w_1 (L52) +{TIMES['w_1']}"
     assert marker(Path("o/waves.gtkw")) == ((admitted[3] + TIMES["w_1"]) * 10_000, [label])
     assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + max(TIMES.values())) * 10_000, [label])
-    known = set(signals(Path("o/aligned.vcd")).values())
-    named = set(names_in(Path("o/aligned.gtkw")))
-    assert named == known
+    known = {signal.name for signal in signals(Path("o/aligned.vcd")).values()}
+    assert {name for _, name, *_ in traces(Path("o/aligned.gtkw"))} == known
 
 
-def test_x_is_a_difference(tmp_path, command, monkeypatch):
-    """Leading digits are omitted in a VCD, so a short X value must be extended."""
+def test_a_full_disk(command, files, monkeypatch):
+    """Earlier files stay, and no half-written one."""
+    Simulator(monkeypatch)
+    Path("o").mkdir()
+    Path("o/aligned.vcd").write_text("old")
+
+    class Full(VCDWriter):
+        def close(self, timestamp=None):
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recording, "VCDWriter", Full)
+    status, out, (err,) = command(follow.main, "--target", "3", "--waves", "--out", "o")
+    assert (status, out) == (2, []) and "No space left on device" in err
+    assert files() == ["o/aligned.vcd", "o/waves.vcd"] and Path("o/aligned.vcd").read_text() == "old"
+
+
+def test_x_is_a_difference(tmp_path, monkeypatch):
+    """A VCD omits leading digits, so a short X value is extended; after the end of a recording all is X."""
     words = np.stack([reach()[0]] * 3)
     nodes = nodes_of(words)
     Simulator(monkeypatch)
@@ -233,15 +231,11 @@ def test_x_is_a_difference(tmp_path, command, monkeypatch):
     read = recording.read(vcd, "lean", nodes)
     found = [(each.node.name, each.target, each.rtl) for each in recording.differences(read, nodes)]
     assert found == [("w_1", k, "x" * 33 + "01") for k in range(3)]
+    read.admitted.append(len(read.words["w_1"]))
+    assert read.word(nodes[-1], 3) == "x" * nodes[-1].format.width
 
 
-def test_a_recording_that_ends_early_is_x():
-    node = nodes_of(reach()[:1])[-1]
-    read = recording.Recording({node.name: ["0" * node.format.width] * 9}, [6], "1 ps", 10_000, 10_000)
-    assert read.word(node, 0) == "x" * node.format.width
-
-
-# -- a simulation ----------------------------------------------------------------------------------
+# -- in the RTL ------------------------------------------------------------------------------------
 
 
 @pytest.mark.sim
@@ -268,24 +262,48 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     (ran,) = runs
     assert ran.bit_mismatches == sum(each.bits() for each in found)
     assert ran.first_mismatch.splitlines()[0] == f"first difference: {found[0]}"
-    wrong = {(each.node.name, each.target) for each in found}
-    check_aligned(Path("o/aligned.vcd"), nodes, 100, read.admitted, wrong)
+    check_aligned(Path("o/aligned.vcd"), nodes, read.admitted, {(each.node.name, each.target) for each in found})
     at, red = marker(Path("o/aligned.gtkw"))
     assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("i_1 (L53) +")
     assert marker(Path("o/waves.gtkw"))[0] == found[0].clock * 10_000
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize(
-    "main, more", [(follow.main, ("--target", "99")), (run.main, ("--datapath", "lean"))], ids=["follow", "run"]
-)
-def test_the_rtl_as_it_is(command, main, more):
-    words = *more, "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
-    status, out, err = command(main, *words)
-    assert status == 0 and not any(line.startswith("!") for line in out)
-    assert main is run.main or err == []
-    nodes = nodes_of(reach(WIDTH), width=WIDTH)
-    check_aligned(Path("o/aligned.vcd"), nodes, 100, recording.read(Path("o/waves.vcd"), "lean", nodes).admitted)
+@pytest.mark.cost(10)
+def test_a_recording_of_the_paper_datapath(command, tmp_path):
+    """Every node stands at its clock; save files name signals of the VCD and show words as numbers; internals of delay
+    lines and operators are not recorded."""
+    words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
+    nodes = nodes_of(words, "paper")
+    (run,) = simulate([Job("waves", words)], simulator=simulator(), datapath="paper", width=32, waves=vcd)
+    assert run.bit_mismatches == 0
+    read = recording.read(vcd, "paper", nodes)
+    assert len(read.admitted) == 3 and not list(recording.differences(read, nodes))
+    known = signals(vcd)
+    assert vcd.stat().st_size < 30e6 and not {"line", "mem"} & {path[-1] for path in known}
+    recording.align(vcd, words, 32, "paper")
+    check_aligned(tmp_path / "aligned.vcd", nodes, read.admitted, datapath="paper")
+    assert marker(tmp_path / "waves.gtkw") == (-1, [])
+    save_file = tmp_path / "own.gtkw"
+    assert command(waves.main, str(vcd), "paper", "32", str(save_file)) == (0, [], [])
+    assert save_file.read_bytes() == (tmp_path / "waves.gtkw").read_bytes()
+    assert str(tmp_path) not in save_file.read_text()
+    named = [name for _, name, *_ in traces(save_file)]
+    assert {known[place("paper", node)].name for node in nodes} <= set(named) <= {each.name for each in known.values()}
+    shown = {label.split(" ")[0]: (flags, shift) for label, _, flags, shift, _ in traces(save_file)}
+    signed, unsigned = GTKWFlag.signed | GTKWFlag.fpdecshift, GTKWFlag.dec | GTKWFlag.fpdecshift
+    for name, flags, frac in (
+        ("p_e_x", signed, 30),
+        ("pp_sq", signed, 34),  # an unrounded product
+        ("p_w_x", signed, 31),
+        ("h4_p", unsigned, 31),
+        ("x_sq", signed | GTKWFlag.grp_begin, 58),  # more than 64 bits
+        ("lz_p", GTKWFlag.dec, None),
+        ("flat", GTKWFlag.bin, None),
+    ):
+        assert shown[name] == (flags | GTKWFlag.rjustify, frac), name
+    with pytest.raises(ValueError, match="no ik_axis.g_lean.u_core.x in this VCD"):
+        recording.read(vcd, "lean", nodes_of(words))
 
 
 if simulator() == "verilator":
@@ -294,10 +312,10 @@ if simulator() == "verilator":
     @pytest.mark.cost(20)
     def test_both_simulators_give_the_same(command):
         """Listing, aligned VCD and save files are byte-identical."""
-        options = "--target", "42", "--waves", "--width", str(WIDTH)
         outs = []
         for sim in SIMULATORS:
-            status, out, err = command(follow.main, *options, "--sim", sim, "--out", sim)
+            options = "--target", "42", "--waves", "--width", str(WIDTH), "--sim", sim, "--out", sim
+            status, out, err = command(follow.main, *options)
             assert (status, err) == (0, [])
             outs.append([line.replace(sim, "SIM") for line in out])
         assert outs[0] == outs[1]
