@@ -62,7 +62,7 @@ $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
 unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH PYTHONDONTWRITEBYTECODE
-# What Yosys, nextpnr and zig keep of themselves stays in the checkout, too.
+# Caches of Yosys, nextpnr and zig stay in the checkout.
 export YOWASP_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/yowasp
 export ZIG_GLOBAL_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/zig
 MAKEOVERRIDES :=

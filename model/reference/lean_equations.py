@@ -130,7 +130,7 @@ CASES = {
 """Name -> case -> value: poses by convention and clamped poses; the last case that applies counts."""
 
 EXACT, SCALED = ("Sums of the inputs",), ("Roots, first level", "Directions", "Triangle")
-"""Groups evaluated without rounding, and with exponents beyond those of doubles."""
+"""Groups evaluated without rounding, and with exponents beyond the range of doubles."""
 
 _CODE = {group: {name: compile(text, name, "eval") for name, text in lines.items()} for group, lines in LEAN.items()}
 _HALF = [[compile(text, branch, "eval") for text in parts] for branch, parts in HALF.items()]

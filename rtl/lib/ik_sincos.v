@@ -21,7 +21,7 @@ module ik_sincos #(
   `include "ik_sincos_table.vh"
 
   localparam integer XW = W + SINCOS_GUARD;
-  localparam integer DROP = TABLE_BITS - XW;  // table bits below those of the angle
+  localparam integer DROP = TABLE_BITS - XW;  // table bits below the angle's
   localparam integer DROP_GAIN = DROP + 2;  // x and y have two integer bits, the table none
 
   localparam [TABLE_BITS-1:0] GAIN_W = (GAIN + (48'd1 << (DROP_GAIN - 1))) >> DROP_GAIN;

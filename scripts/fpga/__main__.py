@@ -123,7 +123,7 @@ class Measurement:
         self.write()
 
     def write(self) -> None:
-        """Write the figures, and the page from those of the checkout."""
+        """Write the figures, and the page from the checkout's figures."""
         self.data["tools"] = {tool: version(tool) for tool in TOOLS}
         self.data["commands"] = commands()
         for part in ("tools", "commands", "designs", "runs"):

@@ -90,7 +90,7 @@ def find(datapath: str, width: int) -> Design | None:
 
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
-    """Return the default designs, or those of groups and word lengths."""
+    """Return the default designs, or the designs of groups and word lengths."""
     designs = [one for one in DESIGNS if one.group in (groups or [one.group])]
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)

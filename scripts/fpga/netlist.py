@@ -137,7 +137,7 @@ def _plain(name: str) -> str:
 
 
 def _kinds(stat: dict, instances: Counter, family: str) -> dict[str, int]:
-    """Return kind -> number of cells in modules, without those of inner modules."""
+    """Return kind -> number of cells in modules; inner modules are not counted."""
     cells = Counter()
     for key, times in instances.items():
         for cell, n in stat["modules"][key]["num_cells_by_type"].items():

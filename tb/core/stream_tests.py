@@ -110,7 +110,7 @@ async def every_flag_in_every_region(dut, idle, stall):
 
 @cocotb.test()
 async def full(dut):
-    """The core admits as many targets as it has slots while m_axis_tready is low, and releases all of them later."""
+    """While m_axis_tready is low the core admits one target per slot, and releases all of them later."""
     bench = await started(dut)
     most, more = places(bench), 50 if bench.period == 1 else 5
     bench.sink.pause = True

@@ -35,7 +35,7 @@ PREPARE += "setundef -undriven -anyseq; opt -fast"
 """Commands of Yosys before a formula, the same as SymbiYosys'."""
 
 COVER = "chformal -assert -remove; opt_clean; memory_map; opt -full; async2sync"
-"""Commands before the formula of covers; with those of a proof, covers take minutes."""
+"""Commands before the formula of covers; with the commands of a proof, covers take minutes."""
 
 
 class ProofError(Exception):
@@ -48,7 +48,7 @@ class Proof:
 
     * ``others``: other modules to read, RTL or stand-ins of this folder; with ``part``, other instances are removed.
     * ``properties``: module -> property file, by default the top's.
-    * ``script``: further commands of Yosys; ``claims``: those of the proof, not of its covers.
+    * ``script``: further commands of Yosys; ``claims``: commands of the proof, not of its covers.
     * ``depth``: clocks in which the covers are reached, 0 without covers.
     * ``uses``: property -> properties that it needs in the previous clock, if not all of them.
     * ``after``: property -> properties of the same clock from which it follows.

@@ -123,7 +123,7 @@ PROOFS = (
     *(Proof(f"root_row_{k}", "ik_root_row", {"K": k}, depth=1) for k in (15, 30)),
     *(rows("div", *kind, {"LAT": 34, "DW": 32}, 46, FIRST) for kind in ((32, 29), (32, 30), (40, 22), (40, 23))),
     *(rows("root", *kind, {"LAT": 32}, 44, ROW) for kind in ((32, 30), (32, 31), (33, 29))),
-    Proof("fold_24", "ik_fold", {"W": 24}, part=True, depth=220),  # the program is that of all widths
+    Proof("fold_24", "ik_fold", {"W": 24}, part=True, depth=220),  # all widths share the program
     handshake("fold", 2),
     engine("read", "ik_bursts"),
     engine("write", "ik_bursts"),

@@ -2,7 +2,7 @@
 """Lean dataflow as steps of the fold datapath.
 
 :class:`Lowering` is a domain of the dataflow: it derives the steps of a node from its operation, and uses no node
-names except those of the inputs.
+names except of the inputs.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
 places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit

@@ -72,7 +72,7 @@ BASES = ("count", "1", "2", "4", "-2")
 
 
 def codes() -> dict[str, tuple]:
-    """Return field -> its codes; those of selectors, signs and counts in the order of the dataflow, inputs first."""
+    """Return field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first."""
     lowering, groups = lower(WIDTH)
     steps = [step for group in groups for _, step in group.steps]
     fixed = (NEVER, ALWAYS, NO_COUNT)

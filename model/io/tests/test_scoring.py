@@ -284,7 +284,7 @@ def test_a_prediction_without_bound_is_refused(case, value):
 
 
 def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):
-    """Other columns of the target file are kept, unless their name is that of a result."""
+    """Other columns of the target file are kept, unless a result has the same name."""
     case = Case(make("two_arms"))
     others = {"t": [str(n) for n in range(100)], "na,me": ["x;y"] * 100, "flags": ["?"] * 100}
     case.targets = dataclasses.replace(case.targets, others=others)

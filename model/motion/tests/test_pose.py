@@ -68,7 +68,7 @@ def test_a_width_gives_the_words_of_the_core(reachable, datapath, width):
 
 @pytest.mark.parametrize("axis", axes.NAMED)
 def test_a_named_axis_loses_no_bit(reachable, axis):
-    """The words are those of permuted coordinates; Qs holds sums of four of them over 2, exact in a double."""
+    """The words have permuted coordinates; Qs holds sums of four of them over 2, exact in a double."""
     points, phi = reachable
     r = axes.to_z(axis)
     there = (matrix(r) @ points.T).T

@@ -99,7 +99,7 @@ def test_a_wrong_word_moves_the_arm(shown, simulator):
 
 
 def test_several_datapaths(cli, command, simulator, trajectories_in):
-    """Each datapath has its own simulation, results and files, equal to those of `make run`."""
+    """Each datapath has its own simulation, results and files, equal to `make run`'s."""
     spoil_hand(simulator, 30, "paper", 2**10)
     status, _, errors = cli("--datapath", "lean,paper")
     assert status == 1 and len(errors) == 1 and errors[0].startswith("report, paper datapath: reach fails: ")
