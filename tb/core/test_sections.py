@@ -8,6 +8,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.nodes import inner_frac
 from tb.core.ports import inputs
 from tb.sim.env import ROOT, cores
 from tb.sim.runner import simulate, with_cores
@@ -15,6 +16,8 @@ from tb.sim.wrapper_top import TOP, top_of
 
 # results has no module
 MODULES = [(name, section) for name, path in DATAPATHS.items() for section in path.sections if section != "results"]
+INNER = "direction", "triangle", "turn"
+"""Sections of the lean datapath that have the width of an inner word as a parameter."""
 TARGETS = 300
 
 
@@ -69,7 +72,11 @@ def test_sections(datapath, width):
     """Random, clamped, extreme and named corner targets, back to back with gaps of random words."""
     path = DATAPATHS[datapath]
     modules = {section: path.module(section) for name, section in MODULES if name == datapath}
-    instances = {name: (module, with_cores(module, {"W": width}, cores())) for name, module in modules.items()}
+    inner = {"W": width, "N": inner_frac(width) + 2}
+    instances = {
+        name: (module, with_cores(module, inner if name in INNER else {"W": width}, cores()))
+        for name, module in modules.items()
+    }
     simulate(
         TOP,
         "tb.core.section",

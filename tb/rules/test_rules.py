@@ -40,7 +40,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("m_axis LOW_AFTER_RESET", STREAMS, "after=full", FIFO, "      m_valid <= 1'b0;\n    end else", "    end else"),
     ("m_axis VALID_KNOWN", STREAMS, "one_result", FIFO, "      wr_ptr  <= {(LOG2 + 1) {1'b0}};\n", ""),
     ("m_axis VALID_STAYS", STREAMS, "bursts/stall=bursts",
-     AXIS, "fold_valid : fifo_valid;", "fold_valid : fifo_valid && !s_axis_tvalid;"),
+     FIFO, "if (load) begin", "if (load || empty) begin"),
     ("m_axis PAYLOAD_STAYS", STREAMS, "full", FIFO, "if (load) m_data", "m_data"),
     ("m_axis PAYLOAD_KNOWN", STREAMS, "one_result", FIFO, "if (wr_en) mem", "if (wr_en && wr_ptr[0]) mem"),
     ("s_axis READY_KNOWN", STREAMS, "one_result", AXIS, "if (rst) credits <= ", "if (1'b0) credits <= "),
