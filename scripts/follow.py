@@ -7,7 +7,6 @@ Prints a line for each node: clock, clocks since admission, equation, name, word
 and operands. A `!` marks a node that differs; the first one and its operands follow at the end.
 The trajectory runs as in `make run`; targets count from 0.
 With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
-Exit status: 0 every node of the target equals the model, 1 one differs or the simulation fails, 2 bad input.
 """
 
 from __future__ import annotations

@@ -5,8 +5,6 @@
 
 makes this machine a worker of the scheduler (`make farm-worker`). Work consists of functions of this tree with their
 arguments; a worker refuses it if its sources differ from the client's. Work begun by a worker that died is repeated.
-
-Exit status: the Dask worker's, or 2 for bad input (one line on stderr).
 """
 
 from __future__ import annotations

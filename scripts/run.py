@@ -6,8 +6,6 @@
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without a
 trajectory and a datapath it runs both datapaths on the paper's scenario, with the results in OUT/lean and OUT/paper,
 and prints them next to tables 5 and 6 of the paper.
-
-Exit status: 0 every trajectory passes, 1 one fails or the simulation fails; others as in scripts/console.py.
 """
 
 from __future__ import annotations

@@ -15,9 +15,6 @@ singular poses; the excess over `model.bounds.predict` is reported.
 
 --worst searches the bit-true model of the lean datapath for the largest hand errors: each round changes the worst
 targets of the round before in one to six words.
-
-Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 bad input (one line on stderr), 130 after
-Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -140,31 +137,6 @@ def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int
     return Chunk(start, words[kept], found, failures, hand[kept])
 
 
-class Chunks:
-    """The `targets` from chunk `first` on; `found` holds the results so far, `number` is the next chunk."""
-
-    def __init__(self, core: Core, seed: int | None, first: int, targets: int, against: bool = False):
-        self.core, self.seed, self.number, self.against = core, seed, first, against
-        self.end = first * CHUNK + targets
-        self.found = Found()
-        self.name = "all targets of special words" if seed is None else f"seed {seed}"
-
-    def run(self, jobs: int, done: Callable[[int], None], farm: str | None = None) -> Chunk | None:
-        """Return the first failing chunk, if any; call `done` with the number of targets that passed."""
-        numbers = range(self.number, -(-self.end // CHUNK))
-        try:
-            with parallel.shared(min(jobs, len(numbers)), farm) as each:
-                for run in each(partial(run_chunk, self.core, self.seed, self.end, self.against), numbers):
-                    if run.failures:
-                        return run
-                    self.number += 1
-                    self.found += run.found
-                    done(self.found.targets)
-        except parallel.BrokenOffError as error:
-            raise parallel.BrokenOffError(f"{error}, in chunk {self.number} of {self.name} or later") from None
-        return None
-
-
 # -- the C of table 6 --------------------------------------------------------------------------------------------------
 
 EQUATIONS = ("lean", "paper")
@@ -254,10 +226,6 @@ def _worst(arguments: SimpleNamespace) -> int:
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
-def _write_rows(path: Path, rows: list[hardest.Row]) -> None:
-    write_atomically(path, hardest.text(rows))
-
-
 def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> hardest.Row:
     error = None if math.isnan(hand_error) else float(hand_error)
     return hardest.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
@@ -268,8 +236,6 @@ def _read_rows(path: Path) -> list[hardest.Row]:
         return hardest.read(path)
     except ValueError as error:
         raise InputError(str(error)) from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def recorded() -> dict[str, dict]:
@@ -362,32 +328,45 @@ def _soak(arguments: SimpleNamespace) -> int:
         if arguments.against:
             _compiled()
         core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)
-        chunks = Chunks(core, arguments.seed, arguments.from_, arguments.targets, bool(arguments.against))
-        what = f"{core}, {chunks.name}"
-        print(f"soak: {what}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
-        with progress("soak", arguments.targets) as meter:
-            try:
-                broken = chunks.run(arguments.jobs, meter, arguments.farm)
-                rate = chunks.found.targets / meter.task.elapsed
-            except Stopped:
-                done = f"{chunks.found.targets} targets passed, those before chunk {chunks.number}"
-                print(f"soak: stopped; {done}; --from {chunks.number} resumes", file=sys.stderr)
-                raise
+        name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
+        print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
+        end = arguments.from_ * CHUNK + arguments.targets
+        numbers = range(arguments.from_, -(-end // CHUNK))
+        work = partial(run_chunk, core, arguments.seed, end, bool(arguments.against))
+        found, number, broken = Found(), arguments.from_, None
+        try:
+            with (
+                progress("soak", arguments.targets) as meter,
+                parallel.shared(min(arguments.jobs, len(numbers)), arguments.farm) as each,
+            ):
+                for number, run in zip(numbers, each(work, numbers), strict=True):
+                    if run.failures:
+                        broken = run
+                        break
+                    found += run.found
+                    number += 1
+                    meter(found.targets)
+                rate = found.targets / meter.task.elapsed
+        except parallel.BrokenOffError as error:
+            raise parallel.BrokenOffError(f"{error}, in chunk {number} of {name} or later") from None
+        except Stopped:
+            print(f"soak: stopped; {found.targets} targets passed; --from {number} resumes", file=sys.stderr)
+            raise
         if broken:
-            where = f"in chunk {chunks.number} of {chunks.name}"
+            where = f"in chunk {number} of {name}"
             rows = _report(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
-            found = [(n, f"{chunks.name} target {broken.first + n}") for n in rows]
-            _write_rows(failing, [_row(core, broken.words[n], broken.hand[n], text) for n, text in found])
+            content = [_row(core, broken.words[n], broken.hand[n], f"{name} target {broken.first + n}") for n in rows]
+            write_atomically(failing, hardest.text(content))
             print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
             return 1
-        show(table_of_soak(what, core, chunks.found, rate), table_of_hardest(chunks.found))
-        hards = {tuple(hard.words): hard for hard in chunks.found.by_hand + chunks.found.by_norm}.values()
-        rows = [_row(core, hard.words, hard.hand_error, f"{chunks.name} target {hard.target}") for hard in hards]
+        show(table_of_soak(f"{core}, {name}", core, found, rate), table_of_hardest(found))
+        hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
+        rows = [_row(core, hard.words, hard.hand_error, f"{name} target {hard.target}") for hard in hards]
         for file, before in earlier.items():
-            _write_rows(file, hardest.merge(before + rows))
+            write_atomically(file, hardest.text(hardest.merge(before + rows)))
             print(f"wrote {file}")
         if arguments.keep:
-            _keep(core, chunks.name, chunks.found, arguments.from_)
+            _keep(core, name, found, arguments.from_)
             print(f"wrote {PAGE.name}")
         return 0
 
@@ -413,10 +392,7 @@ def _again(arguments: SimpleNamespace) -> int:
 @command("soak", "Random targets of all kinds through the core, every node compared with the model.", OPTIONS)
 def main(parsed: SimpleNamespace) -> int:
     _complete(parsed)
-    try:
-        return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)
-    except Stopped as stopped:
-        return 128 + stopped.args[0]
+    return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,6 @@ a function of seed and piece number, so --from resumes at any piece. Pieces take
 in turn, first with the datapaths, then with an echo instead of the core.
 
 The run stops at the first piece in which a test fails, and prints seed and piece.
-
-Exit status: 0 all is well, 1 a check fails or the simulation breaks off, 2 bad input (one line on stderr), 130 after
-Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations

@@ -32,10 +32,6 @@ from scripts.save_file import write_save_file
 )
 def main(options: SimpleNamespace) -> int:
     try:
-        options.vcd.open("rb").close()
-    except OSError as error:
-        raise InputError(f"{options.vcd}: cannot be read: {error.strerror}") from None
-    try:
         with whole_file(options.save) as path:
             write_save_file(options.vcd, options.datapath, options.width, path)
     except ValueError as error:
