@@ -11,8 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import hashlib
-import importlib.util
 import logging
 import multiprocessing
 import os
@@ -20,8 +18,6 @@ import pickle
 import re
 import signal
 import sys
-import threading
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -29,14 +25,16 @@ from types import SimpleNamespace
 
 import click
 
-from scripts.console import EVERY, InputError, command, option, whole
+from scripts.console import InputError, command, option, whole
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
+from tb.sim.sources import digest
+from tb.sim.subprocesses import end_with_parent
 
 CONNECT = 10
 """Seconds to wait for a scheduler."""
 
-CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".rdl", ".vlt"}
+CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".rdl", ".vlt", ".lock"}
 
 
 class BrokenOffError(SimulationError):
@@ -45,8 +43,7 @@ class BrokenOffError(SimulationError):
 
 def address(text: str) -> str:
     """Return the address of a scheduler, the type of an option."""
-    found = re.fullmatch(r"tcp://([\w.-]+|\[[0-9a-fA-F:]+\]):(\d{1,5})", text, re.ASCII)
-    if not (found and 0 < int(found[2]) < 1 << 16):
+    if not re.fullmatch(r"tcp://([\w.-]+|\[[0-9a-fA-F:]+\]):\d{1,5}", text, re.ASCII):
         raise click.BadParameter(f"{text!r} is not the address of a scheduler, as in tcp://scheduler:8786")
     return text
 
@@ -73,13 +70,9 @@ def _start() -> None:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise SystemExit
 
-    def follow() -> None:
-        multiprocessing.parent_process().join()
-        os.kill(os.getpid(), signal.SIGTERM)
-
     os.setsid()
     signal.signal(signal.SIGTERM, end)
-    threading.Thread(target=follow, daemon=True).start()
+    end_with_parent()
 
 
 def _call(work: Callable, *items):
@@ -108,73 +101,49 @@ def _pool(jobs: int) -> Iterator[Callable]:
 # -- workers on other machines -----------------------------------------------------------------------------------------
 
 
-def _needs_dask() -> None:
-    if importlib.util.find_spec("distributed") is None:
-        raise InputError("argument --farm: the package distributed is missing; make with FARM=... installs it")
-
-
 @contextlib.contextmanager
 def _farm(farm: str) -> Iterator[Callable]:
-    _needs_dask()
-    import dask
-    from distributed import Client
-
+    try:
+        import distributed
+    except ImportError:
+        message = "argument --farm: the package distributed is missing; make with FARM=... installs it"
+        raise InputError(message) from None
     for name in ("distributed", "distributed.client", "tornado", "asyncio"):  # errors are reported here
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
-    with dask.config.set({"distributed.comm.timeouts.connect": CONNECT}):
-        try:
-            client = Client(farm, timeout=CONNECT)
-        except (OSError, ValueError) as error:
-            raise InputError(f"argument --farm: no scheduler answers at {farm}") from error
-        try:
-            yield functools.partial(_each, client, farm)
-        finally:
-            client.close(timeout=1)  # cancels outstanding work
+    try:
+        client = distributed.Client(farm, timeout=CONNECT)
+    except (OSError, ValueError) as error:
+        raise InputError(f"argument --farm: no scheduler answers at {farm}") from error
 
+    def each(work: Callable, items: Iterable) -> Iterator:
+        if not client.nthreads():
+            print(f"farm: {farm} has no workers, waiting for one", file=sys.stderr, flush=True)
+        pickled = [pickle.dumps((work, item)) for item in items]
+        return client.get_executor(pure=False).map(functools.partial(_checked, sources()), pickled)
 
-def _each(client, farm: str, work: Callable, items: Iterable) -> Iterator:
-    """Submit all items and yield their results in order."""
-    import distributed
-
-    flying = deque(client.submit(_checked, pickle.dumps((work, item)), sources(), pure=False) for item in items)
-    waiting = False
-    while flying:
-        try:
-            while not flying[0].done():
-                with contextlib.suppress(distributed.TimeoutError):
-                    distributed.wait(flying[0], EVERY)
-                if not (waiting or flying[0].done() or client.nthreads()):
-                    waiting = True
-                    print(f"farm: {farm} has no workers, waiting for one", file=sys.stderr, flush=True)
-        except (CancelledError, OSError, RuntimeError):
-            raise BrokenOffError(f"the scheduler {farm} is gone") from None
-        try:
-            result = flying[0].result()
-        except CancelledError:
-            raise BrokenOffError(f"the scheduler {farm} is gone") from None
-        except distributed.KilledWorker:
-            raise BrokenOffError("the same piece of work has ended several workers of the farm") from None
-        flying.popleft()
-        yield result
+    try:
+        yield each
+    except distributed.KilledWorker:
+        raise BrokenOffError("the same piece of work has ended several workers of the farm") from None
+    except CancelledError:
+        raise BrokenOffError(f"the scheduler {farm} is gone") from None
+    finally:
+        client.close(timeout=1)  # cancels outstanding work
 
 
 @functools.cache
 def sources() -> str:
     """Return a digest of the code of this tree and of the versions of its packages, as first seen by this process."""
-    paths = [path for room in ("model", "rtl", "scripts", "tb") for path in (ROOT / room).rglob("*")]
-    paths = [path for path in paths if path.suffix in CODE] + list((ROOT / "requirements").glob("*.lock"))
-    digest = hashlib.sha256()
-    for path in sorted(paths):
-        digest.update(f"{path.relative_to(ROOT)}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()[:16]
+    paths = (path for room in ("model", "rtl", "scripts", "tb", "requirements") for path in (ROOT / room).rglob("*"))
+    return digest(sorted(path for path in paths if path.suffix in CODE))
 
 
-def _checked(payload: bytes, digest: str):
+def _checked(client: str, payload: bytes):
     """Run a pickled function on a worker with the same sources."""
-    if sources() != digest:
+    if sources() != client:
         raise InputError(
             f"argument --farm: worker {os.uname().nodename} has other sources than this checkout ({sources()}, not "
-            f"{digest}): bring it to the same commit and start it again"
+            f"{client}): bring it to the same commit and start it again"
         )
     work, item = pickle.loads(payload)
     return work(item)
@@ -189,7 +158,6 @@ def _checked(payload: bytes, digest: str):
 def main(options: SimpleNamespace) -> int:
     if not options.farm:
         raise InputError("argument --farm: the address of the scheduler is missing, as in tcp://scheduler:8786")
-    _needs_dask()
     words = [options.farm, "--nworkers", str(options.jobs), "--nthreads", "1", "--no-dashboard"]
     words += ["--local-directory", str(ROOT / "build" / "farm")]
     # Daemonic processes may not have children.

@@ -118,7 +118,7 @@ BAD_INPUT = [
     ("waves in.vcd paper 32 o.gtkw", "no module ik_axis", VCD.format("top")),
     ("waves in.vcd lean 32 o.gtkw", "no ik_axis.rst", VCD.format("ik_axis")),
     ("parallel", "--farm tcp://scheduler:8786"),
-    ("parallel --farm tcp://here:99999", "--farm 'tcp://here:99999'"),
+    ("parallel --farm tcp://here", "--farm 'tcp://here'"),
     ("lint ik_none", "ik_none"),
     ("check_proofs --strickt", "--strickt"),
     ("schedule --period 0", "--period 0"),

@@ -168,13 +168,3 @@ def test_no_scheduler(monkeypatch):
     with pytest.raises(InputError, match="no scheduler answers at tcp://127.0.0.1:9"):
         with parallel.shared(1, "tcp://127.0.0.1:9"):
             pass
-
-
-def test_usage(command, monkeypatch):
-    assert command(parallel.main)[::2] == (
-        2,
-        ["parallel: argument --farm: the address of the scheduler is missing, as in tcp://scheduler:8786"],
-    )
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    status, _, err = command(parallel.main, "--farm", "tcp://here:8786")
-    assert status == 2 and "the package distributed is missing" in err[0]
