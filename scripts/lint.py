@@ -5,12 +5,10 @@ A module is linted at each parameter set below. Any message is a finding; the ex
 waivers are in rtl/lint.vlt.
 """
 
-import itertools
 import os
 import re
 import subprocess
 import sys
-import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -22,11 +20,9 @@ from scripts.console import InputError, command
 from tb.sim.env import ROOT, environment
 from tb.sim.sources import includes, sources
 
-# parameter -> its values; a module is linted at every combination of the parameters that it has
-PARAMETER_SETS = {"W": (32, 18)}
 # engines of memory: narrow and wide buses, addresses and bursts
 BUSES = [{"ADDR_W": a, "DATA_W": d, "LOG2_BURST": b} for a, d, b in ((32, 64, 3), (64, 32, 5), (12, 128, 1))]
-# module -> its own sets, if the sets above are illegal or insufficient
+# module -> its parameter sets; another module is linted at W = 32 and 18 if it has a W
 MODULE_SETS = {
     "ik_axi": [
         {"W": 32},
@@ -72,7 +68,6 @@ MODULE_SETS = {
     "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 23}, {"W": 16, "F": 19}],  # F goes with W
 }
 
-PREFIX = "ik_"
 FOLDERS = ("examples/icebreaker", "tb/rules")
 """Folders of modules that are linted with rtl/."""
 MODELS = "tb/icebreaker"
@@ -93,65 +88,45 @@ TOOLS = {
 """Check -> its command; the settings are in pyproject.toml."""
 
 
-def parameter_sets(name: str, text: str) -> list[dict]:
-    """Return the parameter sets at which a module is linted."""
-    if name in MODULE_SETS:
-        return MODULE_SETS[name]
-    has = [p for p in PARAMETER_SETS if re.search(rf"\bparameter\b[^;)]*?\b{p}\s*=", text)]
-    combinations = itertools.product(*(PARAMETER_SETS[p] for p in has))
-    return [dict(zip(has, values, strict=True)) for values in combinations]
-
-
-def commands(source: Path, parameters: dict) -> list[list[str]]:
-    """Return the commands of both simulators for a module."""
-    name = source.stem
-    folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / name for name in (*FOLDERS, MODELS))]
-    where = [f"-I{folder}" for folder in (*includes(), *folders)]
-    where += [word for folder in folders for word in ("-y", str(folder))]
-    verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", name]
-    verilator += [*where, *(f"-G{k}={v}" for k, v in parameters.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
-    icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", name]
-    icarus += [*where, *(f"-P{name}.{k}={v}" for k, v in parameters.items()), str(source)]
-    return [verilator, icarus]
-
-
-def run(words: Sequence[str]) -> str:
-    """Return the messages of a command; empty if there is no finding."""
+def findings(words: Sequence[str], only_failures: bool = False) -> str:
+    """Return the messages of a command, empty if there are none; with `only_failures` also if it exits with 0."""
     done = subprocess.run(words, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
+    if only_failures and not done.returncode:
+        return ""
     # Verilator ends with lines such as "- Verilator: Walltime ..."
     lines = [line for line in (done.stdout + done.stderr).splitlines() if line and not line.startswith("- ")]
     return "\n".join(lines or [f"{words[0]} ended with status {done.returncode}"] * bool(done.returncode))
 
 
 def lint_module(source: Path) -> tuple[str, str]:
-    """Return a line about a module, and its findings."""
-    start = time.monotonic()
+    """Return a module with its parameter sets, and the findings of both simulators."""
     name = source.stem
-    text = re.sub(r"//[^\n]*|/\*.*?\*/", " ", source.read_text(encoding="utf-8"), flags=re.DOTALL)
-    sets = parameter_sets(name, text)
-    modules = re.findall(r"^\s*module\s+(\w+)", text, re.MULTILINE)
-    if modules != [name]:
-        findings = [f"{source}: defines {modules or 'no module'}, expected the one module {name}"]
-    elif ROOT / "rtl" in source.parents and not name.startswith(PREFIX):
-        findings = [f"{source}: a module name must start with {PREFIX}"]
-    else:
-        # Several parameter sets may give the same message.
-        findings = dict.fromkeys(run(words) for parameters in sets for words in commands(source, parameters))
-    at = ", ".join(" ".join(f"{k}={v}" for k, v in p.items()) or "defaults" for p in sets)
-    findings = "\n".join(filter(None, findings))
-    return f"{'FAIL' if findings else 'ok  '} {name:<28} {at:<16} {time.monotonic() - start:5.1f} s", findings
+    has_width = re.search(r"\bparameter +(integer +)?W *=", source.read_text(encoding="utf-8"))
+    sets = MODULE_SETS.get(name) or ([{"W": 32}, {"W": 18}] if has_width else [{}])
+    folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / name for name in (*FOLDERS, MODELS))]
+    where = [f"-I{folder}" for folder in (*includes(), *folders)]
+    where += [word for folder in folders for word in ("-y", str(folder))]
+    found = {}  # several parameter sets may give the same message
+    for each in sets:
+        verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", name]
+        verilator += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
+        icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", name]
+        icarus += [*where, *(f"-P{name}.{k}={v}" for k, v in each.items()), str(source)]
+        found |= {findings(verilator): None, findings(icarus): None}
+    at = ", ".join(" ".join(f"{k}={v}" for k, v in each.items()) or "defaults" for each in sets)
+    return f"{name} {at}", "\n".join(filter(None, found))
 
 
-def unkept(names: Sequence[str]) -> list[str]:
+def unkept(names: Sequence[str]) -> str:
     """Return the findings on licences and lengths of source files."""
-    findings = []
+    found = []
     for name in filter(LICENSED.fullmatch, names):
         lines = (ROOT / name).read_text(encoding="utf-8").splitlines() if (ROOT / name).is_file() else [LICENCE]
         if not any(LICENCE in line for line in lines[:5]):
-            findings.append(f"{name}: no line {LICENCE}")
+            found.append(f"{name}: no line {LICENCE}")
         if len(lines) > LONGEST and not GENERATED.fullmatch(name):
-            findings.append(f"{name}: {len(lines)} lines, at most {LONGEST} allowed")
-    return findings
+            found.append(f"{name}: {len(lines)} lines, at most {LONGEST} allowed")
+    return "\n".join(found)
 
 
 @command(
@@ -162,25 +137,23 @@ def unkept(names: Sequence[str]) -> list[str]:
     fails="a finding",
 )
 def main(options: SimpleNamespace) -> int:
-    found = [*sources(), *(path for name in FOLDERS for path in sorted((ROOT / name).glob("*.v")))]
-    if unknown := set(options.modules) - {source.stem for source in found}:
+    every = [*sources(), *(path for name in FOLDERS for path in sorted((ROOT / name).glob("*.v")))]
+    if unknown := set(options.modules) - {source.stem for source in every}:
         raise InputError(f"no module {', '.join(sorted(unknown))}")
-    found = [source for source in found if source.stem in (options.modules or [source.stem])]
     failed = 0
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for line, findings in pool.map(lint_module, found):
-            print(line, *filter(None, [findings]), sep="\n", flush=True)
-            failed += bool(findings)
-    print(f"{len(found) - failed} of {len(found)} Verilog modules without a finding", flush=True)
 
+    def report(name: str, found: str) -> None:
+        nonlocal failed
+        failed += bool(found)
+        print(f"{'FAIL' if found else 'ok  '} {name}", *filter(None, [found]), sep="\n", flush=True)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for name, found in pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])]):
+            report(name, found)
     if not options.modules:
-        results = {"licences, lengths of files": "\n".join(unkept(run(["git", "ls-files"]).splitlines()))}
+        report("licences, lengths of files", unkept(findings(["git", "ls-files"]).splitlines()))
         for name, words in TOOLS.items():
-            done = subprocess.run(words, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
-            results[name] = done.stdout + done.stderr if done.returncode else ""
-        for name, findings in results.items():
-            print(f"{'FAIL' if findings else 'ok  '} {name}", *filter(None, [findings]), sep="\n", flush=True)
-            failed += bool(findings)
+            report(name, findings(words, only_failures=True))
     return 1 if failed else 0
 
 

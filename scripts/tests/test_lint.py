@@ -30,7 +30,7 @@ endmodule
         ("{a[W-1], a}", "{a[W-1], typo}", "typo"),
         ("input  wire                clk", "input  logic               clk", "%Error"),
         ("always @(posedge clk)\n", "always @(*) if (clk)\n", "LATCH"),
-        ("module ik_add", "module ik_sub", "expected the one module ik_add"),
+        ("module ik_add", "module ik_sub", "ik_add"),
     ],
     ids=["clean", "width", "width at 18", "implicit net", "SystemVerilog", "latch", "name"],
 )
@@ -38,7 +38,7 @@ def test_findings(tmp_path, old, new, finding):
     file = tmp_path / "ik_add.v"
     file.write_text(CLEAN.replace(old, new, 1) if old else CLEAN)
     line, found = lint.lint_module(file)
-    assert line.startswith("FAIL" if finding else "ok") and "W=32, W=18" in line
+    assert line == "ik_add W=32, W=18"
     assert finding in found if finding else not found
 
 
@@ -47,4 +47,5 @@ def test_licences_and_lengths(tmp_path, monkeypatch):
     (tmp_path / "a.py").write_text(f"# {lint.LICENCE}\n" + "x\n" * 500)
     (tmp_path / "b.py").write_text("x\n")
     (tmp_path / "c.md").write_text("x\n" * 501)
-    assert [line.split(":")[0] for line in lint.unkept(["a.py", "b.py", "c.md"])] == ["a.py", "b.py"]
+    found = lint.unkept(["a.py", "b.py", "c.md"]).splitlines()
+    assert [line.split(":")[0] for line in found] == ["a.py", "b.py"]
