@@ -42,7 +42,7 @@ GIVEN := $(foreach v,$(.VARIABLES),$(if $(filter command,$(origin $v)),$v))
 TAKEN := $(sort $(foreach goal,$(GOALS),$(TAKES_$(goal))))
 WRONG := $(filter-out PYTHON $(TAKEN),$(GIVEN))
 ifneq ($(WRONG),)
-$(error $(shell $(PYTHON) -ES $(HERE)scripts/setup/variables.py '$(GOALS)' '$(subst ','\'',$(WRONG))' '$(TAKEN)'))
+$(error make $(GOALS) takes no variable $(firstword $(WRONG)): it takes $(or $(TAKEN),none))
 endif
 switch = $(if $(filter command,$(origin $1)),$(if $(filter-out 0 1,$(value $1))$(word 2,$(value $1)),$(error $1=$(value $1): use 1 or 0)))
 $(foreach v,WAVES KEEP SPECIAL,$(call switch,$v))

@@ -17,6 +17,7 @@ This file must parse on Python 3.7, so that an old Python gets a message instead
 import os
 import subprocess
 import sys
+from shutil import which
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
@@ -48,14 +49,6 @@ def die(text):
     sys.exit(2)
 
 
-def which(program):  # shutil.which takes longer to import than this whole file
-    for folder in os.environ.get("PATH", os.defpath).split(os.pathsep):
-        path = os.path.join(folder or ".", program)
-        if os.path.isfile(path) and os.access(path, os.X_OK):
-            return path
-    return None
-
-
 # -- which Python ----------------------------------------------------------------------------------
 
 
@@ -63,29 +56,20 @@ def version_ok():
     return OLDEST <= sys.version_info[:2] <= NEWEST
 
 
-def is_distributions():
-    """Return whether this is the system's Python, which apt-get can complete."""
-    return os.path.realpath(sys.executable).startswith("/usr/bin/") and which("apt-get") is not None
-
-
 def shared_library():
-    """Return the path of the shared libpython, which a simulator loads to run cocotb, or None."""
-    import sysconfig
+    """Return whether there is a shared libpython, which a simulator loads to run cocotb."""
+    from sysconfig import get_config_var as get
 
-    name = sysconfig.get_config_var("INSTSONAME") or ""
-    if ".so" not in name:
-        return None
-    multiarch = sysconfig.get_config_var("MULTIARCH") or ""
-    folders = [sysconfig.get_config_var("LIBDIR") or "/usr/lib", os.path.join(sys.base_prefix, "lib")]
-    for folder in folders + [os.path.join(f, multiarch) for f in folders]:
-        if os.path.exists(os.path.join(folder, name)):
-            return os.path.join(folder, name)
-    return None
+    folders = [get("LIBDIR") or "/usr/lib", os.path.join(sys.base_prefix, "lib")]
+    folders += [os.path.join(folder, get("MULTIARCH") or "") for folder in folders]
+    name = get("INSTSONAME") or ""
+    return ".so" in name and any(os.path.exists(os.path.join(folder, name)) for folder in folders)
 
 
 def suits():
     """Return whether this Python can make a virtual environment that runs cocotb, if necessary with apt-get."""
-    return version_ok() and (shared_library() is not None or is_distributions())
+    systems = os.path.realpath(sys.executable).startswith("/usr/bin/") and which("apt-get")
+    return version_ok() and bool(shared_library() or systems)
 
 
 def choose_python(arguments):
@@ -95,12 +79,9 @@ def choose_python(arguments):
     asked = [SYSTEM_PYTHON, "-ES", os.path.abspath(__file__)]
     if os.path.exists(SYSTEM_PYTHON) and subprocess.call(asked + ["--suits"], **QUIET) == 0:
         os.execv(SYSTEM_PYTHON, asked + arguments)
-    this = f"{sys.executable} (Python {VERSION})"
-    if sys.version_info[:2] < OLDEST:
-        die(f"Python 3.10 or later is needed, {this} is too old: install a newer python3")
-    if sys.version_info[:2] > NEWEST:
-        die(f"Python 3.10 to 3.14 is needed, {this} is too new: install one of those")
-    die(f"{this} lacks the shared libpython that cocotb needs: install the system's python3")
+    if not version_ok():
+        die(f"Python 3.10 to 3.14 is needed, {sys.executable} is {VERSION}: install one of those")
+    die(f"{sys.executable} lacks the shared libpython that cocotb needs: install the system's python3")
 
 
 # -- the system's packages -------------------------------------------------------------------------
@@ -135,9 +116,7 @@ def install_packages(packages):
     by_hand = "apt-get update && apt-get install -y " + " ".join(packages)
     prefix = apt_prefix()
     if prefix is None:
-        if which("apt-get") is None:
-            die("please install, then run make again (by their Debian names): " + " ".join(packages))
-        die("please install as root, then run make again: " + by_hand)
+        die("please install as root, then run make again (by their Debian names): " + by_hand)
     say(f"installing {', '.join(packages)} (apt-get) ...")
     get = prefix + ["env", "DEBIAN_FRONTEND=noninteractive", "NEEDRESTART_MODE=a", "LC_ALL=C", "apt-get"]
     get += ["-q", "-y", "-o", "DPkg::Lock::Timeout=300", "-o", "Dpkg::Use-Pty=0"]
@@ -165,7 +144,7 @@ def missing_for_venv():
         import venv  # noqa: F401
     except ImportError:
         packages.append(f"python{VERSION}-venv")
-    if shared_library() is None:
+    if not shared_library():
         packages.append(f"libpython{VERSION}")
     return packages
 
@@ -193,9 +172,7 @@ class Setup:
             return hashlib.sha256(f.read()).hexdigest()
 
     def key(self):
-        """Return the key of the environment, or None without a working Python in it."""
-        if not os.path.exists(self.python):
-            return None
+        """Return what a stamp must hold of the present environment."""
         return {"lock": self.digest(self.lock_file), "python": os.path.realpath(self.python), "venv": self.venv}
 
     def read_stamp(self):
@@ -205,34 +182,29 @@ class Setup:
         try:
             with open(self.stamp) as f:
                 stamp = json.load(f)
-            key = self.key()
-            good = key is not None and all(stamp[name] == value for name, value in key.items())
-            return stamp if good and os.path.exists(stamp["libpython"]) else None
+            same = all(stamp[name] == value for name, value in self.key().items())
+            return stamp if same and os.path.exists(self.python) and os.path.exists(stamp["libpython"]) else None
         except (OSError, ValueError, LookupError, TypeError):
             return None
 
     def write_stamp(self, libpython, ready):
         import json
 
-        stamp = dict(self.key() or {}, libpython=libpython, ready=sorted(ready))
-        for extra in set(ready) & set(EXTRAS):
-            stamp[extra] = self.digest(self.extra_lock(extra))
+        stamp = dict(self.key(), libpython=libpython, ready=sorted(ready))
+        stamp.update({extra: self.digest(self.extra_lock(extra)) for extra in set(ready) & set(EXTRAS)})
         with open(self.stamp + ".new", "w") as f:
             json.dump(stamp, f, indent=1)
         os.rename(self.stamp + ".new", self.stamp)
 
     def ready_in(self, stamp):
         """Return the requirements of a stamp, without extras whose lock file has changed."""
-        ready = set(stamp.get("ready", []) if stamp else [])
+        ready = stamp["ready"] if stamp else []
         return {need for need in ready if need not in EXTRAS or stamp.get(need) == self.digest(self.extra_lock(need))}
 
     def is_ready(self, needs):
+        there = all(which(program) for need in needs for program in PROGRAMS[need])
         stamp = self.read_stamp()
-        return (
-            stamp is not None
-            and set(needs) <= self.ready_in(stamp)
-            and all(which(program) for need in needs for program in PROGRAMS[need])
-        )
+        return stamp is not None and there and set(needs) <= self.ready_in(stamp)
 
     def pip_install(self, lock_file):
         """Install a lock file into .venv; return status and output of pip."""
@@ -245,8 +217,6 @@ class Setup:
     def give_up(self, what, said):
         lines = [line.strip() for line in said.splitlines() if line.strip()]
         wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
-        if any(sign in said for sign in ("Failed to establish", "Connection broken", "timed out")):
-            wrong = ["the package index cannot be reached"]
         die(f"could not {what}: {wrong[-1]} (more in build/setup.log)")
 
     def make_venv(self):

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of all commands: bad input gives one line and status 2, help lists the options, make passes variables on."""
+"""Tests of all commands: bad input gives one line and status 2; --help."""
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +16,7 @@ from scripts.paper import __main__ as paper
 from scripts.playground import page as playground
 from scripts.report import page
 from tb.core import hardest
-from tb.sim.env import ROOT, environment
+from tb.sim.env import ROOT
 
 MAINS = {
     "run": run.main,
@@ -181,61 +180,3 @@ def test_the_exit_status_of_the_process():
     words = [sys.executable, "-m", "scripts.run", "--trajectory", "none.csv"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "run: none.csv: no such file\n")
-
-
-# -- make ------------------------------------------------------------------------------------------
-
-
-def dry_run(*words, cwd=ROOT):
-    """Run make -n without SIM in the environment."""
-    env = {name: value for name, value in environment().items() if name != "SIM"}
-    return subprocess.run(["make", "-n", *words], cwd=cwd, env=env, capture_output=True, text=True, check=False)
-
-
-RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM JOINTS D1 D2 PHI BAR"
-
-
-@pytest.mark.parametrize(
-    ("target", "needs", "sim", "variables", "switches"),
-    [
-        ("run", "icarus", "icarus", RUN, "WAVES"),
-        ("report", "icarus", "icarus", RUN, ""),
-        ("follow", "icarus", "icarus", f"{RUN} TARGET", "WAVES"),
-        ("soak", "verilator farm", "verilator", "TARGETS SEED DATAPATH WIDTH OUT AGAIN FROM FARM", "KEEP"),
-        ("coverage", "verilator", "", "ONLY", "KEEP"),
-        ("formal", "fpga", "", "ONLY", ""),
-    ],
-)
-def test_make_passes_the_variables_of_a_target(target, needs, sim, variables, switches):
-    given = [*(f"{name}=x" for name in variables.split()), *(f"{name}=1" for name in switches.split())]
-    done = dry_run(target, *given)
-    command = done.stdout.replace("\\\n", " ")
-    started = command.split(" -m scripts.")[1].split()
-    assert re.findall(r"bootstrap.py (.*)", command) == [needs]
-    options = [f'--{name.lower()}="$CGA_{name}"' for name in variables.split()]
-    options += [f"--{name.lower()}" for name in switches.split()] + (["--sim", sim] if sim else [])
-    assert started[0] == target and sorted(started[1:]) == sorted(options)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("run sim=verilator", "make run takes no variable sim: perhaps SIM is meant"),
-        ("report WAVES=1", "make report takes no variable WAVES: it takes ARM, AXIS, BAR, "),
-        ("X=1", "make help takes no variable X: it takes none"),
-        ("run WAVES=no", "WAVES=no: use 1 or 0"),
-        ("run SIM=questa", "unknown simulator SIM=questa"),
-        ("test CORES=fast", "unknown cores CORES=fast: use behavioural or digit"),
-    ],
-)
-def test_make_refuses_bad_variables(words, message):
-    done = dry_run(*words.split())
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done
-    assert f"*** {message}" in done.stderr
-
-
-def test_make_replaces_the_shell_by_the_command():
-    """A shell in between would be ended by SIGTERM to make, while command and simulator continue."""
-    text = (ROOT / "Makefile").read_text()
-    last = re.findall(r"^\t@.*\$\(VENV\) .*\n(?!\t)", text, re.MULTILINE)
-    assert last and all("exec $(VENV) " in line for line in last)

@@ -4,6 +4,7 @@
 import ast
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -58,10 +59,6 @@ def refused(capsys, call, *arguments):
     return line
 
 
-def change_lock(setup):
-    Path(setup.lock_file).write_text("numpy==1.1\n")
-
-
 def change_python(setup):
     os.remove(setup.python)
     os.symlink("/nowhere/python3", setup.python)
@@ -80,12 +77,11 @@ def change_library(setup):
 @pytest.mark.parametrize(
     "change",
     [
-        change_lock,
         change_python,
         move,
         change_library,
+        lambda setup: Path(setup.lock_file).write_text("numpy==1.1\n"),
         lambda setup: Path(setup.stamp).write_text("{"),
-        lambda setup: Path(setup.stamp).write_text("[]"),
         lambda setup: os.remove(setup.stamp),
     ],
 )
@@ -100,7 +96,7 @@ def test_a_missing_program_is_found_and_named(checkout, capsys):
     (path / "vvp").unlink()
     assert not checkout.is_ready(["icarus"]) and bootstrap.missing_packages(["icarus"]) == ["iverilog"]
     message = refused(capsys, checkout.set_up, ["chromium"])
-    assert message == "cga-ik: please install, then run make again (by their Debian names): chromium"
+    assert message.endswith(" chromium")
     script(path / "perl", "exit 2\n")  # Debian's perl-base, which lacks some modules
     assert bootstrap.missing_packages(["verilator"]) == ["perl"]
     assert "unknown requirement 'netscape'" in refused(capsys, bootstrap.main, ["netscape"])
@@ -157,40 +153,51 @@ def test_a_linked_environment_is_left_alone(checkout, tmp_path, capsys):
     assert checkout.is_ready(["icarus"])
 
 
-@pytest.mark.parametrize(("user", "fails"), [("root", 0), ("sudo", 1), ("root", 9), ("nobody", 0)])
-def test_apt_get(checkout, tmp_path, monkeypatch, capsys, user, fails):
+@pytest.mark.parametrize(
+    ("user", "fails", "calls"),
+    [
+        ("root", 0, ["install"]),
+        ("sudo", 1, ["install", "update", "install"]),
+        ("root", 9, ["install", "update", "install"]),
+        ("sudo with a password", 0, []),
+        ("no sudo", 0, []),
+        ("no apt-get", 0, []),
+    ],
+)
+def test_apt_get(checkout, tmp_path, monkeypatch, capsys, user, fails, calls):
     """apt-get runs without prompts where allowed, again after an update; otherwise one line names its command."""
     path, log = Path(os.environ["PATH"]), tmp_path / "log"
     log.touch()
     count = f'case "$*" in *install*) [ $(grep -c " install " "{log}") -gt {fails} ] || exit 100;; esac\n'
-    script(path / "apt-get", f'echo "$DEBIAN_FRONTEND $*" >> "{log}"\n{count}')
-    script(path / "sudo", f'[ "$1" = -n ] && [ {user} = sudo ] || exit 1\nshift\nexec "$@"\n')
+    if user != "no apt-get":
+        script(path / "apt-get", f'echo "$DEBIAN_FRONTEND $*" >> "{log}"\n{count}')
+    if user != "no sudo":
+        script(path / "sudo", f'[ "$1" = -n ] && [ "{user}" = sudo ] || exit 1\nshift\nexec "$@"\n')
     for name in ("env", "true", "grep"):
         (path / name).symlink_to(shutil.which(name, path="/usr/bin:/bin"))
     monkeypatch.setattr(os, "geteuid", lambda: 0 if user == "root" else 1000)
-    if fails > 1 or user == "nobody":
+    if fails > 1 or not calls:
         message = refused(capsys, bootstrap.install_packages, ["iverilog", "g++"])
         assert "as root" in message and message.endswith("apt-get install -y g++ iverilog")
     else:
         bootstrap.install_packages(["iverilog", "g++"])
-    calls = log.read_text().splitlines()
-    assert all(call.startswith("noninteractive ") for call in calls)
-    done = [word for call in calls for word in call.split() if word in ("update", "install")]
-    assert done == ([] if user == "nobody" else ["install", "update", "install"] if fails else ["install"])
+    lines = log.read_text().splitlines()
+    assert all(line.startswith("noninteractive ") for line in lines)
+    assert [word for line in lines for word in line.split() if word in ("update", "install")] == calls
 
 
 @pytest.mark.parametrize(
     "version, message",
     [
-        ((3, 9, 2), "Python 3.10 or later is needed"),
+        ((3, 9, 2), "Python 3.10 to 3.14 is needed"),
         ((3, 15, 0), "Python 3.10 to 3.14 is needed"),
         ((3, 12, 1), "lacks the shared libpython"),
     ],
 )
 def test_an_unsuitable_python_is_refused(monkeypatch, capsys, version, message):
     monkeypatch.setattr(sys, "version_info", version)
-    monkeypatch.setattr(bootstrap, "shared_library", lambda: None)
-    monkeypatch.setattr(bootstrap, "is_distributions", lambda: False)
+    monkeypatch.setattr(bootstrap, "shared_library", lambda: False)
+    monkeypatch.setattr(bootstrap, "which", lambda name: None)
     monkeypatch.setattr(bootstrap, "SYSTEM_PYTHON", "/nowhere/python3")
     assert message in refused(capsys, bootstrap.choose_python, [])
 
@@ -215,14 +222,10 @@ def test_a_second_setup_of_a_checkout_waits(checkout):
     assert second.communicate(timeout=20)[1] == "" and second.returncode == 0
 
 
-@pytest.mark.parametrize("extra", bootstrap.EXTRAS)
-def test_lock_files_agree(extra):
+def test_lock_files_agree():
     """All are installed into one .venv, so a package has one version in them."""
-
-    def pinned(lock_file):
-        lines = [line for line in Path(lock_file).read_text().splitlines() if "==" in line and line[0] not in "# "]
-        return {line.split("==")[0]: line.split("==")[1].split()[0] for line in lines}
-
     setup = bootstrap.Setup()
-    base, more = pinned(setup.lock_file), pinned(setup.extra_lock(extra))
-    assert {name: base.get(name, version) for name, version in more.items()} == more
+    versions = {}
+    for lock in (setup.lock_file, *map(setup.extra_lock, bootstrap.EXTRAS)):
+        for name, version in dict(re.findall(r"^([\w.-]+)==([^\s;]+)", Path(lock).read_text(), re.M)).items():
+            assert versions.setdefault(name, version) == version, lock

@@ -2,6 +2,7 @@
 """The Makefile: help, values passed to commands as typed, calls from another folder."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -13,8 +14,7 @@ from tb.sim.env import ROOT, environment
 
 
 def make(*words, cwd=ROOT, **env):
-    env = dict(environment(), **env)
-    env.pop("SIM", None)
+    env = {name: value for name, value in environment().items() if name != "SIM"} | env
     return subprocess.run(["make", *words], cwd=cwd, env=env, capture_output=True, text=True, timeout=60, check=False)
 
 
@@ -83,3 +83,52 @@ def test_make_from_another_folder(stand_in, tmp_path):
         assert (done.returncode, done.stdout) == (2, "") and message in done.stderr
     done = make("-n", "-f", str(ROOT / "Makefile"), "run", cwd=tmp_path)
     assert f"exec env PYTHONPATH={ROOT}/ {ROOT}/.venv/bin/python -m scripts.run" in done.stdout
+
+
+RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM JOINTS D1 D2 PHI BAR"
+
+
+@pytest.mark.parametrize(
+    ("target", "needs", "sim", "variables", "switches"),
+    [
+        ("run", "icarus", "icarus", RUN, "WAVES"),
+        ("report", "icarus", "icarus", RUN, ""),
+        ("follow", "icarus", "icarus", f"{RUN} TARGET", "WAVES"),
+        ("soak", "verilator farm", "verilator", "TARGETS SEED DATAPATH WIDTH OUT AGAIN FROM FARM", "KEEP"),
+        ("coverage", "verilator", "", "ONLY", "KEEP"),
+        ("formal", "fpga", "", "ONLY", ""),
+    ],
+)
+def test_make_passes_the_variables_of_a_target(target, needs, sim, variables, switches):
+    given = [*(f"{name}=x" for name in variables.split()), *(f"{name}=1" for name in switches.split())]
+    done = make("-n", target, *given)
+    command = done.stdout.replace("\\\n", " ")
+    started = command.split(" -m scripts.")[1].split()
+    assert re.findall(r"bootstrap.py (.*)", command) == [needs]
+    options = [f'--{name.lower()}="$CGA_{name}"' for name in variables.split()]
+    options += [f"--{name.lower()}" for name in switches.split()] + (["--sim", sim] if sim else [])
+    assert started[0] == target and sorted(started[1:]) == sorted(options)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("run sim=verilator", "make run takes no variable sim: it takes ARM AXIS BAR "),
+        ("report WAVES=1", "make report takes no variable WAVES: it takes ARM AXIS BAR "),
+        ("X=1", "make help takes no variable X: it takes none"),
+        ("run WAVES=no", "WAVES=no: use 1 or 0"),
+        ("run SIM=questa", "unknown simulator SIM=questa"),
+        ("test CORES=fast", "unknown cores CORES=fast: use behavioural or digit"),
+    ],
+)
+def test_make_refuses_bad_variables(words, message):
+    done = make("-n", *words.split())
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done
+    assert f"*** {message}" in done.stderr
+
+
+def test_make_replaces_the_shell_by_the_command():
+    """A shell in between would be ended by SIGTERM to make, while command and simulator continue."""
+    text = (ROOT / "Makefile").read_text()
+    last = re.findall(r"^\t@.*\$\(VENV\) .*\n(?!\t)", text, re.MULTILINE)
+    assert last and all("exec $(VENV) " in line for line in last)
