@@ -27,6 +27,14 @@ EXPLAINED = (
 )
 
 
+def _table(title: str, headings: Sequence[str], left: int = 1, **settings) -> Table:
+    """Return an empty table whose first `left` columns are justified to the left."""
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", **settings)
+    for n, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if n < left else "right", no_wrap="padding" in settings)
+    return table
+
+
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.1e}"
 
@@ -49,7 +57,6 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
 
     flags (N,): the core's flag bits.
     """
-    at = f"target {result.hand_error_target}"
     rows: list[tuple[str, ...]] = [
         ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
         (
@@ -58,7 +65,11 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
             "-" if result.hand_error_max is None else _asked(result.hand_error_bar),
             _number(result.hand_error_predicted),
         ),
-        *([] if result.hand_error_pose is None else [(f"  {result.hand_error_pose}", at)]),
+        *(
+            []
+            if result.hand_error_pose is None
+            else [(f"  {result.hand_error_pose}", f"target {result.hand_error_target}")]
+        ),
         ("hand error / reach, rms", _number(result.hand_error_rms)),
     ]
     if result.hand_error_over_bar is not None:
@@ -72,37 +83,19 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
     if result.clamped_error_max is not None:
         clamped = _number(result.clamped_error_max), _asked(result.clamped_error_bar)
         rows.append(("error of the clamped hand / reach, largest", *clamped))
+    rows.append(("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"))
+    if result.results_per_cycle:
+        rows += [(LATENCY, str(result.latency_cycles)), (CLOCKS, str(result.total_cycles))]
+        rows.append((RATE, f"{result.results_per_cycle:.3f}"))
     occurred = int(np.bitwise_or.reduce(flags))
-    clocks = (
-        [
-            (LATENCY, str(result.latency_cycles)),
-            (CLOCKS, str(result.total_cycles)),
-            (RATE, f"{result.results_per_cycle:.3f}"),
-        ]
-        if result.results_per_cycle
-        else []
-    )
-    return [
-        *rows,
-        ("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"),
-        *clocks,
-        ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0"),
-    ]
+    return [*rows, ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0")]
 
 
 def table_of_one(result: Score, flags: np.ndarray) -> Table:
     """Return the table of one trajectory: a line for each figure, with limit and prediction."""
-    table = Table(
-        title=f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, "
-        f"{result.width} bits, {result.simulator}",
-        caption=f"{outcome(result)}\n{EXPLAINED}",
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        caption_justify="left",
-    )
-    table.add_column("figure")
-    for heading in ("measured", "asked", "predicted"):
-        table.add_column(heading, justify="right")
+    title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
+    caption = f"{outcome(result)}\n{EXPLAINED}"
+    table = _table(title + result.simulator, ("figure", "measured", "asked", "predicted"), caption=caption)
     for row in figures(result, flags):
         table.add_row(*row)
     return table
@@ -120,18 +113,13 @@ def table_of_many(scores: Sequence[Score]) -> Table:
     """Return a table with one line for each trajectory, within 80 columns."""
     first = scores[0]
     latency = "" if first.latency_cycles is None else f", latency {first.latency_cycles} clocks"
-    table = Table(
-        title=f"{first.datapath} datapath, {first.width} bits, {first.simulator}{latency}",
-        caption=f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
-        "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        title_justify="left",
-        caption_justify="left",
+    title = f"{first.datapath} datapath, {first.width} bits, {first.simulator}{latency}"
+    caption = (
+        f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
+        "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model"
     )
-    table.add_column("trajectory", no_wrap=True)
-    for heading in ("hand", "at", "asked", "predict", "clamped", "angle", "bits", "flags", ""):
-        table.add_column(heading, justify="right", no_wrap=True)
+    headings = ("trajectory", "hand", "at", "asked", "predict", "clamped", "angle", "bits", "flags", "")
+    table = _table(title, headings, caption=caption, padding=(0, 1, 0, 0))
     for result in scores:
         at = "-" if result.hand_error_target is None else str(result.hand_error_target)
         asked = "-" if result.hand_error_bar is None else _asked(result.hand_error_bar)
@@ -157,10 +145,7 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
     """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
-    table = Table(title=f"soak: {what}", box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("figure")
-    table.add_column("measured", justify="right")
-    table.add_column("tolerance", justify="right")
+    table = _table(f"soak: {what}", ("figure", "measured", "tolerance"))
     for row in (
         ("targets", str(found.targets)),
         ("of them in reach", str(found.reachable)),
@@ -185,9 +170,8 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
 
 def table_of_hardest(found: Found) -> Table:
     """Return the hardest targets: first by hand error relative to its tolerance, then by norm error."""
-    table = Table(title="the hardest targets", box=box.SIMPLE_HEAD, title_justify="left", padding=(0, 1, 0, 0))
-    for heading in ("target", "hand", "/ tol.", "norm", *FIELDS):
-        table.add_column(heading, justify="right")
+    headings = ("target", "hand", "/ tol.", "norm", *FIELDS)
+    table = _table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
     for hards in (found.by_hand, found.by_norm):
         for hard in hards:
             figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
