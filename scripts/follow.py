@@ -11,7 +11,6 @@ With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one c
 
 from __future__ import annotations
 
-import contextlib
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -43,17 +42,6 @@ def chosen(arguments: SimpleNamespace) -> Prepared:
         last = len(item.words) - 1
         raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
     return item
-
-
-@contextlib.contextmanager
-def _place(arguments: SimpleNamespace) -> Iterator[Path]:
-    """Yield the folder of the waves: --out, or a temporary one."""
-    if arguments.waves:
-        with output(arguments.out, [arguments.out / name for name in WAVES]):
-            yield arguments.out.absolute()
-    else:
-        with tempfile.TemporaryDirectory(prefix="ik_") as folder:
-            yield Path(folder)
 
 
 # -- output -------------------------------------------------------------------------------
@@ -131,21 +119,6 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
 # -- the run ---------------------------------------------------------------------------------------
 
 
-def _simulate(arguments: SimpleNamespace, item: Prepared, vcd: Path) -> None:
-    total = len(item.words)
-    with progress(f"{arguments.sim}, {total} targets", total) as meter, whole_file(vcd) as unfinished:
-        meter(0, "compiling and starting")
-        simulate(
-            [Job(item.targets.name, item.words)],
-            simulator=arguments.sim,
-            datapath=arguments.datapath,
-            width=arguments.width,
-            waves=unfinished,
-            progress=lambda done, _: meter(done),
-            cores=arguments.cores,
-        )
-
-
 @command(
     "follow",
     "Print every node of one target in dataflow order, RTL next to model.",
@@ -157,11 +130,23 @@ def main(arguments: SimpleNamespace) -> int:
     item = chosen(arguments)
     target, datapath, width = arguments.target, arguments.datapath, arguments.width
     nodes = list(fixed.run(item.words, width, datapath).bits.nodes.values())
-    with _place(arguments) as place:
-        _simulate(arguments, item, place / VCD)
+    total, files = len(item.words), [arguments.out / name for name in WAVES]
+    with output(arguments.out, files) if arguments.waves else tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        place = Path(folder or arguments.out).absolute()
+        with progress(f"{arguments.sim}, {total} targets", total) as meter, whole_file(place / VCD) as vcd:
+            meter(0, "compiling and starting")
+            simulate(
+                [Job(item.targets.name, item.words)],
+                simulator=arguments.sim,
+                datapath=datapath,
+                width=width,
+                waves=vcd,
+                progress=lambda done, _: meter(done),
+                cores=arguments.cores,
+            )
         recording = read(place / VCD, datapath, nodes)
-        if len(recording.admitted) != len(item.words):
-            raise SimulationError(f"{len(recording.admitted)} of {len(item.words)} targets were admitted")
+        if len(recording.admitted) != total:
+            raise SimulationError(f"{len(recording.admitted)} of {total} targets were admitted")
         found = list(differences(recording, nodes))
         if arguments.waves:
             write_waves(place / VCD, recording, found, datapath, width, nodes)
@@ -178,8 +163,7 @@ def main(arguments: SimpleNamespace) -> int:
     if found and found[0].target != target:
         print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
     if arguments.waves:
-        for name in WAVES:
-            print(f"wrote {arguments.out / name}")
+        print(*(f"wrote {file}" for file in files), sep="\n")
     return 1 if ours else 0
 
 

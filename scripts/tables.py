@@ -65,13 +65,10 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
             "-" if result.hand_error_max is None else _asked(result.hand_error_bar),
             _number(result.hand_error_predicted),
         ),
-        *(
-            []
-            if result.hand_error_pose is None
-            else [(f"  {result.hand_error_pose}", f"target {result.hand_error_target}")]
-        ),
-        ("hand error / reach, rms", _number(result.hand_error_rms)),
     ]
+    if result.hand_error_pose is not None:
+        rows.append((f"  {result.hand_error_pose}", f"target {result.hand_error_target}"))
+    rows.append(("hand error / reach, rms", _number(result.hand_error_rms)))
     if result.hand_error_over_bar is not None:
         rows.append(("hand error / what is asked", f"{result.hand_error_over_bar:.2g}", "1"))
     rows += [
