@@ -5,7 +5,7 @@ import csv
 import json
 import os
 import signal
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -291,17 +291,25 @@ def run_all(datapath, out, sim):
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory):
-    """Return datapath -> (folder, scores) of all trajectories."""
-    places = {datapath: tmp_path_factory.mktemp(datapath) for datapath in DATAPATHS}
-    return {datapath: (out, run_all(datapath, out, simulator_of_tests())) for datapath, out in places.items()}
+def outcome(tmp_path_factory):
+    """Return a function of a datapath: (folder, scores) of all trajectories, from one simulation."""
+
+    @cache
+    def outcome(datapath):
+        out = tmp_path_factory.mktemp(datapath)
+        return out, run_all(datapath, out, simulator_of_tests())
+
+    return outcome
+
+
+PAPER = pytest.param("paper", marks=pytest.mark.slow)
 
 
 @pytest.mark.sim
-@pytest.mark.cost(120)
-@pytest.mark.parametrize("datapath", DATAPATHS)
-def test_every_trajectory_passes(outcomes, datapath):
-    _, found = outcomes[datapath]
+@pytest.mark.cost(60)
+@pytest.mark.parametrize("datapath", ["lean", PAPER])
+def test_every_trajectory_passes(outcome, datapath):
+    _, found = outcome(datapath)
     assert list(found) == list(trajectories.TRAJECTORIES)
     assert len({score["latency_cycles"] for score in found.values()}) == 1
     for name, score in found.items():
@@ -315,17 +323,19 @@ def test_every_trajectory_passes(outcomes, datapath):
 
 
 @pytest.mark.sim
-def test_the_lean_datapath_is_better_in_every_figure(outcomes):
+@pytest.mark.slow
+def test_the_lean_datapath_is_better_in_every_figure(outcome):
     """These figures justify lean as the default."""
-    (_, lean), (_, paper) = outcomes["lean"], outcomes["paper"]
+    (_, lean), (_, paper) = outcome("lean"), outcome("paper")
     for name, score in lean.items():
         for each in ("latency_cycles", "total_cycles", "hand_error_max", "angle_error_max", "elbow_point_error_max"):
             assert score[each] < paper[name][each], f"{name}: {each}"
 
 
 @pytest.mark.sim
-def test_the_page_of_scores_is_up_to_date(outcomes):
-    page = pages.scores_page({name: list(found.values()) for name, (_, found) in outcomes.items()})
+@pytest.mark.slow
+def test_the_page_of_scores_is_up_to_date(outcome):
+    page = pages.scores_page({name: list(outcome(name)[1].values()) for name in DATAPATHS})
     heading = "## By region"  # sines of another processor may round the figures there differently
     (old, old_regions), (new, new_regions) = (text.split(heading) for text in (pages.SCORES.read_text(), page))
     assert old == new and differing(old_regions, new_regions) == [], "run `make docs`"
@@ -343,10 +353,10 @@ if simulator_of_tests() == "verilator":
             pytest.param("paper", "verilator", marks=pytest.mark.slow),
         ],
     )
-    def test_icarus_and_the_native_harness_write_the_same_files(datapath, sim, outcomes, tmp_path, monkeypatch):
+    def test_icarus_and_the_native_harness_write_the_same_files(datapath, sim, outcome, tmp_path, monkeypatch):
         """Verilator's native harness runs long files."""
         monkeypatch.setattr(simulate, "LONG", 0)
-        out, _ = outcomes[datapath]
+        out, _ = outcome(datapath)
         run_all(datapath, tmp_path, sim)
         names = [f"{name}/results.csv" for name in trajectories.TRAJECTORIES]
         for name in [*names, *(["score.json"] if sim == "verilator" else [])]:
