@@ -20,11 +20,12 @@ from types import SimpleNamespace
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, command, option, output, progress, switch, whole, whole_file
+from scripts.console import InputError, command, option, output, switch, whole, whole_file
 from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
+from scripts.run import run_jobs
 from scripts.trajectory import Prepared, prepare, trajectory_options
 from tb.sim.job import Difference, hexadecimal, value
-from tb.sim.simulate import Job, SimulationError, simulate
+from tb.sim.simulate import Job, SimulationError
 
 OPTIONS = [
     option("--target", "target of the trajectory, counted from 0", whole(0), required=True, metavar="N"),
@@ -133,17 +134,8 @@ def main(arguments: SimpleNamespace) -> int:
     total, files = len(item.words), [arguments.out / name for name in WAVES]
     with output(arguments.out, files) if arguments.waves else tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder or arguments.out).absolute()
-        with progress(f"{arguments.sim}, {total} targets", total) as meter, whole_file(place / VCD) as vcd:
-            meter(0, "compiling and starting")
-            simulate(
-                [Job(item.targets.name, item.words)],
-                simulator=arguments.sim,
-                datapath=datapath,
-                width=width,
-                waves=vcd,
-                progress=lambda done, _: meter(done),
-                cores=arguments.cores,
-            )
+        with whole_file(place / VCD) as vcd:
+            run_jobs(arguments, datapath, [Job(item.targets.name, item.words)], vcd)
         recording = read(place / VCD, datapath, nodes)
         if len(recording.admitted) != total:
             raise SimulationError(f"{len(recording.admitted)} of {total} targets were admitted")

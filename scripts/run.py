@@ -61,6 +61,22 @@ def score_runs(
     return list(zip(runs, scores, strict=True))
 
 
+def run_jobs(arguments: SimpleNamespace, datapath: str, jobs: list[Job], waves: Path | None = None) -> list[Run]:
+    """Run all jobs through a datapath in one simulation. Raises SimulationError."""
+    total = sum(len(job.words) for job in jobs)
+    with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
+        meter(0, "compiling and starting")
+        return simulate(
+            jobs,
+            simulator=arguments.sim,
+            datapath=datapath,
+            width=arguments.width,
+            waves=waves,
+            progress=lambda done, _: meter(done),
+            cores=arguments.cores,
+        )
+
+
 def run_and_score(
     arguments: SimpleNamespace,
     datapath: str,
@@ -70,18 +86,7 @@ def run_and_score(
 ) -> list[tuple[Run, Score]]:
     """Run all trajectories through a datapath in one simulation; return them with scores. Raises SimulationError."""
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
-    total = sum(len(job.words) for job in jobs)
-    with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
-        meter(0, "compiling and starting")
-        runs = simulate(
-            jobs,
-            simulator=arguments.sim,
-            datapath=datapath,
-            width=arguments.width,
-            waves=waves,
-            progress=lambda done, _: meter(done),
-            cores=arguments.cores,
-        )
+    runs = run_jobs(arguments, datapath, jobs, waves)
     return score_runs(arguments, datapath, prepared, runs, predict)
 
 

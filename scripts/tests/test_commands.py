@@ -141,8 +141,7 @@ BAD_INPUT = [
 
 @pytest.mark.parametrize("row", BAD_INPUT, ids=lambda row: row[0][:60])
 def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row):
-    for module in (run, follow):
-        monkeypatch.setattr(module, "simulate", lambda *_, **__: pytest.fail("simulates"))
+    monkeypatch.setattr(run, "simulate", lambda *_, **__: pytest.fail("simulates"))
     monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
     for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
         Path(folder).mkdir(parents=True)

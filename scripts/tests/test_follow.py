@@ -15,7 +15,7 @@ from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
 from model.io.stimuli import random_reachable
 from model.io.words import to_words
-from scripts import follow, recording, waves
+from scripts import follow, recording, run, waves
 from scripts.save_file import place, signals
 from tb.sim.env import SIMULATORS, simulator
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -45,7 +45,7 @@ class Simulator:
 
     def __init__(self, monkeypatch, wrong=()):
         self.wrong = wrong
-        monkeypatch.setattr(follow, "simulate", self)
+        monkeypatch.setattr(run, "simulate", self)
 
     def __call__(self, jobs, *, datapath, width, waves, **_):
         (job,) = jobs
@@ -225,7 +225,7 @@ def test_x_is_a_difference(tmp_path, monkeypatch):
     nodes = nodes_of(words)
     Simulator(monkeypatch)
     vcd = tmp_path / "x.vcd"
-    follow.simulate([Job("x", words)], simulator="icarus", datapath="lean", width=32, waves=vcd)
+    run.simulate([Job("x", words)], simulator="icarus", datapath="lean", width=32, waves=vcd)
     code = re.search(r"\$var wire 35 (\S+) w_1", vcd.read_text())[1]
     vcd.write_text(re.sub(rf"^b[01]+ {re.escape(code)}$", f"bx01 {code}", vcd.read_text(), flags=re.M))
     read = recording.read(vcd, "lean", nodes)
@@ -250,7 +250,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
         runs.extend(simulate(jobs, **options, root=root, name="follow"))
         return runs
 
-    monkeypatch.setattr(follow, "simulate", simulated)
+    monkeypatch.setattr(run, "simulate", simulated)
     words = "--target", "7", "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
     status, out, _ = command(follow.main, *words)
     assert status == 1
@@ -275,8 +275,8 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     lines and operators are not recorded."""
     words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
     nodes = nodes_of(words, "paper")
-    (run,) = simulate([Job("waves", words)], simulator=simulator(), datapath="paper", width=32, waves=vcd)
-    assert run.bit_mismatches == 0
+    (ran,) = simulate([Job("waves", words)], simulator=simulator(), datapath="paper", width=32, waves=vcd)
+    assert ran.bit_mismatches == 0
     read = recording.read(vcd, "paper", nodes)
     assert len(read.admitted) == 3 and not list(recording.differences(read, nodes))
     known = signals(vcd)
