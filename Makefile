@@ -92,7 +92,7 @@ follow: ## one target through the pipeline, node by node [TARGET=0.. WAVES=1 and
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
 
-report: ## the same run as an HTML page to look at: the arm in motion, errors, pipeline [same options but WAVES]
+report: ## the same run as an HTML page: the arm in motion, errors, pipeline [same options but WAVES]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.report $(job)
 

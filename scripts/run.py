@@ -137,15 +137,15 @@ def main(arguments: SimpleNamespace) -> int:
 
     _show(done)
     many = len(prepared) > 1
-    told: list[Path | str] = []
+    files: list[Path | str] = []
     for folder in folders.values():
         tables = [folder / "*" / name if many else folder / name for name in ("results.csv", "results.npz")]
-        told += [f"{path} ({len(prepared)} files)" if many else path for path in tables]
-        told += [path for path in of_datapath(folder, prepared) if path.suffix not in (".csv", ".npz")]
-    told.append(out / SCORES)
+        files += [f"{path} ({len(prepared)} files)" if many else path for path in tables]
+        files += [path for path in of_datapath(folder, prepared) if path.suffix not in (".csv", ".npz")]
+    files.append(out / SCORES)
     for datapath, folder in folders.items() if arguments.waves else ():
-        told += _waves(folder, prepared, arguments.width, datapath)
-    for path in told:
+        files += _waves(folder, prepared, arguments.width, datapath)
+    for path in files:
         print(f"wrote {path}")
     return verdict("run", [result for ran in done for _, result in ran])
 

@@ -102,8 +102,8 @@ def _summary(scores: Sequence[Score]) -> str:
     """Return the number of trajectories that pass, and how many of them have no accuracy limit."""
     passed = [result for result in scores if result.passed]
     unasked = sum(result.hand_error_bar is None and result.clamped_error_bar is None for result in passed)
-    said = f"{len(passed)} of {len(scores)} pass"
-    return f"{said}, {unasked} of them by bits, flags and norms: accuracy was not asked for (-)" if unasked else said
+    share = f"{len(passed)} of {len(scores)} pass"
+    return f"{share}, {unasked} of them by bits, flags and norms: accuracy was not asked for (-)" if unasked else share
 
 
 def table_of_many(scores: Sequence[Score]) -> Table:

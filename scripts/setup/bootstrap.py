@@ -214,8 +214,8 @@ class Setup:
         env = {name: value for name, value in os.environ.items() if name not in unwanted}
         return run_logged(pip + ["--require-hashes", "-r", lock_file], env)
 
-    def give_up(self, what, said):
-        lines = [line.strip() for line in said.splitlines() if line.strip()]
+    def give_up(self, what, printed):
+        lines = [line.strip() for line in printed.splitlines() if line.strip()]
         wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
         die(f"could not {what}: {wrong[-1]} (more in build/setup.log)")
 
@@ -226,11 +226,11 @@ class Setup:
         say(f"making .venv with Python {VERSION} from requirements/checkout.lock (a minute or so) ...")
         if os.path.exists(self.stamp):
             os.remove(self.stamp)
-        status, said = run_logged([sys.executable, "-I", "-m", "venv", "--clear", self.venv])
+        status, printed = run_logged([sys.executable, "-I", "-m", "venv", "--clear", self.venv])
         if status == 0:
-            status, said = self.pip_install(self.lock_file)
+            status, printed = self.pip_install(self.lock_file)
         if status:
-            self.give_up("make .venv", said)
+            self.give_up("make .venv", printed)
         ask = [self.python, "-I", "-c", "import find_libpython as f; print(f.find_libpython() or '')"]
         libpython = subprocess.check_output(ask).decode().strip()
         if not libpython:
@@ -241,11 +241,11 @@ class Setup:
         """Install the lock file of an extra; return whether that succeeded."""
         what = f"the packages of {os.path.relpath(self.extra_lock(extra), self.root)}"
         say(f"adding {what} to .venv (a minute or so) ...")
-        status, said = self.pip_install(self.extra_lock(extra))
+        status, printed = self.pip_install(self.extra_lock(extra))
         if status and extra in OPTIONAL:
             say(f"could not add {what}, continuing without them (more in build/setup.log)")
         elif status:
-            self.give_up(f"add {what}", said)
+            self.give_up(f"add {what}", printed)
         return status == 0
 
     def set_up(self, needs):

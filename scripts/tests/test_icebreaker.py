@@ -49,9 +49,9 @@ def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command, mon
     monkeypatch.setattr(run, "simulate", lambda jobs, **_: [model(jobs[0].words)])
     assert command(run.main, "--trajectory", trajectory, *core)[0] == 0
     program = [*HOST, "--trajectory", trajectory, "--out", str(tmp_path / "board"), "--timeout", "4"]
-    variables = {"IK_PROGRAM": json.dumps(program), "IK_LOST": json.dumps(lost), "IK_SAID": str(tmp_path / "said")}
+    variables = {"IK_PROGRAM": json.dumps(program), "IK_LOST": json.dumps(lost), "IK_SAID": str(tmp_path / "printed")}
     simulated("tb.icebreaker.link", **variables)
-    assert int(re.search(r", (\d+) sent again\n", (tmp_path / "said").read_text())[1]) >= 4
+    assert int(re.search(r", (\d+) sent again\n", (tmp_path / "printed").read_text())[1]) >= 4
     for name in ("results.csv", "results.npz"):
         assert (tmp_path / "board" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
     (score,) = json.loads((tmp_path / "board" / "score.json").read_text())
@@ -156,7 +156,7 @@ def test_a_wrong_bit(command, few):
 
 
 @pytest.mark.parametrize(
-    ("spoil", "says"),
+    ("spoil", "message"),
     [
         (lambda n, answer: b"", "{} does not answer target 0, sent 4 times"),
         (lambda n, answer: answer[:9] + b"?" + answer[10:], "{} does not answer target 0, sent 4 times"),
@@ -164,12 +164,12 @@ def test_a_wrong_bit(command, few):
     ],
     ids=["silent", "noisy", "gone"],
 )
-def test_a_board_that_does_not_answer(command, few, files, spoil, says):
+def test_a_board_that_does_not_answer(command, few, files, spoil, message):
     board = Board(spoil)
     before = files()
     status, out, err = command(host.main, board.port, "--trajectory", few, "--timeout", "0.1")
     assert (status, out, len(err)) == (1, [], 1)
-    assert err[0].startswith(f"icebreaker: {says.format(board.port)}")
+    assert err[0].startswith(f"icebreaker: {message.format(board.port)}")
     assert files() == before
 
 
@@ -203,7 +203,7 @@ def test_a_signal_leaves_earlier_results_intact(tmp_path, few, interruptible):
     while not board.count:
         time.sleep(0.05)
     process.terminate()
-    said = process.communicate(timeout=30)[1]
-    assert (process.returncode, said) == (143, "icebreaker: terminated\n")
+    printed = process.communicate(timeout=30)[1]
+    assert (process.returncode, printed) == (143, "icebreaker: terminated\n")
     assert os.listdir(tmp_path / "out") == ["results.csv"]
     assert (tmp_path / "out" / "results.csv").read_text() == "before"
