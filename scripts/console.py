@@ -20,6 +20,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import click
+from click.core import ParameterSource
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -54,9 +55,13 @@ CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_con
 
 
 def parse(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
-    """Return the values of all options by name. Raises click's exceptions and InputError."""
+    """Return the values of all options by name, and as `given` the names of those on the command line.
+
+    Raises click's exceptions and InputError.
+    """
     with parser.make_context(program, list(arguments)) as context:
-        options = SimpleNamespace(**context.params)
+        given = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
+        options = SimpleNamespace(**context.params, given=given)
     chosen = (context.params.get(name) for name in ("datapath", "width"))
     paths, widths = (value if isinstance(value, (list, tuple)) else [value] for value in chosen)
     for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
@@ -162,9 +167,7 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
     return option("--sim", "the simulator", click.Choice(SIMULATORS), default=default)
 
 
-def core_options(
-    sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, width: int | None = WIDTHS[-1], most: int = 1
-) -> list[click.Option]:
+def core_options(sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1) -> list[click.Option]:
     """Return --sim, --datapath and --width. With `most` above 1 --datapath takes up to that number of names; None as
     its default stands for all dataflows in the paper's scenario, otherwise the first."""
     names = list(CONFIGURATIONS)
@@ -175,7 +178,7 @@ def core_options(
         if not datapath:
             about += f"  [default: of the paper's scenario {','.join(DATAPATHS)}, otherwise {DEFAULT}]"
         paths = option("--datapath", about, some_of(names, most), default=datapath, metavar="NAME[,NAME]")
-    length = option("--width", "word length of the core", WORD_LENGTH, default=width, metavar="BITS")
+    length = option("--width", "word length of the core", WORD_LENGTH, default=WIDTHS[-1], metavar="BITS")
     return [sim_option(sim), paths, length]
 
 

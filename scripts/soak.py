@@ -38,8 +38,7 @@ import numpy as np
 from model.bounds import tolerances
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS, DEFAULT
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.datapaths import CONFIGURATIONS
 from model.io.files import write_atomically
 from model.io.flags import FLAGS, SATURATED, expected_flags
 from model.io.scoring import singular_distance
@@ -68,16 +67,17 @@ from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
 
 PAGE, FIGURES = GENERATED / "soak.md", GENERATED / "soak.json"
-DEFAULTS = {"targets": 1_000_000, "seed": 1, "from_": 0, "datapath": DEFAULT, "width": WIDTHS[-1]}
-EXCLUDED = {"again": (*DEFAULTS, "keep", "special", "farm", "against"), "special": ("targets", "seed")}
-
+EXCLUDED = {
+    "again": {"targets", "seed", "from_", "datapath", "width", "keep", "special", "farm", "against"},
+    "special": {"targets", "seed"},
+}
 
 OPTIONS = [
-    option("--targets", f"number of targets  [default: {DEFAULTS['targets']}]", whole(1), metavar="N"),
-    option("--seed", f"random seed  [default: {DEFAULTS['seed']}]", whole(0), metavar="S"),
-    option("--from", f"first chunk of {CHUNK} targets  [default: 0]", whole(0), metavar="CHUNK"),
+    option("--targets", "number of targets", whole(1), default=1_000_000, metavar="N"),
+    option("--seed", "random seed", whole(0), default=1, metavar="S"),
+    option("--from", f"first chunk of {CHUNK} targets", whole(0), default=0, metavar="CHUNK"),
     switch("--special", f"all {SPECIAL} targets of 12 special words an input instead"),
-    *core_options(sim="verilator", datapath=None, width=None),
+    *core_options(sim="verilator"),
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
     option("--out", "folder for hardest.csv and failing.csv", Path, default="build/soak", metavar="DIR"),
@@ -88,24 +88,17 @@ OPTIONS = [
 ]
 
 
-def _complete(parsed: SimpleNamespace) -> None:
-    """Check combinations of options and set defaults. Raises InputError."""
-    for given, excluded in EXCLUDED.items():
-        for name in excluded if getattr(parsed, given) else ():
-            value = getattr(parsed, name)
-            if value is not None and value is not False:  # 0 is a valid seed
-                raise InputError(f"argument --{name.rstrip('_')}: not allowed with --{given}")
-    if parsed.special:
-        parsed.targets = max(0, SPECIAL - CHUNK * (parsed.from_ or 0))
-        if not parsed.targets:
+def _check(options: SimpleNamespace) -> None:
+    """Check combinations of options, and complete those of --special. Raises InputError."""
+    for name, excluded in EXCLUDED.items():
+        if getattr(options, name) and (others := sorted(options.given & excluded)):
+            raise InputError(f"argument --{others[0].rstrip('_')}: not allowed with --{name}")
+    if options.special:
+        options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
+        if options.targets <= 0:
             raise InputError(f"argument --from: special words have chunks 0 to {(SPECIAL - 1) // CHUNK}")
-    for name, value in DEFAULTS.items():
-        if getattr(parsed, name) is None:
-            setattr(parsed, name, value)
-    if parsed.special:
-        parsed.seed = None
-    if parsed.against and CONFIGURATIONS[parsed.datapath].equations != "lean":
-        raise InputError(f"argument --against: the {parsed.datapath} datapath has no tolerance for it")
+    if options.against and CONFIGURATIONS[options.datapath].equations != "lean":
+        raise InputError(f"argument --against: the {options.datapath} datapath has no tolerance for it")
 
 
 # -- chunks ------------------------------------------------------------------------------------------------------------
@@ -391,7 +384,7 @@ def _again(arguments: SimpleNamespace) -> int:
 
 @command("soak", "Random targets of all kinds through the core, every node compared with the model.", OPTIONS)
 def main(parsed: SimpleNamespace) -> int:
-    _complete(parsed)
+    _check(parsed)
     return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)
 
 
