@@ -4,7 +4,8 @@
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
 Prints a line for each node: clock, clocks since admission, equation, name, word and value in RTL and model, operation
-and operands. A `!` marks a node that differs; the first one and its operands follow at the end.
+and operands, and the text of the lean equation where the operation is a choice or a sum. A `!` marks a node that
+differs; the first one and its operands follow at the end.
 The trajectory runs as in `make run`; targets count from 0.
 With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
 """
@@ -20,6 +21,7 @@ from types import SimpleNamespace
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
+from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole, whole_file
 from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from scripts.run import run_jobs
@@ -55,9 +57,14 @@ def _operand(node: Node, of: Node) -> str:
     return node.name if node.section == of.section or node.op == "input" else f"{node.section}.{node.name}"
 
 
+LINES = {NUMBER[name]: f"{name} = {text}" for group in LEAN.values() for name, text in group.items()}
+"""Number of a lean equation -> its text."""
+
+
 def made_of(node: Node) -> str:
-    """Return operation and operands of a node."""
-    return f"{node.op} {', '.join(_operand(each, node) for each in node.operands)}".rstrip()
+    """Return operation and operands of a node, and the lean equation that gives a choice or a sum its meaning."""
+    line = f": {LINES[node.equation]}" if node.op == "choose" and node.equation in LINES else ""
+    return f"{node.op} {', '.join(_operand(each, node) for each in node.operands)}".rstrip() + line
 
 
 HEADINGS = ("clock", "after", "equation", "node", "RTL word", "model word", "RTL value", "model value", "made of")

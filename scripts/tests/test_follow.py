@@ -15,6 +15,7 @@ from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
 from model.io.stimuli import random_reachable
 from model.io.words import to_words
+from model.reference.lean_equations import LEAN
 from scripts import follow, recording, run, waves
 from scripts.save_file import place, signals
 from tb.sim.env import SIMULATORS, simulator
@@ -173,7 +174,9 @@ def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
     Simulator(monkeypatch, wrong=[("qs_w", 3), ("w_1", 3), ("wi_c", 3)])
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
-    assert [line.split()[4] for line in out if line.startswith("!")] == ["wi_c", "w_1", "qs_w"]
+    marked = [line for line in out if line.startswith("!")]
+    assert [line.split()[4] for line in marked] == ["wi_c", "w_1", "qs_w"]
+    assert marked[1].endswith(f"choose wi_c, i_dif, triangle.arm_swap: w_1 = {LEAN['Product']['w_1']}")
     shown = out[[line.startswith("first difference") for line in out].index(True) :]
     admitted = FIRST + 3 + GAP
     assert f"turn.wi_c (L52) of target 3 at clock {admitted + TIMES['wi_c']}: RTL " in shown[0]
