@@ -80,9 +80,9 @@ def command(
     fails: str = "a check fails",
     module: str | None = None,
 ) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
-    """Decorate a function of options to become a `main` of command-line words that returns an exit status.
+    """Turn a function of options into a `main` that takes command-line words and returns an exit status.
 
-    passes, fails: meaning of the exit status 0 and 1; module: the command's, default scripts.`name`.
+    passes, fails: meanings of exit status 0 and 1; module: the module of the command, by default scripts.`name`.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."

@@ -175,12 +175,12 @@ class Steps:
 
     @staticmethod
     def kind(name: str) -> str:
-        """Return rows_bound of g_slice[16].u.rows_bound."""
+        """Return a property's own name: rows_bound for g_slice[16].u.rows_bound."""
         return name.rsplit(".", 1)[-1]
 
     @staticmethod
     def slice(name: str) -> int:
-        """Return 16 of g_slice[16].u.rows_bound, -1 outside slices."""
+        """Return the number of a property's slice: 16 for g_slice[16].u.rows_bound, -1 without a slice."""
         found = re.match(r"g_slice\[(\d+)\]", name)
         return int(found[1]) if found else -1
 
