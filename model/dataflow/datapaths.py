@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from . import lean, paper
-from .cores import TILE
 from .fold import program, shown
 from .nodes import WIDTHS
+from .operations import TILE
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Datapath:
     ``flow(domain, target)`` is the whole dataflow, ``after_guard(domain, phi)`` the part after the exact decisions.
     ``sections`` maps a section to its description, ``widths`` are the supported word lengths,
     ``parameters`` the parameters of ``ik_axis`` that select the datapath.
-    ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.cores.mul3` is cut.
+    ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.operations.mul3` is cut.
     ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
     ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
     """

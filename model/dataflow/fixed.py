@@ -16,11 +16,10 @@ import numpy as np
 
 from ..io.flags import FLAGS, SATURATED
 from ..io.words import FIELDS, RESULT_FIELDS
-from . import cores as lean_cores
-from . import trig as lean_trig
 from .datapaths import CONFIGURATIONS
 from .nodes import Domain, Format, Node, effective_width
-from .operations import round_shift, wrap
+from .operations import even, mul3, round_shift, wrap
+from .quadratic import SINE_FRACS, half_sincos, rsqrt
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
@@ -148,21 +147,21 @@ class Bits(Domain):
     def product3(self, name, a, b, fmt, scale):
         # Bits beyond the format are dropped: only words of a clamped target lose bits here.
         shift, widths = self.cut(a, b, fmt, scale)
-        return wrap(lean_cores.mul3(a.value, b.value, shift, *widths, self.tile), fmt.width)
+        return wrap(mul3(a.value, b.value, shift, *widths, self.tile), fmt.width)
 
     def even_mantissa(self, count, name, value, width, fmt):
-        return lean_cores.even(value.value & ((1 << width) - 1), width, fmt.width)
+        return even(value.value & ((1 << width) - 1), width, fmt.width)
 
     def reciprocal_root(self, name, m, fmt, twice):
         # A root has no more fraction bits than its mantissa supports; an inner word may have more.
         frac = m.format.frac - 3
-        y = lean_cores.rsqrt(m.value, frac, self.tile) << (fmt.frac - frac)
+        y = rsqrt(m.value, frac, self.tile) << (fmt.frac - frac)
         return y << np.where(twice.value, 1, 0) if twice else y
 
     def half_sincos(self, names, phi, fmt):
         width = effective_width(self.width)  # a shorter angle is padded with zeros
-        frac = min(fmt.frac, lean_trig.FRACS[-1])
-        pair = lean_trig.half_sincos(phi.value << (width - self.width), width, frac, self.tile)
+        frac = min(fmt.frac, SINE_FRACS[-1])
+        pair = half_sincos(phi.value << (width - self.width), width, frac, self.tile)
         return tuple(v << (fmt.frac - frac) for v in pair)
 
     def mantissa(self, name, word, words, counts, fill):

@@ -30,10 +30,8 @@ import numpy as np
 
 from ..io.words import FIELDS, LENGTHS
 from .annotations import Case, Facts, Within, leading
-from .cores import EVEN_CLOCKS, MUL3_CLOCKS, SHORT_FRAC, TILE, mul3_error, places, rsqrt_clocks
-from .operations import Unrounded, room
-from .trig import FRACS, trig_clocks
-from .trig import SHORT_FRAC as TRIG_SHORT_FRAC
+from .operations import TILE, Unrounded, mul3_error, room
+from .quadratic import INVERSE_ROOT, SINE, SINE_FRACS, rsqrt_places
 
 GUARD = 8
 """Extra fraction bits of a product that feeds a sum."""
@@ -98,30 +96,31 @@ class Latency:
         "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
         "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
         "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
-        "mul3": (0, MUL3_CLOCKS, "three tile products, tile sums, rounded sum"),
-        "mul3_far": (0, MUL3_CLOCKS + 1, "operands, three tile products, tile sums, rounded sum"),
+        "mul3": (0, 3, "three tile products, tile sums, rounded sum"),
+        "mul3_far": (0, 4, "operands, three tile products, tile sums, rounded sum"),
         "product": (0, 4, "operands, tile products, tile sums, sum"),
         "square": (0, 3, "operands, tile products, sum"),
         "wide": (0, 1, "an exact addition of long words"),
-        "even": (0, EVEN_CLOCKS, "zero pairs in groups, shift by groups, shift by pairs"),
+        "even": (0, 3, "zero pairs in groups, shift by groups, shift by pairs"),
         "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
         "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
         "rsqrt_far": (0, 0, "the table's address, and the same"),
         "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
     }
 
-    # kind -> (fraction bits that select the form, largest number for the short form, clocks for a number of bits)
+    # kind -> (fraction bits that select the form, table, further clocks)
     FORMS = {
-        "rsqrt": ("ROOT_FRAC", SHORT_FRAC, rsqrt_clocks),
-        "rsqrt_far": ("ROOT_FRAC", SHORT_FRAC, lambda frac, tile=TILE: rsqrt_clocks(frac, tile) + 1),
-        "trig": ("FRAC", TRIG_SHORT_FRAC, trig_clocks),
+        "rsqrt": ("ROOT_FRAC", INVERSE_ROOT, 0),
+        "rsqrt_far": ("ROOT_FRAC", INVERSE_ROOT, 1),
+        "trig": ("FRAC", SINE, 0),
     }
 
     def __getitem__(self, kind: str) -> int:
         """Return the clocks of operation ``kind``."""
         if kind in self.FORMS:
-            frac, _, clocks = self.FORMS[kind]
-            return clocks(root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width), self.tile)
+            frac, table, more = self.FORMS[kind]
+            bits = root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width)
+            return table.clocks(bits, self.tile) + more
         bits, besides, _ = self.TABLE[kind]
         return bits * self.width + besides
 
@@ -129,8 +128,9 @@ class Latency:
     def expression(cls, kind: str) -> str:
         """Return the clocks as a Verilog expression; the small form takes as long as the long one."""
         if kind in cls.FORMS:
-            frac, most, clocks = cls.FORMS[kind]
-            return f"(TILE < {TILE} || {frac} > {most}) ? {clocks(most + 1)} : {clocks(most)}"
+            frac, table, more = cls.FORMS[kind]
+            short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))
+            return f"(TILE < {TILE} || {frac} > {table.short_frac}) ? {long} : {short}"
         bits, besides, _ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
@@ -333,7 +333,7 @@ class Domain(ABC):
         after: Node | None = None,
         **facts,
     ) -> Node:
-        """Create a * b * 2^scale from three tiles (:func:`model.dataflow.cores.mul3`); the kind mul3_far adds an
+        """Create a * b * 2^scale from three tiles (:func:`model.dataflow.operations.mul3`); the kind mul3_far adds an
         operand register for long routes.  The node also waits for ``after``."""
         self.facts[name] = Facts(**facts)
         shift, widths = self.cut(a, b, fmt, scale)
@@ -360,7 +360,7 @@ class Domain(ABC):
         value = self.reciprocal_root(name, m, fmt, twice)
         latency = "rsqrt_far" if far else "rsqrt"
         frac = m.format.frac - 3
-        most = places(frac, self.tile) * (1 + (twice is not None))
+        most = rsqrt_places(frac, self.tile) * (1 + (twice is not None))
         error = _faithful(fmt, frac, most)
         return self.make(name, "rsqrt", (m, twice) if twice else (m,), fmt, latency, value, error=error)
 
@@ -371,7 +371,7 @@ class Domain(ABC):
         for name, limits in zip(names, within, strict=True):
             self.facts[name] = Facts(within=limits)
         for name, line, value in zip(names, lines, self.half_sincos(names, phi, fmt), strict=True):
-            self.line(line).make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, FRACS[-1]))
+            self.line(line).make(name, "trig", (phi,), fmt, "trig", value, error=_faithful(fmt, SINE_FRACS[-1]))
 
     def sincos(self, names: tuple[str, str], phi: Node, **facts) -> tuple[Node, ...]:
         """Create sine and cosine of phi/2, words with one integer bit."""

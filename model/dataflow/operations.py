@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the dataflows on words: helpers of both datapaths, and the lean datapath's operations by name.
 
-Each function acts on integer words.  On :class:`Unrounded` words it computes the real value, because shifts then keep
-all bits and :func:`round_shift`, :func:`saturate` and :func:`wrap` have no effect.
+Each function acts on integer words: int64 arrays, or object arrays of Python integers where a word exceeds 64 bits.  On
+:class:`Unrounded` words it computes the real value, because shifts then keep all bits and :func:`round_shift`,
+:func:`saturate` and :func:`wrap` have no effect.
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+TILE = 18
+"""Default tile: bits of the longer operand of the multipliers into which products are split."""
 
 
 class Unrounded(np.ndarray):
@@ -66,6 +70,82 @@ def magnitude(words):
 def truth(mask):
     """Return a mask that ``~`` negates."""
     return np.asarray(mask).astype(bool)
+
+
+# ---- product of three tiles ------------------------------------------------------------------------------------------
+
+
+def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
+    """Return the bits below the cut of either operand of :func:`mul3`: ``tile`` bits of a lie above it, and
+    at most 18 bits of b."""
+    return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
+
+
+def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
+    """Return the number of low bits of either operand beyond two signed tiles, which :func:`mul3` ignores."""
+    return max(a_width - 2 * tile + 1, 0), max(b_width - 2 * min(tile, 18) + 1, 0)
+
+
+def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
+    """Compute ``ik_mul3``: a b / 2^shift from three tiles, rounded half up; the tile of the low parts is only
+    estimated.
+
+    Each tile is truncated two bits below the result's ulp; the rounding constant enters as a carry into each of the two
+    sums.  Where the LSB of the highest tile lies above these two bits, the product of the two highest bits of both low
+    parts fills the gap.  Errors: :func:`mul3_error`.
+    """
+    a_unseen, b_unseen = unseen(a_width, b_width, tile)
+    a, b, shift = a >> a_unseen, b >> b_unseen, shift - a_unseen - b_unseen
+    a_bits, b_bits = cuts(a_width - a_unseen, b_width - b_unseen, tile)
+    a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)
+    b_hi, b_lo = b >> b_bits, b & ((1 << b_bits) - 1)
+    drop = shift - 2
+    mid = (a_hi * b_lo >> drop - a_bits) + (a_lo * b_hi >> drop - b_bits) + 1
+    up = a_bits + b_bits - drop
+    if up > 0:
+        guess = (4 * a_lo >> a_bits) * (4 * b_lo >> b_bits)
+        outer = (a_hi * b_hi << up) + (guess << up >> 4)
+    else:
+        outer = a_hi * b_hi >> -up
+    return outer + mid + 1 >> 2
+
+
+def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tuple[float, float]:
+    """Return the least and greatest error of :func:`mul3`, in ulps of the result.
+
+    The omitted tile is nonnegative and less than 2^(cuts - shift) ulps, of which the estimate leaves 7/16; each mixed
+    tile loses less than a quarter.  All other truncated bits lie below the words of the sum and belong to the rounding,
+    which is half up.  Ignored bits contribute at most one of their places times the other word.
+    """
+    out = unseen(a_width, b_width, tile)
+    aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)
+    low = cuts(a_width - out[0], b_width - out[1], tile)
+    up = sum(low) - shift + sum(out) + 2
+    left_out = 2.0 ** (up - 2) * (7 / 16 if up > 0 else 1) if all(low) else 0.0
+    return -left_out - 1 - aside, 0.5 + aside
+
+
+# ---- normalization by an even shift ----------------------------------------------------------------------------------
+
+
+def bit_length(words):
+    """Return the bits of unsigned words of up to 64 bits, 0 for 0."""
+    high = words >> np.uint64(32)
+    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
+    _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
+    return bits + 32 * (high > 0)
+
+
+def even(value, width: int, mantissa_bits: int):
+    """Compute ``ik_even``: (k, m), leading zero pairs of a word and floor(value 4^k / 2^(width-mantissa_bits)).
+
+    As a fraction, m lies in [1/4, 1); 0 gives k = width/2 - 1 and m = 0.  ``width`` is even, and at most 64.
+    """
+    value = np.asarray(value).astype(np.uint64)
+    k = (width - np.maximum(bit_length(value), 1)).astype(np.int64) // 2
+    right = width - mantissa_bits - 2 * k
+    down, up = (np.maximum(n, 0).astype(np.uint64) for n in (right, -right))
+    return k, ((value >> down) << up).astype(np.int64)
 
 
 # ---- the lean datapath -----------------------------------------------------------------------------------------------

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table-based function, as ``ik_quadratic`` computes it: c0 -+ u (c1 -+ c2 u) in each segment.
+"""Functions from tables, as ``ik_quadratic`` computes them: c0 -+ u (c1 -+ c2 u) in each segment.
 
-u is the distance of the argument from the segment's middle.  This module has the table's words, the result's bits and
-the proof of its error; ``cores.py`` has the reciprocal square root, ``trig.py`` the sine.
+u is the distance of the argument from the segment's middle.  ``ik_rsqrt`` has the table :data:`INVERSE_ROOT`,
+``ik_trig`` the table :data:`SINE`.  This module has the tables' words, computed from their definition, the results'
+bits, and the proof of their errors; ``scripts/generate/headers.py`` writes the words for the RTL.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import mpmath
+import numpy as np
+
+from .operations import TILE
 
 PRECISION = 200
 """Precision of tables and proofs in bits; an error of 2^-190 changes neither."""
@@ -50,6 +55,10 @@ class Form:
     sum_frac: int  # fraction bits of the term added to c0
 
     @property
+    def linear(self) -> bool:
+        return len(self.c_frac) < 3
+
+    @property
     def tiles(self) -> int:
         """Number of tiles of slope times u; the product of the low parts is omitted."""
         return 3 if self.slope_low else 1
@@ -62,7 +71,32 @@ class Form:
     @property
     def clocks(self) -> int:
         """Latency of ``ik_quadratic``: with c2, operands, c2 u, slope; then operands, slope times u, sum, result."""
-        return 4 + (len(self.c_frac) > 2) * 3
+        return 4 if self.linear else 7
+
+
+@dataclass(frozen=True)
+class Table:
+    """Function with its segments and three forms, of which the word length and the multipliers select one."""
+
+    function: Function
+    segment: Callable[[Form, int], Segment]  # of a row
+    derivative: Callable[[bool, Segment], mpmath.mpf]  # largest magnitude of the second, if linear, or third
+    short_frac: int  # largest number of fraction bits of a result for which the short form is used
+    short: Form
+    long: Form
+    small: Form  # for tiles of less than 18 bits
+    besides: int  # clocks of its module besides those of ik_quadratic
+
+    def form(self, frac: int, tile: int = TILE) -> Form:
+        """Return the form for ``frac`` fraction bits of the result and tiles of ``tile`` bits."""
+        return self.small if tile < TILE else self.short if frac <= self.short_frac else self.long
+
+    def clocks(self, frac: int, tile: int = TILE) -> int:
+        """Return the latency of its module."""
+        return self.besides + self.form(frac, tile).clocks
+
+
+# ---- words -----------------------------------------------------------------------------------------------------------
 
 
 def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath.mpf]:
@@ -71,12 +105,12 @@ def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath
     middle = left + width / 2
     a = mpmath.sqrt(len(form.c_frac)) / 4 * width
     low, high = function(middle - a), function(middle + a)
-    if len(form.c_frac) < 3:
+    if form.linear:
         return [(low + high) / 2, (high - low) / (2 * a)]
     return [function(middle), (high - low) / (2 * a), (low - 2 * function(middle) + high) / (2 * a * a)]
 
 
-def words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
+def _words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
     """Return a row of the table as magnitudes, each rounded to nearest; c0 is first reduced by half the effect of the
     rounding of c2 at the segment's ends."""
     c0, *c = interpolant(form, function, segment)
@@ -84,6 +118,22 @@ def words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
     for word, value, frac in list(zip(rounded, c, form.c_frac[1:], strict=True))[1:]:
         c0 -= (mpmath.sign(value) * word / 2**frac - value) * segment[1] ** 2 / 8
     return tuple(int(word) for word in (mpmath.nint(c0 * 2 ** form.c_frac[0]), *rounded))
+
+
+@cache
+def table_rows(table: Table, form: Form) -> tuple[tuple[int, ...], ...]:
+    """Return the rows of a table."""
+    with mpmath.workprec(PRECISION):
+        return tuple(_words(form, table.function, table.segment(form, row)) for row in range(form.rows))
+
+
+@cache
+def columns(table: Table, form: Form) -> np.ndarray:
+    """Return a table as one array per coefficient."""
+    return np.array(table_rows(table, form), dtype=np.int64).T
+
+
+# ---- bits ------------------------------------------------------------------------------------------------------------
 
 
 def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
@@ -104,38 +154,198 @@ def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
     return (c0 << form.sum_frac - form.c_frac[0]) + (change if rises else -change)
 
 
-def interpolation_error(form: Form, segment: Segment, derivative: mpmath.mpf) -> mpmath.mpf:
+# ---- proof -----------------------------------------------------------------------------------------------------------
+
+
+def interpolation_error(table: Table, form: Form, segment: Segment) -> mpmath.mpf:
     """Return the largest |c0 + c1 u + c2 u^2 - function| in a segment, before the coefficients are rounded.
 
-    ``derivative`` is the largest magnitude in the segment of the first derivative that the form does not follow.  The
-    error is the third derivative /6 times (u + a) u (u - a), at most 1/32 of the cube of the segment's width; for a
-    linear form, the second one /2 times (u + a) (u - a), at most 1/8 of its square.
+    It is limited by the first derivative that the form does not follow: the third one /6 times (u + a) u (u - a), at
+    most 1/32 of the cube of the segment's width; for a linear form, the second one /2 times (u + a) (u - a), at most
+    1/8 of its square.
     """
-    width = segment[1]
-    return derivative * width**2 / 16 if len(form.c_frac) < 3 else derivative * width**3 / 192
+    width, derivative = segment[1], table.derivative(form.linear, segment)
+    return derivative * width**2 / 16 if form.linear else derivative * width**3 / 192
 
 
-def error(form: Form, function: Function, segment: Segment, row, derivative: mpmath.mpf, rises: bool) -> Interval:
-    """Return the range of :func:`polynomial` for a row of the table, minus the function, over its segment.
+@cache
+def row_error(table: Table, form: Form, row: int, rises: bool) -> Interval:
+    """Return the range of :func:`polynomial` for a row of the table, minus the function, over its segment, both ends
+    included; for a cosine, u falls.
 
     * The interpolation (:func:`interpolation_error`).
     * The actual rounding of the coefficients: r0 + r1 u + r2 u^2.
     * The slope's error is less than one ulp of the slope plus c2 times an ulp of u's upper part; times u.
     * Each tile is truncated by less than an ulp of the sum; and the omitted tile.
     """
-    width = segment[1]
-    exact = interpolant(form, function, segment)
-    rounded = (mpmath.sign(c) * word / 2**bits for c, word, bits in zip(exact, row, form.c_frac, strict=True))
-    r0, r1, *r2 = (word - c for word, c in zip(rounded, exact, strict=True))
-    one = mpmath.mpf(1)
-    u_place = one / 2 ** (form.u_frac - form.u_low)
-    slope = mpmath.mpf(0)
-    bend = mpmath.mpf(0)
-    if r2:
-        slope = one / 2**form.slope_frac + (mpmath.mpf(row[2]) / 2 ** form.c_frac[2] * u_place if form.u_low else 0)
-        bend = r2[0] * width**2 / 4
-    aside = interpolation_error(form, segment, derivative) + (abs(r1) + slope) * width / 2
-    left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
-    tiles = form.tiles * one / 2**form.sum_frac + left_out
-    low, high = (tiles, 0) if rises else (0, tiles)
-    return Interval(r0 + min(bend, 0) - aside - low, r0 + max(bend, 0) + aside + high)
+    with mpmath.workprec(PRECISION):
+        segment, words = table.segment(form, row), table_rows(table, form)[row]
+        width = segment[1]
+        exact = interpolant(form, table.function, segment)
+        rounded = (mpmath.sign(c) * word / 2**bits for c, word, bits in zip(exact, words, form.c_frac, strict=True))
+        r0, r1, *r2 = (word - c for word, c in zip(rounded, exact, strict=True))
+        one = mpmath.mpf(1)
+        u_place = one / 2 ** (form.u_frac - form.u_low)
+        slope = bend = mpmath.mpf(0)
+        if r2:
+            slope = one / 2**form.slope_frac + (one * words[2] / 2 ** form.c_frac[2] * u_place if form.u_low else 0)
+            bend = r2[0] * width**2 / 4
+        aside = interpolation_error(table, form, segment) + (abs(r1) + slope) * width / 2
+        left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
+        tiles = form.tiles * one / 2**form.sum_frac + left_out
+        low, high = (tiles, 0) if rises else (0, tiles)
+        return Interval(r0 + min(bend, 0) - aside - low, r0 + max(bend, 0) + aside + high)
+
+
+# ---- reciprocal square root ------------------------------------------------------------------------------------------
+
+
+def _root_segment(form: Form, row: int) -> Segment:
+    """Return a segment: half of them lie in [1/4, 1/2), the others in [1/2, 1); the former are half as wide, as the
+    root is steeper there."""
+    half, width = form.rows // 2, mpmath.mpf(1) / form.rows
+    return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
+
+
+def _root_derivative(linear: bool, segment: Segment) -> mpmath.mpf:
+    """Return the magnitude of a derivative at the left end of a segment, its maximum there."""
+    left = segment[0]
+    return mpmath.mpf(3) / 8 * left ** mpmath.mpf(-2.5) if linear else mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5)
+
+
+INVERSE_ROOT = Table(
+    function=lambda m: 1 / (2 * mpmath.sqrt(m)),
+    segment=_root_segment,
+    derivative=_root_derivative,
+    short_frac=22,
+    short=Form(2048, 25, 0, (27, 14), (26, 15), 14, 0, 28),
+    long=Form(1024, 34, 6, (34, 23, 12), (33, 24, 15), 25, 9, 36),
+    small=Form(512, 33, 8, (33, 22, 11), (32, 23, 14), 24, 10, 34),
+    besides=1,  # output register of the table, which is read while the mantissa is registered
+)
+"""Table of ``ik_rsqrt``; c0 is stored without its MSB, which is 1."""
+
+SMALL_FRAC = 29
+"""Maximum fraction bits of a root of the small form."""
+
+
+def rsqrt_places(frac: int, tile: int = TILE) -> float:
+    """Return an upper bound of the error of :func:`rsqrt` in ulps, without its proof (:func:`rsqrt_error`)."""
+    return 1.1 if tile < TILE and frac >= SMALL_FRAC else 1.0
+
+
+def place(form: Form, m, frac: int):
+    """Return the row of a mantissa, and u."""
+    lower = m < 1 << frac + 2
+    below = frac + 3 - form.index_bits - lower  # bits of m below its segment number
+    row = (m >> below) - np.where(lower, form.rows // 2, 0)
+    u = (m & (1 << below) - 1) - (1 << below - 1)
+    return row, u << form.u_frac - frac - 3
+
+
+def rounding(form: Form, frac: int) -> int:
+    """Return the constant added to c0, with ``sum_frac`` fraction bits: 3/8 ulp of the result, because a truncated
+    mantissa makes the root too large by up to a quarter, minus half of the tiles' truncation."""
+    return (3 << form.sum_frac - frac - 3) - (form.tiles + 1) // 2
+
+
+def root_sum(form: Form, m, frac: int):
+    """Return the polynomial at a mantissa, without the rounding constant, ``sum_frac`` fraction bits."""
+    row, u = place(form, m, frac)
+    return polynomial(form, columns(INVERSE_ROOT, form)[:, row], u, rises=False, bends_up=False)
+
+
+def rsqrt(m, frac: int, tile: int = TILE):
+    """Compute ``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; below 1/4 its
+    second bit is treated as set, so that 0 gives 1.
+
+    The error is less than one ulp, or the bound of :func:`rsqrt_places`, also where m is a truncated longer mantissa
+    (:func:`rsqrt_error`).
+    """
+    m = np.asarray(m, dtype=np.int64)
+    form = INVERSE_ROOT.form(frac, tile)
+    second = 1 << frac + 1
+    y = root_sum(form, np.where(m < second, m | second, m), frac) + rounding(form, frac)
+    return y >> form.sum_frac - frac
+
+
+@cache
+def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
+    """Return the proved range of :func:`rsqrt` minus 1/(2 sqrt V), in ulps of the result, for all V in [1/4, 1).
+
+    V is any real number whose truncation to frac + 3 bits is m.  Per segment: the error at m (:func:`row_error`), the
+    rounding constant minus the truncation of less than an ulp, and the fall of 1/(2 sqrt V) from m to V: the steepest
+    slope, at the left end of the segment, times an ulp of m.
+    """
+    form = INVERSE_ROOT.form(frac, tile)
+    with mpmath.workprec(PRECISION):
+        last = mpmath.mpf(2) ** -frac
+        added = mpmath.mpf(rounding(form, frac)) / 2**form.sum_frac
+        parts = []
+        for row in range(form.rows):
+            steepest = INVERSE_ROOT.segment(form, row)[0] ** mpmath.mpf(-1.5) / 4
+            cut = Interval(mpmath.mpf(0), steepest * last / 8)
+            parts.append(row_error(INVERSE_ROOT, form, row, rises=False) + Interval(added - last, added) + cut)
+        return Interval(min(p.low for p in parts) / last, max(p.high for p in parts) / last)
+
+
+# ---- sine and cosine of half an angle --------------------------------------------------------------------------------
+
+# phi/2 lies within a quarter turn on either side of 0.  With t = |phi|/2 as a fraction of a quarter turn,
+#
+#     sin |phi/2| = S(t)    cos |phi/2| = S(1 - t)    S(t) = sin(pi/2 t)
+#
+# and the segments of S(1 - t) are the segments of S in reverse order, with u negated: a row gives both functions.
+
+
+def _sine_derivative(linear: bool, segment: Segment) -> mpmath.mpf:
+    """Return the largest magnitude of a derivative in a segment: at its right end, or at its left end."""
+    (left, width), quarter = segment, mpmath.pi / 2
+    return quarter**2 * mpmath.sin(quarter * (left + width)) if linear else quarter**3 * mpmath.cos(quarter * left)
+
+
+SINE = Table(
+    function=lambda t: mpmath.sin(mpmath.pi / 2 * t),
+    segment=lambda form, row: (row * mpmath.mpf(1) / form.rows, mpmath.mpf(1) / form.rows),
+    derivative=_sine_derivative,
+    short_frac=23,
+    short=Form(2048, 25, 0, (27, 14), (28, 15), 14, 0, 28),
+    long=Form(1024, 31, 4, (34, 23, 12), (35, 24, 13), 25, 9, 36),
+    small=Form(512, 31, 7, (33, 22, 11), (34, 23, 12), 24, 10, 34),
+    besides=4,  # magnitude, table, its output register, sign
+)
+"""Table of ``ik_trig``; c0 plus the rounding constant can be 1."""
+
+SINE_FRACS = range(19, 32)
+"""Fraction bits of sines and cosines that the core supports."""
+
+
+def half_sincos(phi, width: int, frac: int, tile: int = TILE):
+    """Compute ``ik_trig``: (sin, cos) of phi/2 with ``frac`` fraction bits; phi a binary angle, one turn = 2^width.
+
+    ``phi`` is an int64 array, ``width`` 16 to 32, at most 26 with the short form, ``frac`` 19 to 31.
+    """
+    form = SINE.form(frac, tile)
+    dropped = form.sum_frac - frac
+    sin, cos = (y + (1 << dropped - 1) >> dropped for y in sine_sums(np.abs(phi), width, form))
+    return np.where(phi < 0, -sin, sin), cos
+
+
+def sine_sums(a, width: int, form: Form):
+    """Return the unrounded sums of :func:`half_sincos`, for angles >= 0."""
+    below = width - 1 - form.index_bits  # bits of a below its segment number
+    row = np.minimum(a >> below, form.rows - 1)  # a quarter turn is the end of the last segment
+    u = a - (row << below) - (1 << below - 1) << form.u_frac - width + 1
+    words = columns(SINE, form)
+    sin = polynomial(form, words[:, row], u, rises=True, bends_up=False)
+    return sin, polynomial(form, words[:, form.rows - 1 - row], u, rises=False, bends_up=True)
+
+
+@cache
+def half_sincos_error(frac: int, tile: int = TILE) -> float:
+    """Return the largest error of :func:`half_sincos` in ulps, proved for every phi: the largest error of a row plus
+    half an ulp for rounding the result."""
+    form = SINE.form(frac, tile)
+    with mpmath.workprec(PRECISION):
+        worst = max(row_error(SINE, form, row, rises).size for row in range(form.rows) for rises in (True, False))
+        return float(worst * 2**frac + mpmath.mpf(1) / 2)

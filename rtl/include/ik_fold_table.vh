@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.generate.headers` from model/dataflow/cores.py and model/dataflow/trig.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/quadratic.py; do not edit.
 
 // For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned
 // alike, c0 with what rounds the result.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by `python -m scripts.generate.headers` from model/dataflow/cores.py; do not edit.
+// Written by `python -m scripts.generate.headers` from model/dataflow/quadratic.py; do not edit.
 
 // For the body of ik_rsqrt: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {c0, c1, c2} of each
 // segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The error is below one LSB of y (1.1 with small tables and F = 29), even if m is a truncated longer mantissa; proof
-// in model/dataflow/cores.py.
+// in model/dataflow/quadratic.py.
 // The second bit of m is taken as set if m < 1/4, so m = 0 gives y = 1. A doubled y has a 0 as its LSB.
 // Half of the table's segments lie in [1/4, 1/2), half in [1/2, 1). Interpolation is linear up to F = 22, else
 // quadratic; likewise for TILE < 18, which has the smallest table.

@@ -3,7 +3,7 @@
 //
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. The table holds the sine of a quarter
 // turn; the cosine reads it from the other end, where u changes sign. Interpolation is linear up to F = 23, else
-// quadratic; likewise for TILE < 18, which has the smallest table. Proof of the error bound: model/dataflow/trig.py.
+// quadratic; likewise for TILE < 18, which has the smallest table. Proof of the error bound: model/dataflow/quadratic.py.
 // Throughput: one angle per clock.
 // Latency: 11 clocks, 8 if linear (LAT_TRIG): magnitude, table, its output register, ik_quadratic, sign. A name's
 // suffix is the clock in which it is valid.

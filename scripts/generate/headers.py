@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow import cores, trig
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
 from model.dataflow.fold import steps as timing
@@ -21,7 +20,7 @@ from model.dataflow.fold.program import CODES, FIELDS, WIDTH, program
 from model.dataflow.fold.shown import Shown, shown
 from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node, inner_frac
-from model.dataflow.quadratic import Form
+from model.dataflow.quadratic import INVERSE_ROOT, SINE, Form, Table, table_rows
 from model.io.words import RESULT_FIELDS
 from scripts.generate.render import update
 from tb.sim.env import ROOT
@@ -190,18 +189,19 @@ def _drop(form: Form) -> int:
     return form.slope_frac - form.slope_low + form.u_frac - form.u_low - form.sum_frac
 
 
-def quadratic_table(name: str, most: int, forms: dict[str, Form], rows, rounding: str, *more: str) -> str:
+def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     """Return the table of a module around ``ik_quadratic``.
 
-    forms: for tiles below 18 bits, for results of more than ``most`` fraction bits F, for others. rows: function that
-    returns the rows of a form. rounding: what is added to c0. more: further parameters of the module.
+    rounding: the constant added to c0. more: further parameters of the module.
     """
+    forms = {"small": table.small, "long": table.long, "short": table.short}
+    roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return f"""\
 // For the body of {name}: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {{c0, c1, c2}} of each
 // segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.
 
 localparam [0:0] SMALL = TILE < 18;
-localparam [0:0] LONG = F > {most};
+localparam [0:0] LONG = F > {table.short_frac};
 {_choose({size: _parameters(form, *more) for size, form in forms.items()})}
 localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 localparam integer SPARE = SUM_FRAC - C0_FRAC;
@@ -209,7 +209,7 @@ localparam integer ROUNDING = {rounding};
 localparam [SPARE-1:0] LOWEST = ROUNDING[SPARE-1:0];
 localparam [ROW_BITS-1:0] ADD = {{{{(ROW_BITS - 32) {{1'b0}}}}, ROUNDING}} >> SPARE << (C1_BITS + C2_BITS);
 
-{_rom("ROWS-1", {size: [_row(row, form.c_bits, "ADD") for row in rows(form)] for size, form in forms.items()})}"""
+{_rom("ROWS-1", roms)}"""
 
 
 def _parameters(form: Form, *more: str) -> dict[str, int]:
@@ -236,22 +236,20 @@ def _parameters(form: Form, *more: str) -> dict[str, int]:
 
 def rsqrt_table() -> str:
     """Return the text of ``ik_rsqrt_table.vh``."""
-    forms = {"small": cores.SMALL, "long": cores.LONG, "short": cores.SHORT}
     rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
-    return quadratic_table("ik_rsqrt", cores.SHORT_FRAC, forms, cores.rsqrt_rows, rounding, "tiles", "clocks")
+    return quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks")
 
 
 def trig_table() -> str:
     """Return the text of ``ik_trig_table.vh``."""
-    forms = {"small": trig.SMALL, "long": trig.LONG, "short": trig.SHORT}
-    return quadratic_table("ik_trig", trig.SHORT_FRAC, forms, trig.sine_rows, "1 << (SUM_FRAC - F - 1)", "clocks")
+    return quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks")
 
 
 # -- fold datapath -------------------------------------------------------------------------------------------------
 
 STEP_BITS = sum(FIELDS.values())
 
-FOLD_FORMS = {"small": (cores.SMALL, trig.SMALL), "long": (cores.LONG, trig.LONG)}
+FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size in ("small", "long")}
 """Forms (root, sine) of the fold datapath's table."""
 
 
@@ -366,8 +364,8 @@ def _fold_parameters(root: Form, sine: Form) -> dict[str, int]:
 def _fold_rows(root: Form, sine: Form) -> list[str]:
     frac = sine.c_frac[0] + 1
     bits = (frac, *root.c_bits[1:])
-    rows = [_row((c0 << frac - root.c_frac[0], c1, c2), bits, "ROOT") for c0, c1, c2 in cores.rsqrt_rows(root)]
-    return rows + [_row((c0, c1, 2 * c2), bits, "SINE") for c0, c1, c2 in trig.sine_rows(sine)]
+    roots = [_row((c0 << frac - root.c_frac[0], c1, c2), bits, "ROOT") for c0, c1, c2 in table_rows(INVERSE_ROOT, root)]
+    return roots + [_row((c0, c1, 2 * c2), bits, "SINE") for c0, c1, c2 in table_rows(SINE, sine)]
 
 
 def fold_table() -> str:
@@ -426,14 +424,14 @@ def texts() -> dict[Path, str]:
         "lean_formats": (lean_formats(), f"{model}/nodes.py"),
         "latency": (latencies(), f"{model}/paper.py and {model}/lean.py"),
         "sincos_table": (sincos_table(), f"{model}/fixed.py"),
-        "rsqrt_table": (rsqrt_table(), f"{model}/cores.py"),
-        "trig_table": (trig_table(), f"{model}/trig.py"),
+        "rsqrt_table": (rsqrt_table(), f"{model}/quadratic.py"),
+        "trig_table": (trig_table(), f"{model}/quadratic.py"),
         "fold_codes": (fold_codes(), f"{model}/fold/program.py"),
         "fold_fields": (fold_fields(), f"{model}/fold/program.py"),
         "fold_formats": (fold_formats(), f"{model}/nodes.py"),
         "fold_nodes": (fold_nodes(), f"{model}/fold/shown.py"),
         "fold_program": (fold_program(), f"{model}/fold/schedule.json and {model}/lean.py"),
-        "fold_table": (fold_table(), f"{model}/cores.py and {model}/trig.py"),
+        "fold_table": (fold_table(), f"{model}/quadratic.py"),
     }
     return {folder / f"ik_{name}.vh": NOTE.format(source=source, text=text) for name, (text, source) in found.items()}
 

@@ -7,7 +7,7 @@ import itertools
 
 import numpy as np
 
-from model.dataflow import trig
+from model.dataflow.quadratic import sine_sums
 
 
 def shifted(width: int) -> np.ndarray:
@@ -20,5 +20,5 @@ def nearly_rounded_up(width: int, form, frac: int) -> np.ndarray:
     """Return targets with angles whose sine or cosine sum is one unit below the rounding boundary."""
     angles = np.random.default_rng(5).integers(0, 1 << width - 1, 100000)
     dropped = (1 << form.sum_frac - frac) - 1
-    near = [angles[y & dropped == dropped >> 1][:10] for y in trig.sums(angles, width, form)]
+    near = [angles[y & dropped == dropped >> 1][:10] for y in sine_sums(angles, width, form)]
     return np.array([(999, -700, 444, angle, 999, 999) for angle in np.concatenate(near)])

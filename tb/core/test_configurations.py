@@ -4,9 +4,10 @@
 import numpy as np
 import pytest
 
-from model.dataflow import fixed, trig
+from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import inner_frac
+from model.dataflow.quadratic import SINE, SINE_FRACS
 from model.io.stimuli import mixed
 from tb.core.corner_targets import nearly_rounded_up, shifted
 from tb.sim.env import CORES, simulator
@@ -28,8 +29,8 @@ def test_every_node_equals_the_model(datapath, width, kind):
     native = simulator() == "verilator"
     words = mixed(300 if native else 40, width, 4)
     if native:
-        frac = min(inner_frac(width), trig.FRACS[-1])
-        angles = nearly_rounded_up(width, trig.form_of(frac, CONFIGURATIONS[datapath].tile), frac)
+        frac = min(inner_frac(width), SINE_FRACS[-1])
+        angles = nearly_rounded_up(width, SINE.form(frac, CONFIGURATIONS[datapath].tile), frac)
         words = np.concatenate([words, shifted(width), angles])
     (run,) = simulate(
         [Job(datapath, words)], simulator=simulator(), datapath=datapath, width=width, cores=kind, native=native

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof by z3 that ik_rsqrt equals its model, register by register, for every mantissa.
 
-The model's own functions (:func:`model.dataflow.cores.place`, :func:`model.dataflow.quadratic.polynomial`) run on
-terms, integers of :data:`WIDE` bits in which nothing overflows; the Verilog is Yosys' formula of ik_rsqrt with its
-ik_quadratic, unrolled from any state over its latency. A product is cut at its register: separate questions prove that
-the register holds the product of the words before it, that these are the model's factors, and that the product fits.
-The questions use one arbitrary word of the table; the table's words are compared with the model one by one.
+The model's own functions :func:`place` and :func:`polynomial` of :mod:`model.dataflow.quadratic` run on terms, integers
+of :data:`WIDE` bits in which nothing overflows; the Verilog is Yosys' formula of ik_rsqrt with its ik_quadratic,
+unrolled from any state over its latency. A product is cut at its register: separate questions prove that the register
+holds the product of the words before it, that these are the model's factors, and that the product fits. The questions
+use one arbitrary word of the table; the table's words are compared with the model one by one.
 """
 
 from __future__ import annotations
@@ -15,10 +15,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from model.dataflow import cores
-from model.dataflow.cores import form_of, place, rounding, rsqrt_rows
 from model.dataflow.nodes import WIDTHS, root_frac
-from model.dataflow.quadratic import Form, polynomial
+from model.dataflow.operations import TILE
+from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
 from tb.formal.arithmetic import Question, inside, integers, word
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
@@ -118,8 +117,8 @@ class Product:
 class Stages:
     """The questions at one number of fraction bits and one tile size."""
 
-    def __init__(self, frac: int, tile: int = cores.TILE, bug: Bug | None = None) -> None:
-        self.frac, self.tile, self.form = frac, tile, form_of(frac, tile)
+    def __init__(self, frac: int, tile: int = TILE, bug: Bug | None = None) -> None:
+        self.frac, self.tile, self.form = frac, tile, INVERSE_ROOT.form(frac, tile)
         self.bent = len(self.form.c_frac) > 2
         place = BUILD / ("bug" if bug else f"{frac}_{tile}")
         copy_rtl(place, bug)
@@ -136,7 +135,7 @@ class Stages:
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
         text = HELD.sub("true", text)  # any table will do unless the question is about its words
         self.whole, self.unrolled = Unrolled(text), Unrolled(MULTIPLIED.sub(r"(declare-fun \1 (\2) \3)", text))
-        self.clocks = cores.rsqrt_clocks(frac, tile) + 1
+        self.clocks = INVERSE_ROOT.clocks(frac, tile) + 1
 
     # ---- the Verilog ----
 
@@ -173,7 +172,7 @@ class Stages:
         form, spare = self.form, self.form.sum_frac - self.form.c_frac[0]
         slope_bits = form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1
         wrong = [] if len(self.rom) == form.rows else ["length"]
-        for number, (c0, *others) in enumerate(rsqrt_rows(form)):
+        for number, (c0, *others) in enumerate(table_rows(INVERSE_ROOT, form)):
             held = self.rom.get(number, 0)
             fields = [held >> low & (1 << width) - 1 for low, width in self.fields]
             whole = (fields[0] | 1 << form.c_bits[0]) << spare | rounding(form, self.frac) & (1 << spare) - 1
@@ -207,7 +206,7 @@ class Stages:
 
     def questions(self) -> Iterator[Question]:
         """Yield all questions."""
-        label = "" if (self.frac, self.tile) == (FULL, cores.TILE) else f", F={self.frac}, TILE={self.tile}"  # W < 32
+        label = "" if (self.frac, self.tile) == (FULL, TILE) else f", F={self.frac}, TILE={self.tile}"  # W < 32
         yield Question(f"table{label}", "all words are the model's", self.words)
         yield Question(f"products fit{label}", "in their registers", self._fit)
         for name, says, claim in self._claims():
@@ -296,11 +295,11 @@ class Stages:
 
 def forms() -> list[tuple[int, int]]:
     """Return fraction bits and tile size at every width, and of the small tables."""
-    full = {(root_frac(width), cores.TILE) for width in WIDTHS}
+    full = {(root_frac(width), TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 
 
 def stages(bug: Bug | None = None) -> Iterator[Question]:
     """Yield all questions; with a bug, only the questions at W = 32."""
-    for frac, tile in [(FULL, cores.TILE)] if bug else forms():
+    for frac, tile in [(FULL, TILE)] if bug else forms():
         yield from Stages(frac, tile, bug).questions()

@@ -18,7 +18,7 @@ from tb.sim.env import ROOT
 from tb.sim.sources import code
 
 FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py")
-STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/cores.py", "model/dataflow/quadratic.py")
+STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/quadratic.py")
 
 
 def _files(names: Iterable[str]) -> str:

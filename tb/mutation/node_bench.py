@@ -12,9 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow import fixed, trig
+from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, Datapath
 from model.dataflow.nodes import inner_frac
+from model.dataflow.quadratic import SINE, SINE_FRACS
 from model.io.stimuli import mixed
 from model.io.words import FIELDS
 from tb.core.corner_targets import nearly_rounded_up, shifted
@@ -53,8 +54,8 @@ class NodeBench:
         """Return the targets as words."""
         words = mixed(self.targets, self.width, 4)
         if self.corners:
-            frac = min(inner_frac(self.width), trig.FRACS[-1])
-            near = nearly_rounded_up(self.width, trig.form_of(frac, self.path.tile), frac)
+            frac = min(inner_frac(self.width), SINE_FRACS[-1])
+            near = nearly_rounded_up(self.width, SINE.form(frac, self.path.tile), frac)
             words = np.concatenate([words, shifted(self.width), near])
         return words
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import pytest
 
-from model.dataflow.cores import rsqrt_clocks
 from model.dataflow.nodes import Latency
+from model.dataflow.quadratic import INVERSE_ROOT
 from tb.sim.env import ROOT, environment
 from tb.sim.verilator_build import build
 
@@ -46,7 +46,7 @@ def root(bits: int, argument: int, shift: int, width: int, digit: int = 1, earli
 
 
 def reciprocal(frac: int) -> Case:
-    return Case("Rsqrt", frac + 3, 1 + rsqrt_clocks(frac), {"F": frac})  # includes one clock for the mantissa register
+    return Case("Rsqrt", frac + 3, 1 + INVERSE_ROOT.clocks(frac), {"F": frac})  # 1: the mantissa register
 
 
 SHORT = {

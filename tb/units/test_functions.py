@@ -7,9 +7,9 @@ import random
 import numpy as np
 
 from model.dataflow import fixed
-from model.dataflow.cores import TILE, places, rsqrt, rsqrt_clocks
 from model.dataflow.nodes import Latency, inner_frac
-from model.dataflow.trig import FRACS, error_bound, form_of, half_sincos, trig_clocks
+from model.dataflow.operations import TILE
+from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
 from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, unsigned
 
 
@@ -41,7 +41,7 @@ def sincos(W: int) -> Tests:
 
 
 def trig(W: int, F: int, TILE: int = TILE) -> Tests:
-    rows = form_of(F, TILE).rows
+    rows = SINE.form(F, TILE).rows
     step = (1 << W - 1) // rows  # angle of a segment
 
     def model(phi):
@@ -53,7 +53,7 @@ def trig(W: int, F: int, TILE: int = TILE) -> Tests:
         angles = [k * step + e for k in range(-rows, rows + 1, 3) for e in near if k * step + e in signed(W)]
         return random.sample(angles, len(angles))
 
-    return half_angles(W, F, model, error_bound(F, TILE), trig_clocks(F, TILE), segments)
+    return half_angles(W, F, model, half_sincos_error(F, TILE), SINE.clocks(F, TILE), segments)
 
 
 def reciprocal(F: int, TILE: int = TILE) -> Tests:
@@ -66,7 +66,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         doubled modulo the word length if ``twice``."""
         y = rsqrt(np.array(m), F, TILE).tolist()
         square = 100 << 2 * F + MW - 2
-        off = round(10 * places(F, TILE))
+        off = round(10 * rsqrt_places(F, TILE))
         for v, root in zip(m, y, strict=True):
             near = (10 * root - off) ** 2 * (v + 1) <= square < (10 * root + off) ** 2 * v
             assert near or v not in mantissas, f"the model is not faithful: {v} -> {root}"
@@ -94,7 +94,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         segments,
         random_mantissas,
         any_words,
-        latency=rsqrt_clocks(F, TILE),  # counted after the mantissa register, where `twice` enters
+        latency=INVERSE_ROOT.clocks(F, TILE),  # counted after the mantissa register, where `twice` enters
         delays={"DM": 1},
         corners=[((one // 4, 0), 1 << F), ((one - 1, 0), 1 << F - 1), ((one - 1, 1), 1 << F), ((0, 0), 1 << F)],
         good=(one // 3, 0),
@@ -103,7 +103,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
 
 def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
     """Return the parameters of ``ik_trig``; F depends on W as in the datapath."""
-    return sets_of("W F", *((w, min(inner_frac(w), FRACS[-1])) for w in widths), **tile)
+    return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 
 test_functions = runs(

@@ -5,8 +5,8 @@ import itertools
 
 import numpy as np
 
-from model.dataflow.cores import MUL3_CLOCKS, TILE, mul3, unseen
 from model.dataflow.nodes import GUARD, Latency
+from model.dataflow.operations import TILE, mul3, unseen
 from tb.units.unit import Case, Tests, checks, crossed, each, halves, rounded, runs, sets_of, signed, some, wrapped
 
 
@@ -95,7 +95,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         reference,
         extreme_high_parts,
         halves_of_a_place,
-        latency=MUL3_CLOCKS,
+        latency=Latency(32)["mul3"],
         delays=delays,
     )
 

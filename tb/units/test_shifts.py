@@ -5,8 +5,8 @@ import random
 
 import numpy as np
 
-from model.dataflow.cores import EVEN_CLOCKS, even
 from model.dataflow.nodes import Latency, inner_frac
+from model.dataflow.operations import even
 from tb.units.unit import (
     Case,
     Tests,
@@ -113,7 +113,7 @@ def evenly(VW: int, MW: int) -> Tests:
         reference,
         powers_of_two,
         any_length,
-        latency=EVEN_CLOCKS,
+        latency=Latency(32)["even"],
         corners=[(0, (VW // 2 - 1, 0)), (1, (VW // 2 - 1, quarter)), (4, (VW // 2 - 2, quarter))],
         good=V[-1] // 9,
     )

@@ -27,7 +27,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.dataflow import cores, fixed, trig
+from model.dataflow import fixed, quadratic
 from model.dataflow.reals import Real
 from model.dataflow.tests.test_datapaths import Run, ulp
 from model.io.flags import UNREACHABLE, expected_flags
@@ -77,22 +77,22 @@ def reciprocal_root(frac: int, tile: int) -> Figures:
     """Return the figures of ``rsqrt``.  The mean is measured at the middle of the interval truncated to a mantissa, the
     largest error at its ends."""
     m = around(1 << frac + 1, 1 << frac + 3, 3072, frac)
-    y = cores.rsqrt(m, frac, tile)
+    y = quadratic.rsqrt(m, frac, tile)
     low, middle, high = (
         (y - np.longdouble(2) ** frac / 2 / np.sqrt((m + part) / np.longdouble(2) ** (frac + 3))).astype(np.float64)
         for part in (np.longdouble(0), np.longdouble(0.5), np.longdouble(1))
     )
     found = measured(error=middle) | {"error max": float(max(np.abs(low).max(), np.abs(high).max()))}
-    return {"proved": cores.rsqrt_error_bound(frac, tile)} | found
+    return {"proved": float(quadratic.rsqrt_error(frac, tile).size)} | found
 
 
 def sine_and_cosine(frac: int, tile: int) -> Figures:
     width = 32 if frac > 24 and tile == WIDE else 24
     phi = around(-(1 << width - 1), 1 << width - 1, 4096, frac)
     half = phi.astype(np.longdouble) * PI / 2**width
-    pairs = zip(trig.half_sincos(phi, width, frac, tile), (np.sin(half), np.cos(half)), strict=True)
+    pairs = zip(quadratic.half_sincos(phi, width, frac, tile), (np.sin(half), np.cos(half)), strict=True)
     errors = [(word - exact * np.longdouble(2) ** frac).astype(np.float64) for word, exact in pairs]
-    return {"proved": trig.error_bound(frac, tile)} | measured(error=np.stack(errors))
+    return {"proved": quadratic.half_sincos_error(frac, tile)} | measured(error=np.stack(errors))
 
 
 def cordic(width: int) -> Figures:

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from model.dataflow import cores, fixed
+from model.dataflow import fixed, quadratic
 from model.dataflow.nodes import real_value
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, region
@@ -127,14 +127,14 @@ def test_reciprocal_root_of_short_words():
 @pytest.mark.parametrize(("frac", "tile"), forms())
 def test_terms_are_those_of_the_model(frac, tile):
     """The function used on terms equals the model's root."""
-    form, random = cores.form_of(frac, tile), np.random.default_rng(1)
-    rows, added = cores.rsqrt_rows(form), cores.rounding(form, frac)
+    form, random = quadratic.INVERSE_ROOT.form(frac, tile), np.random.default_rng(1)
+    rows, added = quadratic.table_rows(quadratic.INVERSE_ROOT, form), quadratic.rounding(form, frac)
     whole = Form(**{**form.__dict__, "c_frac": (form.sum_frac, *form.c_frac[1:])})
     ends = [1 << frac + 1, (1 << frac + 2) - 1, 1 << frac + 2, (1 << frac + 3) - 1]
     for m in [*ends, *map(int, random.integers(1 << frac + 1, 1 << frac + 3, 200))]:
-        c0, *others = rows[int(cores.place(form, m, frac)[0])]
+        c0, *others = rows[int(quadratic.place(form, m, frac)[0])]
         y = model(whole, frac, ((c0 << form.sum_frac - form.c_frac[0]) + added, *others), m)[2]
-        assert y == cores.rsqrt(m, frac, tile)
+        assert y == quadratic.rsqrt(m, frac, tile)
 
 
 def test_problems_are_reported():
