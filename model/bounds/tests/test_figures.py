@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy figures of the tables, the arithmetic modules and the datapaths, compared with figures.json.
+"""Accuracy figures of the tables, the arithmetic modules and the datapaths, compared with figures.json; limits on
+widening a tolerance.
 
     python -m model.bounds.tests.test_figures
 
@@ -18,6 +19,7 @@ Units: fraction of the reach for a hand, radians for an angle, ulps of the resul
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Callable
@@ -27,7 +29,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.bounds import tolerances
 from model.dataflow import fixed, quadratic
+from model.dataflow.nodes import WIDTHS
 from model.dataflow.reals import Real
 from model.dataflow.tests.test_datapaths import Run, ulp
 from model.io.flags import UNREACHABLE, expected_flags
@@ -35,6 +39,7 @@ from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, random_reachable, region, unreachable
 from model.io.words import from_words
 from model.reference.equations import solve_clamped
+from model.reference.kinematics import forward
 from model.reference.lean_equations import solve_lean
 
 FILE = Path(__file__).with_name("figures.json")
@@ -182,6 +187,9 @@ GROUPS: dict[str, Callable[[], Figures]] = {
 }
 """Module or datapath, its length, and its variant -> its figures."""
 
+TOLERATED = {f"lean-{width}": tolerances.lean(width) for width in WIDTHS}
+"""Group -> tolerance of its hand error."""
+
 
 @pytest.mark.parametrize("name", GROUPS)
 def test_figures(name):
@@ -193,6 +201,42 @@ def test_figures(name):
         message = f"{name}: {what} is {figure:.4g}, {ratio:.3f} times the {recorded[what]:.4g} recorded"
         assert BETTER[kind] <= ratio <= WORSE[kind], message
     assert present.get("error max", 0) <= present.get("proved", 0), "an error exceeds its proved bound"
+    if name in TOLERATED:
+        assert TOLERATED[name] / 8 < present["hand max"] <= TOLERATED[name]
+
+
+# -- tolerances --------------------------------------------------------------------------------------------------------
+
+
+def test_a_shorter_word_never_has_the_smaller_tolerance():
+    table = [tolerances.lean(width) for width in WIDTHS]
+    assert table == sorted(table, reverse=True)
+
+
+@pytest.mark.parametrize("width", (16, 24, 32))
+def test_rounding_of_results_alone(width):
+    """Half an ulp to either side of six results: the worst of 64 combinations in many poses, and in the worst pose."""
+    words = random_reachable(1000, width, seed=8)
+    q = np.concatenate([Run(words, width).exact, [(0.5**0.5, 0, 0.5**0.5, 0, 0, -1)]])
+    arms = np.concatenate([words[:, 4:], [(0, 1)]])
+    wrist = forward(q[:, :4], q[:, 4:], *arms.T)[1]
+    worst = np.zeros(len(q))
+    for signs in itertools.product((-0.5, 0.5), repeat=6):
+        rounded = q + ulp(width) * np.array(signs)
+        off = np.linalg.norm(forward(rounded[:, :4], rounded[:, 4:], *arms.T)[1] - wrist, axis=1)
+        worst = np.maximum(worst, off / arms.sum(axis=1) / ulp(width))
+    assert worst.max() == worst[-1] == pytest.approx(tolerances.ROUNDED_ULPS, rel=8 * ulp(width) + 1e-6)
+
+
+def test_rounded_results_of_18_bits_miss_the_tolerance():
+    """Even exact results, rounded, exceed the tolerance in some pose: :func:`tolerances.sought` allows for that."""
+    run = Run(np.array([(123447, 0, -594, -131072, 2008, 121725)]), 18)
+    (error,) = run.off(np.rint(run.exact * 2**16) / 2**16)[1]
+    assert tolerances.lean(18) < error <= tolerances.sought(18)
+    assert tolerances.sought(24) == tolerances.lean(24) and tolerances.sought(32) == tolerances.lean(32)
+
+
+# -- the file ----------------------------------------------------------------------------------------------------------
 
 
 def rounded(name: str, figure: float) -> float:

@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bit-true datapaths: accuracy over the reachable workspace, and unit quaternions and exact flags for any words.
+"""Bit-true datapaths: accuracy over the reachable workspace, unit quaternions and exact flags for any words, numbers
+and names in table, model and RTL, and the program of the fold datapath.
 
 Bars are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
 """
 
+import re
+from dataclasses import replace
 from math import isqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from model.bounds import predict, tolerances
 from model.dataflow import fixed
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
+from model.dataflow.fold.lowering import lower
+from model.dataflow.fold.program import ConflictError, encode, program, schedule
+from model.dataflow.fold.shown import shown
+from model.dataflow.fold.steps import WRITE
 from model.dataflow.nodes import GUARD, WIDTHS
 from model.io.flags import AT_SHOULDER, FLAGS, SATURATED, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, corners, extremes, mixed, random_reachable, region
@@ -18,7 +27,7 @@ from model.io.stimuli import unreachable as random_unreachable
 from model.io.words import RESULT_FIELDS, from_words, result_values
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
-from model.reference.lean_equations import solve_lean
+from model.reference.lean_equations import NUMBER, solve_lean
 
 TESTED = (16, 18, 24, 27, 32)
 
@@ -302,3 +311,63 @@ def test_targets_do_not_depend_on_their_neighbours(datapath):
 def test_a_width_that_is_not_built_is_refused():
     with pytest.raises(ValueError, match="width 33"):
         fixed.run(np.zeros((1, 6), dtype=np.int64), 33)
+
+
+# -- numbers and names in table, model and RTL
+
+DECLARED = re.compile(
+    r"^\s*(?:output\s+)?(?:wire|reg)\s+(?:signed\s+)?(?:\[[^]]*\]\s*)?(?P<name>\w+)[^/\n]*(?://(?P<comment>.*))?$",
+    re.MULTILINE,
+)
+"""Declaration of an output, a wire or a register, and the comment after it."""
+
+
+def test_lean_nodes_have_the_numbers_of_the_table():
+    """Every line is the node of its name; a node without a number is a decision."""
+    nodes = fixed.run(np.array([[1 << 29] * 6]), 32, "lean").bits.nodes
+    assert {name: nodes[name].equation for name in NUMBER if name in nodes} == NUMBER
+    for node in nodes.values():
+        decision = node.format.width == 1 and not node.equation
+        assert node.equation in NUMBER.values() or decision or node.op == "input", f"{node.name}: {node.equation!r}"
+
+
+@pytest.mark.parametrize("section", [name for name in DATAPATHS["lean"].sections if name != "results"])
+def test_the_verilog_has_each_number_at_the_declaration_of_a_node(section):
+    lean = DATAPATHS["lean"]
+    text = (Path(__file__).parents[3] / lean.folder / f"{lean.module(section)}.v").read_text(encoding="utf-8")
+    in_rtl = {m["name"]: re.findall(r"\(L\d+\)", m["comment"] or "") for m in DECLARED.finditer(text)}
+    nodes = fixed.run(np.array([[1 << 29] * 6]), 32, "lean").bits.nodes.values()
+    own = {n.name: [n.equation] if n.equation else [] for n in nodes if n.section == section and n.operands}
+    assert own == {name: in_rtl.get(name) for name in own}
+    assert not {name for name, found in in_rtl.items() if found and name not in own}, "numbers at other signals"
+
+
+# -- the program of the fold datapath
+
+
+@pytest.mark.parametrize("width", CONFIGURATIONS["fold"].widths)
+def test_the_program_is_the_same_at_every_word_length(width):
+    one, other = program(width)[1], program(24)[1]
+    assert [one.word(clock) for clock in range(one.period)] == [other.word(clock) for clock in range(other.period)]
+
+
+def test_steps_in_the_clocks_of_another_step_are_refused():
+    """Two steps that need a field or a place in one clock; a step of another clock that does not conflict shows as
+    wrong nodes in the RTL (`tb/core/test_every_target.py`)."""
+    (_, groups), found = lower(24), schedule()
+    first, *others = found.starts
+    for other in others[::7]:
+        with pytest.raises(ConflictError, match="twice|lives|no place"):
+            encode(groups, replace(found, starts=found.starts | {other: found.starts[first]}))
+
+
+def test_every_node_is_shown_before_the_result_leaves():
+    lowering, made = program(24)
+    last = max(placed.at + WRITE for placed in made.steps if placed.step.result)
+    found = shown(lowering, made)
+    assert list(found) == list(fixed.run([[0] * 6], 24, "lean").bits.nodes)
+    assert max(of.time for of in found.values()) == last + 1
+    assert fixed.latency("fold", 24) == last + 1 - max(made.loads.values())
+    without = replace(made, steps=[placed for placed in made.steps if placed.step.name != "az_tilt_sq"])
+    with pytest.raises(LookupError, match="shows no az_tilt_sq"):
+        shown(lowering, without)

@@ -161,7 +161,7 @@ def angles(width: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("width", "tile"), [*((width, TILE) for width in range(16, 33)), *((width, SMALL_TILE) for width in range(16, 25))]
+    ("width", "tile"), [*((width, TILE) for width in (16, 18, 19, 27, 32)), (16, SMALL_TILE), (24, SMALL_TILE)]
 )
 def test_sine_and_cosine(width, tile):
     """Errors stay below the proved bound; symmetry, range, and the exact values at 0 and at half a turn."""
