@@ -5,7 +5,7 @@ A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`) is written 
 (:class:`Domain`) and therefore runs in several ways:
 
 * :class:`model.dataflow.fixed.Bits` - integers, equal to the RTL in every bit of every node;
-* :class:`model.dataflow.reals.Real` - double precision with any single node disturbed, for predicted errors;
+* :class:`model.bounds.predict.Real` - double precision with any single node disturbed, for predicted errors;
 * :class:`model.bounds.ranges.Ranges` - intervals, for proofs;
 * as a table of formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
@@ -20,7 +20,6 @@ proof (:mod:`model.bounds.ranges`) only nodes with ``limited`` ever saturate.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -202,7 +201,7 @@ class Negated:
     node: Node
 
 
-class Domain(ABC):
+class Domain:
     """Operations of a dataflow.  Each creates one or more named nodes."""
 
     def __init__(self, width: int, widths: range = WIDTHS, tile=TILE) -> None:
@@ -270,10 +269,10 @@ class Domain(ABC):
 
     # ---- hooks for ranges ----------------------------------------------------------------------------------------
 
-    def learn(self, fact: Callable[[Case], Case]) -> None:  # noqa: B027 - of ranges only
+    def learn(self, fact: Callable[[Case], Case]) -> None:
         """Tighten the length bounds of a case from the nodes so far; only ranges are computed case by case."""
 
-    def restart(self, *names: str) -> None:  # noqa: B027 - of ranges only
+    def restart(self, *names: str) -> None:
         """Treat the words of these nodes, a plane, as exact: everything after them holds for any plane."""
 
     # ---- operations ----------------------------------------------------------------------------------------------
@@ -401,54 +400,25 @@ class Domain(ABC):
 
     # ---- evaluation in a domain: values of its own type ------------------------------------------------------------
 
-    @abstractmethod
-    def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, words: Callable) -> Value:
-        """Return the value of :meth:`op`."""
+    # A domain defines the operations of the datapaths that it runs, with the parameters of :class:`.fixed.Bits`.
+    apply: Callable[..., Value]  # of op
+    # the paper's datapath
+    product: Callable[..., Value]
+    total: Callable[..., Value]  # of a sum
+    quotient: Callable[..., Value]
+    square_root: Callable[..., Value]
+    mantissa: Callable[..., Value]
+    cordic: Callable[..., tuple[Value, ...]]  # sine and cosine of phi/2
+    constant: Callable[..., Node]  # wiring, ready at any time
+    # the lean datapath
+    product3: Callable[..., Value]
+    even_mantissa: Callable[..., tuple[Value, Value]]  # shift count, mantissa
+    reciprocal_root: Callable[..., Value]
+    half_sincos: Callable[..., tuple[Value, ...]]  # sine and cosine of phi/2
 
     def decides(self, fmt: Format) -> bool:
         """Return whether the next node is computed in integers only: a mask, a shift count, or a node of the guard."""
         return self._section == "guard" or not fmt.frac
-
-    # The paper's datapath.
-
-    def product(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
-        raise NotImplementedError
-
-    def total(self, name: str, signs: tuple[int, ...], nodes: tuple[Node, ...], fmt: Format) -> Value:
-        raise NotImplementedError
-
-    def quotient(self, name: str, n: Node, d: Node, fmt: Format) -> Value:
-        raise NotImplementedError
-
-    def square_root(self, name: str, n: Node, fmt: Format) -> Value:
-        raise NotImplementedError
-
-    def mantissa(self, name: str, word: Node, words: tuple[Node, ...], counts: Node, fill: int) -> Value:
-        raise NotImplementedError
-
-    def cordic(self, names: tuple[str, str], phi: Node) -> tuple[Value, ...]:
-        """Return sine and cosine of phi/2."""
-        raise NotImplementedError
-
-    def constant(self, value: float, fmt: Format) -> Node:
-        """Return a constant: wiring, ready at any time."""
-        raise NotImplementedError
-
-    # The lean datapath.
-
-    def product3(self, name: str, a: Node, b: Node, fmt: Format, scale: int) -> Value:
-        raise NotImplementedError
-
-    def even_mantissa(self, count: str, name: str, value: Node, width: int, fmt: Format) -> tuple[Value, Value]:
-        """Return the shift ``count`` and the mantissa ``name``."""
-        raise NotImplementedError
-
-    def reciprocal_root(self, name: str, m: Node, fmt: Format, twice: Node | None) -> Value:
-        raise NotImplementedError
-
-    def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format) -> tuple[Value, ...]:
-        """Return sine and cosine of phi/2."""
-        raise NotImplementedError
 
 
 def _faithful(fmt: Format, frac: int, most: float = 1.0) -> tuple[float, float]:

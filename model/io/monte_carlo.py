@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..bounds.predict import Real
 from ..bounds.tolerances import REGULAR_DISTANCE
 from ..dataflow import fixed
 from ..dataflow.nodes import WIDTHS, Node
-from ..dataflow.reals import Real
 from ..reference.kinematics import forward
 from . import trajectories
 from .flags import UNREACHABLE, expected_flags

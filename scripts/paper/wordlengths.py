@@ -8,10 +8,10 @@ import sys
 import numpy as np
 
 from model.bounds import predict, ranges
+from model.bounds.predict import Real
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS, FormatError, Node
-from model.dataflow.reals import Real
 from model.io.monte_carlo import (
     REACH,
     Observed,
@@ -42,7 +42,7 @@ def sensitivities(width: int, seed: int, count: int) -> dict[str, np.ndarray]:
     d1, d2 = words[:, 4] * length, words[:, 5] * length
 
     def hand(name: str, move: float) -> np.ndarray:
-        return Real(bits, {name: np.full(len(words), move)}).hand(d1, d2)
+        return Real(bits, {name: np.full(len(words), move)}).points(d1, d2)[1]
 
     return {
         node.name: np.linalg.norm(hand(node.name, 0.5) - hand(node.name, -0.5), axis=1) / (d1 + d2)

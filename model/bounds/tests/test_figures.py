@@ -30,9 +30,9 @@ import numpy as np
 import pytest
 
 from model.bounds import tolerances
+from model.bounds.predict import Real
 from model.dataflow import fixed, quadratic
 from model.dataflow.nodes import WIDTHS
-from model.dataflow.reals import Real
 from model.dataflow.tests.test_datapaths import Run, ulp
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.scoring import singular_distance

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from model.bounds import lean_ranges, ranges
+from model.bounds.predict import Real
 from model.dataflow import fixed, lean, paper, paper_turns
 from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
 from model.dataflow.nodes import real_value
-from model.dataflow.reals import Real
 from model.io import monte_carlo
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
