@@ -19,26 +19,29 @@ the results are rounded half up to W - 2 fraction bits.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from .annotations import SUM, Growth, Limited, Within
 from .nodes import FLOOR, HALF_UP, Domain, Format, Node, effective_width, inner_frac, root_frac
 from .operations import (
-    Count,
-    Elbow,
-    HalfLength,
-    HalfPart,
-    Limit,
-    Mantissa,
-    PartSum,
-    Result,
-    Shift,
-    Turned,
+    count,
+    elbow,
+    half_length,
+    half_part,
+    limit,
+    mantissa,
     minus,
+    part_sum,
     plus,
+    result,
+    shift_down,
+    shift_up,
     square,
     times,
     truth,
+    turned,
 )
 
 SECTIONS = {
@@ -170,7 +173,7 @@ def direction(d: Domain, f: Lean) -> None:
     root(L(9), f, "s", n["s"], 2 * d.width)
 
     # in the root's own unit: |x| <= rho, so no high bit is lost
-    unit = Shift(1, left=f.pad, width=f.shifted.width)
+    unit = partial(shift_up, left=f.pad, width=f.shifted.width)
     L(14).op("x_n", ("x", "e_rho"), f.shifted, "shift", unit, within=COORDINATE)
     L(15).op("y_n", ("y", "e_rho"), f.shifted, "shift", unit, within=COORDINATE)
     L(16).op("z_n", ("z", "e_s"), f.shifted, "shift", unit, within=COORDINATE)
@@ -178,26 +181,23 @@ def direction(d: Domain, f: Lean) -> None:
     L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
     L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
     L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
-    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", Count((1, -1)), within=not_negative(RISES))
-    down = Shift(-1)
-    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", down, FLOOR, within=RISEN)
+    L(18).op("n_el", ("e_rho", "e_s"), f.count, "mux", partial(count, factors=(1, -1)), within=not_negative(RISES))
+    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, "shift", shift_down, FLOOR, within=RISEN)
     L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
     # the azimuth is 0: (1, 1)/2.
-    half_length(L(29), f, "az_sq", ("u_y",))
+    squared_length(L(29), f, "az_sq", ("u_y",))
     # Its parts do not wait for the squared length.
     az = "u_y", "u_y", "u_x", "on_axis"
-    c = HalfPart(lambda u_y, on_axis: (u_y < 0) | truth(on_axis), length=HalfLength(f.frac))
-    half_part(L(32), f, "az_c", az, c)
-    s = HalfPart(lambda u_y, on_axis: u_y >= 0, length=HalfLength(f.frac))
-    half_part(L(33), f, "az_s", az, s)
+    part(L(32), f, "az_c", az, large=lambda u_y, on_axis: (u_y < 0) | truth(on_axis), frac=f.frac)
+    part(L(33), f, "az_s", az, large=lambda u_y, on_axis: u_y >= 0, frac=f.frac)
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
     # (1, 0).
-    half_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
+    squared_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
     tilt = ("tilt_sq", "sin_el", "cos_el")
-    half_part(L(34), f, "tilt_c", tilt, HalfPart(lambda c: c >= 0))
-    half_part(L(35), f, "tilt_s", tilt, HalfPart(lambda c: c < 0))
+    part(L(34), f, "tilt_c", tilt, large=lambda c: c >= 0)
+    part(L(35), f, "tilt_s", tilt, large=lambda c: c < 0)
 
 
 def triangle(d: Domain, f: Lean) -> None:
@@ -215,8 +215,8 @@ def triangle(d: Domain, f: Lean) -> None:
     L(21).mul3("inv_12_raw", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
     limited(d, f, "inv_12", INVERSES, fine, ONE)
 
-    arms, down = Count((1, -1, -1), 2 + f.odd), Shift(-1, left=2)
-    for line, side, root_of, part in ((22, "far", "A", "w"), (23, "near", "B", "i")):
+    arms, down = partial(count, factors=(1, -1, -1), constant=2 + f.odd), partial(shift_down, left=2)
+    for line, side, root_of, half in ((22, "far", "A", "w"), (23, "near", "B", "i")):
         shorter = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
         L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), f.count, "mux", arms, within=shorter)
         shifted = ("inv_12", f"n_{side}")
@@ -224,22 +224,22 @@ def triangle(d: Domain, f: Lean) -> None:
             f"inv_12_{side}_raw", shifted, f.raised, "shift", down, FLOOR, within=ARMS_UNIT, grows=Growth((8.0, 0.0))
         )
         limited(d, f, f"inv_12_{side}", ARMS_UNIT)
-        L(line).mul3(f"elbow_{part}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
+        L(line).mul3(f"elbow_{half}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
 
     # The clamped elbow is folded (1, 0) or straight (0, -1).
-    for line, part, sign, ends, within in ((22, "w", 1, (1, 0), ELBOW_W), (23, "i", -1, (0, -1), ELBOW_I)):  # (14)
-        elbow = Elbow(f.drop, sign, *ends, one=1 << (d.width - 2))
-        operands = f"elbow_{part}", "clamp", "fold"
-        L(line).op(f"qe_{part}", operands, f.result, "mux", elbow, HALF_UP, within=within)
+    for line, half, sign, ends, within in ((22, "w", 1, (1, 0), ELBOW_W), (23, "i", -1, (0, -1), ELBOW_I)):  # (14)
+        folded, straight = ends
+        how = partial(elbow, drop=f.drop, sign=sign, folded=folded, straight=straight, one=1 << (d.width - 2))
+        L(line).op(f"qe_{half}", (f"elbow_{half}", "clamp", "fold"), f.result, "mux", how, HALF_UP, within=within)
 
     # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
     L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
     L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
     inv_law = limited(d, f, "inv_law", LAW)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
-    L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", Count((2, 1)))
+    L(26).op("n_law", ("e_1", "e_s"), f.count, "mux", partial(count, factors=(2, 1)))
     raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
-    law = Shift(1, left=raise_k, right=drop_k, width=f.inner.width)
+    law = partial(shift_up, left=raise_k, right=drop_k, width=f.inner.width)
     L(26).op("k_scaled", ("k_law", "n_law"), f.inner, "shift3", law, FLOOR, within=K_UNIT)
     L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1, within=CIRCLE)
     L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner, within=ROOT)
@@ -249,17 +249,16 @@ def triangle(d: Domain, f: Lean) -> None:
         ("e_far", "e_near", "e_1", "e_s"),
         f.count,
         "sum2",
-        Count((1, 1, -2, -1), 2 + f.odd),
+        partial(count, factors=(1, 1, -2, -1), constant=2 + f.odd),
         within=not_negative("sin a <= 1"),
     )
-    down = Shift(-1, left=2)
     L(28).op(
         "inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, "shift", down, FLOOR, within=LAW_UNIT, grows=Growth((4.0, 0.0))
     )
     inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
     L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
-    half_length(L(31), f, "arm_sq", ("cos_a", "clamp"))
+    squared_length(L(31), f, "arm_sq", ("cos_a", "clamp"))
 
     def toward(c, clamp, away):
         return np.where(clamp, ~truth(away), c >= 0)
@@ -269,15 +268,15 @@ def triangle(d: Domain, f: Lean) -> None:
     def none(clamp, away):
         return clamp
 
-    half_part(L(36), f, "arm_c", arm, HalfPart(toward, none))
-    half_part(L(37), f, "arm_s", arm, HalfPart(lambda *c: ~toward(*c), none))
+    part(L(36), f, "arm_c", arm, large=toward, none=none)
+    part(L(37), f, "arm_s", arm, large=lambda *c: ~toward(*c), none=none)
     # Operands for three products instead of four: c + s, and the larger part minus the smaller.
     d.at()
     d.op("arm_swap", ("cos_a", "clamp", "away"), d.bit, "mux", lambda *c: ~toward(*c))
 
     both = ("arm_sq", "sin_a", "clamp")
-    for line, name, how in ((52, "arm_dif", PartSum(-1)), (53, "arm_sum", PartSum(1))):
-        L(line).op(name, both, f.inner, "mux", how, FLOOR, within=PAIR, grows=SUM)
+    for line, name, sign in ((52, "arm_dif", -1), (53, "arm_sum", 1)):
+        L(line).op(name, both, f.inner, "mux", partial(part_sum, sign=sign), FLOOR, within=PAIR, grows=SUM)
 
 
 def turn(d: Domain, f: Lean, phi: Node) -> None:
@@ -304,28 +303,27 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
         parts = f"{first}_0", f"{second}_0"
         L(min(lines)).op(f"{both}_0", parts, f.inner, "mux", plus, within=PAIR, grows=SUM)
         L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, kind="mul3_far", within=PAIR)
-        turned = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
-        for unit, other, arm, line in turned:
+        terms_of = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
+        for unit, other, arm, line in terms_of:
             factors = n[f"{other}_0"], n[f"arm_{arm}"]
             L(line).mul3(f"{other}_{arm}", *factors, f.inner, kind="mul3_far", after=n[f"{both}_0"], within=PAIR)
             terms = f"{both}_c", f"{other}_{arm}"
             if arm == "sum":
                 L(line).op(f"{unit}_1", terms, f.inner, "mux", minus, within=PART, grows=SUM)
             else:  # the larger part minus the smaller is s - c where they are swapped
-                L(line).op(f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", Turned(), within=PART, grows=SUM)
+                L(line).op(f"{unit}_1", (*terms, "arm_swap"), f.inner, "mux", turned, within=PART, grows=SUM)
 
     # The squared length lies in [1/8, 1]: the last root does not wait for the product.
     L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
     L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner, within=Within(0.125, 1.0, "a product of such"))
     quarter = 1 << (f.frac - 2)
-    mantissa = Mantissa(f.mantissa.frac - f.frac, f.mantissa.high)  # of four times the length where it is below 1/4
     low = L(57).op("low", ("length_sq",), d.bit, None, lambda t: t < quarter)
     L(57).op(
         "m_q",
         ("length_sq", low),
         f.mantissa,
         "mux",
-        mantissa,
+        partial(mantissa, up=f.mantissa.frac - f.frac, top=f.mantissa.high),  # of four times the length below 1/4
         within=Within(0.25, 1.0, "mantissa"),
         grows=Growth((4.0, 0.0)),
         limited=Limited("1 and more becomes the largest mantissa"),
@@ -334,7 +332,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
     inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
 
     # The k part is nonnegative.
-    rounded = Result(f.drop)
+    rounded = partial(result, drop=f.drop)
     d.at()
     d.op("minus", ("k_1",), d.bit, None, lambda k: k < 0)
     for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
@@ -355,17 +353,16 @@ def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
 def limited(d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = None, limited: Limited = TWO) -> Node:
     """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
     of another format."""
-    limit = Limit(f.inner.high)
-    return d.op(name, (f"{name}_raw",), fmt or f.inner, "mux", limit, within=within, limited=limited)
+    most = partial(limit, top=f.inner.high)
+    return d.op(name, (f"{name}_raw",), fmt or f.inner, "mux", most, within=within, limited=limited)
 
 
-def half_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
+def squared_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
     """Build (1 + |c|)/2 of the first operand; 1 where the second, a mask, is set."""
-    length = HalfLength(f.frac)
-    d.op(name, operands, f.inner, "mux", length, FLOOR, within=HALF_LENGTH)
+    d.op(name, operands, f.inner, "mux", partial(half_length, frac=f.frac), FLOOR, within=HALF_LENGTH)
 
 
-def half_part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], part: HalfPart) -> None:
+def part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], **how) -> None:
     """Build a part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the
-    part does not wait for the squared length."""
-    d.op(name, operands, f.inner, "mux", part, FLOOR, within=HALF_ANGLE)
+    part does not wait for the squared length.  ``how``: parameters of :func:`.operations.half_part`."""
+    d.op(name, operands, f.inner, "mux", partial(half_part, **how), FLOOR, within=HALF_ANGLE)

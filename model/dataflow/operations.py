@@ -9,7 +9,8 @@ Each function acts on integer words: int64 arrays, or object arrays of Python in
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -148,154 +149,94 @@ def even(value, width: int, mantissa_bits: int):
     return k, ((value >> down) << up).astype(np.int64)
 
 
-# ---- the lean datapath -----------------------------------------------------------------------------------------------
+# ---- the lean datapath, by name --------------------------------------------------------------------------------------
+
+# A node fixes the parameters after the words: partial(limit, top=7).  The fold datapath and the proofs have a method of
+# the same name for each operation.
 
 
-@dataclass(frozen=True)
-class Addition:
-    """The first operand plus ``sign`` times the second."""
-
-    sign: int
-
-    def __call__(self, a, b):
-        return a + b if self.sign > 0 else a - b
+def operation(words: Callable) -> tuple[str, dict[str, Any]]:
+    """Return the name of a node's operation, and its parameters."""
+    return (words.func.__name__, words.keywords) if isinstance(words, partial) else (words.__name__, {})
 
 
-@dataclass(frozen=True)
-class Product:
-    """The product of integers of any size; the square of a single operand."""
-
-    operands: int
-
-    def __call__(self, *factors):
-        return factors[0].astype(object) * factors[-1]
+def plus(a, b):
+    return a + b
 
 
-plus, minus = Addition(1), Addition(-1)
-times, square = Product(2), Product(1)
+def minus(a, b):
+    return a - b
 
 
-@dataclass(frozen=True)
-class Count:
-    """Shift count of six bits: other counts times ``factors``, and a constant."""
-
-    factors: tuple[int, ...]
-    constant: int = 0
-
-    def __call__(self, *counts):
-        first, *others = (f * e for f, e in zip(self.factors, counts, strict=True))
-        count = sum(others, first)
-        return (count + self.constant if self.constant else count) & 63
+def times(a, b):
+    """Return the product of integers of any size."""
+    return a.astype(object) * b
 
 
-@dataclass(frozen=True)
-class Shift:
-    """v 2^(left + sign count - right), truncated; a shift to the left keeps the low ``width`` bits."""
-
-    sign: int
-    left: int = 0
-    right: int = 0
-    width: int = 0
-
-    def __call__(self, v, count):
-        if self.sign < 0:
-            return v << self.left >> count + self.right
-        long = v if isinstance(v, Unrounded) else v.astype(object)
-        return wrap(long << self.left + count >> self.right, self.width).astype(v.dtype)
-
-    def power(self, v: int, result: int) -> int:
-        """Return n of the value v 2^(n + sign count), for the fraction bits of v and of the result."""
-        return self.left - self.right + v - result
+def square(a):
+    return times(a, a)
 
 
-@dataclass(frozen=True)
-class Limit:
-    """The smaller of a word and ``top``, which real values do not reach."""
-
-    top: int
-
-    def __call__(self, v):
-        return saturate(v, self.top)
+def count(*counts, factors: tuple[int, ...], constant: int = 0):
+    """Return a shift count of six bits: other counts times ``factors``, and a constant."""
+    first, *others = (f * e for f, e in zip(factors, counts, strict=True))
+    total = sum(others, first)
+    return (total + constant if constant else total) & 63
 
 
-@dataclass(frozen=True)
-class Result:
-    """Result: a word, negated where the mask is set, rounded."""
-
-    drop: int
-
-    def __call__(self, q, minus):
-        return round_shift(np.where(minus, -1, 1) * q, self.drop)
+def shift_down(v, count, *, left: int = 0):
+    """Return v 2^(left - count), truncated."""
+    return v << left >> count
 
 
-@dataclass(frozen=True)
-class Elbow:
-    """Result: a word times ``sign``, rounded; ``folded`` or ``straight`` times ``one`` where the elbow is clamped."""
-
-    drop: int
-    sign: int
-    folded: int
-    straight: int
-    one: int
-
-    def __call__(self, v, clamp, fold):
-        clamped = np.where(fold, self.folded, self.straight) * self.one
-        return np.where(clamp, clamped, round_shift(self.sign * v, self.drop))
+def shift_up(v, count, *, width: int, left: int = 0, right: int = 0):
+    """Return the low ``width`` bits of v 2^(left + count - right), truncated."""
+    long = v if isinstance(v, Unrounded) else v.astype(object)
+    return wrap(long << left + count >> right, width).astype(v.dtype)
 
 
-@dataclass(frozen=True)
-class Mantissa:
-    """A word shifted left by ``up`` bits, and by two more where the mask is set, but at most ``top``."""
+def limit(v, *, top: int):
+    """Return the smaller of a word and ``top``, which real values do not reach."""
+    return saturate(v, top)
 
-    up: int
-    top: int
 
-    def __call__(self, t, low):
-        return saturate(t << np.where(low, self.up + 2, self.up), self.top)
+def result(q, negative, *, drop: int):
+    """Return a word, negated where the mask is set, rounded."""
+    return round_shift(np.where(negative, -1, 1) * q, drop)
+
+
+def elbow(v, clamp, fold, *, drop: int, sign: int, folded: int, straight: int, one: int):
+    """Return a word times ``sign``, rounded; ``folded`` or ``straight`` times ``one`` where the elbow is clamped."""
+    return np.where(clamp, np.where(fold, folded, straight) * one, round_shift(sign * v, drop))
+
+
+def mantissa(t, low, *, up: int, top: int):
+    """Return a word shifted left by ``up`` bits, and by two more where the mask is set, but at most ``top``."""
+    return saturate(t << np.where(low, up + 2, up), top)
 
 
 # h(c, s) is the quaternion of the rotation with cosine c and sine s, not normalized: (1 + c, s)/2, or (s, 1 - c)/2
 # where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 
 
-@dataclass(frozen=True)
-class HalfLength:
-    """(1 + |c|)/2 of words of ``frac`` fraction bits; 1 where a mask is set."""
-
-    frac: int
-
-    def __call__(self, c, unit=False):
-        return np.where(unit, 1 << self.frac, ((1 << self.frac) + magnitude(c)) >> 1)
+def half_length(c, unit=False, *, frac: int):
+    """Return (1 + |c|)/2 of words of ``frac`` fraction bits; 1 where the mask is set."""
+    return np.where(unit, 1 << frac, ((1 << frac) + magnitude(c)) >> 1)
 
 
-@dataclass(frozen=True)
-class HalfPart:
-    """Part of h: the squared length g where ``large`` of the cosine and masks holds, else half the sine, or 0 where
-    ``none`` of the masks holds.  The part does not wait for g if it has its own ``length``."""
-
-    large: Callable
-    none: Callable | None = None
-    length: HalfLength | None = None
-
-    def __call__(self, g, c, s, *masks):
-        g = self.length(c) if self.length else g
-        small = np.where(self.none(*masks), 0, s >> 1) if self.none else s >> 1
-        return np.where(self.large(c, *masks), g, small)
+def half_part(g, c, s, *masks, large: Callable, none: Callable | None = None, frac: int = 0):
+    """Return a part of h: the squared length g where ``large`` of the cosine and masks holds, else half the sine, or 0
+    where ``none`` of the masks holds.  With ``frac`` the part has a length of its own and does not wait for g."""
+    g = half_length(c, frac=frac) if frac else g
+    small = np.where(none(*masks), 0, s >> 1) if none else s >> 1
+    return np.where(large(c, *masks), g, small)
 
 
-@dataclass(frozen=True)
-class PartSum:
-    """The squared length plus ``sign`` times half the sine, or plus 0 where the mask is set."""
-
-    sign: int
-
-    def __call__(self, g, s, none):
-        return g + self.sign * np.where(none, 0, s >> 1)
+def part_sum(g, s, none, *, sign: int):
+    """Return the squared length plus ``sign`` times half the sine, or plus 0 where the mask is set."""
+    return g + sign * np.where(none, 0, s >> 1)
 
 
-@dataclass(frozen=True)
-class Turned:
-    """The first operand minus the second; their sum where the mask is set."""
-
-    def __call__(self, whole, part, swap):
-        return np.where(swap, whole + part, whole - part)
+def turned(whole, part, swap):
+    """Return the first operand minus the second; their sum where the mask is set."""
+    return np.where(swap, whole + part, whole - part)

@@ -22,20 +22,7 @@ from model.bounds.lean_ranges import LeanRanges
 from model.dataflow import lean
 from model.dataflow.annotations import Within
 from model.dataflow.nodes import Domain, Format, Node
-from model.dataflow.operations import (
-    Addition,
-    Count,
-    Elbow,
-    HalfLength,
-    HalfPart,
-    Limit,
-    Mantissa,
-    PartSum,
-    Product,
-    Result,
-    Shift,
-    Turned,
-)
+from model.dataflow.operations import operation
 from model.io.words import ARMS
 
 LONG = (1 << 60) - 1
@@ -65,24 +52,6 @@ def real_formula(facts: list[str], goal: str, bits: Callable[[str], bool] = lamb
     names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
     lines = [f"(declare-const {name} {'Bool' if bits(name) else 'Real'})" for name in names]
     return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
-
-
-class Term(str):
-    """A real term: runs the dataflow's functions and returns the formula of their result."""
-
-    __slots__ = ()
-
-    def astype(self, kind):
-        return self
-
-    def __add__(self, other):
-        return Term(f"(+ {self!s} {other!s})")
-
-    def __sub__(self, other):
-        return Term(f"(- {self!s} {other!s})")
-
-    def __mul__(self, other):
-        return Term(f"(* {self!s} {other!s})")
 
 
 class UnknownOperationError(Exception):
@@ -178,55 +147,72 @@ class Exact(Domain):
     # ---- the operations ----
 
     def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable):
-        names = [node.name for node in operands]
         if fmt.width == 1:
             decision = self._decision(operands, _mask(bits))
             self._is(name, *([f"(= {name} {decision})"] if decision else []))
-        elif isinstance(bits, Count):
-            up = [n for n, f in zip(names, bits.factors, strict=True) for _ in range(max(f, 0))]
-            down = [n for n, f in zip(names, bits.factors, strict=True) for _ in range(max(-f, 0))]
-            total = " ".join([number(2.0**bits.constant), *up])
-            self._is(name, f"(= (* {' '.join([name, *down, '1.0'])}) (* {total} 1.0))", f"(< 0.0 {name})")
-        elif isinstance(bits, Shift):
-            value, count = names
-            power = number(2.0 ** bits.power(operands[0].format.frac, fmt.frac))
-            if bits.sign > 0:
-                self._is(name, f"(= {name} (* {power} {value} {count}))")
-            else:
-                self._is(name, f"(= (* {name} {count}) (* {power} {value}))")
-        else:
-            self._is(name, *self._choice(name, operands, names, bits))
+            return
+        kind, parameters = operation(bits)
+        write = getattr(self, f"_{kind}", None)
+        if write is None:
+            raise UnknownOperationError(f"{name}: {kind}")
+        found = write(name, operands, fmt, *(node.name for node in operands), **parameters)
+        self._is(name, *([f"(= {name} {found})"] if isinstance(found, str) else found))
 
-    def _choice(self, name: str, operands: tuple[Node, ...], names: list[str], bits: Callable) -> list[str]:
-        if isinstance(bits, Addition | Product):
-            return [f"(= {name} {bits(*map(Term, names))})"]
-        if isinstance(bits, Limit):
-            return [f"(= {name} {names[0]})"]
-        if isinstance(bits, Mantissa):
-            return [f"(= {name} (ite {names[1]} (* 4.0 {names[0]}) {names[0]}))"]
-        if isinstance(bits, HalfLength):
-            unit = names[1] if len(names) > 1 else "false"
-            return [f"(= {name} (ite {unit} 1.0 {_half(names[0])}))"]
-        if isinstance(bits, HalfPart):
-            length, cosine, sine, *masks = names
-            large = self._decision((operands[1], *operands[3:]), _mask(bits.large))
-            none = self._decision(operands[3:], _mask(bits.none)) if bits.none else "false"
-            if not large or not none:
-                raise UnknownOperationError(f"{name}: its choice depends on more than signs and masks")
-            length = _half(cosine) if bits.length else length
-            return [f"(= {name} (ite {large} {length} (ite {none} 0.0 (/ {sine} 2.0))))"]
-        if isinstance(bits, PartSum):
-            sign = "+" if bits.sign > 0 else "-"
-            return [f"(= {name} ({sign} {names[0]} (ite {names[2]} 0.0 (/ {names[1]} 2.0))))"]
-        if isinstance(bits, Turned):
-            whole, part, swap = names
-            return [f"(= {name} (ite {swap} (+ {whole} {part}) (- {whole} {part})))"]
-        if isinstance(bits, Elbow):
-            clamped = f"(ite {names[2]} {number(bits.folded)} {number(bits.straight)})"
-            return [f"(= {name} (ite {names[1]} {clamped} (* {number(bits.sign)} {names[0]})))"]
-        if isinstance(bits, Result):
-            return [f"(= {name} (ite {names[1]} (- {names[0]}) {names[0]}))"]
-        raise UnknownOperationError(f"{name}: {bits!r}")
+    # Each operation has a method that returns its value, or the equations of the node `name`.
+
+    def _count(self, name, operands, fmt, *counts, factors, constant=0):
+        up = [n for n, f in zip(counts, factors, strict=True) for _ in range(max(f, 0))]
+        down = [n for n, f in zip(counts, factors, strict=True) for _ in range(max(-f, 0))]
+        total = " ".join([number(2.0**constant), *up])
+        return [f"(= (* {' '.join([name, *down, '1.0'])}) (* {total} 1.0))", f"(< 0.0 {name})"]
+
+    def _shift_up(self, name, operands, fmt, value, count, width, left=0, right=0):
+        return f"(* {number(2.0 ** (left - right + operands[0].format.frac - fmt.frac))} {value} {count})"
+
+    def _shift_down(self, name, operands, fmt, value, count, left=0):
+        power = number(2.0 ** (left + operands[0].format.frac - fmt.frac))
+        return [f"(= (* {name} {count}) (* {power} {value}))"]
+
+    def _plus(self, name, operands, fmt, a, b):
+        return f"(+ {a} {b})"
+
+    def _minus(self, name, operands, fmt, a, b):
+        return f"(- {a} {b})"
+
+    def _times(self, name, operands, fmt, a, b):
+        return f"(* {a} {b})"
+
+    def _square(self, name, operands, fmt, a):
+        return f"(* {a} {a})"
+
+    def _limit(self, name, operands, fmt, value, top):
+        return value
+
+    def _mantissa(self, name, operands, fmt, length, low, up, top):
+        return f"(ite {low} (* 4.0 {length}) {length})"
+
+    def _half_length(self, name, operands, fmt, cosine, unit="false", frac=0):
+        return f"(ite {unit} 1.0 {_half(cosine)})"
+
+    def _half_part(self, name, operands, fmt, length, cosine, sine, *masks, large, none=None, frac=0):
+        large = self._decision((operands[1], *operands[3:]), _mask(large))
+        none = self._decision(operands[3:], _mask(none)) if none else "false"
+        if not large or not none:
+            raise UnknownOperationError(f"{name}: its choice depends on more than signs and masks")
+        return f"(ite {large} {_half(cosine) if frac else length} (ite {none} 0.0 (/ {sine} 2.0)))"
+
+    def _part_sum(self, name, operands, fmt, length, sine, none, sign):
+        return f"({'+' if sign > 0 else '-'} {length} (ite {none} 0.0 (/ {sine} 2.0)))"
+
+    def _turned(self, name, operands, fmt, whole, part, swap):
+        return f"(ite {swap} (+ {whole} {part}) (- {whole} {part}))"
+
+    def _elbow(self, name, operands, fmt, value, clamp, fold, drop, sign, folded, straight, one):
+        clamped = f"(ite {fold} {number(folded)} {number(straight)})"
+        return f"(ite {clamp} {clamped} (* {number(sign)} {value}))"
+
+    def _result(self, name, operands, fmt, value, negative, drop):
+        return f"(ite {negative} (- {value}) {value})"
 
     def product3(self, name: str, a: Node, b: Node, fmt: Format, scale: int):
         self._is(name, f"(= {name} (* {number(2.0**scale)} {a.name} {b.name}))")

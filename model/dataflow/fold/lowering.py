@@ -12,6 +12,7 @@ places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,20 +20,7 @@ import numpy as np
 from ...io.words import ARMS
 from .. import lean
 from ..nodes import Domain, Node, inner_frac, root_frac
-from ..operations import (
-    Addition,
-    Count,
-    Elbow,
-    HalfLength,
-    HalfPart,
-    Limit,
-    Mantissa,
-    PartSum,
-    Product,
-    Result,
-    Shift,
-    Turned,
-)
+from ..operations import operation
 from .steps import (
     ALWAYS,
     DOUBLE,
@@ -85,7 +73,7 @@ class Lowering(Domain):
         self.terms: dict[str, Step] = {}  # products, and nodes computed like one, without an earlier addend
         self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
         self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # of a term or a sum
-        self.counts: dict[str, tuple[Count, tuple[str, ...]]] = {}
+        self.counts: dict[str, tuple[int, tuple[tuple[int, str], ...]]] = {}  # constant, factors and registers
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
@@ -100,48 +88,11 @@ class Lowering(Domain):
 
     def op(self, name, operands, fmt, latency, words, error=(0.0, 0.0), **facts):
         node = super().op(name, operands, fmt, latency, words, error, **facts)
-        read = [n.name for n in node.operands]
-        match words:
-            case Count():
-                self.counts[name] = words, tuple(read)
-            case Shift():
-                self._shift(node, words, *read)
-            case Limit():
-                raw = self.terms[read[0]]
-                assert raw.write
-                self.terms[raw.name] = replace(raw, write=replace(raw.write, to=name, limit=True))
-                self.weight[name] = self.weight[raw.name]
-            case Mantissa():
-                count = "e" + name.removeprefix("m")
-                self.norms[read[0]] = Normal("unit", name, count), None
-                self.weight[name], self.made_of[read[1]] = 0, {count}
-                self.signs.discard(read[0])  # the count decides
-            case HalfLength():
-                self._half_length(node, *read)
-            case HalfPart():
-                self._half_part(node, words, *read)
-            case PartSum():
-                less = ALWAYS if words.sign < 0 else NEVER
-                self.sums[read[0]].append(Sum(name, f"{read[1]}/2", less, write=Write(name)))
-            case Turned():
-                self.sums[read[0]].append(Sum(name, read[1], Selector(read[2], inverted=True), write=Write(name)))
-            case Result() | Elbow():
-                if isinstance(words, Result):
-                    less = Selector(read[1])
-                else:
-                    less = ALWAYS if words.sign < 0 else NEVER
-                raw = self.terms[read[0]]
-                addend = raw.addend.replace("half", "result")
-                self.terms[raw.name] = replace(raw, minus=less, result=name, write=None, addend=addend)
-            case Product():
-                self.terms[name] = Step(name, read[0], read[-1])
-            case Addition():
-                first, second = read
-                self._plus(node, first, second, less=words.sign < 0)
-            case _:  # a mask
-                self.made_of[name] = set().union(*(self._roots(name, n) for n in node.operands))
-        if isinstance(words, Turned | PartSum):
-            self.weight[name] = self._weight(node)
+        if fmt == self.bit:
+            self.made_of[name] = set().union(*(self._roots(name, n) for n in node.operands))
+        else:
+            kind, parameters = operation(words)
+            getattr(self, f"_{kind}")(node, *(n.name for n in node.operands), **parameters)
         return node
 
     def _roots(self, mask: str, of: Node) -> set[str]:
@@ -162,7 +113,7 @@ class Lowering(Domain):
         """Return the weight of an inner word: all inner words share the last place."""
         return self.inner - 1 - node.format.frac
 
-    def _plus(self, node: Node, first: str, second: str, less: bool) -> None:
+    def _plus(self, node: Node, first: str, second: str, less: bool = False) -> None:
         name = node.name
         if first in ARMS:  # halved: an arm is normalized from T
             window = Write(name, DOUBLE)
@@ -179,40 +130,89 @@ class Lowering(Domain):
                 self.weight[name] = self._weight(node)
             self.sums[first].append(Sum(name, second, ALWAYS if less else NEVER, write=None if exact else Write(name)))
 
-    def _shift(self, node: Node, shift: Shift, value: str, count: str) -> None:
-        power = shift.power(node.operands[0].format.frac, node.format.frac)
+    def _minus(self, node: Node, first: str, second: str) -> None:
+        self._plus(node, first, second, less=True)
+
+    def _times(self, node: Node, a: str, b: str) -> None:
+        self.terms[node.name] = Step(node.name, a, b)
+
+    def _square(self, node: Node, a: str) -> None:
+        self._times(node, a, a)
+
+    def _count(self, node: Node, *counts: str, factors: tuple[int, ...], constant: int = 0) -> None:
+        self.counts[node.name] = constant, tuple(zip(factors, counts, strict=True))
+
+    def _limit(self, node: Node, raw: str, top: int) -> None:
+        step = self.terms[raw]
+        assert step.write
+        self.terms[raw] = replace(step, write=replace(step.write, to=node.name, limit=True))
+        self.weight[node.name] = self.weight[raw]
+
+    def _mantissa(self, node: Node, value: str, low: str, up: int, top: int) -> None:
+        count = "e" + node.name.removeprefix("m")
+        self.norms[value] = Normal("unit", node.name, count), None
+        self.weight[node.name], self.made_of[low] = 0, {count}
+        self.signs.discard(value)  # the count decides
+
+    def _part_sum(self, node: Node, length: str, sine: str, none: str, sign: int) -> None:
+        self._further(node, length, f"{sine}/2", ALWAYS if sign < 0 else NEVER)
+
+    def _turned(self, node: Node, whole: str, part: str, swap: str) -> None:
+        self._further(node, whole, part, Selector(swap, inverted=True))
+
+    def _further(self, node: Node, first: str, term: str, minus: Selector) -> None:
+        self.sums[first].append(Sum(node.name, term, minus, write=Write(node.name)))
+        self.weight[node.name] = self._weight(node)
+
+    def _result(self, node: Node, raw: str, negative: str, drop: int) -> None:
+        self._answer(node, raw, Selector(negative))
+
+    def _elbow(self, node: Node, raw: str, clamp: str, fold: str, sign: int, **words: int) -> None:
+        self._answer(node, raw, ALWAYS if sign < 0 else NEVER)
+
+    def _answer(self, node: Node, raw: str, minus: Selector) -> None:
+        step = self.terms[raw]
+        addend = step.addend.replace("half", "result")
+        self.terms[raw] = replace(step, minus=minus, result=node.name, write=None, addend=addend)
+
+    def _shift_up(self, node: Node, value: str, count: str, width: int, left: int = 0, right: int = 0) -> None:
+        """Shift to the left, by the normalizer, whose first bit has twice a product's weight."""
+        power = left - right + node.operands[0].format.frac - node.format.frac
+        is_word = value in self.weight
+        first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
+        normal = Normal("count", node.name), self._counted(count, power + first - self._shifted(node))
+        if is_word:
+            self.terms[node.name] = Step(node.name, value, ONE)
+        self.norms[node.name if is_word else value] = normal
+
+    def _shift_down(self, node: Node, value: str, count: str, left: int = 0) -> None:
+        power = left + node.operands[0].format.frac - node.format.frac
+        offset = self._shifted(node) - self.weight[value] - power
+        window = PLAIN if offset + PLAIN >= 0 else DOUBLE
+        self.terms[node.name] = Step(
+            node.name,
+            value,
+            POWER,
+            "power",
+            minus=NO_COUNT,
+            carry="minus",
+            write=Write(node.name, window),
+            count=self._counted(count, offset + window),
+        )
+
+    def _shifted(self, node: Node) -> int:
+        """Set and return the weight of a shifted word."""
         self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
-        if shift.sign > 0:  # to the left, by the normalizer, whose first bit has twice a product's weight
-            is_word = value in self.weight
-            first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
-            normal = Normal("count", node.name), self._counted(count, power + first - weight)
-            if is_word:
-                self.terms[node.name] = Step(node.name, value, ONE)
-            self.norms[node.name if is_word else value] = normal
-        else:
-            offset = weight - self.weight[value] - power
-            window = PLAIN if offset + PLAIN >= 0 else DOUBLE
-            counted = self._counted(count, offset + window)
-            self.terms[node.name] = Step(
-                node.name,
-                value,
-                POWER,
-                "power",
-                minus=NO_COUNT,
-                carry="minus",
-                write=Write(node.name, window),
-                count=counted,
-            )
+        return weight
 
     def _counted(self, name: str, offset: int) -> Counted:
         """Return a count plus ``offset``; an arm is shifted one pair more than its node's count (:data:`NORMS`)."""
-        count, registers = self.counts.get(name, (Count((1,)), (name,)))
+        constant, terms = self.counts.get(name, (0, ((1, name),)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
-        terms = tuple(zip(count.factors, registers, strict=True))
         further = sum(factor for factor, register in terms if register in arms)
-        return Counted(count.constant + offset - further, terms, name, offset)
+        return Counted(constant + offset - further, terms, name, offset)
 
-    def _half_length(self, node: Node, cosine: str, mask: str = "") -> None:
+    def _half_length(self, node: Node, cosine: str, mask: str = "", frac: int = 0) -> None:
         self.signs.add(cosine)
         self.weight[node.name] = 1
         a: Operand = cosine
@@ -228,7 +228,9 @@ class Lowering(Domain):
             minus=Selector(cosine, True, unless=mask),
         )
 
-    def _half_part(self, node: Node, part: HalfPart, length: str, cosine: str, sine: str, *masks: str) -> None:
+    def _half_part(
+        self, node: Node, length: str, cosine: str, sine: str, *masks: str, large: Callable, none=None, frac: int = 0
+    ) -> None:
         """Record the parts of a rotation: the larger is written with the squared length, the smaller by its own step;
         both are created on the second call."""
         self.weight[node.name] = 1
@@ -239,15 +241,15 @@ class Lowering(Domain):
             return
         first, second = self.pairs[length][0], node.name
         self.pairs[length] = first, second
-        second_larger = bool(part.large(np.int64(1), *(np.False_ for _ in masks)))
-        flag = Selector("arm_swap") if part.none else Selector(cosine, negative=True)
+        second_larger = bool(large(np.int64(1), *(np.False_ for _ in masks)))
+        flag = Selector("arm_swap") if none else Selector(cosine, negative=True)
         self.picks[length] = Pick(first, flag, second_larger)
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
         a: Operand = sine
-        if part.none:
+        if none:
             a = self.picks[sine] = Pick(sine, Selector(masks[0]))
         small = Step(f"{sine}/2", a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
-        if masks and not part.none:  # both parts are 1/2
+        if masks and not none:  # both parts are 1/2
             small = replace(small, addend="none_or_half", addend_by=Selector(masks[0]))
         self.terms[small.name] = small
 
