@@ -283,8 +283,7 @@ class Domain:
         """Create a selection, shift, sign change or comparison: ``words``, a function on words."""
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
         self.facts[name] = Facts(**facts)
-        value = self.apply(name, operands, fmt, words)
-        return self.make(name, "choose", operands, fmt, latency, value, error=error)
+        return self.make(name, "choose", operands, fmt, latency, self.apply(name, operands, fmt, words), error=error)
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
         """Create a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
@@ -292,8 +291,8 @@ class Domain:
         if spare < 0:
             raise FormatError(f"{name}: {fmt.frac} fraction bits, the product has only {fmt.frac + spare}")
         self.facts[name] = Facts(**facts)
-        value = self.product(name, a, b, fmt, scale)
-        return self.make(name, "mul", (a, b), fmt, "mul", value, error=HALF_UP if spare else EXACT)
+        error = HALF_UP if spare else EXACT
+        return self.make(name, "mul", (a, b), fmt, "mul", self.product(name, a, b, fmt, scale), error=error)
 
     def sum(self, name: str, *terms: Node | Negated, fmt: Format, after: Node | None = None, **facts) -> Node:
         """Create a sum of two or three terms of one format, rounded half up and saturated; raises
@@ -312,26 +311,14 @@ class Domain:
     def div(self, name: str, n: Node, d: Node, fmt: Format, **facts) -> Node:
         """Create floor(n / d) in format ``fmt``, saturated; saturates by the sign of n where d <= 0."""
         self.facts[name] = Facts(**facts)
-        value = self.quotient(name, n, d, fmt)
-        return self.make(name, "div", (n, d), fmt, "div", value, error=FLOOR)
+        return self.make(name, "div", (n, d), fmt, "div", self.quotient(name, n, d, fmt), error=FLOOR)
 
     def root(self, name: str, n: Node, fmt: Format, **facts) -> Node:
         """Create floor(sqrt(n)) in format ``fmt``; 0 where n < 0."""
         self.facts[name] = Facts(**facts)
-        value = self.square_root(name, n, fmt)
-        return self.make(name, "root", (n,), fmt, "root", value, error=FLOOR)
+        return self.make(name, "root", (n,), fmt, "root", self.square_root(name, n, fmt), error=FLOOR)
 
-    def mul3(
-        self,
-        name: str,
-        a: Node,
-        b: Node,
-        fmt: Format,
-        scale: int = 0,
-        kind: str = "mul3",
-        after: Node | None = None,
-        **facts,
-    ) -> Node:
+    def mul3(self, name: str, a: Node, b: Node, fmt: Format, scale=0, kind="mul3", after=None, **facts) -> Node:
         """Create a * b * 2^scale from three tiles (:func:`model.dataflow.operations.mul3`); the kind mul3_far adds an
         operand register for long routes.  The node also waits for ``after``."""
         self.facts[name] = Facts(**facts)
@@ -357,11 +344,10 @@ class Domain:
         register for the table's address."""
         self.facts[name] = Facts(**facts)
         value = self.reciprocal_root(name, m, fmt, twice)
-        latency = "rsqrt_far" if far else "rsqrt"
         frac = m.format.frac - 3
-        most = rsqrt_places(frac, self.tile) * (1 + (twice is not None))
-        error = _faithful(fmt, frac, most)
-        return self.make(name, "rsqrt", (m, twice) if twice else (m,), fmt, latency, value, error=error)
+        error = _faithful(fmt, frac, rsqrt_places(frac, self.tile) * (2 if twice else 1))
+        latency, operands = "rsqrt_far" if far else "rsqrt", (m, twice) if twice else (m,)
+        return self.make(name, "rsqrt", operands, fmt, latency, value, error=error)
 
     def trig(
         self, names: tuple[str, str], phi: Node, fmt: Format, lines: tuple[int, int], within: tuple[Within, Within]
@@ -389,7 +375,7 @@ class Domain:
             words,
             self.unsigned(6, 0, "0"),
             "norm",
-            lambda *v: np.where(_all_zero(v), 0, np.minimum.reduce([room(u, width) for u in v])),
+            lambda *v: np.where(np.any(v, axis=0), np.minimum.reduce([room(u, width) for u in v]), 0),
             within=leading(width - 1),
         )
         for k, (name, word) in enumerate(zip(names, words, strict=True)):
@@ -434,7 +420,3 @@ def real_value(words: Callable, operands: tuple[Node, ...], values, fmt: Format)
         return (np.asarray(value, np.float64) / fmt.ulp).view(Unrounded) if fmt.frac else value
 
     return np.asarray(words(*(scaled(v, n.format) for v, n in zip(values, operands, strict=True)))) * fmt.ulp
-
-
-def _all_zero(words):
-    return np.logical_and.reduce([u == 0 for u in words])
