@@ -11,46 +11,22 @@ Clamped targets are excluded: some of their words (K and its dependents) lose hi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..dataflow.annotations import Within
 from ..dataflow.lean import lean
-from ..dataflow.nodes import Domain, Format, Node
+from ..dataflow.nodes import Domain, Format
 from ..io.words import ARMS
-from .ranges import RangeError
+from .ranges import Bound, RangeError
 
 UP = 1 + 2.0**-50
 """Relative allowance for the double precision in which errors are computed, rounded upwards."""
 
 
-@dataclass(frozen=True)
-class Bound:
-    """Exact arithmetic gives [low, high], and the word is within ``error`` of it."""
-
-    low: float
-    high: float
-    error: float = 0.0
-
-    @property
-    def size(self) -> float:
-        """Largest magnitude of the word."""
-        return max(abs(self.low), abs(self.high)) + self.error
-
-
-def _fits(bound: Bound, fmt: Format, limited: bool) -> bool:
-    low, high = fmt.low * fmt.ulp, (fmt.high + 1) * fmt.ulp
-    if bound.low - bound.error < low:
-        return False
-    return limited or bound.high + bound.error < high
-
-
 class LeanRanges(Domain):
     """Lean dataflow on bounds.  ``failed`` collects the nodes that do not fit, each with a line that names it."""
 
-    def __init__(
-        self, width: int, formats: dict[str, Format] | None = None, dataflow: Callable[..., None] = lean
-    ) -> None:
+    def __init__(self, width: int, formats: dict[str, Format] | None = None) -> None:
         super().__init__(width)
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
@@ -58,17 +34,18 @@ class LeanRanges(Domain):
         def word(name, fmt):
             return Bound(fmt.ulp if name in ARMS else fmt.low * fmt.ulp, fmt.high * fmt.ulp)
 
-        dataflow(self, self.inputs(word))
+        lean(self, self.inputs(word))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=(0.0, 0.0)):
         if op in ("rsqrt", "trig", "mul3"):  # the operation states its own rounding
             value = replace(value, error=UP * (value.error + max(map(abs, error)) * fmt.ulp))
         node = super().make(name, op, operands, fmt, latency, value, after, error)
         held = self.formats.get(name, fmt)
-        below = isinstance(node.facts.within, Within) and node.facts.within.below
-        word = replace(value, error=0.0, high=value.high - fmt.ulp) if below else value
-        if fmt.frac and not _fits(word, held, node.facts.limited is not None):
-            low, high = held.low * held.ulp, held.high * held.ulp
+        low, high = held.low * held.ulp, held.high * held.ulp
+        least, most = value.word
+        if isinstance(node.facts.within, Within) and node.facts.within.below:
+            least, most = value.low, value.high - fmt.ulp
+        if fmt.frac and (least < low or most >= high + held.ulp and not node.facts.limited):
             self.failed[name] = (
                 f"{name} {node.equation}: proved range [{value.low:g}, {value.high:g}] +- {value.error:.3g} does not "
                 f"fit its format [{low:.9g}, {high:.9g}], {held.width} bits, {held.frac} of them fraction "
@@ -90,7 +67,7 @@ class LeanRanges(Domain):
 
     def product3(self, name, a, b, fmt, scale):
         p, q = a.value, b.value
-        return self._bound(name, (p.size * q.error + q.size * p.error) * 2.0**scale)
+        return self._bound(name, ((p.size + p.error) * q.error + (q.size + q.error) * p.error) * 2.0**scale)
 
     def even_mantissa(self, count, name, value, width, fmt):
         return Bound(0.0, width / 2 - 1), self._bound(name, fmt.ulp)
@@ -105,11 +82,5 @@ class LeanRanges(Domain):
 
 def check(width: int) -> None:
     """Raise :class:`RangeError` naming every node that does not fit."""
-    failed = LeanRanges(width).failed
-    if failed:
+    if failed := LeanRanges(width).failed:
         raise RangeError("\n".join(failed.values()))
-
-
-def error_ulps(node: Node) -> float:
-    """Return the proved error of a node's word in ulps."""
-    return node.value.error / node.format.ulp

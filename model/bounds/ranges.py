@@ -259,10 +259,7 @@ def analyse(width: int, formats: dict[str, Format] | None = None) -> tuple[dict[
     ``formats`` replaces the dataflow's formats for single nodes.
     """
     runs = [Ranges(width, case, formats).run() for case in cases(width)]
-    failed: dict[str, str] = {}
-    for run in runs:
-        for name, line in run.failed.items():
-            failed.setdefault(name, line)
+    failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # of the first case
     table = {}
     for name, node in runs[0].nodes.items():
         ranges = [_on_grid(run.proved[name].word if name in run.proved else (0, 1), node.format) for run in runs]
@@ -289,6 +286,5 @@ def failures(width: int) -> dict[str, str]:
 
 def check(width: int) -> None:
     """Raise :class:`RangeError` naming every node that does not fit."""
-    found = failures(width)
-    if found:
+    if found := failures(width):
         raise RangeError("\n".join(found.values()))
