@@ -112,57 +112,47 @@ def test_sum_is_apytypes_sum(triples, integer_bits, minus_b, minus_c, three):
 # ---- division --------------------------------------------------------------------------------------------------------
 
 
-def divided(n: int, d: int, shift: int, fmt: Format) -> tuple[int, bool]:
-    """Return the quotient by its definition: floor, saturated, by the sign of n where d <= 0."""
-    if d <= 0:
-        return (fmt.low if n < 0 else fmt.high), True
-    q = math.floor(Fraction(n << shift, d))
-    return min(max(q, fmt.low), fmt.high), not fmt.low <= q <= fmt.high
+NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(
+    lambda drawn: ((drawn[0] * drawn[1] >> 22) + drawn[2], drawn[0])
+)
+"""n 2^22 / d next to an integer, where a float would be wrong."""
 
 
-@given(signed(40), signed(32))
-@example(0, 0)
-@example(-1, 0)
-@example(1, -1)
-@example(-(1 << 39), -(1 << 31))
-@example(-(1 << 39), 1)
-@example((1 << 39) - 1, 1)
-@example(-1, (1 << 31) - 1)
-def test_floor_div_is_the_floor_of_a_fraction(n, d):
-    fmt = Format(32, 30, "")
-    q, bad = floor_div(np.array([n]), np.array([d]), 22, fmt)
-    assert (int(q[0]), bool(bad[0])) == divided(n, d, 22, fmt)
-
-
-@given(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1))
-def test_floor_div_beside_exact_quotients(d, q, beside):
-    """n 2^22 / d next to an integer, where a float would be wrong."""
-    n = (q * d >> 22) + beside
-    if -(1 << 39) <= n < 1 << 39:
-        got, bad = floor_div(np.array([n]), np.array([d]), 22, Format(32, 30, ""))
-        assert (int(got[0]), bool(bad[0])) == divided(n, d, 22, Format(32, 30, ""))
+@given(st.one_of(st.tuples(signed(40), signed(32)), NEAR_QUOTIENTS))
+@example((0, 0))
+@example((-1, 0))
+@example((1, -1))
+@example((-(1 << 39), -(1 << 31)))
+@example((-(1 << 39), 1))
+@example(((1 << 39) - 1, 1))
+@example((-1, (1 << 31) - 1))
+def test_floor_div_is_the_floor_of_a_fraction(operands):
+    """The floor, saturated; by the sign of n where d <= 0."""
+    (n, d), fmt = operands, Format(32, 30, "")
+    q = math.floor(Fraction(n << 22, d)) if d > 0 else fmt.low - 1 if n < 0 else fmt.high + 1
+    expected = min(max(q, fmt.low), fmt.high)
+    assert [int(v[0]) for v in floor_div(np.array([n]), np.array([d]), 22, fmt)] == [expected, q != expected]
 
 
 # ---- square root -----------------------------------------------------------------------------------------------------
 
+NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
+    lambda drawn: (drawn[0] ** 2 + drawn[1], 0)
+)
+"""Next to a square with more digits than a float."""
 
-@given(signed(33), st.integers(0, 29))
-@example(0, 0)
-@example(-1, 29)
-@example(-(1 << 32), 29)
-@example((1 << 32) - 1, 29)
-def test_floor_root_is_isqrt(n, shift):
+
+@given(st.one_of(st.tuples(signed(33), st.integers(0, 29)), NEAR_SQUARES))
+@example((0, 0))
+@example((-1, 29))
+@example((-(1 << 32), 29))
+@example(((1 << 32) - 1, 29))
+@example((math.isqrt(ROOT_LIMIT) ** 2 + 1, 0))
+@example(((1 << 62) - 1, 0))
+@example((((1 << 31) - 1) ** 2 - 1, 0))
+def test_floor_root_is_isqrt(operands):
+    n, shift = operands
     assert int(floor_root(np.array([n]), shift)[0]) == (math.isqrt(n << shift) if n > 0 else 0)
-
-
-@given(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1))
-@example(math.isqrt(ROOT_LIMIT), 1)
-@example(1 << 31, -1)
-@example((1 << 31) - 1, -1)
-def test_floor_root_beside_squares(r, beside):
-    """Next to a square with more digits than a float."""
-    v = r * r + beside
-    assert int(floor_root(np.array([v]), 0)[0]) == math.isqrt(v)
 
 
 # ---- product of three tiles ------------------------------------------------------------------------------------------
