@@ -40,6 +40,7 @@ from .steps import (
     Selector,
     Step,
     Write,
+    word_of,
 )
 
 EXACT_WEIGHT = 2
@@ -235,7 +236,7 @@ class Lowering(Domain):
         both are created on the second call."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
-        length = next(name for name in lengths if cosine in map(self._variable, self.terms[name].reads))
+        length = next(name for name in lengths if cosine in map(word_of, self.terms[name].reads))
         if length not in self.pairs:
             self.pairs[length] = (node.name, "")
             return
@@ -329,7 +330,7 @@ class Lowering(Domain):
 
     def groups(self) -> list[Group]:
         """Return all steps; a step whose addend is the T of another is in its group."""
-        read = {name for step in self.terms.values() for name in map(self._variable, step.reads)}
+        read = {name for step in self.terms.values() for name in map(word_of, step.reads)}
         groups = []
         for name, step in self.terms.items():
             paired = isinstance(step.write and step.write.to, Pick)
@@ -339,9 +340,6 @@ class Lowering(Domain):
                 kept = step if step.write is None or isinstance(step.write.to, Pick) or step.write.to in read else None
                 self._extend(groups[-1], 0, kept or replace(step, write=None))
         return groups
-
-    def _variable(self, operand: Operand) -> str:
-        return operand.pair if isinstance(operand, Pick) else operand
 
     def _picked(self, operand: Operand | None) -> Operand | None:
         """Return a word of a pair, or one that a flag replaces by 0, as a :class:`Pick`; others unchanged."""

@@ -193,7 +193,7 @@ class Use(NamedTuple):
     at: int
 
 
-def word_of(operand: str | Pick) -> str:
+def word_of(operand: Operand) -> str:
     """Return the variable of an operand; both words of a pair share one."""
     return operand.pair if isinstance(operand, Pick) else operand
 
