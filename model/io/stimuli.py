@@ -156,6 +156,30 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
     }
 
 
+def edges(count: int, width: int, seed: int) -> np.ndarray:
+    """Return reachable targets whose words are most likely to be too short: arms that fill their words with a target a
+    few lsb from the shoulder, and a forearm of a few lsb on an upper arm along the z axis."""
+    random = np.random.default_rng((seed, width, 5))
+    top = (1 << (width - 1)) - 1
+    near = np.arange(count) % 2 == 0
+    small = np.exp2(random.uniform(0, width / 2, count)).astype(np.int64)
+    # target near the shoulder
+    position = np.rint(random.normal(size=(count, 3)) * small[:, None] * 0.5).astype(np.int64)
+    length = np.floor(np.sqrt((position.astype(np.float64) ** 2).sum(axis=1))).astype(np.int64)
+    d2 = random.integers(1 << (width - 3), top - 2 * small.max(), count)
+    d1 = d2 + np.rint(length * random.choice([-1.0, 1.0, 0.5, 0.0], count)).astype(np.int64)
+    # a long upper arm along z
+    d2 = np.where(near, d2, small)
+    d1 = np.where(near, d1, top - small - random.integers(0, 3, count))
+    direction = random.normal(size=(count, 3))
+    direction *= (small * random.uniform(0, 1, count) / np.linalg.norm(direction, axis=1))[:, None]
+    arm = np.column_stack([np.zeros((count, 2)), random.choice([-1.0, 1.0], count) * d1])
+    position = np.where(near[:, None], position, np.rint(direction + arm).astype(np.int64))
+    phi = random.integers(-top - 1, top + 1, count)
+    rows = np.column_stack([np.clip(position, -top - 1, top), phi, d1, d2])
+    return rows[expected_flags(rows, width) & UNREACHABLE == 0]
+
+
 def extremes(count: int, width: int, seed: int) -> np.ndarray:
     """Return words that are each lowest, highest, around 0 or random: most form meaningless targets."""
     random = np.random.default_rng((seed, width, 3))

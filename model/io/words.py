@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets of the arm in the user's units, and the fixed-point words of the core.
+"""Targets in the user's units, the fixed-point words of the core, and the records of `ik_axi` in memory.
 
 A target is a wrist position x, y, z, a swivel angle phi and the two arm lengths d1 (upper arm: shoulder to
 elbow) and d2 (forearm: elbow to wrist). Lengths may have any unit; kinematics is scale-free, so `scale_exponent`
@@ -251,3 +251,54 @@ def unpack(data: list[int], width: int) -> np.ndarray:
 def result_values(words: np.ndarray, width: int) -> np.ndarray:
     """Return the real values, exact in float64, of result words with width-2 fraction bits; same shape."""
     return np.ldexp(np.asarray(words, dtype=np.float64), 2 - width)
+
+
+# -- records of ik_axi -----------------------------------------------------------------------------
+
+# Records are eight 32-bit words, little endian, whatever the word length of the core. Target: x, y, z (Q2.30),
+# phi (one turn = 2^32), d1, d2 (Q2.30), tag, 0. Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i (Q2.30), flags << 24 | tag,
+# index of the record in its job.
+
+BYTES = 32
+"""Bytes of a record."""
+
+TAG_BITS = 24
+"""Bits of a tag that a result record returns."""
+
+
+def _pack_records(fields: np.ndarray, seventh: np.ndarray, eighth: np.ndarray | int) -> bytes:
+    columns = np.broadcast_arrays(*fields.T, seventh, eighth)
+    return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
+
+
+def _unpack_records(records: bytes) -> np.ndarray:
+    return np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, BYTES // 4)
+
+
+def target_records(words: np.ndarray, tags: np.ndarray) -> bytes:
+    """Return the target records of words (N, 6) of 32 bits as `FIELDS`, tags (N,) of 32 bits."""
+    return _pack_records(words, tags, 0)
+
+
+def core_words(records: bytes, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Decode target records into words of `width` bits: (N, 6) int64 and tags (N,).
+
+    Words are rounded half up; a length beyond the format saturates, an angle wraps.
+    """
+    table = _unpack_records(records)
+    dropped, most = 32 - width, (1 << (width - 1)) - 1
+    rounded = (table[:, : len(FIELDS)] + ((1 << dropped) >> 1)) >> dropped
+    words = np.minimum(rounded, most)
+    phi = FIELDS.index("phi")
+    words[:, phi] = np.where(rounded[:, phi] > most, -most - 1, rounded[:, phi])
+    return words, table[:, len(FIELDS)] & ((1 << TAG_BITS) - 1)
+
+
+def result_records(results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
+    """Return the result records of a job: results (N, 6) of `width` bits, flags and tags (N,)."""
+    return _pack_records(results << (32 - width), flags << TAG_BITS | tags, np.arange(len(results)))
+
+
+def result_words(records: bytes, width: int) -> np.ndarray:
+    """Return the results (N, 6) of `width` bits in result records."""
+    return _unpack_records(records)[:, : len(RESULT_FIELDS)] >> (32 - width)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 
 import numpy as np
@@ -12,16 +13,11 @@ from model.bounds.predict import Real
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS, FormatError, Node
-from model.io.monte_carlo import (
-    REACH,
-    Observed,
-    default_arm,
-    hand_errors,
-    monte_carlo,
-    regular_poses,
-    shown,
-)
-from model.io.words import DEFAULT_D1, DEFAULT_D2, to_words
+from model.io import trajectories
+from model.io.monte_carlo import Observed, monte_carlo, shown
+from model.io.scoring import singular_distance
+from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, scale_exponent, to_words
+from model.reference.kinematics import forward
 from scripts.console import progress
 from scripts.generate.page_tables import table
 from scripts.generate.render import error, render
@@ -32,6 +28,42 @@ WIDTH, SEED = 32, 1
 TARGETS, REGULAR_POSES, SENSITIVITY_POSES = 1_000_000, 20_000, 1000
 DOMINATING = 12
 """Rows of the table of nodes that contribute most to the hand error."""
+
+
+REACH = 1.9
+"""d1 + d2 of the arms of random regular poses, in the core's unit: nearly the largest that its words hold."""
+
+
+def default_arm() -> tuple[float, float]:
+    """Return d1 and d2 of the default arm in the core's unit, scaled as its targets are; equal at all word lengths."""
+    exponent = scale_exponent(trajectories.make(trajectories.DEFAULT), WIDTHS[-1])
+    return math.ldexp(DEFAULT_D1, exponent), math.ldexp(DEFAULT_D2, exponent)
+
+
+def regular_poses(count: int, seed: int, arm: tuple[float, float] | None = None) -> Targets:
+    """Return poses at least 0.2 rad from every singular one: of an ``arm`` d1, d2, or of arms with d1 + d2 =
+    :data:`REACH` and shares of 30 to 70 %."""
+    random = np.random.default_rng((seed, 6))
+    columns = np.zeros((6, 0))
+    while columns.shape[1] < count:
+        if arm:
+            d1, d2 = (np.full(2 * count, length) for length in arm)
+        else:
+            d1 = REACH * random.uniform(0.3, 0.7, 2 * count)
+            d2 = REACH - d1
+        p = random.normal(size=(3, 2 * count))
+        p *= random.uniform(np.abs(d1 - d2), d1 + d2) / np.linalg.norm(p, axis=0)
+        rows = np.vstack([p, random.uniform(-np.pi, np.pi, 2 * count), d1, d2])
+        far = singular_distance(Targets("regular", *rows)) >= REGULAR_DISTANCE
+        columns = np.hstack([columns, rows[:, far]])
+    return Targets("regular", *columns[:, :count])
+
+
+def hand_errors(width: int, poses: Targets) -> np.ndarray:
+    """Return the distance of the hand from the unrounded target / reach."""
+    values = result_values(fixed.run(to_words(poses, width, 0)[0], width).results, width)
+    _, wrist = forward(values[:, :4], values[:, 4:], poses.d1, poses.d2)
+    return np.linalg.norm(wrist - poses.position, axis=1) / poses.reach
 
 
 def sensitivities(width: int, seed: int, count: int) -> dict[str, np.ndarray]:

@@ -18,8 +18,7 @@ from cocotb.task import bridge, resume
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
-from model.io.axi_records import BYTES, target_records
-from model.io.words import FIELDS, Targets, result_values, to_words
+from model.io.words import BYTES, FIELDS, Targets, result_values, target_records, to_words
 from tb.axi.binding import Driver
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.machine import CHANNELS, Machine, started

@@ -12,7 +12,7 @@ import cocotb
 from cocotb.triggers import ClockCycles, FallingEdge
 from cocotbext.axi import AxiResp
 
-from model.io.axi_records import BYTES
+from model.io.words import BYTES
 from tb.axi.ik_regs import CODES
 from tb.axi.machine import CHANNELS, Machine, started
 

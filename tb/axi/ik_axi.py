@@ -9,7 +9,7 @@ from pathlib import Path
 import cocotb
 from cocotb.triggers import ClockCycles
 
-from model.io.axi_records import BYTES
+from model.io.words import BYTES
 from tb.axi.machine import CHANNELS, Machine, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))

@@ -15,8 +15,8 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiReadBus, AxiResp, AxiWriteBus
 
 from model.dataflow import fixed
-from model.io.axi_records import BYTES, core_words, result_records, target_records
 from model.io.stimuli import mixed
+from model.io.words import BYTES, core_words, result_records, target_records
 from tb.axi.ik_regs import FIELDS, OFFSETS
 from tb.axi.memory import Memory, Reader, Writer
 from tb.axi.monitor import Monitor

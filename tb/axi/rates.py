@@ -10,9 +10,8 @@ from pathlib import Path
 import cocotb
 from cocotb.triggers import FallingEdge
 
-from model.io.axi_records import BYTES, result_words
 from model.io.trajectories import make
-from model.io.words import to_words
+from model.io.words import BYTES, result_words, to_words
 from tb.axi.machine import started
 
 QUICKEST = 2

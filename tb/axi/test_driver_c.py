@@ -8,8 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from model.io.axi_records import BYTES, result_records, target_records
-from model.io.words import FIELDS, TargetError, Targets, result_values, to_words
+from model.io.words import BYTES, FIELDS, TargetError, Targets, result_records, result_values, target_records, to_words
 from tb.axi.binding import CODES, FLAGS, SOURCE, Driver, compiled
 from tb.axi.ik_regs import OFFSETS
 

@@ -16,8 +16,7 @@ import numpy as np
 
 from model.bounds import tolerances
 from model.io.flags import FLAGS, expected_flags, names
-from model.io.monte_carlo import edges
-from model.io.stimuli import REGIONS, corners, extremes, of_special, random_reachable, region, unreachable
+from model.io.stimuli import REGIONS, corners, edges, extremes, of_special, random_reachable, region, unreachable
 from model.io.words import result_values
 from tb.core import hardest
 from tb.sim import native_run

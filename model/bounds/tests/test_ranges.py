@@ -16,7 +16,7 @@ from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
 from model.dataflow.nodes import real_value
 from model.io import monte_carlo
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.stimuli import REGIONS, corners, extremes, random_reachable, region, unreachable
+from model.io.stimuli import REGIONS, corners, edges, extremes, random_reachable, region, unreachable
 from model.io.words import FIELDS
 
 WIDTHS = (16, 18, 24, 32)
@@ -70,7 +70,7 @@ def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_random_targets_stay_inside_the_proved_ranges(width):
-    some = random_reachable(20000, width, 7), monte_carlo.edges(5000, width, 7), unreachable(2000, width, 7)
+    some = random_reachable(20000, width, 7), edges(5000, width, 7), unreachable(2000, width, 7)
     words = np.concatenate([*some, extremes(5000, width, 7), np.array(list(corners(width).values()), dtype=np.int64)])
     seen = monte_carlo.Observed()
     monte_carlo.observe(seen, words, width)

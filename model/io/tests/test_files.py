@@ -11,18 +11,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from model.io.axi_records import BYTES, core_words, result_records, target_records
 from model.io.files import format_csv, read_csv
 from model.io.words import (
+    BYTES,
     DEFAULT_D1,
     DEFAULT_D2,
     FIELDS,
     HEADROOM_BITS,
     TargetError,
     Targets,
+    core_words,
     from_words,
     pack,
+    result_records,
     scale_exponent,
+    target_records,
     to_words,
     unpack,
 )

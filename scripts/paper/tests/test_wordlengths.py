@@ -9,7 +9,6 @@ import pytest
 from model.bounds import predict, ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
-from model.io import monte_carlo
 from model.io.scoring import singular_distance
 from model.io.words import to_words
 from scripts.paper import operations, wordlengths
@@ -23,12 +22,12 @@ def test_proofs_of_the_page_are_up_to_date():
 
 
 def test_regular_poses_are_regular_and_fit():
-    poses = monte_carlo.regular_poses(500, 2)
+    poses = wordlengths.regular_poses(500, 2)
     assert singular_distance(poses).min() >= REGULAR_DISTANCE
     for width in (16, 32):
         words, _ = to_words(poses, width, 0)
         assert abs(words).max() <= 1 << (width - 1)
-        assert monte_carlo.hand_errors(width, poses).max() < 2.0 ** (9 - width)
+        assert wordlengths.hand_errors(width, poses).max() < 2.0 ** (9 - width)
 
 
 def test_predicted_share_explains_the_measured_error():
@@ -39,7 +38,7 @@ def test_predicted_share_explains_the_measured_error():
     parts = wordlengths.shares(moved, nodes)
     assert sum(parts.values()) == pytest.approx(1) and all(nodes[n].error != (0.0, 0.0) for n in parts)
     variance = sum((e * (nodes[n].error[1] - nodes[n].error[0])) ** 2 / 12 for n, e in moved.items())
-    error = monte_carlo.hand_errors(width, monte_carlo.regular_poses(300, 1))
+    error = wordlengths.hand_errors(width, wordlengths.regular_poses(300, 1))
     ratio = np.median(error) / np.median(np.sqrt(variance))
     assert 0.4 < ratio < 2.5, ratio
     assert set(moved) == {n.name for n in predict.rounded_nodes(wordlengths.fixed.run(np.ones((1, 6), int), 24).bits)}
