@@ -28,9 +28,8 @@ from rich.table import Table
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
 from model.dataflow.nodes import WIDTHS
 from model.io.words import TargetError
-from model.motion import axes
-from model.motion.axes import Axis
 from model.motion.clip import TORSO
+from model.motion.pose import Axis, parse_axis
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
 from tb.sim.subprocesses import end_with_parent
@@ -219,8 +218,8 @@ POSITIVE = Finite(min=0, min_open=True)
 def reference_axis(text: str) -> Axis:
     """Convert an option to a reference axis."""
     try:
-        return text if text == TORSO else axes.parse(text)
-    except axes.AxisError as exc:
+        return text if text == TORSO else parse_axis(text)
+    except ValueError as exc:
         raise click.BadParameter(str(exc)) from None
 
 

@@ -18,9 +18,8 @@ from model.io import trajectories
 from model.io.files import read_csv
 from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
 from model.motion import clip as clips
-from model.motion.axes import to_z
 from model.motion.clip import SIDES, TORSO, Clip, Motion
-from model.motion.pose import hanging
+from model.motion.pose import hanging, to_z
 from scripts.console import POSITIVE, InputError, core_options, option, reference_axis, swivel_angle
 from tb.sim.env import CORES
 

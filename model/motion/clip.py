@@ -22,9 +22,7 @@ from pybvh.rotations import rotmat_to_quat
 
 from ..io.words import TargetError, Targets
 from ..reference.kinematics import conjugate, matrix, multiply, rotate
-from . import axes
-from .axes import Axis
-from .pose import swivel
+from .pose import Axis, swivel, to_z
 
 SIDES = ("left", "right")
 TORSO = "torso"
@@ -264,9 +262,9 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     count = len(shoulder)
     if isinstance(axis, str) and axis == TORSO:
         turn = rotmat_to_quat(clip.world[:, arm.torso])
-        frame = multiply(axes.to_z(outward_and_up(clip, arm)), conjugate(turn))
+        frame = multiply(to_z(outward_and_up(clip, arm)), conjugate(turn))
     else:
-        frame = np.broadcast_to(axes.to_z(axis), (count, 4))
+        frame = np.broadcast_to(to_z(axis), (count, 4))
     elbow, wrist = elbow - shoulder, wrist - shoulder
     phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
     return Motion(arm, elbow, wrist, d1, d2, frame, phi)

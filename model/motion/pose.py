@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Poses of an arm from Python: the public functions of `cga_ik`.
 
-Frame: the shoulder at the origin, x forward, y to the left, z up, unless the reference axis differs (see
-:mod:`model.motion.axes`).  Lengths are in any one unit, angles in radians.  Quaternions are Hamilton's and give the
-right-handed rotation; at rest the upper arm points along z and the forearm is folded back on it:
+Frame: the shoulder at the origin, x forward, y to the left, z up.  Lengths are in any one unit, angles in radians.
+Quaternions are Hamilton's and give the right-handed rotation; at rest the upper arm points along z and the forearm is
+folded back on it:
 
     elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
+
+The reference axis is the direction that replaces the paper's z axis, from which the swivel angle is measured.  The
+equations are singular where the wrist lies on it, so it should point where no hand goes.  The core uses z only; the
+host rotates coordinates by R, which takes the axis to z, and multiplies Qs by R~ afterwards.  Any such R will do: a
+further turn about z changes azimuth and Qs by the same angle, and leaves phi unchanged.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -22,10 +28,8 @@ from ..dataflow.nodes import WIDTHS
 from ..io.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
 from ..reference import kinematics
 from ..reference.equations import solve_clamped
-from ..reference.kinematics import continuous, matrix
+from ..reference.kinematics import continuous, matrix, multiply
 from ..reference.lean_equations import solve_lean
-from . import axes
-from .axes import Axis
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -36,6 +40,19 @@ Order = Literal["wxyz", "xyzw"]
 __all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
 
 DOUBLE = {"lean": solve_lean, "paper": solve_clamped}
+
+
+Axis = str | Sequence[float] | np.ndarray
+"""A name of :data:`NAMED_AXES`, or a vector of three, of any length."""
+
+_HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: -z becomes z
+_TO_Z = {"x": (0.5, -0.5, -0.5, -0.5), "y": (0.5, 0.5, 0.5, 0.5), "z": (1.0, 0.0, 0.0, 0.0)}
+"""Cyclic exchanges of the axes: they only permute coordinates, so no bit is lost."""
+
+NAMED_AXES = ("z", "-z", "x", "-x", "y", "-y")
+
+
+_NO_AXIS = f"is none of {', '.join(NAMED_AXES)} and no vector of three finite numbers, one of which is not 0"
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +119,7 @@ def solve(
         raise ValueError(f"points have the shape {points.shape}, not (N, 3)")
     x, y, z = points.T
     angle, upper, fore = (np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2))
-    targets = Targets("targets", x, y, z, angle, upper, fore, frame=axes.to_z(axis))
+    targets = Targets("targets", x, y, z, angle, upper, fore, frame=to_z(axis))
     for name in ("position", "phi", "d1", "d2"):
         if not np.isfinite(getattr(targets, name)).all():
             raise ValueError(f"{'points' if name == 'position' else name}: not all numbers are finite")
@@ -140,7 +157,7 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
     near those poses, rounding of the elbow's offset from the line limits its accuracy.
     """
     shoulder = np.asarray(shoulder, dtype=np.float64)
-    turn = matrix(axes.to_z(axis)).T
+    turn = matrix(to_z(axis)).T
     e, p = (np.atleast_2d(np.asarray(point, dtype=np.float64) - shoulder) @ turn for point in (elbow, wrist))
     rho = np.hypot(p[:, 0], p[:, 1])
     on_axis = rho == 0  # azimuth 0, as in the core
@@ -157,7 +174,7 @@ def hanging(axis: Axis = "z") -> float:
 
     It is pi for z, 0 for -z.  Where the axis is x itself, the arm reaches to the left (y) instead.
     """
-    reach = (0.0, 1.0, 0.0) if abs(axes.direction(axis)[0]) == 1 else (1.0, 0.0, 0.0)
+    reach = (0.0, 1.0, 0.0) if abs(direction(axis)[0]) == 1 else (1.0, 0.0, 0.0)
     return float(swivel((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), reach, axis)[0])
 
 
@@ -172,3 +189,46 @@ def _from(order: Order, q: ArrayLike) -> np.ndarray:
     if array.shape[-1] != 4:
         raise ValueError(f"quaternions have the shape {array.shape}, not (N, 4)")
     return array if _to(order, array) is array else np.roll(array, 1, axis=-1)
+
+
+# -- the reference axis ----------------------------------------------------------------------------
+
+
+def direction(axis: Axis) -> np.ndarray:
+    """Return the unit vector (3,) of an axis.  Raises ValueError."""
+    if isinstance(axis, str) and axis in NAMED_AXES:
+        return np.where(np.array(list("xyz")) == axis[-1], -1.0 if axis[0] == "-" else 1.0, 0.0)
+    try:
+        vector = np.asarray(axis, dtype=np.float64)
+    except (TypeError, ValueError):
+        vector = np.empty(0)
+    size = np.abs(vector).max(initial=0.0)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or size == 0:
+        raise ValueError(f"axis {axis!r} {_NO_AXIS}")
+    vector = vector / size  # squares of very long or short vectors would overflow or underflow
+    return vector / np.linalg.norm(vector)
+
+
+def parse_axis(text: str) -> Axis:
+    """Parse an axis: a name, or three numbers separated by commas.  Raises ValueError."""
+    try:
+        axis = tuple(float(part) for part in text.split(",")) if "," in text else text
+        direction(axis)
+    except ValueError:
+        raise ValueError(f"axis {text!r} {_NO_AXIS}") from None
+    return axis
+
+
+def to_z(axis: Axis) -> np.ndarray:
+    """Return the quaternion (4,) w, i, j, k of R, which takes the axis to z."""
+    a = direction(axis)
+    for name in NAMED_AXES:
+        if (a == direction(name)).all():
+            turn = np.array(_TO_Z[name[-1]])
+            return multiply(_TO_Z["z"] if name[0] != "-" else _HALF_TURN, turn)
+    # The shorter way to z or -z: half of it is below 45 degrees, where the sum does not cancel.
+    below = a[2] < 0
+    x, y, z = a * (1, -1, -1) if below else a
+    turn = np.array((1 + z, y, -x, 0.0))
+    turn /= np.linalg.norm(turn)
+    return multiply(turn, _HALF_TURN) if below else turn

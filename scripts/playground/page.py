@@ -25,7 +25,7 @@ from model.io import trajectories
 from model.io.files import write_atomically
 from model.io.flags import FLAGS
 from model.io.words import FIELDS, HEADROOM_BITS
-from model.motion.axes import NAMED, to_z
+from model.motion.pose import NAMED_AXES, to_z
 from model.reference.kinematics import matrix
 from scripts.console import WORD_LENGTH, command, option, output, some_of
 from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
@@ -52,7 +52,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
         "machines": [table(machine) for machine in machines],
         "headroom": HEADROOM_BITS,
         "flags": [{**flag._asdict(), "plain": PLAIN[flag.name]} for flag in FLAGS],
-        "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED},
+        "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
         "trajectories": [
             {
                 "name": name,

@@ -23,7 +23,7 @@ from model.io.scoring import (
 )
 from model.io.trajectories import make
 from model.io.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
-from model.motion.axes import to_z
+from model.motion.pose import to_z
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import conjugate, forward, rotate
 
