@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 3 of the reference: equations (10)-(18) of the paper in double precision, with their corrections.
+"""Layer 3 of the reference: equations (10)-(18) of the paper as printed, and in double precision with corrections.
 
-Corrections of the print: the squared cosine in the x and y rows of (11); d1 is the upper arm and d2 the
-forearm. Where the print is 0/0 (target or elbow on the z axis, P_w in the plane pi_yz2) a rule is given at the
-line.
-
-Three sums use a form that is equal to the print but does not cancel: tmp1 with the products PP_m^+
-PP_m^- of (19), since the squares it replaces are nearly equal unless d1 is about 1; and in (15) d1 - p_e_z
-and tmp2, factored, since both lose all digits for an elbow near the z axis. Results therefore do not depend on the
-unit of length.
+`TEXT` is the print, errors included; `solve` evaluates it, with `CORRECTIONS` in place of some lines: the square in the
+x and y rows of (11), and three sums in a form that is equal to the print but does not cancel, so that results do not
+depend on the unit of length. The paper's table 3 swaps two names: d1 is the upper arm and d2 the forearm. Where the
+print is 0/0, `CONVENTIONS` has a rule.
 
 `solve` is for reachable targets. `solve_clamped` accepts any target and returns flags, as the core does.
 Lengths have any one unit, angles are in radians, arrays are float64 of shape (N,).
@@ -20,14 +16,156 @@ import numpy as np
 
 from ..io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
 
+_REACH = "(p_w_x**2 + p_w_z**2 + p_w_y**2 + d1**2 - d2**2)"
+C4 = "(p_e_x**2 - p_e_x*p_w_x + p_e_y**2 - p_e_y*p_w_y - p_e_z*p_w_z + p_e_z**2)/(d1*d2)"
+
+TEXT: dict[str, dict[str, str]] = {
+    "(10)": {"l_sw": "sqrt(p_w_x**2 + p_w_y**2 + p_w_z**2)"},
+    "(11)": {
+        "pi_swivel_x": "(2*cos(phi/2)*sin(phi/2)*p_w_z*p_w_x - p_w_y*l_sw + 2*p_w_y*l_sw*cos(phi/2))/l_sw",
+        "pi_swivel_y": "(2*cos(phi/2)*sin(phi/2)*p_w_z*p_w_y + p_w_x*l_sw - 2*p_w_x*l_sw*cos(phi/2))/l_sw",
+        "pi_swivel_z": "-2*sin(phi/2)*cos(phi/2)*(p_w_x**2 + p_w_y**2)/l_sw",
+    },
+    "(12)": {
+        "pp_i": f"1/2*pi_swivel_x*{_REACH}",
+        "pp_j": f"1/2*pi_swivel_y*{_REACH}",
+        "pp_k": f"1/2*pi_swivel_z*{_REACH}",
+        "pp_14": "1/2*(1 - d1**2)*(p_w_y*pi_swivel_z - p_w_z*pi_swivel_y)",
+        "pp_15": "1/2*(1 + d1**2)*(p_w_z*pi_swivel_y - p_w_y*pi_swivel_z)",
+        "pp_24": "1/2*(1 - d1**2)*(p_w_z*pi_swivel_x - p_w_x*pi_swivel_z)",
+        "pp_25": "1/2*(1 + d1**2)*(p_w_x*pi_swivel_z - p_w_z*pi_swivel_x)",
+        "pp_34": "1/2*(d1**2 - 1)*(p_w_y*pi_swivel_x - p_w_x*pi_swivel_y)",
+        "pp_35": "1/2*(1 + d1**2)*(p_w_y*pi_swivel_x - p_w_x*pi_swivel_y)",
+    },
+    "(13)": {
+        "inf_pp": "(pp_35 - pp_34)**2 + (pp_14 - pp_15)**2 + (pp_25 - pp_24)**2",
+        "tmp1": "-pp_i**2 - pp_j**2 - pp_k**2 - pp_14**2 + pp_15**2 - pp_24**2 + pp_25**2 - pp_34**2 + pp_35**2",
+        "tmp_sqr": "sqrt(tmp1)",
+        "p_e_x": "(pp_j*(pp_34 - pp_35) + pp_k*(pp_25 - pp_24) + tmp_sqr*(pp_15 - pp_14))/inf_pp",
+        "p_e_y": "(pp_i*(pp_35 - pp_34) + pp_k*(pp_14 - pp_15) + tmp_sqr*(pp_25 - pp_24))/inf_pp",
+        "p_e_z": "(pp_j*(pp_15 - pp_14) + pp_i*(pp_24 - pp_25) + tmp_sqr*(pp_35 - pp_34))/inf_pp",
+    },
+    "(14)": {"qe_w": f"sqrt((1 + {C4})/2)", "qe_i": f"-sqrt((1 - {C4})/2)"},
+    "(15)": {
+        "tmp2": "d1**4*p_e_y**2 - 2*d1**3*p_e_y**2*p_e_z + d1**2*p_e_y**2*p_e_z**2"
+        " + d1**4*p_e_x**2 - 2*d1**3*p_e_x**2*p_e_z + d1**2*p_e_x**2*p_e_z**2"
+        " + d1**2*p_e_x**4 + 2*d1**2*p_e_x**2*p_e_y**2 + d1**2*p_e_y**4",
+        "l_m": "sqrt(tmp2)",
+        "q12_i": "d1*p_e_x*(d1 - p_e_z)/l_m",
+        "q12_j": "d1*p_e_y*(d1 - p_e_z)/l_m",
+        "q12_k": "d1*(p_e_x**2 + p_e_y**2)/l_m",
+    },
+    "(17)": {
+        "c3": "(pi_swivel_x*(q12_k**2 + q12_j**2 - q12_i**2) - 2*q12_i*(q12_j*pi_swivel_y + q12_k*pi_swivel_z))"
+        "/sqrt(pi_swivel_x**2 + pi_swivel_y**2 + pi_swivel_z**2)",
+        "sign_raw": "p_w_x*(q12_i**2 - q12_k**2 - q12_j**2) + 2*q12_i*(q12_k*p_w_z + q12_j*p_w_y)",
+        "sign": "sign_raw/Abs(sign_raw)",
+        "q3_scalar": "sqrt((1 + c3)/2)",
+        "q3_k": "sqrt((1 - c3)/2)*sign",
+    },
+    "(18)": {
+        "qs_w": "-q12_k*q3_k",
+        "qs_i": "q12_i*q3_scalar + q12_j*q3_k",
+        "qs_j": "-(q12_i*q3_k - q12_j*q3_scalar)",
+        "qs_k": "q12_k*q3_scalar",
+    },
+    "(19)": {
+        "pp_1_plus": "2*d1**2*(p_w_z*pi_swivel_y - p_w_y*pi_swivel_z)",
+        "pp_2_plus": "2*d1**2*(p_w_x*pi_swivel_z - p_w_z*pi_swivel_x)",
+        "pp_3_plus": "2*d1**2*(p_w_y*pi_swivel_x - p_w_x*pi_swivel_y)",
+        "pp_1_minus": "2*(p_w_z*pi_swivel_y - p_w_y*pi_swivel_z)",
+        "pp_2_minus": "2*(p_w_x*pi_swivel_z - p_w_z*pi_swivel_x)",
+        "pp_3_minus": "2*(p_w_y*pi_swivel_x - p_w_x*pi_swivel_y)",
+    },
+}
+"""Equation -> line -> right-hand side as printed. (16) is omitted: (17) repeats it except for its sign. ``sign_raw`` is
+the quantity that (17) first calls sign."""
+
 LENGTH_RANGE = (1e-15, 1e15)
 """Accepted arm lengths: outside this range, products of six lengths would exceed the range of doubles."""
 
 REACH_TOLERANCE = 1e-9
 """Fraction of d1+d2 beyond the exact limits at which `solve` still accepts a target as reachable."""
 
-_TINY = 1e-30  # ratio of lengths below which products of the printed equations could underflow
-_SIDE_NOISE = 1e-13  # the inner product of (17), over |p_w|, is roundoff below this
+_FUNCTIONS = {
+    "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1 is 0 for a straight and for a folded arm
+    "cos": np.cos,
+    "sin": np.sin,
+    "Abs": np.abs,
+    "hypot": np.hypot,
+    "clip": lambda v: np.clip(v, -1.0, 1.0),
+    "where": np.where,
+    "TINY": 1e-30,  # ratio of lengths below which products of the printed equations could underflow
+    "NOISE": 1e-13,  # sign_raw / l_sw is roundoff below this
+}
+
+CORRECTIONS = {
+    "(10)": {
+        "l_sw": "hypot(hypot(p_w_x, p_w_y), p_w_z)",
+        "at_shoulder": "l_sw <= TINY*(d1 + d2)",
+        "on_axis": "at_shoulder | (hypot(p_w_x, p_w_y) <= TINY*l_sw)",
+    },
+    "(11)": {
+        name: TEXT["(11)"][name].replace("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)")
+        for name in ("pi_swivel_x", "pi_swivel_y")
+    },
+    "(12)": {},
+    "(19)": {name: text.removeprefix("2*") for name, text in TEXT["(19)"].items()},  # the print's PP is scaled by 2
+    # Section 4.2: the squares of PP_m4 and PP_m5 are nearly equal unless d1 is about 1.
+    "(13)": {
+        "tmp1": "-pp_i**2 - pp_j**2 - pp_k**2 + pp_1_plus*pp_1_minus + pp_2_plus*pp_2_minus + pp_3_plus*pp_3_minus"
+    },
+    "(14)": {"c4": f"clip({C4})"} | {name: text.replace(C4, "c4") for name, text in TEXT["(14)"].items()},
+    "(15)": {
+        "rho_sqr": "p_e_x**2 + p_e_y**2",
+        # d1 - p_e_z, which cancels for an elbow near +z; there it is rho^2 / (d1 + p_e_z), as |p_e| = d1.
+        "below": "where(p_e_z > 0, rho_sqr/(d1 + Abs(p_e_z)), d1 - p_e_z)",
+        "tmp2": "d1**2*rho_sqr*(below**2 + rho_sqr)",  # the printed polynomial, factored
+        "elbow_on_axis": "hypot(p_e_x, p_e_y) <= TINY*d1",
+    },
+    "(17)": {
+        "c3": f"clip({TEXT['(17)']['c3']})",
+        # A straight or folded arm has P_w in pi_yz2 for every theta_3. The side of P_w is then that of p_e x pi_swivel,
+        # by the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is right.
+        "side_x": "p_e_y*pi_swivel_z - p_e_z*pi_swivel_y",
+        "side_y": "p_e_z*pi_swivel_x - p_e_x*pi_swivel_z",
+        "side_z": "p_e_x*pi_swivel_y - p_e_y*pi_swivel_x",
+        "limit": TEXT["(17)"]["sign_raw"].replace("p_w_", "side_"),
+        "sign_raw": TEXT["(17)"]["sign_raw"],
+        "sign": "where(where(Abs(sign_raw) <= NOISE*l_sw, limit, sign_raw) < 0, -1.0, 1.0)",
+    },
+    "(18)": {},
+}
+"""Equations in the order of evaluation -> line -> right-hand side in place of the print, or auxiliary line."""
+
+CONVENTIONS = {
+    # (11) has length rho and vanishes on the z axis. A plane is homogeneous, so the unit normal is used there.
+    **{f"pi_swivel_{axis}": f"on_axis, normal_{axis}" for axis in "xyz"},
+    # With the wrist at the shoulder any elbow is right; the arm is folded, and points up.
+    "p_e_x": "at_shoulder, 0.0",
+    "p_e_y": "at_shoulder, 0.0",
+    "p_e_z": "at_shoulder, d1",
+    # L_m vanishes for an elbow on the z axis. Any half turn that takes e3 there will do: Q_3 compensates for it.
+    "q12_i": "elbow_on_axis, p_e_z <= 0",
+    "q12_j": "elbow_on_axis, 0.0",
+    "q12_k": "elbow_on_axis, p_e_z > 0",
+}
+"""Line -> case in which the print is 0/0, and the value there."""
+
+
+def _compile(name, text):
+    for m in "123":  # PP_m5 - PP_m4 cancels
+        text = text.replace(f"pp_{m}5 - pp_{m}4", f"pp_{m}_minus").replace(f"pp_{m}4 - pp_{m}5", f"-pp_{m}_minus")
+    if name.startswith("q12"):
+        text = text.replace("(d1 - p_e_z)", "below")
+    return compile(f"where({CONVENTIONS[name]}, {text})" if name in CONVENTIONS else text, name, "eval")
+
+
+_LINES = {
+    name: _compile(name, text)
+    for number, lines in CORRECTIONS.items()
+    for name, text in (lines | TEXT[number] | lines).items()
+}
 
 
 def columns(**values):
@@ -109,124 +247,12 @@ def shoulder_quaternion(n, e):
     return np.where(q[:, 3:] < 0, -q, q)
 
 
-def _half_angle(c):
-    """Return cosine and sine, both >= 0, of half the angle whose cosine is c."""
-    return np.sqrt(np.clip(1 + c, 0, 2) / 2), np.sqrt(np.clip(1 - c, 0, 2) / 2)  # (6), (7)
-
-
-def _swivel_plane(x, y, z, phi, at_shoulder):
-    """Compute section 3.1."""
-    rho = np.hypot(x, y)
-    l_sw = np.hypot(rho, z)  # (10)
-    length = np.where(at_shoulder, 1.0, l_sw)
-    cos_half, sin_half = np.cos(phi / 2), np.sin(phi / 2)
-    # Correction: the last factor of the first two rows is squared.
-    pi_swivel_x = (2 * cos_half * sin_half * z * x - y * length + 2 * y * length * cos_half**2) / length  # (11)
-    pi_swivel_y = (2 * cos_half * sin_half * z * y + x * length - 2 * x * length * cos_half**2) / length  # (11)
-    pi_swivel_z = -2 * sin_half * cos_half * (x**2 + y**2) / length  # (11)
-    # (11) has length rho and vanishes on the z axis. A plane is homogeneous, so the unit normal is used there.
-    p_x, p_y, p_z = (np.where(at_shoulder, 0.0, p) for p in (x, y, z))
-    n = swivel_normal(p_x, p_y, p_z, phi)
-    on_axis = at_shoulder | (rho <= _TINY * l_sw)
-    return {
-        "l_sw": l_sw,
-        "pi_swivel_x": np.where(on_axis, n[:, 0], pi_swivel_x),
-        "pi_swivel_y": np.where(on_axis, n[:, 1], pi_swivel_y),
-        "pi_swivel_z": np.where(on_axis, n[:, 2], pi_swivel_z),
-    }
-
-
-def _elbow_point(x, y, z, d1, d2, at_shoulder, pi_swivel_x, pi_swivel_y, pi_swivel_z):
-    """Compute section 3.2."""
-    pp_i = pi_swivel_x * (x**2 + z**2 + y**2 + d1**2 - d2**2) / 2  # (12)
-    pp_j = pi_swivel_y * (x**2 + z**2 + y**2 + d1**2 - d2**2) / 2  # (12)
-    pp_k = pi_swivel_z * (x**2 + z**2 + y**2 + d1**2 - d2**2) / 2  # (12)
-    pp_14 = (1 - d1**2) * (y * pi_swivel_z - z * pi_swivel_y) / 2  # (12)
-    pp_15 = (1 + d1**2) * (z * pi_swivel_y - y * pi_swivel_z) / 2  # (12)
-    pp_24 = (1 - d1**2) * (z * pi_swivel_x - x * pi_swivel_z) / 2  # (12)
-    pp_25 = (1 + d1**2) * (x * pi_swivel_z - z * pi_swivel_x) / 2  # (12)
-    pp_34 = (d1**2 - 1) * (y * pi_swivel_x - x * pi_swivel_y) / 2  # (12)
-    pp_35 = (1 + d1**2) * (y * pi_swivel_x - x * pi_swivel_y) / 2  # (12)
-    # PP_m^- = PP_m5 - PP_m4 and PP_m^+ = PP_m5 + PP_m4; the printed (19) has them for a PP scaled by 2.
-    pp_1_minus = z * pi_swivel_y - y * pi_swivel_z  # (19)
-    pp_2_minus = x * pi_swivel_z - z * pi_swivel_x  # (19)
-    pp_3_minus = y * pi_swivel_x - x * pi_swivel_y  # (19)
-    pp_1_plus, pp_2_plus, pp_3_plus = d1**2 * pp_1_minus, d1**2 * pp_2_minus, d1**2 * pp_3_minus  # (19)
-
-    inf_pp = pp_3_minus**2 + pp_1_minus**2 + pp_2_minus**2  # (13)
-    tmp1 = (
-        -(pp_i**2) - pp_j**2 - pp_k**2 + pp_1_plus * pp_1_minus + pp_2_plus * pp_2_minus + pp_3_plus * pp_3_minus
-    )  # (13), section 4.2
-    tmp_sqr = np.sqrt(np.maximum(tmp1, 0.0))  # (13); tmp1 is 0 for a straight and for a folded arm
-    divisor = np.where(at_shoulder, 1.0, inf_pp)
-    p_e_x = (-pp_j * pp_3_minus + pp_k * pp_2_minus + tmp_sqr * pp_1_minus) / divisor  # (13)
-    p_e_y = (pp_i * pp_3_minus - pp_k * pp_1_minus + tmp_sqr * pp_2_minus) / divisor  # (13)
-    p_e_z = (pp_j * pp_1_minus - pp_i * pp_2_minus + tmp_sqr * pp_3_minus) / divisor  # (13)
-    # With the wrist at the shoulder any elbow is right; the arm is folded, and points up.
-    return {
-        "pp_i": pp_i, "pp_j": pp_j, "pp_k": pp_k,
-        "pp_14": pp_14, "pp_15": pp_15, "pp_24": pp_24, "pp_25": pp_25, "pp_34": pp_34, "pp_35": pp_35,
-        "pp_1_minus": pp_1_minus, "pp_2_minus": pp_2_minus, "pp_3_minus": pp_3_minus,
-        "pp_1_plus": pp_1_plus, "pp_2_plus": pp_2_plus, "pp_3_plus": pp_3_plus,
-        "inf_pp": inf_pp, "tmp1": tmp1, "tmp_sqr": tmp_sqr,
-        "p_e_x": np.where(at_shoulder, 0.0, p_e_x),
-        "p_e_y": np.where(at_shoulder, 0.0, p_e_y),
-        "p_e_z": np.where(at_shoulder, d1, p_e_z),
-    }  # fmt: skip
-
-
-def _elbow_quaternion(x, y, z, d1, d2, p_e_x, p_e_y, p_e_z):
-    """Compute section 3.3."""
-    c4 = (p_e_x**2 - p_e_x * x + p_e_y**2 - p_e_y * y - p_e_z * z + p_e_z**2) / (d1 * d2)  # (14)
-    qe_w, sin_half = _half_angle(c4)  # (14)
-    return {"c4": c4, "qe_w": qe_w, "qe_i": -sin_half}  # (14)
-
-
-def _rotate_to_elbow(d1, p_e_x, p_e_y, p_e_z):
-    """Compute section 3.4."""
-    rho_sqr = p_e_x**2 + p_e_y**2
-    # d1 - p_e_z, which cancels for an elbow near +z; there it is rho^2 / (d1 + p_e_z), as |p_e| = d1.
-    below = np.where(p_e_z > 0, rho_sqr / (d1 + np.abs(p_e_z)), d1 - p_e_z)
-    tmp2 = d1**2 * rho_sqr * (below**2 + rho_sqr)  # (15), the printed polynomial factored
-    l_m = np.sqrt(tmp2)  # (15)
-    # L_m vanishes for an elbow on the z axis. Any half turn that takes e3 there will do: Q_3 compensates for it.
-    on_axis = np.hypot(p_e_x, p_e_y) <= _TINY * d1
-    up, down = on_axis & (p_e_z > 0), on_axis & (p_e_z <= 0)
-    divisor = np.where(on_axis, 1.0, l_m)
-    q12_i = np.where(on_axis, down, d1 * p_e_x * below / divisor)  # (15)
-    q12_j = np.where(on_axis, 0.0, d1 * p_e_y * below / divisor)  # (15)
-    q12_k = np.where(on_axis, up, d1 * rho_sqr / divisor)  # (15)
-    return {"tmp2": tmp2, "l_m": l_m, "q12_i": q12_i, "q12_j": q12_j, "q12_k": q12_k}
-
-
-def _rotate_to_wrist(x, y, z, p_e, l_sw, pi_swivel, q12_i, q12_j, q12_k):
-    """Compute section 3.5. p_e and pi_swivel are triples of arrays (N,)."""
-    pi_swivel_x, pi_swivel_y, pi_swivel_z = pi_swivel
-    c3 = (
-        pi_swivel_x * (q12_k**2 + q12_j**2 - q12_i**2) - 2 * q12_i * (q12_j * pi_swivel_y + q12_k * pi_swivel_z)
-    ) / np.sqrt(pi_swivel_x**2 + pi_swivel_y**2 + pi_swivel_z**2)  # (17)
-    # (17), the quantity first called sign
-    side = x * (q12_i**2 - q12_k**2 - q12_j**2) + 2 * q12_i * (q12_k * z + q12_j * y)
-    # A straight or folded arm has P_w in pi_yz2 for every theta_3. The side of P_w is then the side of
-    # p_e x pi_swivel, by the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is
-    # right.
-    b_x, b_y, b_z = np.cross(np.stack(p_e, axis=-1), np.stack(pi_swivel, axis=-1)).T
-    limit = b_x * (q12_i**2 - q12_k**2 - q12_j**2) + 2 * q12_i * (q12_k * b_z + q12_j * b_y)
-    side = np.where(np.abs(side) <= _SIDE_NOISE * l_sw, limit, side)
-    sign = np.where(side < 0, -1.0, 1.0)  # (17); 0 counts as +
-    q3_scalar, sin_half = _half_angle(c3)  # (17)
-    q3_k = sin_half * sign  # (17)
-    return {"c3": c3, "sign": sign, "q3_scalar": q3_scalar, "q3_k": q3_k}
-
-
 def solve(x, y, z, phi, d1, d2):
     """Solve equations (10)-(18) for N reachable targets.
 
     x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or
-    arrays that broadcast to (N,). Returns a dict of float64 arrays (N,), one for every quantity of the paper,
-    in its order: l_sw, pi_swivel_x/y/z, pp_i/j/k, pp_14 .. pp_35, pp_1_minus .. pp_3_plus (19), inf_pp, tmp1,
-    tmp_sqr, p_e_x/y/z, c4, qe_w, qe_i, tmp2, l_m, q12_i/j/k, c3, sign, q3_scalar, q3_k, qs_w, qs_i, qs_j,
-    qs_k. qs_k is >= 0.
+    arrays that broadcast to (N,). Returns a dict of float64 arrays (N,): every line of `TEXT` and
+    `CORRECTIONS`. qs_k is >= 0.
 
     Never nan. Near poses where a half angle is 0 or pi (arm straight or folded, theta_3 = 0 or pi) the roots
     of (14) and (17) lose digits as the printed equations do, down to half of them at the pose;
@@ -237,23 +263,15 @@ def solve(x, y, z, phi, d1, d2):
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     _check_reachable(x, y, z, d1, d2)
-    at_shoulder = np.hypot(np.hypot(x, y), z) <= _TINY * (d1 + d2)
-
-    nodes = _swivel_plane(x, y, z, phi, at_shoulder)
-    pi_swivel = tuple(nodes[f"pi_swivel_{axis}"] for axis in "xyz")
-    nodes |= _elbow_point(x, y, z, d1, d2, at_shoulder, *pi_swivel)
-    p_e = tuple(nodes[f"p_e_{axis}"] for axis in "xyz")
-    nodes |= _elbow_quaternion(x, y, z, d1, d2, *p_e)
-    nodes |= _rotate_to_elbow(d1, *p_e)
-    q12_i, q12_j, q12_k = (nodes[f"q12_{unit}"] for unit in "ijk")
-    nodes |= _rotate_to_wrist(x, y, z, p_e, nodes["l_sw"], pi_swivel, q12_i, q12_j, q12_k)
-    q3_scalar, q3_k = nodes["q3_scalar"], nodes["q3_k"]
-    return nodes | {
-        "qs_w": -q12_k * q3_k,  # (18)
-        "qs_i": q12_i * q3_scalar + q12_j * q3_k,  # (18)
-        "qs_j": -(q12_i * q3_k - q12_j * q3_scalar),  # (18)
-        "qs_k": q12_k * q3_scalar,  # (18)
-    }
+    at_shoulder = np.hypot(np.hypot(x, y), z) <= _FUNCTIONS["TINY"] * (d1 + d2)
+    normal = swivel_normal(*(np.where(at_shoulder, 0.0, p) for p in (x, y, z)), phi)
+    values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
+    values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
+    found = {}
+    with np.errstate(divide="ignore", invalid="ignore"):  # replaced by CONVENTIONS
+        for name, code in _LINES.items():
+            found[name] = eval(code, _FUNCTIONS, values | found)
+    return found
 
 
 def _compare(x, y, z, radius):
@@ -287,56 +305,38 @@ def pose_flags(x, y, z, d1, d2):
     return np.sum([bit * condition.astype(np.int64) for bit, condition in conditions.items()], axis=0)
 
 
-def clamp(x, y, z, d1, d2):
-    """Return the nearest pose for targets without one: too far, too near, at the shoulder, bad lengths.
+def solve_clamped(x, y, z, phi, d1, d2):
+    """Return a pose for any N targets, with flags: that of `solve` where the target can be reached, else the nearest.
 
-    Lengths in one unit, numbers or arrays that broadcast to (N,). Returns a dict of arrays (N,): flags
-    (int64), clamped (bool), the elbow's direction e_x, e_y, e_z (unit vector), qe_w, qe_i; the last five are
-    nan where a target is not clamped. Raises ValueError for inputs that are not finite or do not broadcast.
+    Arguments as for `solve`, but lengths need not be positive nor targets in reach. Returns a dict of arrays
+    (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z (user's unit), flags (int64). Raises
+    ValueError for inputs that are not finite or do not broadcast, and for positive arm lengths outside
+    LENGTH_RANGE.
 
     The arm is straight toward a target too far, and with bad lengths; it is folded (Qe = 1) for one too near
     or at the shoulder, with the longer link toward the target. The shoulder itself counts as lying in the
-    direction +z.
+    direction +z. A clamped pose keeps the swivel: its shoulder turns the arm's plane to the target's swivel plane.
     """
-    x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
-    flags = pose_flags(x, y, z, d1, d2)
+    targets = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
+    flags = pose_flags(*targets[:3], *targets[4:])
     clamped = flags & (UNREACHABLE | AT_SHOULDER) != 0
-    straight = flags & (TOO_FAR | BAD_LENGTH) != 0
-    away = ~straight & (d1 < d2)
+    reached = solve(*(values[~clamped] for values in targets))
+    x, y, z, phi, d1, d2 = (values[clamped] for values in targets)
+    straight = flags[clamped] & (TOO_FAR | BAD_LENGTH) != 0
     distance = np.hypot(np.hypot(x, y), z)
     at_shoulder = distance == 0
-    divisor = np.where(at_shoulder, 1.0, distance) * np.where(away, -1.0, 1.0)
-    values = {
-        "e_x": x / divisor,
-        "e_y": y / divisor,
-        "e_z": np.where(at_shoulder, 1.0, z) / divisor,
+    divisor = np.where(at_shoulder, 1.0, distance) * np.where(~straight & (d1 < d2), -1.0, 1.0)
+    e = np.stack((x / divisor, y / divisor, np.where(at_shoulder, 1.0, z) / divisor), axis=-1)
+    poses = {
+        **dict(
+            zip(("qs_w", "qs_i", "qs_j", "qs_k"), shoulder_quaternion(swivel_normal(x, y, z, phi), e).T, strict=True)
+        ),
         "qe_w": np.where(straight, 0.0, 1.0),
         "qe_i": np.where(straight, -1.0, 0.0),
+        **dict(zip(("p_e_x", "p_e_y", "p_e_z"), d1 * e.T, strict=True)),
     }
-    return {"flags": flags, "clamped": clamped} | {k: np.where(clamped, v, np.nan) for k, v in values.items()}
-
-
-def solve_clamped(x, y, z, phi, d1, d2):
-    """Return a pose for any N targets, with flags: `solve` for reachable targets, `clamp` for the others.
-
-    Arguments as for `solve`, but lengths need not be positive nor targets in reach. Returns a dict of arrays
-    (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z (user's unit), flags (int64). A
-    clamped pose keeps the swivel: its shoulder turns the arm's plane to the target's swivel plane. Raises
-    ValueError for inputs that are not finite or do not broadcast, and for positive arm lengths outside
-    LENGTH_RANGE.
-    """
-    x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
-    pose = clamp(x, y, z, d1, d2)
-    clamped = pose["clamped"]
-    e = np.stack([pose[f"e_{axis}"] for axis in "xyz"], axis=-1)[clamped]
-    n = swivel_normal(x[clamped], y[clamped], z[clamped], phi[clamped])
-    answers = dict(zip(("qs_w", "qs_i", "qs_j", "qs_k"), shoulder_quaternion(n, e).T, strict=True))
-    answers |= {name: pose[name][clamped] for name in ("qe_w", "qe_i")}
-    answers |= dict(zip(("p_e_x", "p_e_y", "p_e_z"), d1[clamped] * e.T, strict=True))
-    reached = solve(*(values[~clamped] for values in (x, y, z, phi, d1, d2)))
-    result = {}
-    for name, values in answers.items():
-        result[name] = np.empty(len(x))
-        result[name][clamped] = values
-        result[name][~clamped] = reached[name]
-    return result | {"flags": pose["flags"]}
+    result = {"flags": flags}
+    for name, values in poses.items():
+        result[name] = np.empty(len(flags))
+        result[name][clamped], result[name][~clamped] = values, reached[name]
+    return result

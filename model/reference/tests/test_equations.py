@@ -12,11 +12,10 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
-import sympy
 
 from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.reference import kinematics, printed
-from model.reference.equations import pose_flags, shoulder_quaternion, solve, solve_clamped, swivel_normal
+from model.reference import kinematics
+from model.reference.equations import TEXT, pose_flags, shoulder_quaternion, solve, solve_clamped, swivel_normal
 from model.reference.lean_equations import solve_lean
 
 RESULTS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
@@ -232,31 +231,18 @@ def _swivel_of_theta_3(p, d1, d2):
     return low
 
 
-def the_print():
-    """Return (10)-(18) as printed, except for the square in (11): a function from six mpmath numbers to a dict."""
-    compiled = {}
-    for name, text in (
-        (name, text) for number, rows in printed.TEXT.items() if number != "(19)" for name, text in rows.items()
-    ):
-        if name in ("pi_swivel_x", "pi_swivel_y"):
-            assert text.count("l_sw*cos(phi/2))") == 1, "the misprint"
-            text = text.replace("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)")
-        line = printed._parse(text).doit()
-        arguments = sorted(map(str, line.free_symbols))
-        compiled[name] = arguments, sympy.lambdify(arguments, line, "mpmath")
-
-    def evaluate(*target):
-        names = ("p_w_x", "p_w_y", "p_w_z", "phi", "d1", "d2")
-        values = dict(zip(names, (mpmath.mpf(float(v)) for v in target), strict=True))
-        for name, (arguments, function) in compiled.items():
-            values[name] = function(*(values[a] for a in arguments))
-        return [float(values[name]) for name in RESULTS]
-
-    return evaluate
+def solve_print(*target):
+    """Return the results of (10)-(18) as printed, except for the square in (11), of six numbers by mpmath."""
+    functions = {"sqrt": mpmath.sqrt, "cos": mpmath.cos, "sin": mpmath.sin, "Abs": abs}
+    values = dict(zip(("p_w_x", "p_w_y", "p_w_z", "phi", "d1", "d2"), map(mpmath.mpf, target), strict=True))
+    for number, lines in TEXT.items():
+        for name, text in lines.items() if number != "(19)" else ():
+            misprint = "l_sw*cos(phi/2))" if name in ("pi_swivel_x", "pi_swivel_y") else "none"
+            values[name] = eval(text.replace(misprint, "l_sw*cos(phi/2)**2)"), functions, values)
+    return [float(values[name]) for name in RESULTS]
 
 
 SINGULAR = singular(100, seed=2)
-EVALUATE = the_print()
 
 
 @pytest.mark.parametrize("kind", SINGULAR)
@@ -264,7 +250,7 @@ def test_agrees_with_the_print_next_to_singular_poses(kind):
     """Double precision is insufficient for the paper's equations there: they are evaluated with 80 digits."""
     targets = SINGULAR[kind]
     with mpmath.workdps(80):
-        paper = np.array([EVALUATE(*target) for target in zip(*targets, strict=True)])
+        paper = np.array([solve_print(*target) for target in zip(*targets, strict=True)])
     paper = dict(zip(RESULTS, paper.T, strict=True))
     for solver, bound in BOUNDS.items():
         result = solver(*targets)
