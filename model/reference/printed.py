@@ -14,7 +14,6 @@ import re
 import sympy
 from sympy.parsing.sympy_parser import parse_expr
 
-
 from .equations import TEXT
 
 _FUNCTIONS = {"sqrt": sympy.sqrt, "cos": sympy.cos, "sin": sympy.sin, "Abs": sympy.Abs}
