@@ -64,14 +64,9 @@ def read(tmp_path):
 # -- files -----------------------------------------------------------------------------------------
 
 
-def test_required_columns_alone_take_the_default_arm(read):
+def test_defaults_and_columns_that_override_them(read):
     result = read("x,y,z\n0.1,0.2,0.3\n-4e-1,+.5,6.\n")
     assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], math.pi, DEFAULT_D1, DEFAULT_D2))
-    assert result.name == "t"
-    assert DEFAULT_D1 + DEFAULT_D2 == pytest.approx(0.6)
-
-
-def test_defaults_come_from_the_arguments_and_a_column_overrides_them(read):
     result = read("d2,z,x,y\n0.5,3,1,2\n", d1=0.7, d2=9.0, phi=0.25)
     assert_same(result, Targets("t", 1, 2, 3, 0.25, 0.7, 0.5))
 
@@ -79,36 +74,14 @@ def test_defaults_come_from_the_arguments_and_a_column_overrides_them(read):
 @pytest.mark.parametrize(
     "content",
     [
-        b"\xef\xbb\xbfx,y,z\n1,2,3\n",
-        b"x,y,z\r\n1,2,3\r\n",
-        b"x,y,z\r1,2,3\r",
         b"\xef\xbb\xbfx,y,z\r\n1,2,3\r\n\r\n\r\n",
-        b"x,y,z\n1,2,3\n\n  \n\n",
-        b"x,y,z\n1,2,3",
-        b" x , y , z \n 1 ,\t2 , 3 \n",
+        b"x,y,z\r1,2,3\r",
+        b" x , Y , z \n 1 ,\t2 , 3 ",
         b'"x","y","z"\n"1","2","3"\n',
         b"\n# made by hand\n\nx,y,z\n#0,0,0\n\n1,2,3\n",
-        b"X,Y,Z\n1,2,3\n",
-        b"x;y;z\n1;2;3\n",
         b"x;y;z\n1,0;2.0;+3,e0\n",
         b"x\ty\tz\n1\t2\t3\n",
         b"x,y,z\n1,2,3\n,,\n , ,\n",
-    ],
-    ids=[
-        "bom",
-        "crlf",
-        "cr",
-        "bom-crlf-blank",
-        "blank-end",
-        "no-newline",
-        "spaces",
-        "quotes",
-        "comments",
-        "upper case",
-        "semicolons",
-        "decimal comma",
-        "tabs",
-        "empty rows",
     ],
 )
 def test_accepted_forms(read, content):
@@ -123,49 +96,33 @@ def test_other_columns_are_kept(read):
     assert result.default_arm == ("d1", "d2")
 
 
-HEADER = "x,y,z,d1,d2\n"
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         ("", "the file is empty"),
-        ("\n\n", "the file is empty"),
         ("x,y,z\n", "row 1: a header but no targets below it"),
         ("x,y\n1,2\n", "row 1, column z: is missing"),
-        ("# x,y,z\n\n", "the file is empty"),
         ("1,2,3\n4,5,6\n", "row 1, column 1: '1,2,3' is no header of targets, which names x,y,z and maybe phi,d1,d2"),
         ("\n\n,2,3\n4,5,6\n", "row 3, column (no name): ',2,3' is no header of targets"),
         ("x,y,X,z\n1,2,3,4\n", "row 1, column x: 'x' appears twice in the header"),
-        ("x,y,z,t,t\n1,2,3,4,5\n", "row 1, column t: 't' appears twice in the header"),
-        ("x;y;z\n1;2\n", "row 2, column z: '' is missing: the header has 3 columns"),
         ("x;y;z\n1;2,1,1;3\n", "row 2, column y: '2.1,1' is not a number"),
         ("x\ty\tz\n1\t2,5\t3\n", "row 2, column y: '2,5' is not a number"),
-        ("x,y,z,x\n1,2,3,4\n", "row 1, column x: 'x' appears twice in the header"),
-        ("x,y,z\n1,2,3\n1,2\n", "row 3, column z: '' is missing: the header has 3 columns, this row has 2"),
-        (
-            "x,y,z\n1,2,3,4\n",
-            "row 2, column 4: '4' is one too many: the header has 3 columns, this row has 4",
-        ),
-        ("#\nx,y,z\n1,2,3\n\n# 1,2\n1,2\n", "row 6, column z: '' is missing"),
+        ("#\nx,y,z\n1,2,3\n\n# 1\n1,2\n", "row 6, column z: '' is missing: the header has 3 columns, this row has 2"),
+        ("x,y,z\n1,2,3,4\n", "row 2, column 4: '4' is one too many: the header has 3 columns, this row has 4"),
         ("x,y,z\n1,abc,3\n", "row 2, column y: 'abc' is not a number"),
         ("x,y,z\n1,,3\n", "row 2, column y: '' is empty"),
         ("x,y,z\n1,1_0,3\n", "row 2, column y: '1_0' is not a number"),
         ("x,y,z\n1,٣,3\n", "row 2, column y: '٣' is not a number"),
-        ("x,y,z\n1,0x10,3\n", "row 2, column y: '0x10' is not a number"),
         ('x,y,z\n1,"2\n2",3\n', r"row 2, column y: '2\n2' is not a number"),
         ('x,y,z\n1,2,"3\n"\nq,2,3\n', "row 4, column x: 'q' is not a number"),
         ("x,y,z\n1," + "q" * 1000 + ",3\n", "row 2, column y: '" + "q" * 40 + "...' is not a number"),
         ("x,y,z\n1,2,nan\n", "row 2, column z: 'nan' is not a finite number"),
-        ("x,y,z\n1,2,-Inf\n", "row 2, column z: '-Inf' is not a finite number"),
         ("x,y,z\n1,2,1e999\n", "row 2, column z: '1e999' is not a finite number"),
-        (HEADER + "1,2,3,0,1\n", "row 2, column d1: '0' is not positive"),
-        (HEADER + "1,2,3,1,-0.5\n", "row 2, column d2: '-0.5' is not positive"),
-        (HEADER + "1,2,3,1,1e-400\n", "row 2, column d2: '1e-400' is not positive"),
+        ("x,y,z,d1,d2\n1,2,3,0,1\n", "row 2, column d1: '0' is not positive"),
+        ("x,y,z,d1,d2\n1,2,3,1,1e-400\n", "row 2, column d2: '1e-400' is not positive"),
         ('x,y,z\n1,2,3\n1,"2,3\n', "row 3: not CSV: unexpected end of data"),
         (b"x,y,z\n1,2,3\n1,\xff,3\n", "row 3: not UTF-8 text (byte 0xff)"),
         ("x,y,z\n1,2,3\n".encode("utf-16"), "is UTF-16 text; save it as UTF-8"),
-        ("x,y,z\n1,2,3\n".encode("utf-16-be"), "row 1, column"),
     ],
 )
 def test_bad_files_are_named_in_one_line(read, tmp_path, content, message):
@@ -206,76 +163,45 @@ def test_files_keep_every_bit(tmp_path_factory, table):
 # -- fixed point -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("d1", "d2", "exponent"),
-    [(0.5, 0.5, 0), (0.33, 0.27, 1), (1.0, 0.9999, 0), (1.0, 1.0, -1), (330.0, 270.0, -9), (1e-9, 1e-9, 29)],
-)
-def test_reach_is_scaled_to_one_or_above(d1, d2, exponent):
-    t = targets(x=0.0, d1=d1, d2=d2)
-    assert scale_exponent(t, 32) == exponent
-    assert 1 <= (d1 + d2) * 2.0**exponent < 2
-
-
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
-    """The arm reaches 1, so the format ends at 2, and at 2 * 2^HEADROOM_BITS with all headroom used."""
+    """An arm that reaches 1 ends the format at 2, and at 2 * 2^HEADROOM_BITS with all headroom used."""
     arm = {"d1": 0.5, "d2": 0.5}
     limit = 2.0 * 2**HEADROOM_BITS
-    assert scale_exponent(targets(x=math.nextafter(2, 0), **arm), 32) == 0
-    assert scale_exponent(targets(x=2.0, **arm), 32) == -1
-    assert scale_exponent(targets(x=-2.0, **arm), 32) == 0
-    assert scale_exponent(targets(x=math.nextafter(-2, -3), **arm), 32) == -1
-    assert scale_exponent(targets(x=math.nextafter(limit, 0), **arm), 32) == -HEADROOM_BITS
-    assert scale_exponent(targets(x=-limit, **arm), 32) == -HEADROOM_BITS
+    for x, exponent in (
+        *((0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)),
+        *((math.nextafter(limit, 0), -HEADROOM_BITS), (-limit, -HEADROOM_BITS)),
+    ):
+        assert scale_exponent(targets(x=x, **arm), 32) == exponent, x
+    for d1, d2, exponent in ((0.33, 0.27, 1), (1.0, 0.9999, 0), (1.0, 1.0, -1), (1e-9, 1e-9, 29)):
+        assert scale_exponent(targets(x=0.0, d1=d1, d2=d2), 32) == exponent, d1
     for x in (limit, math.nextafter(-limit, -math.inf), 1e300):
         with pytest.raises(TargetError, match=f"column x: '{x!r}' is too far out.*ends at 32".replace("+", r"\+")):
             scale_exponent(targets(x=x, **arm), 32)
 
 
-def test_a_target_beyond_the_format_is_named_with_its_row(read):
-    with pytest.raises(TargetError, match=r"t\.csv: row 4, column z: '-1000000.0' is too far out"):
-        to_words(read("x,y,z\n0.1,0.2,0.3\n0.1,50,0.3\n0.1,0.2,-1e6\n"), 32)
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0.1,0.2,0.3,1,1\n0.1,50,0.3,1,1\n0.1,0.2,-1e6,1,1\n", "row 4, column z: '-1000000.0' is too far out"),
+        ("0.1,0.2,0.3,1,1\n0.1,0.2,0.3,1,1e-5\n", "row 3, column d2: '1e-05' is too short.*word of 16 bits"),
+        ("0,0,0,1,1\n0,0,0,1e308,1e308\n", r"row 3, column d1: '1e\+308' is too long"),
+    ],
+)
+def test_a_target_without_words_is_named_with_its_row(read, rows, message):
+    with pytest.raises(TargetError, match=rf"t\.csv: {message}"):
+        to_words(read("x,y,z,d1,d2\n" + rows), 16)
 
 
-def test_an_arm_that_rounds_to_nothing_is_named_with_its_row(read):
-    text = "x,y,z,d1,d2\n0.1,0.2,0.3,1,1\n0.1,0.2,0.3,1,1e-5\n"
-    with pytest.raises(TargetError, match=r"t\.csv: row 3, column d2: '1e-05' is too short.*word of 16 bits"):
-        to_words(read(text), 16)
-    assert to_words(read(text), 32)[0][1, FIELDS.index("d2")] == round(1e-5 * 2**29)
-
-
-def test_an_arm_beyond_double_precision():
-    with pytest.raises(TargetError, match="target 1, column d1: '1e\\+308' is too long"):
-        scale_exponent(targets(d1=[1, 1e308], d2=[1, 1e308]), 32)
-
-
-def test_the_edge_below_two_saturates_instead_of_wrapping():
+def test_rounding_and_saturation():
+    """Lengths round half to even; the edge below 2 saturates instead of wrapping; angles wrap at a turn."""
     words, exponent = to_words(targets(x=math.nextafter(2, 0), y=-2.0, d1=0.5, d2=0.5), 16)
     assert exponent == 0
     assert words[0].tolist() == [2**15 - 1, -(2**15), 0, 0, 2**13, 2**13]
-
-
-def test_lengths_round_half_to_even():
-    ulp = 2.0**-14
-    words, _ = to_words(targets(x=0.5 * ulp, y=1.5 * ulp, z=-2.5 * ulp, d1=0.5, d2=0.5), 16)
-    assert words[0, :3].tolist() == [0, 2, -2]
-
-
-@pytest.mark.parametrize(
-    ("turns", "word"),
-    [
-        (0, 0),
-        (0.25, 2**14),
-        (0.5, -(2**15)),
-        (-0.5, -(2**15)),
-        (0.75, -(2**14)),
-        (1, 0),
-        (-7.25, -(2**14)),
-        (0.5 - 1e-9, -(2**15)),
-        (1e6 + 0.125, 2**13),
-    ],
-)
-def test_angles_wrap_at_a_turn(turns, word):
-    assert to_words(targets(phi=turns * 2 * math.pi), 16)[0][0, FIELDS.index("phi")] == word
+    x, y, z = np.array([0.5, 1.5, -2.5]) * 2.0**-14
+    assert to_words(targets(x, y, z, d1=0.5, d2=0.5), 16)[0][0, :3].tolist() == [0, 2, -2]
+    turns = {0: 0, 0.25: 2**14, 0.5: -(2**15), -7.25: -(2**14), 0.5 - 1e-9: -(2**15), 1e6 + 0.125: 2**13}
+    words, _ = to_words(targets(phi=np.array([*turns]) * 2 * math.pi), 16)
+    assert words[:, FIELDS.index("phi")].tolist() == [*turns.values()]
 
 
 @ROUND_TRIP
