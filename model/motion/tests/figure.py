@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH clips of a synthetic figure in many variants: names, up direction, rest pose, order of angles."""
+"""BVH clips of a synthetic figure in many variants: names, up direction, order of angles."""
 
 from __future__ import annotations
 
@@ -19,33 +19,32 @@ NAMES = {
     "own": ("a{s}", "b{s}", "c{s}", "d{s}"),
 }
 
-OFFSETS = {
-    "t": ((1, 0, 0), (1, 0, 0)),
-    "hanging": ((0.1, 0, -1), (0.05, 0.1, -1)),
-    "forward": ((0.3, 1, 0), (0, 1, 0.2)),
-}
-"""Rest poses: directions of upper arm and forearm of the right arm; x to the right, y forward, z up."""
+REST = np.array((1, 0.3, 0)) / np.hypot(1, 0.3)
+"""Direction of the right arm at rest; x to the right, y forward, z up."""
 
 UPPER, FORE = 3.1, 2.6
 
 
 def joints(names: str, side: str) -> tuple[str, ...]:
     """Return upper arm, forearm and hand of a side."""
-    return tuple(form.format(Side=side.title(), S=side[0].upper(), s=side[0]) for form in NAMES[names][1:])
+    return called(names, side)[1:]
+
+
+def called(names: str, side: str) -> tuple[str, ...]:
+    """Return collar bone, upper arm, forearm and hand of a side."""
+    return tuple(form.format(Side=side.title(), S=side[0].upper(), s=side[0]) for form in NAMES[names])
 
 
 def write(
     path: Path,
     names: str = "cmu",
     up: str = "y",
-    rest: str = "t",
     order: str = "ZYX",
     frames: int = 60,
-    seed: int = 1,
     sides: tuple[str, ...] = ("left", "right"),
 ) -> Path:
     """Write a figure whose body sways and whose arms swing, smoothly and at random."""
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(1)
     spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # positions of right, forward and up
     flip = np.array((1, -1 if up == "y" else 1, 1))  # keeps the frame right-handed
 
@@ -70,11 +69,9 @@ def write(
 
     def arm(side):
         mirror = np.array((1 if side == "right" else -1, 1, 1))
-        collar = NAMES[names][0].format(Side=side.title(), S=side[0].upper(), s=side[0])
-        directions = [np.array(v) / np.linalg.norm(v) * mirror for v in OFFSETS[rest]]
-        upper, fore, hand = joints(names, side)
-        end = (None, directions[1] * 0.5, [])
-        below = (upper, mirror * (1.2, 0, 0.1), [(fore, directions[0] * UPPER, [(hand, directions[1] * FORE, [end])])])
+        collar, upper, fore, hand = called(names, side)
+        rest = mirror * REST
+        below = (upper, mirror * (1.2, 0, 0.1), [(fore, rest * UPPER, [(hand, rest * FORE, [(None, rest * 0.5, [])])])])
         return collar, mirror * (0.5, 0, 4), [below]
 
     head = ("Head", (0, 0, 5), [(None, (0, 0, 1), [])])

@@ -37,9 +37,7 @@ def off(ours, theirs, move):
 
 @pytest.mark.parametrize("axis", ["torso", "z", (0.3, 1, 0)])
 @pytest.mark.parametrize("width", ELBOW)
-@pytest.mark.parametrize(
-    "way", [{}, {"up": "z", "rest": "hanging"}, {"up": "x", "order": "XZY"}, {"rest": "forward", "order": "YXZ"}]
-)
+@pytest.mark.parametrize("way", [{}, {"up": "z"}, {"up": "x", "order": "XZY"}, {"order": "YXZ"}])
 def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
     clip = read(figure.write(tmp_path / "clip.bvh", **way))
     moves = followed(clip, axis, width)
@@ -75,7 +73,7 @@ def test_typical_angle_is_that_of_a_bent_arm(tmp_path):
     assert replace(move, phi=np.array([0.0, 3.1, -3.1])).typical_phi == pytest.approx(np.pi)
 
 
-@pytest.mark.parametrize("way", [{}, {"up": "z", "rest": "hanging"}, {"rest": "forward", "order": "YXZ"}])
+@pytest.mark.parametrize("way", [{}, {"up": "z", "order": "YXZ"}])
 def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
     clip = read(figure.write(tmp_path / "clip.bvh", **way))
     turned(clip, followed(clip, "torso", 32)).write(tmp_path / "again.bvh")
@@ -132,7 +130,6 @@ def test_a_lone_arm(tmp_path):
         ("left", ("LeftArm", "LeftElbow", "LeftHand"), "no joint 'LeftElbow' among Hips, Spine"),
         ("left", ("LeftArm", "LeftHand"), "not the three"),
         ("left", ("LeftForeArm", "LeftArm", "LeftHand"), "not one below the other"),
-        ("left", ("LeftArm", "LeftForeArm", "RightHand"), "not one below the other"),
     ],
 )
 def test_named_joints_that_are_no_arm(tmp_path, which, joints, message):
@@ -158,14 +155,11 @@ def spoil(text, line, column, word):
         (lambda text: text.partition("MOTION")[0], "Frame count"),
         (lambda text: text[: len(text) * 2 // 3], r"60 frames|line \d+: \d+ numbers, not"),
         (lambda text: spoil(text, 5, 3, "abc"), r"line \d\d, joint Hips: 'abc' is not a finite number"),
-        (lambda text: spoil(text, 5, 6, "abc"), r"line \d\d, joint Spine: 'abc' is not a finite number"),
         (lambda text: spoil(text, 5, 3, ""), r"line \d\d: \d+ numbers, not \d+"),
         (lambda text: spoil(text, 5, 3, "nan"), r"line \d\d, joint Hips: 'nan' is not a finite number"),
-        (lambda text: spoil(text, 5, 1, "inf"), r"line \d\d, joint Hips: 'inf' is not a finite number"),
         (lambda text: spoil(text, 1, 1, "many"), r"line \d\d: 'many' is not a finite number"),
         (lambda text: spoil(text, 2, 2, "nan"), r"line \d\d: 'nan' is not a finite number"),
         (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), "line 8, joint Spine: 'inf' is not a finite"),
-        (lambda text: text.replace("0.500000 9", "zero 9", 1), "line 4, joint Hips: 'zero' is not a finite"),
         (lambda text: text.replace("Zrotation", "Wrotation", 1), "Wrotation"),
         (lambda text: text.replace("OFFSET", "OFFSTE", 1), "."),
         (lambda text: b"\xff\xfe\x00" * 50, "no BVH clip: not text"),

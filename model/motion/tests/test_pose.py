@@ -154,12 +154,9 @@ def test_continuous():
     ("arguments", "message"),
     [
         ({"points": (1, 2)}, r"shape \(1, 2\)"),
-        ({"points": np.zeros((2, 2, 3))}, r"shape \(2, 2, 3\)"),
         ({"points": (0, 0, np.nan)}, "points: not all numbers are finite"),
         ({"phi": np.inf}, "phi: not all"),
-        ({"d2": np.nan}, "d2: not all"),
         ({"width": 33}, "width 33"),
-        ({"width": 12.5}, "width 12.5"),
         ({"datapath": "thin"}, "datapath 'thin' is none of"),
         ({"order": "wxzy"}, "order 'wxzy'"),
         ({"axis": "up"}, "axis 'up'"),
@@ -170,9 +167,6 @@ def test_continuous():
 def test_refuses(arguments, message):
     with pytest.raises(ValueError, match=message):
         solve(**{"points": (0.1, 0.2, 0.3), **arguments})
-
-
-def test_forward_refuses():
     with pytest.raises(ValueError, match=r"shape \(1, 2\)"):
         forward(np.ones((1, 4)), np.ones((1, 2)))
 
@@ -199,13 +193,9 @@ def test_parse(text, axis):
     assert parse_axis(text) == axis
 
 
-@pytest.mark.parametrize("axis", ["", "w", "Z", "+z", "--z", "1,2", "1,2,3,4", "0,0,0", "1,nan,0", "1,,0", "a,b,c"])
-def test_parse_refuses(axis):
-    with pytest.raises(ValueError, match=f"^axis '{re.escape(axis)}' is no"):
-        parse_axis(axis)
-
-
-@pytest.mark.parametrize("axis", [None, 3, (1, 2), ("a", 1, 2), [[1, 2, 3]], (0, 0, 0)])
-def test_direction_refuses(axis):
-    with pytest.raises(ValueError, match="no vector of three finite numbers"):
-        direction(axis)
+@pytest.mark.parametrize(
+    "axis", ["", "w", "+z", "1,2", "0,0,0", "1,nan,0", "1,,0", "a,b,c", None, 3, ("a", 1, 2), [[1, 2, 3]]]
+)
+def test_bad_axes_are_refused(axis):
+    with pytest.raises(ValueError, match=f"^axis {re.escape(repr(axis))} is none of z, "):
+        (parse_axis if isinstance(axis, str) else direction)(axis)
