@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Browser fixture, shared with the tests of the report."""
+"""Browser fixtures, shared with the tests of the report."""
 
-from scripts.report.tests.conftest import browser
+from scripts.report.tests.conftest import browser, chromium
 
-__all__ = ["browser"]
+__all__ = ["browser", "chromium"]

@@ -27,13 +27,11 @@ STICKING_OUT = """[...document.body.querySelectorAll("*")]
 LIMIT = 60  # seconds per reply; a loaded computer may start a browser slowly
 
 
-class Page:
-    """Page of `width` x `height` CSS pixels; `problems` collects console messages and uncaught errors."""
+class Browser:
+    """Chromium process; `pages` receive the events of their session."""
 
-    def __init__(self, profile: Path, width: int, height: int, features: dict[str, str] | None = None):
-        self.problems: list[str] = []
-        self.requests: list[str] = []
-        self.loaded = False
+    def __init__(self, profile: Path):
+        self.pages: dict[str, Page] = {}
         self._count = 0
         self._data = b""
         there, self._out = os.pipe()  # Chromium reads commands from descriptor 3 and writes replies to 4
@@ -50,21 +48,10 @@ class Page:
         )
         os.close(there)
         os.close(back)
-        self._session = None
-        targets = self.call("Target.getTargets")["targetInfos"]
-        target = next(t["targetId"] for t in targets if t["type"] == "page")
-        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        self.call("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in (features or {}).items()])
 
-    def __enter__(self) -> Page:
-        return self
-
-    def __exit__(self, *_) -> None:
-        self._session = None
-        try:  # orderly, so that all processes end and the profile can be removed
+    def close(self) -> None:
+        """End Chromium; in order, so that all processes end and the profile can be removed."""
+        try:
             self.call("Browser.close")
             self._process.wait(LIMIT)
         except (AssertionError, OSError, subprocess.TimeoutExpired):
@@ -73,21 +60,19 @@ class Page:
         os.close(self._in)
         os.close(self._out)
 
-    def call(self, method: str, **parameters) -> dict:
+    def call(self, method: str, session: str | None = None, **parameters) -> dict:
         """Send a command and wait for its reply."""
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters}
-        if self._session:
-            message["sessionId"] = self._session
-        os.write(self._out, json.dumps(message).encode() + b"\0")
+        os.write(self._out, json.dumps(message | ({"sessionId": session} if session else {})).encode() + b"\0")
         while True:
-            answer = self._read()
+            answer = self.read()
             if answer.get("id") == self._count:
                 assert "error" not in answer, f"{method}: {answer['error']}"
                 return answer["result"]
 
-    def _read(self) -> dict:
-        """Return the next message; record events."""
+    def read(self) -> dict:
+        """Return the next message; pass events to their page."""
         while b"\0" not in self._data:
             ready, _, _ = select.select([self._in], [], [], LIMIT)
             more = os.read(self._in, 1 << 20) if ready else b""
@@ -95,7 +80,41 @@ class Page:
             self._data += more
         text, _, self._data = self._data.partition(b"\0")
         message = json.loads(text)
-        event, about = message.get("method"), message.get("params", {})
+        if page := self.pages.get(message.get("sessionId")):
+            page.record(message.get("method"), message.get("params", {}))
+        return message
+
+
+class Page:
+    """Window of `width` x `height` CSS pixels with a profile of its own; `problems` collects console messages and
+    uncaught errors."""
+
+    def __init__(self, browser: Browser, width: int, height: int, features: dict[str, str] | None = None):
+        self.problems: list[str] = []
+        self.requests: list[str] = []
+        self.loaded = False
+        self._browser = browser
+        self._context = browser.call("Target.createBrowserContext")["browserContextId"]
+        window = {"browserContextId": self._context, "newWindow": True}
+        target = browser.call("Target.createTarget", url="about:blank", **window)["targetId"]
+        self._session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        browser.pages[self._session] = self
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in (features or {}).items()])
+
+    def close(self) -> None:
+        """Close the window."""
+        self._browser.call("Target.disposeBrowserContext", browserContextId=self._context)
+        del self._browser.pages[self._session]
+
+    def call(self, method: str, **parameters) -> dict:
+        """Send a command to the page and wait for its reply."""
+        return self._browser.call(method, self._session, **parameters)
+
+    def record(self, event: str | None, about: dict) -> None:
+        """Record an event of the page."""
         if event == "Runtime.exceptionThrown":
             details = about["exceptionDetails"]
             self.problems.append(details.get("exception", {}).get("description", details["text"]))
@@ -107,7 +126,6 @@ class Page:
             self.requests.append(about["request"]["url"])
         elif event == "Page.loadEventFired":
             self.loaded = True
-        return message
 
     def open(self, url: str) -> Page:
         """Load a page and wait until its script has run."""
@@ -116,7 +134,7 @@ class Page:
             self.loaded = False
             self.call("Page.navigate", url=each)
             while not self.loaded:
-                self._read()
+                self._browser.read()
         return self
 
     def run(self, script: str):

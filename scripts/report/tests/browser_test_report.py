@@ -89,6 +89,28 @@ def stays(page, seconds=0.1):
     return before
 
 
+def walk(page, steps, script=AT):
+    """Press keys and click elements (#id); assert the value of a script after each."""
+    for action, expected in steps:
+        (page.click if action.startswith("#") else page.press)(action)
+        assert page.run(script) == expected, action
+
+
+def assert_plots_move_to_the_pointer(page, plots, last, script=AT):
+    """Assert that a click on a plot of targets 0 to `last` moves to the target at the pointer."""
+    for plot in plots:
+        page.press("Home")
+        page.click(plot)
+        assert abs(page.run(script) - last * across(page, plot)) < 2, plot
+
+
+def assert_files(page, address, names):
+    """Assert that the page links exactly to these files next to it, and that they exist."""
+    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
+    assert links == [Path(address.removeprefix("file://")).parent / name for name in names]
+    assert all(path.is_file() for path in links)
+
+
 def assert_fits(page, what=None):
     assert page.run(FITS) and page.run("document.documentElement.dataset.fits") == "true", what
     assert page.run(STICKING_OUT) == [], what
@@ -150,22 +172,15 @@ def test_controls(written, browser):
 
     page.run("document.activeElement.blur()")
     keys = [("Home", 0), ("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("End", 99), ("ArrowRight", 99)]
-    for key, at in [*keys, ("Home", 0)]:
-        page.press(key)
-        assert page.run(AT) == at, key
-    for button, at in (("#next", 1), ("#next", 2), ("#back", 1)):
-        page.click(button)
-        assert page.run(AT) == at, button
+    walk(page, [*keys, ("Home", 0), ("#next", 1), ("#next", 2), ("#back", 1)])
     page.run("document.getElementById('scrub').focus()")
-    page.press("ArrowRight")  # handled by the slider alone: one step, not two
-    assert page.run(AT) == 2
+    walk(page, [("ArrowRight", 2)])  # handled by the slider alone: one step, not two
     x, y = page.middle("#scrub")
     page.drag((x, y), (x + 60, y))
     assert 50 < stays(page) < 99
-    out = across(page, "#pipeline") * (100 + LATENCY) - LATENCY  # the target that leaves at that clock
-    for plot, at in [*((plot, 99 * across(page, plot)) for plot in ("#hand", "#angles")), ("#pipeline", out)]:
-        page.click(plot)
-        assert abs(page.run(AT) - at) < 2, plot
+    assert_plots_move_to_the_pointer(page, ("#hand", "#angles"), 99)
+    page.click("#pipeline")  # the target that leaves at that clock
+    assert abs(page.run(AT) - (across(page, "#pipeline") * (100 + LATENCY) - LATENCY)) < 2
 
     cards = "[...document.querySelectorAll('#cards button')]"
     assert page.run(f"{cards}.map((b) => b.dataset.name)") == NAMES
@@ -175,10 +190,7 @@ def test_controls(written, browser):
         page.click(f"#cards button[data-name={name}]")
         assert page.run("document.getElementById('trajectory').value") == name
         assert page.run(f"{cards}.filter((b) => b.ariaPressed === 'true').map((b) => b.dataset.name)") == [name]
-    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
-    folder = Path(written.removeprefix("file://")).parent
-    assert links == [folder / name for name in (f"{name}/results.csv", f"{name}/results.npz", "score.json")]
-    assert all(path.is_file() for path in links)
+    assert_files(page, written, (f"{name}/results.csv", f"{name}/results.npz", "score.json"))
 
     for node in page.call("Accessibility.getFullAXTree")["nodes"]:
         role = node.get("role", {}).get("value")
@@ -230,15 +242,11 @@ def test_window_and_colours_change(written, browser):
 def test_a_clip_is_played_by_frames(clip, browser):
     page = browser(clip + "#frame=0")
     assert page.run("document.getElementById('scrub').max") == "60"
-    for key, frame in [("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("Home", 0), ("End", 60)]:
-        page.press(key)
-        assert [page.run(FRAME), page.run(AT)] == [frame, 2 * frame], key
+    keys = [("ArrowRight", 1), ("ArrowLeft", 0), ("End", 60)]
+    walk(page, [(key, [frame, 2 * frame]) for key, frame in keys], f"[{FRAME}, {AT}]")
     choose(page, "arm", 1)
     assert [page.run(FRAME), page.run(AT)] == [60, 121], "the other arm, at the same time"
-    for plot in ("#joints", "#hand", "#angles"):
-        page.press("Home")
-        page.click(plot)
-        assert abs(page.run(FRAME) - 60 * across(page, plot)) < 1, plot
+    assert_plots_move_to_the_pointer(page, ("#joints", "#hand", "#angles"), 60, FRAME)
     page.click("#pipeline")
     assert page.run(AT) % 2 == 1
     assert page.run("document.getElementById('overview').clientHeight") == 0
@@ -303,13 +311,8 @@ def test_datapaths_side_by_side(three, browser, size, scheme):
     assert page.run(
         "[...document.querySelectorAll('[id]')].every((e, i, all) => all.filter((o) => o.id === e.id).length < 2)"
     )
-    for plot in ("#hand2", "#angles3"):
-        page.press("Home")
-        page.click(plot)
-        assert abs(page.run(AT) - 19 * across(page, plot)) < 2, plot
-    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
-    assert links == [folder / n for n in (*(f"{d}/results.{k}" for d in names for k in ("csv", "npz")), "score.json")]
-    assert all(path.is_file() for path in links)
+    assert_plots_move_to_the_pointer(page, ("#hand2", "#angles3"), 19)
+    assert_files(page, three, (*(f"{d}/results.{k}" for d in names for k in ("csv", "npz")), "score.json"))
 
 
 # -- other input -----------------------------------------------------------------------------------
@@ -358,11 +361,12 @@ def test_other_targets(simulator, browser, rows, tmp_path):
         ),
     ],
 )
-def test_problems_are_noticed(written, tmp_path, spoilt, problem):
+def test_problems_are_noticed(written, chromium, tmp_path, spoilt, problem):
     path = tmp_path / "spoilt.html"
-    text = Path(written.removeprefix("file://")).read_text()
-    path.write_text(text.replace("\nstart();\n", f"\nstart();\n{spoilt}\n"))
-    with Page(tmp_path / "profile", *WIDE) as page:
-        page.open(path.as_uri())
-        page.run("new Promise((done) => setTimeout(done, 200))")
-        assert len(page.problems) == 1 and problem in page.problems[0]
+    path.write_text(
+        Path(written.removeprefix("file://")).read_text().replace("\nstart();\n", f"\nstart();\n{spoilt}\n")
+    )
+    page = Page(chromium, *WIDE).open(path.as_uri())
+    page.run("new Promise((done) => setTimeout(done, 200))")
+    page.close()
+    assert len(page.problems) == 1 and problem in page.problems[0]

@@ -11,7 +11,7 @@ import pytest
 from model.motion.tests import figure
 from scripts import run
 from scripts.report import page as report
-from scripts.report.tests.browser import WIDE, Page
+from scripts.report.tests.browser import WIDE, Browser, Page
 from scripts.tests.test_run import FakeSimulator
 from tb.sim.env import simulator as simulator_name
 
@@ -81,19 +81,23 @@ def trajectories_in():
     return trajectories_in
 
 
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
+    started = Browser(tmp_path_factory.mktemp("chromium"))
+    yield started
+    started.close()
+
+
 @pytest.fixture
-def browser(tmp_path):
+def browser(chromium):
     """Open pages with browser(address, size, features); fail at teardown if a page had a problem."""
     pages = []
 
     def browser(address, size=WIDE, **features):
-        profile = tmp_path / f"profile{len(pages)}"
-        media = {name.replace("_", "-"): value for name, value in features.items()}
-        page = Page(profile, *size, media)
-        pages.append(page)
-        return page.open(address)
+        pages.append(Page(chromium, *size, {name.replace("_", "-"): value for name, value in features.items()}))
+        return pages[-1].open(address)
 
     yield browser
     for page in pages:
-        page.__exit__()
+        page.close()
     assert [page.problems for page in pages] == [[] for _ in pages]
