@@ -228,19 +228,14 @@ def shoulder_quaternion(n, e):
     x_axis = -n
     y_axis = np.cross(e, x_axis)
     r = np.stack((x_axis, y_axis, e), axis=-1)
-    r00, r11, r22 = r[:, 0, 0], r[:, 1, 1], r[:, 2, 2]
-    w_i, w_j, w_k = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]
-    i_j, i_k, j_k = r[:, 1, 0] + r[:, 0, 1], r[:, 0, 2] + r[:, 2, 0], r[:, 2, 1] + r[:, 1, 2]
+    trace = np.trace(r, axis1=1, axis2=2)
     # Each row is the quaternion times four times one of its components; the largest diagonal is the safest divisor.
-    rows = np.stack(
-        (
-            np.stack((1 + r00 + r11 + r22, w_i, w_j, w_k), axis=-1),
-            np.stack((w_i, 1 + r00 - r11 - r22, i_j, i_k), axis=-1),
-            np.stack((w_j, i_j, 1 - r00 + r11 - r22, j_k), axis=-1),
-            np.stack((w_k, i_k, j_k, 1 - r00 - r11 + r22), axis=-1),
-        ),
-        axis=1,
+    rows = np.empty((len(r), 4, 4))
+    rows[:, 0, 0] = 1 + trace
+    rows[:, 0, 1:] = rows[:, 1:, 0] = np.stack(
+        [r[:, (n + 2) % 3, (n + 1) % 3] - r[:, (n + 1) % 3, (n + 2) % 3] for n in range(3)], axis=-1
     )
+    rows[:, 1:, 1:] = r + np.swapaxes(r, 1, 2) + (1 - trace)[:, None, None] * np.eye(3)
     largest = np.argmax(np.diagonal(rows, axis1=1, axis2=2), axis=-1)
     q = rows[np.arange(len(rows)), largest]
     q /= np.linalg.norm(q, axis=-1, keepdims=True)

@@ -443,16 +443,6 @@ def test_words_of_the_core():
         assert all(value[0] == paper[name][n] for name, value in alone.items())
 
 
-def test_a_clamped_pose_continues_the_reachable_ones():
-    for limit, sign in ((0.7, 1), (0.1, -1)):
-        inside, outside = (
-            solve_clamped(*((limit + side * sign * 1e-9) * ANYWHERE), np.linspace(-3, 3, 50), 0.4, 0.3)
-            for side in (-1, 1)
-        )
-        assert (inside["flags"] == 0).all() and (outside["flags"] != 0).all(), "the pair straddles the limit"
-        assert angle(inside, outside).max() < 1e-3, "the root of 1e-9 is the natural step"
-
-
 # -- rejected input
 
 

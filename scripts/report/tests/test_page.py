@@ -7,7 +7,6 @@ The simulator is the fake of test_run.py. browser_test_report.py tests the opene
 import base64
 import html
 import json
-import os
 from functools import partial
 from pathlib import Path
 
@@ -24,10 +23,8 @@ from scripts.report import page as report
 from scripts.report.constructions import ANGLES, LENGTHS, NOTHING, STEPS, VECTORS
 from scripts.report.figure import FORE, UPPER
 from tb.sim.env import ROOT
-from tb.sim.simulate import SimulationError
 
 PAGE = Path("build/report/report.html")
-SHARED = Path(__file__).parents[3].parent / "shared" / "mocap"
 
 
 @pytest.fixture
@@ -144,25 +141,6 @@ def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
     assert cli("--trajectory", name)[0] == 0 and PAGE.read_text(encoding="utf-8") == text
 
 
-@pytest.mark.parametrize("what", ["simulation", "ctrl-c", "disk"])
-def test_the_old_page_stays_when_no_new_one_comes(cli, simulator, monkeypatch, what, files):
-    PAGE.parent.mkdir(parents=True)
-    PAGE.write_text("old")
-
-    def stop(error):
-        raise error
-
-    if what == "disk":
-        full = OSError(28, "No space left on device")
-        monkeypatch.setattr(os, "replace", lambda old, new: stop(full))
-    else:
-        error = SimulationError("iverilog: not found") if what == "simulation" else KeyboardInterrupt()
-        simulator.spoil = lambda runs: stop(error)
-    status, out, err = cli()
-    assert (status, out, len(err)) == ({"simulation": 1, "ctrl-c": 130, "disk": 2}[what], [], 1)
-    assert files() == [str(PAGE)] and PAGE.read_text() == "old"
-
-
 # -- the figure of a clip --------------------------------------------------------------------------
 
 
@@ -247,14 +225,6 @@ def test_joint_angles(shown, axis):
         ours = np.stack((-np.cos(elevation) * np.sin(azimuth), np.cos(elevation) * np.cos(azimuth), np.sin(elevation)))
         np.testing.assert_allclose(ours.T, seen, atol=2e-4)
         np.testing.assert_allclose(phi, np.array(data["phi"])[n::2], atol=1e-3)
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not SHARED.is_dir(), reason="clips of motion capture are not next to the checkout")
-@pytest.mark.parametrize("name", ["cmu_12_01_walk", "cmu_01_01_jump"])
-def test_size_of_real_clips(shown, name):
-    shown("--trajectory", str(SHARED / f"{name}.bvh"))
-    assert PAGE.stat().st_size < 4_500_000
 
 
 # -- figures 1 to 5 --------------------------------------------------------------------------------
