@@ -5,10 +5,8 @@ The shoulder is at the origin, z points up, x forward, y to the left; the arm is
 elbow above the line from shoulder to wrist and pi below it, the position of a relaxed arm; slightly less than pi turns
 a right elbow outward.
 
-A trajectory is a function without arguments that returns `Targets`, registered under its own name. Those in
-`REGULAR` keep at least 0.2 rad from every singular pose of the paper's equations
-(`scoring.singular_distance`); the others approach such a pose on purpose. All but `out_of_reach` stay
-within reach.
+Trajectories in `REGULAR` keep at least 0.2 rad from every singular pose of the paper's equations
+(`scoring.singular_distance`); the others approach such a pose on purpose. All but `out_of_reach` stay within reach.
 
     python -m model.io.trajectories NAME > FILE.csv      write one as a target file; without NAME, list them
 
@@ -51,18 +49,26 @@ def describe(name: str) -> str:
     return TRAJECTORIES[name].__doc__ or ""
 
 
-def trajectory(function: Callable[[], Targets]) -> Callable[[], Targets]:
-    """Register a trajectory under the name of its function (decorator)."""
-    TRAJECTORIES[function.__name__] = function
+def trajectory(function: Callable[[], tuple]) -> Callable[[], tuple]:
+    """Register a trajectory under the name of its function (decorator), which returns positions (N, 3) in m and angles
+    (rad), and arm lengths (m) if they are not the default arm's: (N,) or numbers."""
+
+    def made() -> Targets:
+        position, phi, d1, d2 = (*function(), DEFAULT_D1, DEFAULT_D2)[:4]
+        # Rounded to nm and nrad, so that machines whose sines differ in the last place give equal targets.
+        x, y, z = np.round(position.T, 9)
+        return Targets(function.__name__, x, y, z, np.round(phi, 9), d1, d2)
+
+    made.__doc__ = function.__doc__
+    TRAJECTORIES[function.__name__] = made
     return function
 
 
 # -- building blocks -------------------------------------------------------------------------------
 
 
-def _time(steps: int = STEPS) -> np.ndarray:
-    """Return times from 0 to 1, both included, shape (steps,)."""
-    return np.linspace(0.0, 1.0, steps)
+TIME = np.linspace(0.0, 1.0, STEPS)
+"""Times from 0 to 1, both included."""
 
 
 def _minimum_jerk(t: np.ndarray) -> np.ndarray:
@@ -71,173 +77,140 @@ def _minimum_jerk(t: np.ndarray) -> np.ndarray:
     return t**3 * (10 - 15 * t + 6 * t**2)
 
 
-def _via(points: list[tuple[float, ...]], times: list[float], steps: int = STEPS) -> np.ndarray:
-    """Return a minimum-jerk motion that rests at each of K `points` (D values each) at its time; (steps, D)."""
+def _via(points: list[tuple[float, ...]], times: list[float], t: np.ndarray = TIME) -> tuple[np.ndarray, np.ndarray]:
+    """Return a minimum-jerk motion that rests at each of K points x, y, z, phi at its time: positions and phi."""
     rests = np.asarray(points, dtype=np.float64)
-    t = _time(steps)
-    path = np.tile(rests[0], (steps, 1))
+    path = np.tile(rests[0], (len(t), 1))
     for n in range(len(rests) - 1):
         progress = _minimum_jerk((t - times[n]) / (times[n + 1] - times[n]))
         path += progress[:, None] * (rests[n + 1] - rests[n])
-    return path
+    return path[:, :3], path[:, 3]
+
+
+def _turn(t: np.ndarray = TIME) -> np.ndarray:
+    """Return the angle (rad) of one full turn that begins and ends at rest."""
+    return 2 * np.pi * _minimum_jerk(t)
+
+
+def _points(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> np.ndarray:
+    """Return points (N, 3)."""
+    return np.column_stack(np.broadcast_arrays(x, y, z))
 
 
 def _spherical(r: ArrayLike, azimuth: ArrayLike, elevation: ArrayLike) -> np.ndarray:
     """Return points (N, 3) at distance r (m), azimuth from x toward y and elevation from the x-y plane (rad)."""
-    return np.column_stack(
-        np.broadcast_arrays(
-            r * np.cos(azimuth) * np.cos(elevation),
-            r * np.sin(azimuth) * np.cos(elevation),
-            r * np.sin(elevation),
-        )
+    return _points(
+        r * np.cos(azimuth) * np.cos(elevation), r * np.sin(azimuth) * np.cos(elevation), r * np.sin(elevation)
     )
-
-
-def _targets(
-    name: str,
-    position: np.ndarray,
-    phi: np.ndarray | float,
-    d1: np.ndarray | float = DEFAULT_D1,
-    d2: np.ndarray | float = DEFAULT_D2,
-) -> Targets:
-    """Return targets from positions (N, 3) in m; angles (rad) and lengths (m) are (N,) or scalars."""
-    # Rounded to nm and nrad, so that machines whose sines differ in the last place give equal targets.
-    x, y, z = np.round(position.T, 9)
-    return Targets(name=name, x=x, y=y, z=z, phi=np.round(phi, 9), d1=np.asarray(d1), d2=np.asarray(d2))
 
 
 # -- the trajectories ------------------------------------------------------------------------------
 
 
 @trajectory
-def reach() -> Targets:
+def reach() -> tuple:
     """Reach from the edge of a desk to an object in front of the shoulder (the paper's 100 steps)."""
-    path = _via([(0.32, -0.12, -0.17, np.pi), (0.50, 0.08, 0.05, np.pi - 0.15)], [0, 1])
-    return _targets("reach", path[:, :3], path[:, 3])
+    return _via([(0.32, -0.12, -0.17, np.pi), (0.50, 0.08, 0.05, np.pi - 0.15)], [0, 1])
 
 
 @trajectory
-def circle() -> Targets:
+def circle() -> tuple:
     """Draw a circle of 12 cm radius on an upright board in front of the shoulder."""
-    angle = 2 * np.pi * _minimum_jerk(_time())
-    position = np.column_stack((np.full(STEPS, 0.38), -0.08 + 0.12 * np.sin(angle), -0.10 + 0.12 * np.cos(angle)))
-    return _targets("circle", position, np.pi + 0.05 * np.sin(angle))
+    angle = _turn()
+    position = _points(0.38, -0.08 + 0.12 * np.sin(angle), -0.10 + 0.12 * np.cos(angle))
+    return position, np.pi + 0.05 * np.sin(angle)
 
 
 @trajectory
-def figure_eight() -> Targets:
+def figure_eight() -> tuple:
     """Draw a lying figure eight in the air while the elbow swings gently with it."""
-    angle = 2 * np.pi * _minimum_jerk(_time())
-    position = np.column_stack(
-        (0.40 + 0.03 * np.cos(angle), -0.05 + 0.16 * np.sin(angle), -0.10 + 0.09 * np.sin(2 * angle))
-    )
-    return _targets("figure_eight", position, np.pi + 0.1 * np.sin(angle))
+    angle = _turn()
+    position = _points(0.40 + 0.03 * np.cos(angle), -0.05 + 0.16 * np.sin(angle), -0.10 + 0.09 * np.sin(2 * angle))
+    return position, np.pi + 0.1 * np.sin(angle)
 
 
 @trajectory
-def wave() -> Targets:
+def wave() -> tuple:
     """Raise the hand from the desk and wave it three times from side to side."""
-    t = _time()
-    lift = _via([(0.34, -0.10, -0.18, np.pi), (0.34, -0.16, 0.30, np.pi - 0.1)], [0, 0.4])
+    lift, phi = _via([(0.34, -0.10, -0.18, np.pi), (0.34, -0.16, 0.30, np.pi - 0.1)], [0, 0.4])
     # The swing starts when the hand is up; its size grows and fades smoothly, to avoid a jerk.
-    size = _minimum_jerk((t - 0.35) / 0.2) * _minimum_jerk((1 - t) / 0.2)
-    swing = size * np.sin(2 * np.pi * 3 * (t - 0.35) / 0.65)
-    position = lift[:, :3] + swing[:, None] * np.array([0.0, 0.11, -0.01])
-    return _targets("wave", position, lift[:, 3] + 0.1 * swing)
+    size = _minimum_jerk((TIME - 0.35) / 0.2) * _minimum_jerk((1 - TIME) / 0.2)
+    swing = size * np.sin(2 * np.pi * 3 * (TIME - 0.35) / 0.65)
+    position = lift + swing[:, None] * np.array([0.0, 0.11, -0.01])
+    return position, phi + 0.1 * swing
 
 
 @trajectory
-def drinking() -> Targets:
+def drinking() -> tuple:
     """Take a glass from the table, lift it to the mouth, tip it with the elbow, and put it back."""
     table, mouth = (0.44, -0.02, -0.20), (0.21, 0.13, 0.16)
     low, high, tipped = np.pi, np.pi - 0.1, np.pi - 0.2
-    path = _via(
-        [
-            (0.34, -0.10, -0.17, low),
-            (*table, low),
-            (*mouth, high),
-            (*mouth, tipped),
-            (*mouth, high),
-            (*table, low),
-        ],
-        [0.0, 0.2, 0.5, 0.6, 0.7, 1.0],
-    )
-    return _targets("drinking", path[:, :3], path[:, 3])
+    way = [(0.34, -0.10, -0.17, low), (*table, low), (*mouth, high), (*mouth, tipped), (*mouth, high), (*table, low)]
+    return _via(way, [0.0, 0.2, 0.5, 0.6, 0.7, 1.0])
 
 
 @trajectory
-def handwriting() -> Targets:
+def handwriting() -> tuple:
     """Write a line of small loops on a table, the hand moving to the right as it writes."""
-    t = _time()
-    stroke = 2 * np.pi * 6 * t
-    position = np.column_stack(
-        (0.36 + 0.02 * np.cos(stroke), 0.10 - 0.18 * t + 0.015 * np.sin(stroke), np.full(STEPS, -0.25))
-    )
-    return _targets("handwriting", position, np.pi - 0.05 * t)
+    stroke = 2 * np.pi * 6 * TIME
+    position = _points(0.36 + 0.02 * np.cos(stroke), 0.10 - 0.18 * TIME + 0.015 * np.sin(stroke), -0.25)
+    return position, np.pi - 0.05 * TIME
 
 
 @trajectory
-def punch() -> Targets:
+def punch() -> tuple:
     """Punch fast from the guard to within 1 mm of full stretch, and draw the fist back."""
     stretched = _spherical(DEFAULT_D1 + DEFAULT_D2 - 1e-3, 0.15, 0.1)[0]
     guard, out = (0.22, 0.05, -0.08, np.pi - 0.4), (*stretched, np.pi - 1.0)
-    path = _via([guard, guard, out, guard], [0.0, 0.15, 0.45, 1.0])
-    return _targets("punch", path[:, :3], path[:, 3])
+    return _via([guard, guard, out, guard], [0.0, 0.15, 0.45, 1.0])
 
 
 @trajectory
-def overhead() -> Targets:
+def overhead() -> tuple:
     """Swing the hand in an arc from in front over the head to behind it, passing the z axis at 2 mm."""
-    elevation = np.radians(20) + np.radians(140) * _minimum_jerk(_time())
+    elevation = np.radians(20) + np.radians(140) * _minimum_jerk(TIME)
     position = _spherical(0.45, 0.0, elevation)
     position[:, 1] = 0.002
-    return _targets("overhead", position, np.pi - 0.8)
+    return position, np.pi - 0.8
 
 
 @trajectory
-def fold_in() -> Targets:
+def fold_in() -> tuple:
     """Draw the hand in from in front of the body to within 1 mm of the inner radius |d1-d2|."""
-    r = 0.50 + (DEFAULT_D1 - DEFAULT_D2 + 1e-3 - 0.50) * _minimum_jerk(_time())
-    return _targets("fold_in", _spherical(r, -0.2, -0.3), np.pi - 0.7)
+    r = 0.50 + (DEFAULT_D1 - DEFAULT_D2 + 1e-3 - 0.50) * _minimum_jerk(TIME)
+    return _spherical(r, -0.2, -0.3), np.pi - 0.7
 
 
 @trajectory
-def swivel_sweep() -> Targets:
+def swivel_sweep() -> tuple:
     """Hold the hand still and turn the elbow one full turn about the line from shoulder to wrist."""
-    phi = -np.pi + 2 * np.pi * _minimum_jerk(_time())
-    return _targets("swivel_sweep", np.tile([0.38, -0.10, -0.12], (STEPS, 1)), phi)
+    phi = -np.pi + _turn()
+    return np.tile([0.38, -0.10, -0.12], (STEPS, 1)), phi
 
 
 @trajectory
-def unequal_arms() -> Targets:
+def unequal_arms() -> tuple:
     """Circle the hand of an arm whose upper arm is three times as long as its forearm."""
-    angle = 2 * np.pi * _minimum_jerk(_time())
-    position = np.column_stack(
-        (0.40 + 0.05 * np.cos(angle), -0.05 + 0.08 * np.sin(angle), -0.12 + 0.08 * np.cos(angle))
-    )
-    return _targets("unequal_arms", position, np.pi - 0.1 * np.sin(angle), d1=0.45, d2=0.15)
+    angle = _turn()
+    position = _points(0.40 + 0.05 * np.cos(angle), -0.05 + 0.08 * np.sin(angle), -0.12 + 0.08 * np.cos(angle))
+    return position, np.pi - 0.1 * np.sin(angle), 0.45, 0.15
 
 
 @trajectory
-def two_arms() -> Targets:
+def two_arms() -> tuple:
     """Interleave two arms of different size: an adult's, which reaches out, and a child's, which circles."""
     half = STEPS // 2
-    adult = _via([(0.33, -0.10, -0.17, np.pi), (0.48, 0.05, -0.02, np.pi - 0.1)], [0, 1], half)
-    angle = 2 * np.pi * _minimum_jerk(_time(half))
-    child = np.column_stack(
-        (
-            np.full(half, 0.22),
-            -0.03 + 0.07 * np.sin(angle),
-            -0.07 + 0.07 * np.cos(angle),
-            np.full(half, np.pi),
-        )
-    )
-    path = np.stack((adult, child), axis=1).reshape(STEPS, 4)
-    return _targets("two_arms", path[:, :3], path[:, 3], d1=np.tile([0.33, 0.19], half), d2=np.tile([0.27, 0.16], half))
+    time = np.linspace(0.0, 1.0, half)
+    adult, phi = _via([(0.33, -0.10, -0.17, np.pi), (0.48, 0.05, -0.02, np.pi - 0.1)], [0, 1], time)
+    angle = _turn(time)
+    child = _points(0.22, -0.03 + 0.07 * np.sin(angle), -0.07 + 0.07 * np.cos(angle))
+    position = np.stack((adult, child), axis=1).reshape(STEPS, 3)
+    phi = np.column_stack((phi, np.full(half, np.pi))).reshape(STEPS)
+    return position, phi, np.tile([0.33, 0.19], half), np.tile([0.27, 0.16], half)
 
 
 @trajectory
-def random_walk() -> Targets:
+def random_walk() -> tuple:
     """Wander at random, but smoothly and from a fixed seed, within the space that the arm reaches."""
     # RandomState: its stream is frozen; numpy's newer generators may change between versions.
     random = np.random.RandomState(2008)
@@ -250,14 +223,15 @@ def random_walk() -> Targets:
         # The pull toward home keeps the hand within reach.
         velocity = 0.95 * velocity + 0.02 * (home - state) + noise * random.standard_normal(4)
         state = state + velocity
-    return _targets("random_walk", path[:, :3], path[:, 3])
+    return path[:, :3], path[:, 3]
 
 
 @trajectory
-def out_of_reach() -> Targets:
+def out_of_reach() -> tuple:
     """Follow an object that moves 15 cm out of reach and comes back."""
-    r = _via([(0.42,), (DEFAULT_D1 + DEFAULT_D2 + 0.15,), (0.42,)], [0.0, 0.5, 1.0])[:, 0]
-    return _targets("out_of_reach", _spherical(r, 0.1, -0.1), np.pi - 0.7)
+    distances = 0.42, DEFAULT_D1 + DEFAULT_D2 + 0.15, 0.42
+    position, _ = _via([(r, 0, 0, 0) for r in distances], [0.0, 0.5, 1.0])
+    return _spherical(position[:, 0], 0.1, -0.1), np.pi - 0.7
 
 
 def main(arguments: list[str]) -> int:
