@@ -22,8 +22,7 @@ REQUIRED = ("x", "y", "z")
 SEPARATORS = (",", ";", "\t")
 
 # Other forms that float() accepts (underscores, non-ASCII digits) are errors in a target file.
-_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)
 
 
 def read_csv(
@@ -147,8 +146,6 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
     text = cell.strip()
     if separator == ";":
         text = text.replace(",", ".", 1)
-    if _NOT_FINITE.fullmatch(text):
-        raise cell_error(path, row, column, text, "is not a finite number")
     if not _NUMBER.fullmatch(text):
         raise cell_error(path, row, column, text, "is not a number" if text else "is empty")
     value = float(text)

@@ -16,7 +16,7 @@ This command made the files of `EXAMPLES` in `examples/`; a test fails when they
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,7 +77,9 @@ def _minimum_jerk(t: np.ndarray) -> np.ndarray:
     return t**3 * (10 - 15 * t + 6 * t**2)
 
 
-def _via(points: list[tuple[float, ...]], times: list[float], t: np.ndarray = TIME) -> tuple[np.ndarray, np.ndarray]:
+def _via(
+    points: Sequence[tuple[float, ...]], times: Sequence[float], t: np.ndarray = TIME
+) -> tuple[np.ndarray, np.ndarray]:
     """Return a minimum-jerk motion that rests at each of K points x, y, z, phi at its time: positions and phi."""
     rests = np.asarray(points, dtype=np.float64)
     path = np.tile(rests[0], (len(t), 1))

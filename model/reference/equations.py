@@ -259,10 +259,10 @@ def solve(x, y, z, phi, d1, d2):
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     _check_reachable(x, y, z, d1, d2)
     at_shoulder = np.hypot(np.hypot(x, y), z) <= _FUNCTIONS["TINY"] * (d1 + d2)
-    normal = swivel_normal(*(np.where(at_shoulder, 0.0, p) for p in (x, y, z)), phi)
+    normal = swivel_normal(*np.where(at_shoulder, 0.0, (x, y, z)), phi=phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
     values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
-    found = {}
+    found: dict[str, np.ndarray] = {}
     with np.errstate(divide="ignore", invalid="ignore"):  # replaced by CONVENTIONS
         for name, code in _LINES.items():
             found[name] = eval(code, _FUNCTIONS, values | found)
