@@ -259,7 +259,8 @@ def solve(x, y, z, phi, d1, d2):
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     _check_reachable(x, y, z, d1, d2)
     at_shoulder = np.hypot(np.hypot(x, y), z) <= _FUNCTIONS["TINY"] * (d1 + d2)
-    normal = swivel_normal(*np.where(at_shoulder, 0.0, (x, y, z)), phi=phi)
+    p = np.where(at_shoulder, 0.0, (x, y, z))
+    normal = swivel_normal(p[0], p[1], p[2], phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
     values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
     found: dict[str, np.ndarray] = {}
