@@ -18,6 +18,9 @@ def test_all_statements_hold_and_the_page_is_up_to_date(name):
     steps = derive(derivation.STEPS[name])
     assert failures(steps) == []
     assert all(step.checks for step in steps.values())
+    if name == "derivation":
+        every_row = {proofs.name_tex(row) for rows in PRINTED.values() for row in rows}
+        assert {row for step in steps.values() for row in step.printed} == every_row
     text = (derivation.GENERATED / f"{name}.md").read_text(encoding="utf-8")
     assert text == derivation.page(name, steps), "run `make paper ONLY=derivation`"
 
@@ -133,6 +136,12 @@ def test_a_line_that_loses_digits_is_found(monkeypatch, name, line, wrong):
 def test_an_error_in_the_geometry_is_found(monkeypatch, name, spoiled, step):
     monkeypatch.setattr(geometry, name, spoiled(getattr(geometry, name)))
     assert failures(derive([step]))
+
+
+def test_reversed_turns_are_found(monkeypatch):
+    turn = lean.turn
+    monkeypatch.setattr(lean, "turn", lambda axis, c, s: turn(axis, c, -s))
+    assert failures(derive([lean.factors])) and failures(derive([lean.product]))
 
 
 @pytest.mark.slow
