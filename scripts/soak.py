@@ -19,12 +19,10 @@ targets of the round before in one to six words.
 
 from __future__ import annotations
 
-import ctypes
 import json
 import math
 import os
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -59,7 +57,7 @@ from scripts.console import (
     whole,
 )
 from scripts.generate.render import render
-from scripts.paper.table6.compiled import SOURCE, library
+from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, library
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import hardest
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
@@ -132,15 +130,8 @@ def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int
 
 # -- the C of table 6 --------------------------------------------------------------------------------------------------
 
-EQUATIONS = ("lean", "paper")
 UNEQUAL = 2.0**-24
 """Ratio of the arms below which the paper's equations, which add their squares, lose too much of 64 bits."""
-
-
-@cache
-def _compiled() -> ctypes.CDLL:
-    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
-        return ctypes.CDLL(str(library(SOURCE.with_name("long.c"), Path(folder) / "long.so")))
 
 
 def opinions(words: np.ndarray, width: int) -> list[Opinion]:
@@ -148,7 +139,7 @@ def opinions(words: np.ndarray, width: int) -> list[Opinion]:
     phi, d1, d2 = 3, 4, 5
     scale = np.full(words.shape[1], np.longdouble(2) ** (2 - width))
     scale[phi] = np.longdouble(2) ** (1 - width) * 4 * np.arctan(np.longdouble(1))
-    given = [np.ascontiguousarray(column * factor) for column, factor in zip(words.T, scale, strict=True)]
+    given = [column * factor for column, factor in zip(words.T, scale, strict=True)]
     plain = expected_flags(words, width) == 0
     regular = plain.copy()
     regular[plain] = singular_distance(from_words(words[plain], 0, width, "soak")) >= REGULAR_DISTANCE
@@ -156,9 +147,7 @@ def opinions(words: np.ndarray, width: int) -> list[Opinion]:
     regular &= shorter >= UNEQUAL * longer
     found = []
     for name, rows in zip(EQUATIONS, (plain, regular), strict=True):
-        answers = np.full(words.shape, np.nan)
-        pointers = [ctypes.c_void_p(array.ctypes.data) for array in (*given, answers)]
-        getattr(_compiled(), f"{name}_poses")(ctypes.c_long(len(words)), *pointers)
+        answers = Solver(given, name, "long double")().astype(float)
         found.append(Opinion(f"C, long double, {name} equations", answers, rows))
     return found
 
@@ -319,7 +308,8 @@ def _soak(arguments: SimpleNamespace) -> int:
         if arguments.keep:
             recorded()  # fail on an unusable file before the run, not hours later
         if arguments.against:
-            _compiled()
+            for name in EQUATIONS:
+                library(name, "long double", SCALAR)  # fail without a compiler before the run
         core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)
         name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)

@@ -15,14 +15,14 @@ import click
 
 from scripts.console import command, option
 from scripts.paper import derivation, figures, operations, wordlengths
-from scripts.paper.table6 import measure
+from scripts.paper.table6 import __main__ as table6
 
 PARTS = {
     "derivation": derivation.write,
     "operations": operations.write,
     "wordlengths": wordlengths.write,
     "figures": figures.write,
-    "table6": lambda: measure.main([]),
+    "table6": lambda: table6.main([]),
 }
 """Part -> function that writes its page and returns 0, or 1 if a check fails."""
 

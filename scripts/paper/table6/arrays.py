@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lean equations for any array library: on arrays in numpy and JAX, in a scalar loop in numba.
 
-All share the lines of equations.h: (L1)-(L61) of :mod:`model.reference.lean_equations` for targets in reach, each sum
+All share the lines of equations.c: (L1)-(L61) of :mod:`model.reference.lean_equations` for targets in reach, each sum
 rounded, without flags. The model's `solve_lean`, with exact sums and rules for targets out of reach, has its own row.
 """
 

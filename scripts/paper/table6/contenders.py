@@ -1,27 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Software that solves the targets of table 6: C, numpy, numba, JAX.
+"""Software in table 6: C, numpy, numba, JAX, EAIK and ikpy. Each solves its targets repeatedly.
 
-Each solves its targets repeatedly. Libraries that solve a different problem from the core's are in
-:mod:`scripts.paper.table6.others`.
+EAIK and ikpy solve different problems from ours, which is to find one pose from the hand's position and the swivel
+angle. EAIK solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the
+model's answer, which contains the swivel angle, and returns all sets of joint angles; the smallest hand error counts.
+ikpy searches from a fixed start, given only the hand's position, and finds some elbow.
 """
 
 from __future__ import annotations
 
 import importlib
+import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from model.io.words import FIELDS, RESULT_FIELDS, Targets
+from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
 from model.reference import equations
-from model.reference.kinematics import forward
+from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import solve_lean
 from scripts.paper.table6.arrays import lean, lean_of
-from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Software
+from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 
 CHUNK = 100_000
 """Targets per chunk in the error computation."""
@@ -44,7 +48,7 @@ class Contender:
     key: str
     group: str
     name: str
-    bind: Callable[[Targets], Bound] | None
+    bind: Callable[[Targets], Bound]
     lacks: str = ""
     most: int | None = None
 
@@ -57,15 +61,19 @@ def found(module: str) -> ModuleType | None:
         return None
 
 
-def version(module: str) -> str:
-    """Return the version of a package for the table."""
-    package = found(module)
-    return getattr(package, "__version__", "") if package else ""
+def _titled(module: str, title: str = "") -> str:
+    """Return the name of a package with its version, if installed."""
+    return f"{title or module} {getattr(found(module), '__version__', '')}".strip()
 
 
 def columns(targets: Targets) -> list[np.ndarray]:
     """Return the columns x, y, z, phi, d1, d2."""
     return [getattr(targets, name) for name in FIELDS]
+
+
+def first(targets: Targets, count: int | None) -> Targets:
+    """Return the first ``count`` targets."""
+    return replace(targets, **{name: getattr(targets, name)[:count] for name in FIELDS})
 
 
 def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
@@ -79,63 +87,37 @@ def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
     return out
 
 
-def repeated(solve: Callable[[], Any]) -> Callable[[int], Any]:
-    """Return a function that calls ``solve`` repeatedly and returns the last result."""
+def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
+    """Bind a function that solves all targets once; ``errors`` takes its result."""
 
-    def again(times: int) -> Any:
-        result = None
+    def again(times: int) -> None:
         for _ in range(times):
-            result = solve()
-        return result
+            solve()
 
-    return again
+    return Bound(again, lambda: errors(solve()))
 
 
-def of_arrays(solve: Callable[..., Any], targets: Targets, real: type) -> Bound:
-    """Bind a function from six arrays to six arrays to targets."""
-    given = [np.ascontiguousarray(c, dtype=real) for c in columns(targets)]
+# -- functions from six arrays to six arrays -------------------------------------------------------
+
+
+def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
+    solve = Solver(columns(targets), equations_, real, way)
+    return Bound(solve, lambda: hand_errors(solve(1), targets))
+
+
+def _bind_arrays(make: Callable[[], Callable[..., Any]], kind: type, targets: Targets) -> Bound:
+    solve, given = make(), [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
 
     def once() -> Any:
         with np.errstate(all="ignore"):
             return solve(*given)
 
-    return Bound(repeated(once), lambda: hand_errors(np.stack(once(), axis=1), targets))
+    return _repeated(once, lambda answers: hand_errors(np.stack(answers, axis=1), targets))
 
 
-def in_c(software: Software) -> Iterator[Contender]:
-    """Yield the single-threaded C variants."""
-    for equations_ in EQUATIONS:
-        for real in REALS:
-            for way in WAYS:
-
-                def bind(targets: Targets, equations_=equations_, way=way, real=real) -> Bound:
-                    solve = software.way(equations_, way, real, columns(targets))
-                    return Bound(solve, lambda: hand_errors(solve(1), targets))
-
-                key = f"c-{equations_}-{real}-{way}"
-                yield Contender(key, "C, one thread", f"{equations_}, {real}, {way}", bind)
-
-
-def _of_model(solve: Callable[..., dict]) -> Callable[..., tuple]:
-    def six(*given: np.ndarray) -> tuple:
-        nodes = solve(*given)
-        return tuple(nodes[name] for name in RESULT_FIELDS)
-
-    return six
-
-
-def in_numpy() -> Iterator[Contender]:
-    """Yield the model's functions, which return flags and intermediate values, and the plain equations."""
-    for key, name, solve in (
-        ("numpy-model-lean", "lean, the model's `solve_lean`: exact sums, flags, every node", solve_lean),
-        ("numpy-model-paper", "paper, the model's `equations.solve`: every node", equations.solve),
-    ):
-        yield Contender(key, "numpy", name, lambda t, s=solve: of_arrays(_of_model(s), t, np.float64))
-    for real, kind in REALS.items():
-        plain = lean_of(np, kind)
-        yield Contender(
-            f"numpy-{real}", "numpy", f"lean, {real}", lambda t, plain=plain, kind=kind: of_arrays(plain, t, kind)
-        )
+def _of_model(solve: Callable[..., dict], *given: np.ndarray) -> tuple:
+    nodes = solve(*given)
+    return tuple(nodes[name] for name in RESULT_FIELDS)
 
 
 def _choose(condition: Any, yes: Any, no: Any) -> Any:
@@ -164,51 +146,144 @@ def _numba_solve(kind: type) -> Callable[..., Any]:
     return solve
 
 
-def in_numba() -> Iterator[Contender]:
-    """Yield the plain equations, one target at a time."""
-    lacks = "" if found("numba") else "not installed"
-    for real, kind in REALS.items():
-        yield Contender(
-            f"numba-{real}",
-            f"numba {version('numba')}".strip(),
-            f"lean, {real}, a loop, one thread",
-            lambda t, kind=kind: of_arrays(_numba_solve(kind), t, kind),
-            lacks,
-        )
-
-
-def _jax_bound(targets: Targets, device: Any, kind: type) -> Bound:
+def _bind_jax(device: Any, kind: type, targets: Targets) -> Bound:
     jax = found("jax")
     given = [jax.device_put(c.astype(kind), device) for c in columns(targets)]
     compiled = jax.jit(lean_of(found("jax.numpy"), kind))
+    jax.block_until_ready(compiled(*given))
+    return _repeated(
+        lambda: jax.block_until_ready(compiled(*given)),
+        lambda answers: hand_errors(np.stack([np.asarray(c) for c in answers], axis=1), targets),
+    )
 
-    def once() -> Any:
-        return jax.block_until_ready(compiled(*given))
 
-    once()  # compiles
-    return Bound(repeated(once), lambda: hand_errors(np.stack([np.asarray(c) for c in once()], axis=1), targets))
+def in_c() -> Iterator[Contender]:
+    """Yield the single-threaded C variants."""
+    for names in itertools.product(EQUATIONS, REALS, WAYS):
+        yield Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
+
+
+def in_numpy() -> Iterator[Contender]:
+    """Yield the model's functions, which return flags and intermediate values, and the plain equations."""
+    for key, name, solve in (
+        ("numpy-model-lean", "lean, the model's `solve_lean`: exact sums, flags, every node", solve_lean),
+        ("numpy-model-paper", "paper, the model's `equations.solve`: every node", equations.solve),
+    ):
+        make = partial(partial, _of_model, solve)
+        yield Contender(key, "numpy", name, partial(_bind_arrays, make, np.float64))
+    for real, kind in REALS.items():
+        bind = partial(_bind_arrays, partial(lean_of, np, kind), kind)
+        yield Contender(f"numpy-{real}", "numpy", f"lean, {real}", bind)
+
+
+def in_numba() -> Iterator[Contender]:
+    """Yield the plain equations, one target at a time."""
+    lacks, group = "" if found("numba") else "not installed", _titled("numba")
+    for real, kind in REALS.items():
+        bind = partial(_bind_arrays, partial(_numba_solve, kind), kind)
+        yield Contender(f"numba-{real}", group, f"lean, {real}, a loop, one thread", bind, lacks)
 
 
 def in_jax() -> Iterator[Contender]:
     """Yield the plain equations compiled by XLA; targets and answers stay on the device."""
-    jax, devices = found("jax"), {}
-    if jax:
-        jax.config.update("jax_enable_x64", True)
-        for platform in ("cpu", "gpu"):
+    jax, group = found("jax"), _titled("jax", "JAX")
+    for platform, where, lacks in (("cpu", "CPU, all cores", "no CPU backend here"), ("gpu", "GPU", "no GPU here")):
+        device = None
+        if jax:
+            jax.config.update("jax_enable_x64", True)
             try:
-                devices[platform] = jax.devices(platform)[0]
+                device, lacks = jax.devices(platform)[0], ""
             except RuntimeError:  # no such device
-                continue
-    group = f"JAX {version('jax')}".strip()
-    for platform, absent in (("cpu", "no CPU backend here"), ("gpu", "no GPU here")):
-        device = devices.get(platform)
-        lacks = "not installed" if not jax else absent if device is None else ""
-        where = "CPU, all cores" if platform == "cpu" else f"GPU{f', {device.device_kind}' if device else ''}"
+                pass
+        if device and platform == "gpu":
+            where += f", {device.device_kind}"
         for real, kind in REALS.items():
-            yield Contender(
-                f"jax-{platform}-{real}",
-                group,
-                f"lean, {real}, {where}",
-                lambda t, device=device, kind=kind: _jax_bound(t, device, kind),
-                lacks,
-            )
+            bind = partial(_bind_jax, device, kind)
+            name = f"lean, {real}, {where}"
+            yield Contender(f"jax-{platform}-{real}", group, name, bind, lacks if jax else "not installed")
+
+
+# -- libraries that solve another problem ----------------------------------------------------------
+
+X, Y, Z = np.eye(3)
+NONE = np.zeros(3)
+
+
+def _of_reach_1(targets: Targets) -> Targets:
+    """Scale targets and arms to a reach of 1: both libraries have tolerances in units of length."""
+    return replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
+
+
+def _asked(make: Callable[[float, float], Any], targets: Targets, goals: np.ndarray) -> list[tuple[Any, np.ndarray]]:
+    """Return the robot and the goal of each target; robots are made once per arm, before the timing starts."""
+    arms = list(zip(targets.d1.tolist(), targets.d2.tolist(), strict=True))
+    made = {arm: make(*arm) for arm in set(arms)}
+    return [(made[arm], goal) for arm, goal in zip(arms, goals, strict=True)]
+
+
+def _error(hands: list[np.ndarray], position: np.ndarray) -> float:
+    """Return the smallest distance of some hands from a position, nan without a hand."""
+    return min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan)
+
+
+def _hand_poses(targets: Targets) -> np.ndarray:
+    """Return the forearm's frame at the wrist in the model's pose, (N, 4, 4)."""
+    pose = solve_lean(*columns(targets))
+    qs = np.stack([pose[f"qs_{unit}"] for unit in "wijk"], axis=1)
+    qe = np.stack([pose["qe_w"], pose["qe_i"], *np.zeros((2, len(targets)))], axis=1)
+    frames = np.zeros((len(targets), 4, 4))
+    frames[:, :3, :3] = matrix(multiply(qs, qe))
+    frames[:, :3, 3] = forward(qs, qe[:, :2], targets.d1, targets.d2)[1]
+    frames[:, 3, 3] = 1
+    return frames
+
+
+def _bind_eaik(targets: Targets) -> Bound:
+    targets = _of_reach_1(targets)
+    # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 misclassifies the arm and
+    # misses the pose by half the reach.
+    axes, robot_of = np.array([Z, X, Y, X]), found("eaik.IK_HP").HPRobot
+    asked = _asked(
+        lambda d1, d2: robot_of(axes, np.array([NONE, NONE, NONE, d1 * Z, -d2 * Z])), targets, _hand_poses(targets)
+    )
+
+    def errors(solutions: list) -> np.ndarray:
+        hands = ([r.fwdKin(q)[:3, 3] for q in s.Q] for (r, _), s in zip(asked, solutions, strict=True))
+        return np.array([*map(_error, hands, targets.position)])
+
+    return _repeated(lambda: [robot.IK(pose) for robot, pose in asked], errors)
+
+
+def _ikpy_chain(d1: float, d2: float) -> Any:
+    link, chain = found("ikpy.link"), found("ikpy.chain")
+    joints = [("azimuth", 0, Z), ("elevation", 0, X), ("upper arm", 0, Z), ("elbow", d1, X)]
+    links = [link.URDFLink(name, [0, 0, along], [0, 0, 0], rotation=axis) for name, along, axis in joints]
+    hand = link.URDFLink("hand", [0, 0, -d2], [0, 0, 0], joint_type="fixed")
+    moves = [False, *(True for _ in joints), False]
+    return chain.Chain([link.OriginLink(), *links, hand], active_links_mask=moves)
+
+
+def _bind_ikpy(targets: Targets) -> Bound:
+    targets = _of_reach_1(targets)
+    asked = _asked(_ikpy_chain, targets, targets.position)
+    start = [0, 0.1, 0.5, 0.1, 2, 0]  # a bent arm
+
+    def errors(angles: list) -> np.ndarray:
+        hands = ([c.forward_kinematics(q)[:3, 3]] for (c, _), q in zip(asked, angles, strict=True))
+        return np.array([*map(_error, hands, targets.position)])
+
+    return _repeated(lambda: [chain.inverse_kinematics(p, initial_position=start) for chain, p in asked], errors)
+
+
+def others() -> Iterator[Contender]:
+    """Yield EAIK and ikpy; both are slow."""
+    for key, group, module, name, bind, most in (
+        ("eaik", "EAIK", "eaik.IK_HP", "4 joints, the hand's whole pose given, all solutions", _bind_eaik, 1000),
+        ("ikpy", "ikpy", "ikpy.chain", "4 joints, the hand's place given, any elbow, by search", _bind_ikpy, 20),
+    ):
+        yield Contender(key, group, name, bind, "" if found(module) else "not installed", most)
+
+
+def contenders() -> list[Contender]:
+    """Return all software in table order."""
+    return [*in_c(), *in_numpy(), *in_numba(), *in_jax(), *others()]

@@ -42,8 +42,8 @@ def memory_to_memory(datapath: str, bus: int, latency: int) -> dict:
     """Return the same figures for jobs of `ik_axi` on a memory of this latency: register CLOCKS after a job of one
     target and after a job of all, clocks of channel R per target in a long job, error of the results in memory."""
     (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": bus}, latency)
-    told = {name: row[name] for name in ("first", "last", "each")}
-    return {**told, "reach_error": reach_error(np.array(row["results"]))}
+    clocks = {name: row[name] for name in ("first", "last", "each")}
+    return {**clocks, "reach_error": reach_error(np.array(row["results"]))}
 
 
 def reach_error(results: np.ndarray) -> float:
@@ -63,12 +63,11 @@ PATHS: dict[str, Callable[[str], dict]] = {
 """Path -> function that measures its clocks and error."""
 
 
-def random_error(words: np.ndarray, datapath: str, progress: Callable[[int], None] = lambda done: None) -> float:
+def random_error(words: np.ndarray, datapath: str) -> float:
     """Return the largest hand error / reach over input words, from the bit-true model (the RTL is bit-identical)."""
     worst = 0.0
     for start in range(0, len(words), CHUNK):
         part = words[start : start + CHUNK]
         values = result_values(fixed.run(part, WIDTH, datapath).results, WIDTH)
         worst = max(worst, float(hand_errors(values, from_words(part, 0, WIDTH, "random")).max()))
-        progress(start + len(part))
     return worst
