@@ -1,31 +1,51 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures 6 and 7 of the paper: dataflow graphs and pipeline schedules of both datapaths, as SVG.
+"""Figures 6 and 7 of the paper: dataflow graphs and pipeline schedules of all datapaths, as SVG.
 
 docs/generated/figures holds equation (13), as in the paper; graphs and schedules of whole datapaths and their sections
 go to build/paper/figures. A balancing delay lasts from the clock in which a node is ready to the last clock in which a
-consumer starts.
+consumer starts. graphviz draws the graphs; each picture carries the digest of its graph, so a test can check without
+graphviz that it is current.
 """
 
 from __future__ import annotations
 
+import hashlib
+import re
+import shutil
+import subprocess
 import sys
 from collections.abc import Mapping
+from html import escape
 
 from model.bounds import ranges
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
-from scripts.generate.flow import WIDTH, check, cone, delays, design, part
+from scripts.console import InputError
+from scripts.generate import flow
+from scripts.generate.flow import WIDTH, check, delays, design, kind, longest_path, operands, start, tip
 from scripts.generate.render import render
-from scripts.paper import graphs
-from scripts.paper.schedule_figure import schedule_svg
 from tb.sim.env import GENERATED, ROOT
 
 SHOWN = GENERATED / "figures"
 ALL = ROOT / "build" / "paper" / "figures"
 PAGE = GENERATED / "figures.md"
 
-Designs = Mapping[str, Mapping[str, Node]]
+Nodes = Mapping[str, Node]
+Designs = Mapping[str, Nodes]
 """Datapath -> its nodes by name."""
+
+
+KINDS = {
+    "input": ("", "#ffffff", "#333333"),
+    "mul": ("×", "#dbeafe", "#1d4ed8"),
+    "add": ("+", "#dcfce7", "#15803d"),
+    "div": ("÷", "#fde2c8", "#c2410c"),
+    "root": ("√", "#fbd5e5", "#be185d"),
+    "sincos": ("sin cos", "#ede4fd", "#6d28d9"),
+    "scale": ("shift", "#e0f2f1", "#0f766e"),
+    "choose": ("?", "#f1f1f1", "#666666"),
+}
+"""Kind of operation -> its symbol in a graph, its fill and line in a schedule."""
 
 
 def designs() -> Designs:
@@ -33,32 +53,159 @@ def designs() -> Designs:
     return {name: design(name) for name in DATAPATHS}
 
 
-def _tooltips(datapath: str) -> dict[str, str]:
+def _latest(nodes: Nodes) -> int:
+    return max(node.time for node in nodes.values())
+
+
+def _critical(nodes: Nodes) -> tuple[list[str], set[tuple[str, str]]]:
+    """Return the names on the longest path and its steps."""
+    path = [node.name for node in longest_path(nodes)]
+    return path, set(zip(path, path[1:], strict=False))
+
+
+def _arrows(nodes: Nodes) -> list[tuple[str, str]]:
+    """Return the pairs of operand and node."""
+    return [(o, name) for name, node in nodes.items() for o in operands(node, nodes)]
+
+
+# -- dataflow graphs, figure 6 -----------------------------------------------------------------------------------------
+
+COLOURS = ("#dbeafe", "#dcfce7", "#fde2c8", "#ede4fd", "#fbd5e5", "#fef3c7", "#e2e8f0")
+"""Colours of the sections, in order."""
+
+CRITICAL = ', color="#dc2626", penwidth=2'
+
+HEAD = """digraph {{
+  graph [rankdir=LR, nodesep=0.09, ranksep=0.45, fontname="Helvetica", fontsize=16, labelloc=t, labeljust=l,
+         label=<<table border="0" cellspacing="6"><tr><td>{title}</td>{sections}</tr></table>>];
+  node [shape=box, style="filled,rounded", color="#475569", fontname="Helvetica", fontsize=12, height=0.3,
+        margin="0.07,0.03"];
+  edge [color="#8a94a3", arrowsize=0.5];
+"""
+
+
+def _proved(datapath: str) -> dict[str, str]:
     """Return the proved range of each node of the paper's datapath; empty for other datapaths."""
-    if datapath != "paper":
-        return {}
 
     def number(v: float) -> str:
         return "0" if abs(v) < 1e-3 else f"{v:.3g}"
 
-    return {n: f"proved [{number(p.low)}, {number(p.high)}]" for n, p in ranges.proved(WIDTH).items()}
+    proofs = ranges.proved(WIDTH) if datapath == "paper" else {}
+    return {n: f"; proved [{number(p.low)}, {number(p.high)}]" for n, p in proofs.items()}
 
 
-def graph(nodes: Mapping[str, Node], datapath: str, title: str) -> str:
-    """Return the dataflow graph of some nodes in the DOT language."""
-    return graphs.dot(nodes, f"{title}, W = {WIDTH}", DATAPATHS[datapath].sections, _tooltips(datapath))
+def graph(nodes: Nodes, datapath: str, title: str) -> str:
+    """Return the dataflow graph of nodes in the DOT language, coloured by section, with the longest path in red.
+
+    A node without operands that is not an input belongs to another section and is dashed.
+    """
+    check(nodes)
+    sections, proved = DATAPATHS[datapath].sections, _proved(datapath)
+    colours = dict(zip(sections, COLOURS, strict=False))
+    used = [s for s in sections if any(node.section == s and node.operands for node in nodes.values())]
+    cells = "".join(f'<td bgcolor="{colours[s]}">{escape(sections[s])}</td>' for s in used)
+    lines = [HEAD.format(title=escape(f"{title}, W = {WIDTH}"), sections=cells)]
+    path, steps = _critical(nodes)
+    for name, node in nodes.items():
+        outside = not node.operands and node.op != "input"
+        label = f"<b>{name}</b>" + (f"&#160;{escape(node.equation)}" if node.equation else "")
+        operation = " ".join(
+            text for text in (KINDS[kind(node)][0] if node.operands else "", flow.q(node.format)) if text
+        )
+        style = f'fillcolor="{"#ffffff" if outside or node.op == "input" else colours[node.section]}"'
+        style += (', style="filled,rounded,dashed"' if outside else "") + (CRITICAL if name in path else "")
+        tooltip = tip(node) + proved.get(name, "")
+        box = f'label=<{label}<br/><font point-size="10">{operation}</font>>, tooltip="{tooltip}"'
+        lines.append(f'  "{name}" [{box}, {style}];')
+    for a, b in _arrows(nodes):
+        lines.append(f'  "{a}" -> "{b}" [tooltip="{a} to {b}"{CRITICAL if (a, b) in steps else ""}];')
+    return "\n".join([*lines, "}"]) + "\n"
 
 
-def schedule(nodes: Mapping[str, Node], datapath: str, title: str, out: int | None = None) -> str:
-    """Return the pipeline schedule of some nodes as SVG; wires are drawn for fewer than 40 nodes."""
-    title = f"Pipeline schedule of {title}, W = {WIDTH}"
-    return schedule_svg(nodes, title, DATAPATHS[datapath].sections, wires=len(nodes) < 40, out_clock=out)
+def digest(text: str) -> str:
+    """Return the graph digest that is embedded in the picture."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def svg(text: str) -> str:
+    """Draw a graph with graphviz' ``dot``. Raises InputError if it is not installed."""
+    if shutil.which("dot") is None:
+        raise InputError("graphviz' dot is missing: `make paper ONLY=figures` installs it (Debian's package graphviz)")
+    drawn = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True, check=True).stdout
+    drawn = re.sub(r"<!--.*?-->\n?", "", drawn[drawn.index("<svg") :], flags=re.S)
+    return f"<!-- of the graph {digest(text)} -->\n{drawn}"
+
+
+# -- pipeline schedules, figure 7 --------------------------------------------------------------------------------------
+
+ROW, LABEL = 17, 200
+"""Height of a row and width of the labels in pixels."""
+
+
+def schedule(nodes: Nodes, datapath: str, title: str, out: int | None = None) -> str:
+    """Return the pipeline schedule of nodes as SVG: stages, delays, critical path, and wires for fewer than 40 nodes.
+
+    out: clock in which results leave, if they leave together.
+    """
+    check(nodes)
+    waits = delays(nodes, out=out)
+    path, steps = _critical(nodes)
+    first = min(start(node) if node.operands else node.time for node in nodes.values())
+    latest = max([_latest(nodes), *(delay.end for delay in waits.values())])
+    scale = max(4.0, min(20.0, 1100 / (latest - first)))
+
+    def x(clock: float) -> float:
+        return round(LABEL + scale * (clock - first), 1)
+
+    y, heads, rows = 86, [], {}
+    for section, head in DATAPATHS[datapath].sections.items():
+        if not (own := [node for node in nodes.values() if node.section == section]):
+            continue
+        heads.append((head, y))
+        for row, node in enumerate(sorted(own, key=lambda n: (start(n), n.time))):
+            begin = start(node) if node.operands else node.time
+            rows[node.name] = {
+                "y": y + 22 + ROW * row,
+                "taken": x(start(node)),
+                "ready": x(node.time),
+                "wait": waits.get(node.name),
+                "kind": kind(node),
+                "tip": tip(node),
+                "stage": f"{begin}–{node.time}" if node.latency and node.operands else f"{node.time}",
+                "left": x(begin) if node.time > begin else x(begin) - 3,
+                "length": max(scale * (node.time - begin), 3),
+            }
+        y += 30 + ROW * len(own)
+    kinds = {kind(node) for node in nodes.values()} - {"input"}
+    return render(
+        "schedule.svg",
+        title=f"Pipeline schedule of {title}, W = {WIDTH}",
+        wide=LABEL + scale * (latest - first) + 150,
+        high=y + 20,
+        label=LABEL,
+        row_height=ROW,
+        scale=scale,
+        x=x,
+        ticks=range(-(-first // 10) * 10, latest + 1, 10),
+        heads=heads,
+        rows={name: rows[name] for name in nodes},
+        path=path,
+        wires=[arrow for arrow in _arrows(nodes) if arrow not in steps and len(nodes) < 40],
+        steps=sorted(steps, key=lambda step: nodes[step[1]].time),
+        flip_flops=sum(delay.flip_flops for delay in waits.values()),
+        latest=latest,
+        colours={name: colours for name, (_, *colours) in KINDS.items()},
+        legend=[(name, flow.KINDS[name]) for name in KINDS if name in kinds],
+    )
+
+
+# -- files -------------------------------------------------------------------------------------------------------------
 
 
 def shown(nodes: Designs) -> dict[str, str]:
     """Return the figures of the page: file name -> graph or SVG."""
     check(nodes["paper"])
-    pair = cone(part(nodes["paper"], equation="(13)"), "p_e_x")
+    pair = flow.cone(flow.part(nodes["paper"], equation="(13)"), "p_e_x")
     return {
         "graph_p_e_x.svg": graph(pair, "paper", "p_e_x (13), figure 6 of the paper"),
         "schedule_p_e_x.svg": schedule(pair, "paper", "p_e_x (13), figure 7 of the paper"),
@@ -69,13 +216,12 @@ def whole(nodes: Designs) -> dict[str, str]:
     """Return the figures of each datapath and section: file name -> graph or SVG. ValueError for an invalid node."""
     found = {}
     for path, own in nodes.items():
-        check(own)
-        found[f"graph_{path}.svg"] = graph(own, path, f"The {path} datapath")
-        for name, title in DATAPATHS[path].sections.items():
-            if nodes_of := part(own, section=name):
-                found[f"graph_{path}_{name}.svg"] = graph(nodes_of, path, f"The {path} datapath: {title}")
-        latest = max(node.time for node in own.values())
-        found[f"schedule_{path}.svg"] = schedule(own, path, f"the {path} datapath", latest)
+        title = f"The {path} datapath"
+        found[f"graph_{path}.svg"] = graph(own, path, title)
+        for name, section in DATAPATHS[path].sections.items():
+            if nodes_of := flow.part(own, section=name):
+                found[f"graph_{path}_{name}.svg"] = graph(nodes_of, path, f"{title}: {section}")
+        found[f"schedule_{path}.svg"] = schedule(own, path, f"the {path} datapath", _latest(own))
     return found
 
 
@@ -83,14 +229,13 @@ def page(nodes: Designs) -> str:
     """Return docs/generated/figures.md."""
     datapaths = []
     for path, own in nodes.items():
-        latest = max(node.time for node in own.values())
-        waits = delays(own, out=latest)
+        waits = delays(own, out=_latest(own))
         largest = sorted(waits.items(), key=lambda item: (-item[1].flip_flops, item[0]))[:5]
         datapaths.append(
             {
                 "name": path,
                 "nodes": len(own),
-                "clocks": latest,
+                "clocks": _latest(own),
                 "waits": len(waits),
                 "bits": sum(d.flip_flops for d in waits.values()),
                 "largest": ", ".join(f"`{n}` ({d.clocks} × {d.bits})" for n, d in largest),
@@ -108,7 +253,7 @@ def write() -> int:
     for folder, figures in {SHOWN: shown(nodes), ALL: whole(nodes)}.items():
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in figures.items():
-            (folder / name).write_text(graphs.svg(text) if text.startswith("digraph") else text, encoding="utf-8")
+            (folder / name).write_text(svg(text) if text.startswith("digraph") else text, encoding="utf-8")
     PAGE.write_text(page(nodes), encoding="utf-8")
     print(f"wrote {PAGE.name}; figures of the whole datapaths are in {ALL.relative_to(ROOT)}")
     return 0

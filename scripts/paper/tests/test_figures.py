@@ -12,45 +12,45 @@ from model.io.words import RESULT_FIELDS
 from scripts.console import InputError
 from scripts.generate import flow
 from scripts.generate.flow import design
-from scripts.paper import figures, graphs
+from scripts.paper import figures
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
-def both():
+def designs():
     return figures.designs()
 
 
 @pytest.fixture
-def nodes(both):
-    return both["paper"]
+def nodes(designs):
+    return designs["paper"]
 
 
 def is_current(name, text):
     """Compare a picture with its figure; for a graph, compare the embedded digest."""
     drawn = (figures.SHOWN / name).read_text("utf-8")
     if text.startswith("digraph"):
-        return drawn.startswith(f"<!-- of the graph {graphs.digest(text)} -->")
+        return drawn.startswith(f"<!-- of the graph {figures.digest(text)} -->")
     return drawn == text
 
 
-def test_figures_and_page_are_up_to_date(both):
-    drawn = figures.shown(both)
+def test_figures_and_page_are_up_to_date(designs):
+    drawn = figures.shown(designs)
     assert [name for name, text in drawn.items() if not is_current(name, text)] == [], "run `make paper ONLY=figures`"
-    assert figures.PAGE.read_text("utf-8") == figures.page(both), "run `make paper ONLY=figures`"
+    assert figures.PAGE.read_text("utf-8") == figures.page(designs), "run `make paper ONLY=figures`"
     assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
 
 
-def test_a_changed_design_is_found(both, nodes):
+def test_a_changed_design_is_found(nodes):
     fmt = nodes["tmp1"].format
     changed = nodes | {"tmp1": replace(nodes["tmp1"], format=replace(fmt, frac=fmt.frac - 1))}
     assert not any(is_current(*figure) for figure in figures.shown({"paper": changed}).items())
 
 
 @pytest.mark.parametrize("datapath", DATAPATHS)
-def test_every_node_and_operand_is_drawn(both, datapath):
-    nodes, drawn = both[datapath], figures.whole({datapath: both[datapath]})
+def test_every_node_and_operand_is_drawn(designs, datapath):
+    nodes, drawn = designs[datapath], figures.whole({datapath: designs[datapath]})
     graph = drawn[f"graph_{datapath}.svg"]
     arrows = {(o, n.name) for n in nodes.values() for o in flow.operands(n, nodes)}
     assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
@@ -88,6 +88,6 @@ def test_a_wrong_design_names_the_node(nodes):
 
 
 def test_without_graphviz_one_line(monkeypatch):
-    monkeypatch.setattr(graphs.shutil, "which", lambda name: None)
+    monkeypatch.setattr(figures.shutil, "which", lambda name: None)
     with pytest.raises(InputError, match="dot is missing"):
-        graphs.svg("digraph {}")
+        figures.svg("digraph {}")
