@@ -13,6 +13,8 @@ from types import SimpleNamespace
 
 import click
 
+from model.bounds.ranges import RangeError
+from model.dataflow.nodes import FormatError
 from scripts.console import command, option
 from scripts.paper import derivation, figures, operations, wordlengths
 from scripts.paper.table6 import __main__ as table6
@@ -34,8 +36,12 @@ PARTS = {
 )
 def main(options: SimpleNamespace) -> int:
     for part in [options.only] if options.only else PARTS:
-        if status := PARTS[part]():
-            return status
+        try:
+            if status := PARTS[part]():
+                return status
+        except (FormatError, RangeError) as error:
+            print(error, file=sys.stderr)
+            return 1
     return 0
 
 

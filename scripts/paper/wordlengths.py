@@ -12,14 +12,13 @@ from model.bounds import predict, ranges
 from model.bounds.predict import Real
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.nodes import WIDTHS, FormatError, Node
+from model.dataflow.nodes import WIDTHS, Node
 from model.io import trajectories
 from model.io.monte_carlo import Observed, monte_carlo, shown
 from model.io.scoring import singular_distance
 from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, result_values, scale_exponent, to_words
 from model.reference.kinematics import forward
 from scripts.console import progress
-from scripts.generate.page_tables import table
 from scripts.generate.render import error, render
 from tb.sim.env import GENERATED
 
@@ -143,16 +142,6 @@ def page(observed: Observed, errors: dict[int, tuple[float, ...]], moved: dict[s
     )
 
 
-def stale(text: str) -> list[str]:
-    """Return a line for each node whose proof in the page is out of date."""
-    found, fresh = {row[0]: row[1:4] for row in table(text, "node name")}, proved_cells()
-    return [
-        f"{name}: the table has {found.get(name)}, the proof {fresh.get(name)}"
-        for name in sorted({*found, *fresh})
-        if found.get(name) != fresh.get(name)
-    ]
-
-
 def problems(observed: Observed) -> list[str]:
     """Return a line for each node that left its format or its proved range in the observed targets."""
     proofs = ranges.proved(WIDTH)
@@ -168,13 +157,12 @@ def problems(observed: Observed) -> list[str]:
 
 
 def write() -> int:
-    """Prove the ranges at every word length, observe them in the model, write the page; return 1 if a node fails."""
-    try:
-        for width in WIDTHS:
-            ranges.check(width)
-    except (ranges.RangeError, FormatError) as problem:
-        print(problem, file=sys.stderr)
-        return 1
+    """Prove the ranges at every word length, observe them in the model, write the page; return 1 if a node fails.
+
+    Raises RangeError or FormatError, which name the node, if a range is not proved.
+    """
+    for width in WIDTHS:
+        ranges.check(width)
     with progress("random targets", TARGETS) as meter:
         observed = monte_carlo(TARGETS, WIDTH, SEED, meter)
     if wrong := problems(observed):

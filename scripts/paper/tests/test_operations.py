@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 4: counting rules, elaborated RTL against the dataflow, and the page."""
 
-import json
 import shutil
 
 import pytest
@@ -9,7 +8,7 @@ import sympy
 
 from model.dataflow.paper import paper
 from model.reference.printed import PRINTED, symbol
-from scripts.fpga.designs import FIGURES
+from scripts.fpga.designs import load
 from scripts.generate.counts import operations
 from scripts.paper import operations as table4
 from scripts.paper.operations import Ops, count
@@ -24,15 +23,17 @@ def rtl():
     return table4.rtl_counts()
 
 
-def copy_of_rtl(tmp_path):
-    shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-    return tmp_path
+def altered_rtl(folder, *edits):
+    """Return a copy of the RTL's root with edits (path, old, new)."""
+    shutil.copytree(ROOT / "rtl", folder / "rtl")
+    for path, old, new in edits:
+        text = (folder / path).read_text()
+        assert text.count(old) == 1
+        (folder / path).write_text(text.replace(old, new))
+    return folder
 
 
-def edit(root, path, old, new):
-    file = root / path
-    assert file.read_text().count(old) == 1
-    file.write_text(file.read_text().replace(old, new))
+WITHOUT_A_SUM = ("rtl/paper/ik_to_elbow.v", "{1'b0, d_e_q} + {1'b0, abs_z}", "{1'b0, d_e_q} ^ {1'b0, abs_z}")
 
 
 @pytest.mark.parametrize(
@@ -105,39 +106,29 @@ def test_a_changed_dataflow_is_found(rtl):
     ]
 
 
-def test_changed_rtl_is_found(tmp_path):
-    root = copy_of_rtl(tmp_path)
-    edit(root, "rtl/paper/ik_to_elbow.v", "{1'b0, d_e_q} + {1'b0, abs_z}", "{1'b0, d_e_q} ^ {1'b0, abs_z}")
+def test_a_changed_rtl_is_found(tmp_path):
+    root, digit = altered_rtl(tmp_path, WITHOUT_A_SUM), {"top": "ik_paper", "DIGIT": 1}
     found = table4.differences(table4.rtl_counts(root), operations(paper))
     assert found == ["section to_elbow: 3 additions in the RTL, 4 in model/dataflow/paper.py"]
+    before = table4.operators(table4.elaborate(**digit))
+    assert before["mul"] == load()["runs"]["paper-W32-DIGIT1-xc2vp"]["cells"]["multipliers"]
+    assert before - table4.operators(table4.elaborate(root, **digit)) == {"add": 1}
 
 
 def test_a_module_without_a_rule_is_named(tmp_path):
-    root = copy_of_rtl(tmp_path)
+    instance = ("rtl/paper/ik_elbow_q.v", "endmodule", "ik_new u_new (.clk(clk));\nendmodule")
+    root = altered_rtl(tmp_path, (LIST, "lib/ik_norm.v", "lib/ik_norm.v\nlib/ik_new.v"), instance)
     (root / "rtl/lib/ik_new.v").write_text("module ik_new(input wire clk);\nendmodule\n")
-    edit(root, LIST, "lib/ik_norm.v", "lib/ik_norm.v\nlib/ik_new.v")
-    edit(root, "rtl/paper/ik_elbow_q.v", "endmodule", "ik_new u_new (.clk(clk));\nendmodule")
     with pytest.raises(RuntimeError, match="no rule for the module ik_new of instance u_new"):
         table4.rtl_counts(root)
 
 
-def test_rtl_that_does_not_elaborate_says_why(tmp_path):
-    root = copy_of_rtl(tmp_path)
-    edit(root, "rtl/paper/ik_elbow_q.v", "endmodule", "ik_missing u_missing ();\nendmodule")
-    with pytest.raises(RuntimeError, match="ik_missing"):
-        table4.rtl_counts(root)
-
-
-def test_operators_at_once(tmp_path):
+@pytest.mark.parametrize(
+    ("top", "expected"), [("ik_div_row", {"add": 1}), ("ik_lzc", {"add": 3}), ("ik_exact", {"add": 2, "mul": 4})]
+)
+def test_operators_at_once(top, expected):
     """An operator assigned to several words counts once; tables and indices count none; every row counts."""
-    for top, expected in (("ik_div_row", {"add": 1}), ("ik_lzc", {"add": 3}), ("ik_exact", {"add": 2, "mul": 4})):
-        assert table4.operators(table4.elaborate(top=top)) == expected
-    root = copy_of_rtl(tmp_path)
-    digit = {"top": "ik_paper", "DIGIT": 1}
-    before = table4.operators(table4.elaborate(root, **digit))
-    assert before["mul"] == json.loads(FIGURES.read_text())["runs"]["paper-W32-DIGIT1-xc2vp"]["cells"]["multipliers"]
-    edit(root, "rtl/paper/ik_to_elbow.v", "{1'b0, d_e_q} + {1'b0, abs_z}", "{1'b0, d_e_q} ^ {1'b0, abs_z}")
-    assert before - table4.operators(table4.elaborate(root, **digit)) == {"add": 1}
+    assert table4.operators(table4.elaborate(top=top)) == expected
 
 
 def test_page_is_up_to_date(rtl):
