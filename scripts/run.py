@@ -20,7 +20,7 @@ from model.bounds.predict import hand_bar
 from model.io import trajectories
 from model.io.scoring import Score, score
 from scripts.console import command, output, progress, show, switch, whole_file
-from scripts.paper.side_by_side import table_beside_the_paper
+from scripts.paper.tables import table_of_datapaths
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.save_file import write_save_file
@@ -93,7 +93,7 @@ def run_and_score(
 def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
     """Print a table for each datapath, or for several on one trajectory a single table next to the paper's."""
     if len(done) > 1 and len(done[0]) == 1:
-        show(table_beside_the_paper([(result, ran.flags) for ((ran, result),) in done]))
+        show(table_of_datapaths([(result, ran.flags) for ((ran, result),) in done]))
         return
     for ran in done:
         runs, scores = zip(*ran, strict=True)

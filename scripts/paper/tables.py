@@ -1,23 +1,102 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of tables 5 and 6 of the paper, and the resources of its chip."""
+"""Tables 5 and 6 of the paper: their figures, and the table of `make run` of several datapaths next to them."""
 
-LUTS = 30_000
-MHZ = 100
-LATENCY = 550
-"""Latency of the paper's pipeline (clocks)."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from model.io.scoring import Score
+from scripts.fpga.designs import CHIPS, clock, find, load, size
+from scripts.tables import CLOCKS, LATENCY, RATE, figures, outcome
 
 TARGETS = 100
-FIRST_US = 5.0
-ALL_US = 6.0
-"""Microseconds of the pipeline until the first and the last result."""
-SOFTWARE_US = 860.0
+FIRST_US, ALL_US, SOFTWARE_US = 5.0, 6.0, 860.0
+"""Microseconds of the paper's pipeline until the first and the last result, and of its software."""
 
-CHIP = "2VP70"
-CHIP_LUTS = 66_176
-CHIP_MULTIPLIERS = 328
+LUTS, MHZ, STAGES = 30_000, 100, 550
+"""LUT4, clock and latency in clocks of the paper's pipeline."""
+
+CHIP, CHIP_LUTS, CHIP_MULTIPLIERS = "2VP70", 66_176, 328
 """Virtex-II Pro 2VP70: 33088 slices of two LUT4 each, 18x18 multipliers (Xilinx DS083)."""
+
+PART, FIRST, ALL, TIMES = (
+    f"  of the {CHIP}'s",
+    "until the first result (us)",
+    "until the last (us)",
+    "times the paper's software",
+)
+SOURCES = (
+    f"LUT4, multipliers (the {CHIP} has {CHIP_MULTIPLIERS}) and clock are from `make fpga`, "
+    "docs/generated/fpga.md; clocks and errors were counted in this run. The paper's software takes "
+    f"{SOFTWARE_US:.0f} us for {TARGETS} targets."
+)
 
 
 def of_chip(luts: int) -> str:
     """Format LUTs as a percentage of the chip's LUTs."""
     return f"{luts / CHIP_LUTS:.0%}"
+
+
+def _times(targets: int, us: float) -> str:
+    return f"{SOFTWARE_US / TARGETS * targets / us:.0f}"
+
+
+def _paper(targets: int) -> dict[str, str]:
+    """Return the paper's figures in the order of the rows, with times for a number of targets."""
+    us = FIRST_US + targets / MHZ
+    return {
+        "LUT4": f"~{LUTS}",
+        PART: of_chip(LUTS),
+        "18x18 multipliers": "-",
+        "clock (MHz)": str(MHZ),
+        RATE: "1",
+        LATENCY: f"~{STAGES}",
+        CLOCKS: "-",
+        FIRST: f"{FIRST_US:g}",
+        ALL: f"{us:g}",
+        TIMES: _times(targets, us),
+    }
+
+
+def _core(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
+    """Return the same rows for a run of the core. data: the figures of `make fpga`."""
+    datapath, width = result.datapath, result.width
+    cells, family = size(data, datapath, width)
+    rows = {name: value for name, value, *_ in figures(result, flags) if not name.startswith(" ")}
+    if cells:
+        rows |= {"LUT4": str(cells["LUT"]), "18x18 multipliers": str(cells["multipliers"])}
+        if family == "xc2vp":
+            rows[PART] = of_chip(cells["LUT"])
+    if find(datapath, width) and (mhz := clock(data, datapath, width)):
+        us = result.total_cycles / mhz
+        rows |= {"clock (MHz)": f"{mhz:.0f}", FIRST: f"{result.latency_cycles / mhz:.2f}", ALL: f"{us:.2f}"}
+        rows[TIMES] = _times(result.targets, us)
+    return rows
+
+
+def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
+    """Return a table of the paper's figures and runs of one trajectory, each with its flag bits (N,)."""
+    first, data = done[0][0], load()
+    chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, _ in done}
+    small = [f"{name}: {chip[1]} and clock of an {chip[0]}." for name, chip in chips.items() if chip]
+    table = Table(
+        title=f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, "
+        "next to tables 5 and 6 of the paper",
+        caption="\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES, *small]),
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        title_justify="left",
+        caption_justify="left",
+    )
+    columns = {"the paper": _paper(first.targets)} | {r.datapath: _core(r, flags, data) for r, flags in done}
+    table.add_column("figure")
+    for heading in columns:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name in dict.fromkeys(name for rows in columns.values() for name in rows):
+        table.add_row(name, *(rows.get(name, "-") for rows in columns.values()), end_section=name == TIMES)
+    return table
