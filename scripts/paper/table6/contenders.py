@@ -128,7 +128,7 @@ def _numba_solve(kind: type) -> Callable[..., Any]:
     """Return a function from six arrays to six, a loop compiled by numba."""
     numba = found("numba")
     inline = numba.njit(inline="always")
-    one = inline(lean(kind, math.sqrt, math.sin, math.cos, inline(_choose)))
+    one = inline(lean(kind, sqrt=math.sqrt, sin=math.sin, cos=math.cos, where=inline(_choose)))
 
     @numba.njit(error_model="numpy")
     def loop(x, y, z, phi, d1, d2, out):
