@@ -186,7 +186,9 @@ def rotate_to_wrist(step: Step) -> None:
     step.prove("j = 0", label=r"\langle Q_3\rangle_j = 0", j=j)
     step.values |= {**sides, "q3_scalar": w, "q3_k": k}
     step.suppose("abs_side**2 = sign_raw**2")
-    step.prove("sign*(sign*cos3) = q3_scalar", "sign*sin3 = q3_k")
+    label = r"\mathrm{sign}^2 \cos\frac{\theta_3}{2} = q_{3,scalar}"
+    step.prove("sign*(sign*cos3) = q3_scalar", label=label)
+    step.prove("sign*sin3 = q3_k")
 
 
 def product(step: Step) -> None:

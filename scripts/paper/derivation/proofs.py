@@ -313,7 +313,8 @@ class Step:
                 wrong.append(name)
             if (number, name) in MISPRINTS:
                 values = {"derived": derived[name], name: self.value(text)}
-                self.refute(f"derived = {name}", point, rf"{name_tex(name)} \text{{ as printed}}", **values)
+                label = rf"\text{{derived }}{name_tex(name)} = \text{{printed }}{name_tex(name)}"
+                self.refute(f"derived = {name}", point, label, **values)
             self.values[name] = value
         self.printed |= {name_tex(name): tex(text) for name, text in PRINTED[number].items()}
         which = ", corrected," if any(number == n for n, _ in MISPRINTS) else ""
