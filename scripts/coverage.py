@@ -42,9 +42,7 @@ PAGE = GENERATED / "coverage.md"
 SUITE = [
     "tb/units",
     "tb/core/test_streams.py",
-    "tb/core/test_sections.py",
-    "tb/core/test_configurations.py",
-    "tb/core/test_every_target.py",
+    "tb/core/test_every_node.py",
     "tb/axi/test_ik_axi.py",
 ]
 """Tests that compare every output, or every node, with a reference."""

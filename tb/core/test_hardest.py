@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardest targets found so far (tb/core/hardest.csv) in the bit-true model and in the RTL."""
+"""The hardest targets found so far (tb/core/hardest.csv) in the bit-true model, and the upkeep of the list.
+
+test_every_node.py runs them in the RTL.
+"""
 
 import numpy as np
 import pytest
@@ -10,17 +13,9 @@ from model.dataflow.datapaths import DATAPATHS
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, region, unreachable
 from tb.core import hardest
-from tb.sim.env import simulator
-from tb.sim.simulate import Job, simulate
 
 ROWS = hardest.read(hardest.LIST)
 GROUPS = hardest.groups(ROWS)
-
-IN_RTL = [(datapath, width) for datapath in DATAPATHS for width in (32, 18)]
-if simulator() == "icarus":  # builds are cheap
-    IN_RTL += [("lean", width) for width in (16, 24, 27)]
-IN_RTL += [("fold", 24), ("fold", 32), ("fold16", 18)]
-QUICK = [("lean", 32), ("paper", 32)] if simulator() == "icarus" else [("lean", 32)]
 
 
 def test_there_is_something_of_every_datapath():
@@ -60,29 +55,6 @@ def test_errors_in_the_model(datapath, width):
     if datapath == "lean":
         worst = int(np.argmax(hand))
         assert hand[worst] <= tolerances.lean(width), f"hand error {hand[worst]:.3g}: {rows[worst]}"
-
-
-@pytest.mark.sim
-@pytest.mark.parametrize(
-    ("datapath", "width"),
-    [key if key in QUICK else pytest.param(*key, marks=pytest.mark.slow) for key in IN_RTL],
-)
-def test_the_rtl_equals_the_model(datapath, width):
-    """Compare every node, natively under Verilator. A width without rows uses the longest words, truncated."""
-    words = _words(datapath, width)
-    native = simulator() == "verilator"
-    (run,) = simulate([Job("hardest", words)], simulator=simulator(), datapath=datapath, width=width, native=native)
-    assert run.bit_mismatches == 0, run.first_mismatch
-    answer = fixed.run(words, width, datapath)
-    assert (run.results == answer.results).all() and (run.flags == answer.flags).all()
-
-
-def _words(datapath: str, width: int) -> np.ndarray:
-    listed = datapath if datapath in DATAPATHS else "lean"  # fold is the lean dataflow
-    if (listed, width) in GROUPS:
-        return hardest.array(GROUPS[listed, width])
-    longest = max(w for d, w in GROUPS if d == listed)
-    return hardest.array(GROUPS[listed, longest]) >> max(0, longest - width)
 
 
 # -- maintenance of the list -----------------------------------------------------------------------------------------

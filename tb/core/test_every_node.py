@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every node of the whole core equals the bit-true model's, at several word lengths of every datapath.
+
+Targets are the hardest found so far, random ones of every kind, corners, and all combinations of 3-bit words.
+"""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from model.dataflow import fixed, trig
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
+from model.dataflow.nodes import inner_frac
+from model.io.stimuli import mixed
+from tb.core import hardest
+from tb.core.corner_targets import nearly_rounded_up, shifted
+from tb.sim.env import simulator
+from tb.sim.job import Run
+from tb.sim.simulate import Job, simulate
+
+GROUPS = hardest.groups(hardest.read(hardest.LIST))
+ICARUS = simulator() == "icarus"
+
+QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
+SLOW = [("lean", 18), ("paper", 18)]
+if ICARUS:  # builds are cheap
+    QUICK += [("paper", 32)]
+    SLOW += [("lean", 16), ("lean", 24), ("lean", 27), ("fold", 32)]
+else:
+    QUICK += [("lean16", 24), ("fold", 20), ("fold", 32), ("fold16", 20), ("fold16", 24)]
+    SLOW += [("paper", 32)]
+
+
+def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
+    """Run targets, natively under Verilator; check every node, result and flag."""
+    options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
+    (done,) = simulate([Job("nodes", words)], **options, native=not ICARUS)
+    assert done.bit_mismatches == 0, done.first_mismatch
+    answer = fixed.run(words, width, datapath)
+    assert (done.results == answer.results).all() and (done.flags == answer.flags).all()
+    return done
+
+
+def listed(datapath: str, width: int) -> np.ndarray:
+    """Return the hardest targets; a width without rows uses the longest words, truncated."""
+    own = datapath if datapath in DATAPATHS else "lean"
+    longest = max(w for d, w in GROUPS if d == own)
+    found = width if (own, width) in GROUPS else longest
+    return hardest.array(GROUPS[own, found]) >> max(0, found - width)
+
+
+def targets(datapath: str, width: int) -> np.ndarray:
+    """Return the hardest targets and others of every kind; Icarus, a hundred times slower, runs fewer."""
+    few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
+    words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
+    if not ICARUS:
+        frac = min(inner_frac(width), trig.FRACS[-1])
+        near = nearly_rounded_up(width, trig.form_of(frac, CONFIGURATIONS[datapath].tile), frac)
+        words += [shifted(width), near]
+    return np.concatenate(words)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("datapath", "width"), [*QUICK, *(pytest.param(*one, marks=pytest.mark.slow) for one in SLOW)])
+def test_targets_of_every_kind(datapath, width):
+    run(datapath, width, targets(datapath, width))
+
+
+if ICARUS:  # Verilator takes minutes to compile digit recurrences
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    @pytest.mark.cost(40)
+    def test_digit_recurrences():
+        run("paper", 32, mixed(40, 32, 4), "digit")
+
+else:
+    signed = np.concatenate([np.arange(4), np.arange(-4, 0)])
+    EVERY = np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
+    """All targets of 3-bit words; target number n has the input bits of n, with x lowest."""
+
+    @pytest.mark.sim
+    def test_every_target_of_3_bits():
+        done = run("lean", 3, EVERY)
+        assert done.total_cycles == len(EVERY) + done.latency_cycles
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    @pytest.mark.cost(20)
+    def test_every_folded_target_of_3_bits():
+        """The highest bits of the shortest words that the folded datapath supports."""
+        run("fold", 20, EVERY << 17)
+
+
+def test_another_tile_gives_other_results():
+    words = mixed(3000, 18, 4)
+    assert (fixed.run(words, 18, "lean25").results != fixed.run(words, 18, "lean").results).any()
