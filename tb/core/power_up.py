@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Power-up test of ``ik_axis`` and ``ik_axi``: valid and irq are low before the first clock, ready under reset.
-
-For simulators with random initial registers; tb/core/test_power_up.py covers unknown values with Icarus.
-"""
+"""Power-up test of ``ik_axis`` and ``ik_axi``: valid and irq are low before the first clock, and ready under reset."""
 
 from __future__ import annotations
 
