@@ -9,12 +9,11 @@ import itertools
 import numpy as np
 import pytest
 
-from model.dataflow import fixed, trig
+from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
-from model.dataflow.nodes import inner_frac
 from model.io.stimuli import mixed
 from tb.core import hardest
-from tb.core.corner_targets import nearly_rounded_up, shifted
+from tb.core.corner_targets import corner_targets
 from tb.sim.env import simulator
 from tb.sim.job import Run
 from tb.sim.simulate import Job, simulate
@@ -55,9 +54,7 @@ def targets(datapath: str, width: int) -> np.ndarray:
     few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
     words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
     if not ICARUS:
-        frac = min(inner_frac(width), trig.FRACS[-1])
-        near = nearly_rounded_up(width, trig.form_of(frac, CONFIGURATIONS[datapath].tile), frac)
-        words += [shifted(width), near]
+        words.append(corner_targets(width, CONFIGURATIONS[datapath].tile))
     return np.concatenate(words)
 
 

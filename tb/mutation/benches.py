@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Benches that run on a netlist with one mutant selected: every node, jobs of ``ik_axi``, and the unit benches.
+"""Benches that run with one mutant: every node of ``ik_axis``, jobs of ``ik_axi``, and the unit benches.
 
-``run(netlist, number, place, seconds)`` returns the fault that a bench finds, empty if none, and its measurements;
-`place` is an empty folder.
+``run(mutant, netlist, place, seconds)`` returns the fault that a bench finds, empty if none, and its measurements;
+without a mutant it runs the netlist itself. `place` is an empty folder.
 """
 
 from __future__ import annotations
@@ -11,22 +11,23 @@ import functools
 import importlib
 import json
 import re
+import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
 
-from tb.axi.test_ik_axi import MODULES
+from tb.formal.tools import yosys
 from tb.mutation import node_bench
-from tb.mutation.netlists import SELECT, Mutant, Netlist, declared, source_name
+from tb.mutation.netlists import SECONDS, SELECT, Mutant, Netlist, relative, source_name
 from tb.mutation.node_bench import NodeBench
-from tb.mutation.yosys import SECONDS, YosysError, finished, relative, yosys
 from tb.sim.env import ROOT
 from tb.sim.runner import alone
-from tb.sim.seeded_bugs import copy_rtl
 from tb.sim.simulate import SimulationError
-from tb.sim.sources import INCLUDE, LIST, MEMORY, includes
+from tb.sim.sources import LIST
+from tb.sim.subprocesses import compiled
 from tb.units.unit import Case, simulation
 
 LEAST, TIMES = 30.0, 10.0
@@ -39,24 +40,24 @@ class Nodes:
     """Every node of ``ik_axis`` compared with the model, under stalls and after a reset, by Icarus alone."""
 
     bench: NodeBench
-    kind = "nodes"
 
     @property
     def name(self) -> str:
         return self.bench.name
 
-    def run(self, netlist: Netlist, number: int, place: Path, seconds: float) -> tuple[str, str]:
+    def run(self, mutant: Mutant | None, netlist: Netlist, place: Path, seconds: float) -> tuple[str, str]:
         folder = netlist.folder / self.name.replace(" ", "-")
         with alone(folder):
             if not (folder / "program").exists():
                 top, half = self.bench.write(folder), folder / "half"
                 command = ["iverilog", "-g2001", "-s", node_bench.TOP, "-o", half, top, netlist.folder / "netlist.v"]
-                status, output = finished(command, folder, SECONDS)
+                status, output = finished(command, SECONDS)
                 if status != 0:
                     raise SimulationError(f"Icarus rejects the netlist {netlist.name}: {output[-300:]}")
                 half.rename(folder / "program")
+        number = mutant.number if mutant else 0
         command = ["vvp", "-n", folder / "program", f"+data={folder / node_bench.DATA}", f"+{SELECT}={number}"]
-        status, output = finished(command, place, seconds)
+        status, output = finished(command, seconds)
         if status is None:
             return TIMEOUT, ""
         last = output.splitlines()[-1] if output else "no output"
@@ -64,61 +65,43 @@ class Nodes:
 
 
 @dataclass(frozen=True)
-class Jobs:
-    """Jobs, faults and registers of ``ik_axi``, by cocotb."""
+class Replaced:
+    """cocotb tests of a module that is replaced by its netlist; `given` are the arguments of `simulate`."""
 
-    count: int
-    kind = "jobs"
+    kind: str
+    module: str
+    given: dict
 
     @property
     def name(self) -> str:
-        return f"jobs {self.count}"
+        return f"{self.kind} {re.sub(r'[^A-Za-z0-9]+', '-', self.module).strip('-')}"
 
-    def run(self, netlist: Netlist, number: int, place: Path, seconds: float) -> tuple[str, str]:
-        top, others = netlist.divided()
-        rtl = place / "rtl"
-        rtl.mkdir()
-        (rtl / "ik_axi.v").write_text(top.replace(f"{SELECT} = 0;", f"{SELECT} = {number};"))
-        (rtl / "others.v").write_text(others)
-        (place / LIST).write_text("".join(f"{INCLUDE}{path}\n" for path in includes()) + "others.v\n")
-        (place / MEMORY).write_text("ik_axi.v\n")
-        env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": str(self.count), "IK_AXI_FAULTS": str(self.count * 3 // 20)}
-        given = {"toplevel": "ik_axi", "module": MODULES, "parameters": dict(netlist.parameters), "env": env}
-        return simulated(place, given, seconds), ""
-
-
-def simulated(place: Path, given: dict, seconds: float) -> str:
-    """Run cocotb tests on the Verilog in `place` in a separate process; return the first fault."""
-    status, output = finished([sys.executable, "-m", "tb.mutation.benches", place, json.dumps(given)], place, seconds)
-    if status is None:
-        return TIMEOUT
-    failed = re.search(r"Failed: (\S+)::(.*)", output)
-    return "" if status == 0 else failed[2] if failed else (output.splitlines() or ["no output"])[-1][-200:]
-
-
-def fault(bench: Nodes | Jobs, netlist: Netlist, number: int, place: Path) -> str:
-    """Return the fault by which a bench kills a mutant, empty if it survives. The netlist itself must pass first."""
-    kept = netlist.folder / f"{bench.name.replace(' ', '-')}.json"
-    with alone(netlist.folder / "passed"):
-        if not kept.exists():
-            begin = time.monotonic()
-            found, measured = bench.run(netlist, 0, emptied(place), 10 * SECONDS)
-            if found:
-                raise SimulationError(f"{bench.name}: the netlist {netlist.name} without mutants fails: {found}")
-            kept.write_text(json.dumps([measured, time.monotonic() - begin]))
-    right, taken = json.loads(kept.read_text())
-    found, measured = bench.run(netlist, number, emptied(place), max(LEAST, TIMES * taken))
-    return found or (f"latency or clocks: {measured} instead of {right}" if measured != right else "")
-
-
-def emptied(place: Path) -> Path:
-    """Return a fresh folder in `place`."""
-    folder = place / f"run{len(list(place.glob('run*')))}"
-    folder.mkdir(parents=True)
-    return folder
-
-
-# ---- unit benches ----------------------------------------------------------------------------------------------------
+    def run(self, mutant: Mutant | None, netlist: Netlist, place: Path, seconds: float) -> tuple[str, str]:
+        name, parameters = source_name(self.module), netlist.modules[self.module]["parameters"]
+        file, others = place / "rtl" / f"{name}.v", place / "rtl" / "others.v"
+        file.parent.mkdir()
+        lines = [
+            netlist.design,
+            *([mutant.command] if mutant else []),
+            f"hierarchy -top {self.module}",
+            *([f"rename -top {name}"] if name != self.module else []),
+            "select A:top",
+            f"write_verilog -noattr -selected {relative(file)}",
+            "select * A:top %d",
+            f"write_verilog -noattr -selected {relative(others)}",
+        ]
+        if error := yosys(place, "replace", lines, SECONDS):
+            return "" if mutant else error, ""
+        declared = "".join(f"  parameter {key} = {value};\n" for key, value in parameters.items())
+        head = re.compile(r"^module [^;]*;\n", re.M)
+        file.write_text(head.sub(lambda found: found[0] + declared, file.read_text(), count=1))
+        (place / LIST).write_text(f"{file.name}\n{others.name}\n")
+        command = [sys.executable, "-m", "tb.mutation.benches", place, json.dumps(self.given)]
+        status, output = finished(command, seconds)
+        if status is None:
+            return TIMEOUT, ""
+        failed = re.search(r"Failed: (\S+)::(.*)", output)
+        return "" if status == 0 else failed[2] if failed else (output.splitlines() or ["no output"])[-1][-200:], ""
 
 
 @functools.cache
@@ -131,44 +114,54 @@ def unit_benches() -> dict[str, Case]:
     return found
 
 
-def unit_fault(mutant: Mutant, place: Path) -> str:
-    """Return the fault by which the bench of its module kills a mutant; empty without one for these parameters."""
+def unit_bench(mutant: Mutant) -> Replaced | None:
+    """Return the unit bench of the module of a mutant; None if there is none for these parameters."""
     module = mutant.options["module"]
-    name, parameters = source_name(module), mutant.netlist.modules[module]["parameters"]
-    case = unit_benches().get(name)
-    if not case:
-        return ""
+    parameters = mutant.netlist.modules[module]["parameters"]
+    if not (case := unit_benches().get(source_name(module))):
+        return None
     try:
         signature(case.bench).bind(**parameters)
     except TypeError:
+        return None
+    return Replaced("unit", module, simulation([(case, parameters)]))
+
+
+def fault(bench: Nodes | Replaced, mutant: Mutant, place: Path) -> str:
+    """Return the fault by which a bench kills a mutant, empty if it survives.
+
+    The netlist itself must pass first. A unit bench that it fails does not support its parameters and kills nothing.
+    """
+    netlist = mutant.netlist
+    passed = netlist.folder / "passed" / f"{bench.name.replace(' ', '-')}.json"
+    with alone(passed.parent):
+        if not passed.exists():
+            begin = time.monotonic()
+            found, measured = bench.run(None, netlist, emptied(place), 10 * SECONDS)
+            if found and not bench.name.startswith("unit"):
+                raise SimulationError(f"{bench.name}: the netlist {netlist.name} without mutants fails: {found}")
+            passed.write_text(json.dumps([found, measured, time.monotonic() - begin]))
+    wrong, right, taken = json.loads(passed.read_text())
+    if wrong:
         return ""
-    given = simulation([(case, parameters)])
+    found, measured = bench.run(mutant, netlist, emptied(place), max(LEAST, TIMES * taken))
+    return found or (f"latency or clocks: {measured} instead of {right}" if measured != right else "")
+
+
+def emptied(place: Path) -> Path:
+    """Return a fresh folder in `place`."""
+    folder = place / f"run{len(list(place.glob('run*')))}"
+    folder.mkdir(parents=True)
+    return folder
+
+
+def finished(command: Sequence[str | Path], seconds: float) -> tuple[int | None, str]:
+    """Run a program; return its exit status, None after `seconds`, and its output."""
     try:
-        right, changed = (_unit(mutant, command, name, parameters, emptied(place)) for command in ("", mutant.command))
-    except YosysError:
-        return ""
-    if simulated(right, given, SECONDS):  # the bench does not support these parameters
-        return ""
-    return simulated(changed, given, TIMES * SECONDS)
-
-
-def _unit(mutant: Mutant, command: str, name: str, parameters: dict[str, int], place: Path) -> Path:
-    """Replace a module in a copy of rtl/ with its flat netlist, changed by a command; return the copy."""
-    copy_rtl(place)
-    (file,) = (place / "rtl").rglob(f"{name}.v")
-    lines = [
-        mutant.netlist.design,
-        *([command] if command else []),
-        f"hierarchy -top {mutant.options['module']}",
-        "flatten",
-        "opt_clean",
-        f"rename -top {name}",
-        f"write_verilog -noattr {relative(file)}",
-    ]
-    yosys(place, lines)
-    head = re.compile(r"^module [^;]*;\n", re.M)
-    file.write_text(head.sub(lambda found: found[0] + declared(parameters), file.read_text(), count=1))
-    return place
+        done = compiled(command, seconds)
+    except subprocess.TimeoutExpired:
+        return None, ""
+    return done.returncode, (done.stderr + done.stdout).strip()
 
 
 def _child(place: str, given: str) -> None:

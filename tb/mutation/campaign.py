@@ -6,7 +6,6 @@ from __future__ import annotations
 import functools
 import itertools
 import json
-import os
 import tempfile
 import time
 from collections.abc import Iterator
@@ -15,11 +14,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from tb.mutation.benches import Jobs, Nodes, fault, unit_fault
+from tb.axi.test_ik_axi import MODULES
+from tb.mutation.benches import Nodes, Replaced, fault, unit_bench
 from tb.mutation.equivalence import proof
-from tb.mutation.netlists import BUILD, Mutant, Netlist
+from tb.mutation.netlists import BUILD, Mutant, Netlist, relative
 from tb.mutation.node_bench import NodeBench
-from tb.mutation.yosys import relative
 from tb.sim.sources import closure
 
 KILLED, PROVED, SURVIVED = "killed", "proved", "survived"
@@ -32,7 +31,7 @@ class Design:
     name: str
     top: str
     parameters: dict[str, int]
-    benches: tuple[Nodes | Jobs, ...]
+    benches: tuple[Nodes | Replaced, ...]
 
     def has(self, only: str) -> bool:
         """Return whether the name of a file of the design contains `only`."""
@@ -53,9 +52,11 @@ def core(*benches: NodeBench) -> Design:
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
-    """Return a design of ``ik_axi``."""
+    """Return a design of ``ik_axi``, with jobs, faults and registers as its bench."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
-    return Design(f"memory {data_w}", "ik_axi", parameters, (Jobs(16),))
+    env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
+    given = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
+    return Design(f"memory {data_w}", "ik_axi", parameters, (Replaced("jobs", "ik_axi", given),))
 
 
 DESIGNS = (
@@ -114,8 +115,7 @@ def judge(job: tuple[int, int, int]) -> Result:
     """Judge a mutant, given by design, seed and number: run benches and equivalence proofs, the cheapest first."""
     design, seed, number = job
     first, *more = DESIGNS[design].benches
-    origin = netlist(design, seed)
-    mutant = origin.mutants[number - 1]
+    mutant = netlist(design, seed).mutants[number - 1]
     begin = time.monotonic()
 
     def result(verdict: str, by: str = "", why: str = "") -> Result:
@@ -125,14 +125,13 @@ def judge(job: tuple[int, int, int]) -> Result:
     (BUILD / "work").mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=BUILD / "work") as folder:
         place = Path(folder)
-        if why := fault(first, origin, number, place):
+        if why := fault(first, mutant, place):
             return result(KILLED, first.name, why)
         if where := proof(mutant, place / "own", climb=False):
             return result(PROVED, where)
-        if why := unit_fault(mutant, place):
-            return result(KILLED, "unit", why)
-        for bench in more:
-            if why := fault(bench, origin, number, place):
+        unit = unit_bench(mutant)
+        for bench in [*([unit] if unit else []), *more]:
+            if why := fault(bench, mutant, place):
                 return result(KILLED, bench.name, why)
         where = proof(mutant, place / "around")
     return result(PROVED if where else SURVIVED, where)
@@ -149,13 +148,10 @@ def recorded(path: Path) -> dict[str, Result]:
 
 
 def append(path: Path, result: Result) -> None:
-    """Append a line in one write, so that a signal leaves no partial line."""
+    """Append a line."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
-    try:
-        os.write(handle, f"{json.dumps(asdict(result))}\n".encode())
-    finally:
-        os.close(handle)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(f"{json.dumps(asdict(result))}\n")
 
 
 def rows(results: list[Result]) -> list[list]:

@@ -12,8 +12,8 @@ import re
 import time
 from pathlib import Path
 
-from tb.mutation.netlists import Mutant, source_name
-from tb.mutation.yosys import SECONDS, YosysError, relative, yosys
+from tb.formal.tools import yosys
+from tb.mutation.netlists import SECONDS, Mutant, relative, source_name
 
 CLOCKS = {"clk", "CLK", "WR_CLK"}
 """Ports that the equiv commands ignore: mutants there are not proved."""
@@ -50,44 +50,43 @@ def equivalent(mutant: Mutant, module: str, place: Path, deep: bool) -> bool:
     right, changed, removed, status = (place / name for name in ("right.il", "changed.il", "removed", "status"))
     removed.write_text("")
     end = time.monotonic() + SECONDS
-    try:
-        for path, command in ((right, []), (changed, [mutant.command])):
-            lines = [
-                mutant.netlist.design,
-                *command,
-                f"hierarchy -top {module}",
-                "flatten" if deep else "blackbox * A:top %d",
-                "opt_clean",
-                f"rename -top {path.stem}",
-                f"write_rtlil {relative(path)}",
-            ]
-            yosys(place, lines)
-        ports = set(PORT.findall(right.read_text()))
-        for _ in range(ROUNDS):
-            lines = [
-                *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
-                "opt_dff",
-                "dffunmap",
-                "opt_expr",
-                "wreduce",
-                "opt_clean",
-                "splitnets",
-                f"equiv_make -blacklist {relative(removed)} right changed both",
-                "cd both",
-                "opt_merge",
-                "equiv_simple -seq 10",
-                "equiv_induct -seq 4",
-                f"tee -q -o {relative(status)} equiv_status",
-            ]
-            yosys(place, lines, max(1.0, end - time.monotonic()))
-            report = status.read_text()
-            if "Equivalence successfully proven!" in report:
-                return True
-            more = set(UNPROVEN.findall(report)) - ports - set(removed.read_text().split())
-            if not more:
-                return False
-            with removed.open("a") as file:
-                file.writelines(f"{name}\n" for name in sorted(more))
-    except YosysError:
-        pass
+    for path, command in ((right, []), (changed, [mutant.command])):
+        lines = [
+            mutant.netlist.design,
+            *command,
+            f"hierarchy -top {module}",
+            "flatten" if deep else "blackbox * A:top %d",
+            "opt_clean",
+            f"rename -top {path.stem}",
+            f"write_rtlil {relative(path)}",
+        ]
+        if yosys(place, path.stem, lines, SECONDS):
+            return False
+    lines = [
+        *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
+        "opt_dff",
+        "dffunmap",
+        "opt_expr",
+        "wreduce",
+        "opt_clean",
+        "splitnets",
+        f"equiv_make -blacklist {relative(removed)} right changed both",
+        "cd both",
+        "opt_merge",
+        "equiv_simple -seq 10",
+        "equiv_induct -seq 4",
+        f"tee -q -o {relative(status)} equiv_status",
+    ]
+    ports = set(PORT.findall(right.read_text()))
+    for _ in range(ROUNDS):
+        if yosys(place, "prove", lines, max(1.0, end - time.monotonic())):
+            return False
+        report = status.read_text()
+        if "Equivalence successfully proven!" in report:
+            return True
+        more = set(UNPROVEN.findall(report)) - ports - set(removed.read_text().split())
+        if not more:
+            return False
+        with removed.open("a") as file:
+            file.writelines(f"{name}\n" for name in sorted(more))
     return False

