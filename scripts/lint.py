@@ -5,6 +5,7 @@ A module is linted at each parameter set below. Any message is a finding; the ex
 waivers are in rtl/lint.vlt.
 """
 
+import itertools
 import os
 import re
 import subprocess
@@ -18,7 +19,7 @@ import click
 
 from scripts.console import InputError, command
 from tb.sim.env import ROOT, environment
-from tb.sim.sources import includes, sources
+from tb.sim.sources import RULES, includes, sources
 
 # engines of memory: narrow and wide buses, addresses and bursts
 BUSES = [{"ADDR_W": a, "DATA_W": d, "LOG2_BURST": b} for a, d, b in ((32, 64, 3), (64, 32, 5), (12, 128, 1))]
@@ -100,18 +101,19 @@ def findings(words: Sequence[str], only_failures: bool = False) -> str:
 
 def lint_module(source: Path) -> tuple[str, str]:
     """Return a module with its parameter sets, and the findings of both simulators."""
-    name = source.stem
-    has_width = re.search(r"\bparameter +(integer +)?W *=", source.read_text(encoding="utf-8"))
+    text, name = source.read_text(encoding="utf-8"), source.stem
+    modules = re.findall(r"^module +(\w+)", text, re.MULTILINE) if source.parent == RULES else [name]
+    has_width = re.search(r"\bparameter +(integer +)?W *=", text)
     sets = MODULE_SETS.get(name) or ([{"W": 32}, {"W": 18}] if has_width else [{}])
     folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / name for name in (*FOLDERS, MODELS))]
     where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
     found = {}  # several parameter sets may give the same message
-    for each in sets:
-        verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", name]
+    for top, each in itertools.product(modules, sets):
+        verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top]
         verilator += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
-        icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", name]
-        icarus += [*where, *(f"-P{name}.{k}={v}" for k, v in each.items()), str(source)]
+        icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", top]
+        icarus += [*where, *(f"-P{top}.{k}={v}" for k, v in each.items()), str(source)]
         found |= {findings(verilator): None, findings(icarus): None}
     at = ", ".join(" ".join(f"{k}={v}" for k, v in each.items()) or "defaults" for each in sets)
     return f"{name} {at}", "\n".join(filter(None, found))

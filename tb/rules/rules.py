@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cocotb side of ``test_rules.py``: plays traces into the monitors and collects the rules they report as broken."""
+"""cocotb side of ``test_rules.py``: traces for the monitors, and drivers that break a rule of a running core."""
 
 from __future__ import annotations
 
+import os
+
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb.types import LogicArray
 
+from model.io.stimuli import mixed
+from tb.axi import machine
+from tb.core.pipeline import Pipeline
 from tb.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 
 ADDRESS, CHANNEL = "ik_rules_address", "ik_rules_channel"
@@ -86,3 +91,47 @@ async def each_rule(top):
             wrong.append(f"{each.port} {each.trace if each.base else ''}: {found}, expected {each.rules}")
     assert not wrong, "\n".join(wrong)
     assert not unbroken, f"no trace for {sorted(unbroken)}"
+
+
+# ---- drivers ---------------------------------------------------------------------------------------------------------
+
+
+async def force(dut) -> None:
+    """Override the bench in every second clock, which must end the simulation.
+
+    IK_FORCE is a comma-separated list of signal=value. IK_WHEN is signal=value: forcing starts in the clock after this
+    first holds following the reset.
+    """
+    forced = [item.split("=") for item in os.environ["IK_FORCE"].split(",")]
+    when, at = os.environ["IK_WHEN"].split("=")
+    if when != "rst":
+        await ClockCycles(dut.clk, 12)
+    await FallingEdge(dut.clk)
+    while getattr(dut, when).value != int(at):
+        await FallingEdge(dut.clk)
+    await FallingEdge(dut.clk)
+    while True:
+        for signal, value in forced:
+            getattr(dut, signal).value = int(value)
+        await ClockCycles(dut.clk, 2)
+        await FallingEdge(dut.clk)
+
+
+@cocotb.test()
+async def stream(dut):
+    """More targets than slots, while no result is accepted."""
+    bench = Pipeline(dut)
+    cocotb.start_soon(force(dut))
+    await bench.reset()
+    bench.sink.pause = True
+    bench.send(mixed(200, bench.width, seed=3))
+    await ClockCycles(dut.clk, 300)
+
+
+@cocotb.test()
+async def memory(dut):
+    """A job with pauses on all channels."""
+    cocotb.start_soon(force(dut))
+    bench = await machine.started(dut, latency=9)
+    bench.stall(*machine.CHANNELS)
+    await bench.solve(0x40000, 0x80000, 60)

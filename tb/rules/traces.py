@@ -189,5 +189,7 @@ BREAKS = [
 
 def names(module: str) -> dict[int, str]:
     """Return number -> name of the rules in a module."""
-    text = (RULES / f"{module}.v").read_text(encoding="utf-8")
+    text = (
+        (RULES / "ik_rules.v").read_text(encoding="utf-8").partition(f"module {module} ")[2].partition("endmodule")[0]
+    )
     return {int(k): name for k, name in re.findall(r'`IK_RULE\((\d), [^"]*"(\w+)", "', text)}

@@ -22,7 +22,7 @@ from cocotb_test.simulator import Verilator, run
 
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
-from tb.sim.sources import RULES, headers, includes, sources, with_rules
+from tb.sim.sources import headers, includes, sources, with_rules
 
 BUILD = coverage.build("sim")
 
@@ -136,7 +136,7 @@ def simulate(
         "toplevel": toplevel,
         "module": module,
         "verilog_sources": [str(p) for p in [*files, *extra]],
-        "includes": [str(folder) for folder in [*includes(root), RULES]],
+        "includes": [str(folder) for folder in includes(root)],
         "parameters": parameters,
         "sim_build": str(folder),
         "extra_env": {"COCOTB_ANSI_OUTPUT": "0", **(env or {})},
@@ -161,8 +161,7 @@ def simulate(
     # cocotb-test compares the ages of sources only, not of included files
     built_as = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built_as.exists():
-        included = [*headers(root), *RULES.glob("*.vh")]
-        options["force_compile"] = max(path.stat().st_mtime for path in included) > built_as.stat().st_mtime
+        options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built_as.stat().st_mtime
     # cocotb-test prefers the environment's SIM to its argument
     with mock.patch.dict(os.environ, SIM=sim), _signals():
         if not built:

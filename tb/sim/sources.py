@@ -82,7 +82,7 @@ END = "\nendmodule\n"
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
     """Return the Verilog files, with copies in ``folder`` where rules apply (kept if unchanged), and the rule files."""
-    return [_bound(path, folder) for path in files] + sorted(RULES.glob("*.v"))
+    return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
 
 
 def _bound(path: Path, folder: Path) -> Path:

@@ -24,9 +24,9 @@ def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path
 
     ``more`` are files of modules outside ``rtl/``.
     """
-    files = {path.stem: path for path in [*sources(), *more]}
-    modules = sorted({module for module, _ in instances.values()})
-    wrappers = [_wrapper(files[module].read_text()) for module in modules]
+    text = "\n".join(path.read_text() for path in [*sources(), *more])
+    headers = {found[1]: found.groups() for found in HEADER.finditer(text)}
+    wrappers = [_wrapper(*headers[module]) for module in sorted({module for module, _ in instances.values()})]
     lines = [
         f"  {module}_wrapper #({_by_name(parameters, parameters.values())}) {name} ();"
         for name, (module, parameters) in instances.items()
@@ -34,8 +34,7 @@ def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path
     return "\n".join(["`default_nettype none", *wrappers, f"module {TOP};", *lines, "endmodule", ""])
 
 
-def _wrapper(text: str) -> str:
-    module, parameters, ports = HEADER.search(text).groups()
+def _wrapper(module: str, parameters: str, ports: str) -> str:
     kinds = {"input": "reg ", "output": "wire"}
     found = PORT.findall(ports)
     names = re.findall(r"parameter integer (\w+)", parameters)
