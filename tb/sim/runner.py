@@ -13,12 +13,11 @@ import re
 import shutil
 import signal
 import threading
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from unittest import mock
 
-from cocotb_test.simulator import Verilator, run
+from cocotb_test.simulator import Icarus, Verilator
 
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
@@ -139,7 +138,7 @@ def simulate(
         "includes": [str(folder) for folder in includes(root)],
         "parameters": parameters,
         "sim_build": str(folder),
-        "extra_env": {"COCOTB_ANSI_OUTPUT": "0", **(env or {})},
+        "extra_env": {"SIM": sim, "COCOTB_ANSI_OUTPUT": "0", **(env or {})},
         "seed": seed,
         "waves": False,
         "timescale": "1ns/1ps",
@@ -162,28 +161,33 @@ def simulate(
     built_as = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built_as.exists():
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built_as.stat().st_mtime
-    # cocotb-test prefers the environment's SIM to its argument
-    with mock.patch.dict(os.environ, SIM=sim), _signals():
-        if not built:
-            _compile(options, folder, built_as, "" if sim == "icarus" else "waves" if waves else "plain")
-        with (
-            mock.patch.object(Verilator, "build_command", _started),  # which would rebuild
-            coverage.counting(root) if sim == "verilator" else nullcontext([]) as counts,
-        ):
-            options["plus_args"] = [*options["plus_args"], *counts]
-            return Path(run(**options))
+    with _signals():
+        if not built and sim == "icarus":
+            with alone(folder), _whole(built_as):
+                Icarus(compile_only=True, **options).run()
+        elif not built:
+            with alone(folder), runtime(folder, "waves" if waves else "plain"):
+                Verilator(compile_only=True, **options).run()
+        if sim == "icarus":
+            return Path(Icarus(**options).run())
+        with coverage.counting(root) as counts:
+            options["plus_args"] += counts
+            return Path(Built(**options).run())
 
 
-def _compile(options: dict, folder: Path, result: Path, kind: str) -> None:
-    """Compile the simulation; ``kind`` selects Verilator's runtime."""
-    with alone(folder), runtime(folder, kind) if kind else nullcontext():
-        try:
-            run(compile_only=True, **options)
-        except BaseException:  # a partial program would pass for a new one
-            result.unlink(missing_ok=True)
-            raise
+class Built(Verilator):
+    """An existing Verilator build."""
+
+    def build_command(self) -> list[list[str]]:
+        """Return the command that starts the program; the base class would build it again."""
+        return [[os.path.join(self.sim_dir, self.toplevel_module), *self.plus_args]]
 
 
-def _started(self: Verilator) -> list[list[str]]:
-    """Return the command that starts an existing program."""
-    return [[os.path.join(self.sim_dir, self.toplevel_module), *self.plus_args]]
+@contextmanager
+def _whole(program: Path):
+    """Remove a program whose compilation fails: a partial one would pass for a new one."""
+    try:
+        yield
+    except BaseException:
+        program.unlink(missing_ok=True)
+        raise

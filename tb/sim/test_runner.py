@@ -1,16 +1,59 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Selection of behavioural or digit-recurrence dividers and roots, from make's command line to the RTL parameter."""
+"""Tests of the environment for simulators, the choice of dividers and roots, and the start of cocotb simulations."""
 
 import os
 import re
+import shutil
 import signal
 import subprocess
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from cocotb_test.simulator import Icarus
 
 from tb.sim import runner, sources
-from tb.sim.env import CORES, ROOT, cores, environment
+from tb.sim.env import CORES, ROOT, cores, environment, simulator, verilator_root
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Return a function that writes a shell script of a given name."""
+
+    def make(name, text):
+        path = tmp_path / name
+        path.write_text(f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+
+    return make
+
+
+def test_environment_puts_the_packaged_verilator_first(tmp_path, program):
+    program("verilator", "echo Verilator 5.006")
+    base = {"PATH": f"{tmp_path}:/usr/bin", "MAKEFLAGS": " -- OUT=x", "WAVES": "1", "VERILATOR_ROOT": "/old"}
+    env = environment(base)
+    assert env["VERILATOR_ROOT"] == str(verilator_root())
+    assert shutil.which("verilator", path=env["PATH"]) == str(verilator_root() / "bin" / "verilator")
+    assert "MAKEFLAGS" not in env and "WAVES" not in env
+    assert environment(env) == env
+    assert base["WAVES"] == "1"
+
+
+def test_compiler_cache_is_used_where_there_is_one(tmp_path, program):
+    assert "OBJCACHE" not in environment({"PATH": str(tmp_path)})
+    program("ccache", "exit 0")
+    env = environment({"PATH": str(tmp_path)})
+    assert (env["OBJCACHE"], env["CCACHE_DIR"]) == ("ccache", str(ROOT / "build" / "ccache"))
+    assert environment({"PATH": str(tmp_path), "CCACHE_DIR": "mine"})["CCACHE_DIR"] == "mine"
+
+
+def test_simulator_name(monkeypatch):
+    monkeypatch.delenv("SIM", raising=False)
+    assert simulator() == "icarus" and simulator("verilator") == "verilator"
+    monkeypatch.setenv("SIM", "verilator")
+    assert simulator() == "verilator" and simulator("icarus") == "icarus"
+    with pytest.raises(ValueError, match="questa.*icarus or verilator"):
+        simulator("questa")
 
 
 def make(*words, **env):
@@ -75,14 +118,25 @@ def test_every_module_above_a_core_has_the_parameter():
         assert len(re.findall(r"\.DIGIT\s*\(DIGIT\)", text)) == len(uses), name
 
 
+def started(monkeypatch, then=lambda: None) -> list[dict]:
+    """Replace cocotb-test's Icarus with a function; return the list of the options that it gets."""
+    given: list[dict] = []
+
+    def icarus(**options):
+        given.append(options)
+        return SimpleNamespace(run=lambda: then() or os.devnull)
+
+    monkeypatch.setattr(runner, "Icarus", icarus)
+    return given
+
+
 def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
     """DIGIT is added only if the test does not set it; behavioural keeps the RTL default and the folder's name."""
-    given = []
-    monkeypatch.setattr(runner, "run", lambda **options: given.append(options["parameters"]) or os.devnull)
+    given = started(monkeypatch)
 
     def parameters(toplevel, core=None, **others):
         runner.simulate(toplevel, "tb.none", parameters=others, sim="icarus", core=core)
-        return given[-1]
+        return given[-1]["parameters"]
 
     monkeypatch.setenv("IK_CORES", "digit")
     assert parameters("ik_axis", W=18, DATAPATH=0) == {"W": 18, "DATAPATH": 0, "DIGIT": 1}
@@ -98,7 +152,7 @@ def test_the_parameter_goes_to_modules_that_have_it(monkeypatch):
 def test_handlers_of_signals_come_back(monkeypatch):
     """Signal handlers are restored: cocotb-test's own would turn a later Ctrl-C into an AssertionError."""
     before = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(runner, "run", lambda **_: signal.signal(signal.SIGINT, lambda *_: None) and os.devnull)
+    started(monkeypatch, lambda: signal.signal(signal.SIGINT, lambda *_: None) and None)
     runner.simulate("ik_guard", "tb.none", sim="icarus")
     assert signal.getsignal(signal.SIGINT) is before
 
@@ -106,16 +160,13 @@ def test_handlers_of_signals_come_back(monkeypatch):
 def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
     """The simulators' runner checks the ages of sources only, so headers must force a build."""
     monkeypatch.setattr(runner, "BUILD", tmp_path)
-    forced = []
-    monkeypatch.setattr(runner, "run", lambda **options: forced.append(options.get("force_compile")) or "")
+    given = started(monkeypatch)
     folder = tmp_path / "icarus" / "ik_trig"
-    folder.mkdir(parents=True)
-    built = folder / os.path.basename(
-        Icarus(toplevel="ik_trig", module="none", verilog_sources=[], sim_build=str(folder)).sim_file
-    )
+    built = Path(Icarus(toplevel="ik_trig", module="none", verilog_sources=[], sim_build=str(folder)).sim_file)
     built.touch()
     newest = max(path.stat().st_mtime for path in sources.headers())
     for age in (1, -1):
         os.utime(built, (newest + age, newest + age))
         runner.simulate("ik_trig", "none", sim="icarus")
+    forced = [options["force_compile"] for options in given]
     assert forced == [False, False, True, True]  # each call compiles, then runs

@@ -14,7 +14,7 @@ import pytest
 from model.dataflow.nodes import Latency
 from model.dataflow.quadratic import INVERSE_ROOT
 from tb.sim.env import ROOT, environment
-from tb.sim.verilator_build import build
+from tb.sim.native_run import build
 
 pytestmark = [pytest.mark.slow, pytest.mark.cost(20)]
 
