@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import uuid
 from collections import Counter
@@ -16,6 +17,7 @@ import numpy as np
 
 from model.io.flags import FLAGS, SATURATED, expected_flags, names
 from model.io.stimuli import mixed
+from model.io.words import FIELDS
 from tb.sim import coverage
 from tb.sim.coverage import Point
 
@@ -63,15 +65,26 @@ def regions(target: Sequence[int]) -> list[str]:
     return [name for name, is_near in near.items() if is_near] or ["regular"]
 
 
-def every_kind(width: int) -> np.ndarray:
-    """Return targets with each flag, and none, in each region where it can occur."""
+@functools.cache
+def kinds(width: int) -> dict[tuple[str, str], list[int]]:
+    """Return a target for each flag, and none, in each region where it can occur."""
     k = 1 << width - 5
-    found = {}
+    found: dict[tuple[str, str], list[int]] = {}
     for target in [*mixed(4000, width, 8).tolist(), (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)]:
         flags = names(int(expected_flags(np.array([target]), width)[0])).split("+")
         for kind in itertools.product(flags, regions(target)):
             found.setdefault(kind, target)
-    return np.array(list(dict.fromkeys(map(tuple, found.values()))))
+    return found
+
+
+def every_kind(width: int, datapath: str = "", stall: str = "") -> np.ndarray:
+    """Return the targets of :func:`kinds`, (N, 6); with a datapath and a stall pattern those whose bin has no sample."""
+    wanted = [
+        tuple(target)
+        for (flag, region), target in kinds(width).items()
+        if not datapath or not HITS[bin_of(flag, datapath, region, stall)]
+    ]
+    return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(FIELDS))
 
 
 HITS: Counter[Point] = Counter()

@@ -109,7 +109,7 @@ def build(
     """Build ``toplevel`` with the C++ driver ``harness``, which includes ``Vtop.h``; return the program.
 
     ``root`` is another copy of ``rtl/``, named by ``name``; ``define`` is a macro for the harness, NAME=VALUE;
-    ``wrapper`` is the Verilog of a toplevel outside ``rtl/``. Raises :class:`RuntimeError` with the compilers' messages.
+    ``wrapper`` is the Verilog of a toplevel outside ``rtl/``. Raises RuntimeError with the compilers' messages.
     """
     folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
     top = folder / f"{toplevel}.v"
