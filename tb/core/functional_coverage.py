@@ -78,7 +78,7 @@ def kinds(width: int) -> dict[tuple[str, str], list[int]]:
 
 
 def every_kind(width: int, datapath: str = "", stall: str = "") -> np.ndarray:
-    """Return the targets of :func:`kinds`, (N, 6); with a datapath and a stall pattern those whose bin has no sample."""
+    """Return the targets of :func:`kinds`, (N, 6); given datapath and stall pattern, those whose bin has no sample."""
     wanted = [
         tuple(target)
         for (flag, region), target in kinds(width).items()
