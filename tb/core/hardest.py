@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Regression list of the hardest targets found so far: ``tb/core/hardest.csv``.
 
-``python -m scripts.soak --keep`` writes it; tb/core/test_hardest.py runs it. A reachable target is hard if its hand
+``python -m scripts.soak --keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its hand
 error is large compared with its tolerance (paper: its prediction) or its quaternions are far from unit length. A row
 holds the datapath, the word length, the six input words, the hand error / reach (from the bit-true model, which the RTL
 equals) and where it was found.
