@@ -7,7 +7,7 @@
 
 A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
 all 12^6 targets of twelve special words on each input. --against c also compares results with the C of table 6. The
-hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/hardest.csv and docs/generated/soak.md.
+hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/worst_targets.csv and docs/generated/soak.md.
 
 The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
 datapath beyond its tolerance, and writes those targets to OUT/failing.csv. The paper datapath has no tolerance near its
@@ -59,7 +59,7 @@ from scripts.console import (
 from scripts.generate.render import render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, library
 from scripts.tables import table_of_hardest, table_of_soak
-from tb.core import hardest
+from tb.core import worst_targets
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
@@ -80,7 +80,7 @@ OPTIONS = [
     parallel.FARM,
     option("--out", "folder for hardest.csv and failing.csv", Path, default="build/soak", metavar="DIR"),
     option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
-    switch("--keep", "update tb/core/hardest.csv and soak.md"),
+    switch("--keep", "update tb/core/worst_targets.csv and soak.md"),
     option("--again", "run the targets of a failing.csv or hardest.csv", Path, metavar="FILE"),
     option("--worst", "search the model of the lean datapath for the largest errors", whole(1), metavar="ROUNDS"),
 ]
@@ -160,7 +160,7 @@ KEPT, EACH, ALIKE = 400, 50, 8
 
 def hand_errors(words: np.ndarray, width: int) -> np.ndarray:
     """Return hand error / reach (N,) of the lean model; 0 for targets out of reach."""
-    return np.nan_to_num(hardest.errors(words, fixed.run(words, width, "lean").results, width)[0])
+    return np.nan_to_num(worst_targets.errors(words, fixed.run(words, width, "lean").results, width)[0])
 
 
 def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
@@ -208,14 +208,14 @@ def _worst(arguments: SimpleNamespace) -> int:
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
-def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> hardest.Row:
+def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> worst_targets.Row:
     error = None if math.isnan(hand_error) else float(hand_error)
-    return hardest.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
+    return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
 
 
-def _read_rows(path: Path) -> list[hardest.Row]:
+def _read_rows(path: Path) -> list[worst_targets.Row]:
     try:
-        return hardest.read(path)
+        return worst_targets.read(path)
     except ValueError as error:
         raise InputError(str(error)) from None
 
@@ -303,7 +303,7 @@ def _compile(sim: str, datapath: str, width: int) -> Core:
 def _soak(arguments: SimpleNamespace) -> int:
     hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
     with output(arguments.out, [hardest_path, failing]):
-        lists = [hardest_path, *([hardest.LIST] if arguments.keep else [])]
+        lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
         if arguments.keep:
             recorded()  # fail on an unusable file before the run, not hours later
@@ -339,14 +339,14 @@ def _soak(arguments: SimpleNamespace) -> int:
             where = f"in chunk {number} of {name}"
             rows = _report(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
             content = [_row(core, broken.words[n], broken.hand[n], f"{name} target {broken.first + n}") for n in rows]
-            write_atomically(failing, hardest.text(content))
+            write_atomically(failing, worst_targets.text(content))
             print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
             return 1
         show(table_of_soak(f"{core}, {name}", core, found, rate), table_of_hardest(found))
         hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
         rows = [_row(core, hard.words, hard.hand_error, f"{name} target {hard.target}") for hard in hards]
         for file, before in earlier.items():
-            write_atomically(file, hardest.text(hardest.merge(before + rows)))
+            write_atomically(file, worst_targets.text(worst_targets.merge(before + rows)))
             print(f"wrote {file}")
         if arguments.keep:
             _keep(core, name, found, arguments.from_)
@@ -359,9 +359,9 @@ def _again(arguments: SimpleNamespace) -> int:
     if not rows:
         raise InputError(f"{arguments.again}: no targets")
     status = 0
-    for (datapath, width), group in hardest.groups(rows).items():
+    for (datapath, width), group in worst_targets.groups(rows).items():
         core = _compile(arguments.sim, datapath, width)
-        words = hardest.array(group)
+        words = worst_targets.array(group)
         found, failures, _ = judge(core, words, range(len(words)))
         _report(failures, words, lambda n, group=group: group[n].found)
         status |= bool(failures)

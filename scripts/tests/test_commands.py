@@ -15,7 +15,7 @@ from scripts.generate import fold_scheduler, memory, pages
 from scripts.paper import __main__ as paper
 from scripts.playground import page as playground
 from scripts.report import page
-from tb.core import hardest
+from tb.core import worst_targets
 from tb.sim.env import ROOT
 
 MAINS = {
@@ -41,7 +41,7 @@ MAINS = {
 }
 """Command -> its main()."""
 
-HEAD = ",".join(hardest.COLUMNS)
+HEAD = ",".join(worst_targets.COLUMNS)
 VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n"
 
 BAD_INPUT = [
@@ -142,7 +142,7 @@ BAD_INPUT = [
 @pytest.mark.parametrize("row", BAD_INPUT, ids=lambda row: row[0][:60])
 def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row):
     monkeypatch.setattr(run, "simulate", lambda *_, **__: pytest.fail("simulates"))
-    monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
+    monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
     for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
         Path(folder).mkdir(parents=True)
     for folder in (".", "o"):

@@ -15,7 +15,7 @@ from model.io import stimuli
 from model.io.flags import FLAGS, UNREACHABLE, expected_flags
 from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
-from tb.core import hardest, random_targets
+from tb.core import random_targets, worst_targets
 from tb.core.random_targets import chunk, judge
 from tb.sim import native_run
 from tb.sim.simulate import Run, SimulationError
@@ -50,7 +50,7 @@ def simulator(monkeypatch, tmp_path):
     monkeypatch.setattr(native_run, "program", lambda datapath, width: None)
     monkeypatch.setattr(soak, "CHUNK", 400)
     monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
-    monkeypatch.setattr(hardest, "LIST", tmp_path / "kept.csv")
+    monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
     monkeypatch.setattr(soak, "FIGURES", tmp_path / "soak.json")
     monkeypatch.setattr(soak, "PAGE", tmp_path / "soak.md")
     return fake
@@ -72,7 +72,7 @@ def test_targets_depend_on_seed_and_number_alone(cli, simulator):
         whole.append(np.concatenate(simulator.calls))
         simulator.calls.clear()
     assert np.array_equal(whole[1], whole[0][:500]) and np.array_equal(whole[2], whole[0][400:1100])
-    numbers = [int(row.found.split()[-1]) for row in hardest.read(Path("later/hardest.csv"))]
+    numbers = [int(row.found.split()[-1]) for row in worst_targets.read(Path("later/hardest.csv"))]
     assert 400 <= min(numbers) and max(numbers) < 1100
 
 
@@ -88,9 +88,9 @@ def test_special_words(cli, simulator):
 def test_the_hardest_targets_are_written(cli, simulator, files):
     assert cli("--targets", "900")[::2] == (0, []) and files() == ["build/soak/hardest.csv"]
     words = np.unique(np.concatenate(simulator.calls), axis=0)
-    hand, norm = hardest.errors(words, fixed.run(words, 32, "lean").results, 32)
+    hand, norm = worst_targets.errors(words, fixed.run(words, 32, "lean").results, 32)
     reachable = np.flatnonzero(~np.isnan(hand))
-    rows = {row.words for row in hardest.read(Path("build/soak/hardest.csv"))}
+    rows = {row.words for row in worst_targets.read(Path("build/soak/hardest.csv"))}
     for error in (hand, norm):
         worst = reachable[np.argsort(-error[reachable], kind="stable")[:5]]
         assert {tuple(target) for target in words[worst].tolist()} <= rows
@@ -99,7 +99,7 @@ def test_the_hardest_targets_are_written(cli, simulator, files):
 def test_hardest_targets_of_other_kinds_are_kept_apart(cli, files):
     for extra in ([], ["--width", "18"], ["--seed", "7"], ["--datapath", "lean25"]):
         assert cli("--targets", "400", *extra)[0] == 0
-    groups = hardest.groups(hardest.read(Path("build/soak/hardest.csv")))
+    groups = worst_targets.groups(worst_targets.read(Path("build/soak/hardest.csv")))
     assert set(groups) == {("lean", 18), ("lean", 32), ("lean25", 32)}
     assert {row.found.split()[1] for row in groups["lean", 32]} == {"1", "7"}, "of both seeds"
 
@@ -120,7 +120,7 @@ def fails(cli, simulator, spoil):
     simulator.spoil = lambda run: spoil(run) if len(simulator.calls) == 2 else None
     status, out, err = cli("--targets", "1200")
     assert (status, len(out), len(simulator.calls)) == (1, 1, 2)
-    return err, hardest.read(Path("build/soak/failing.csv"))
+    return err, worst_targets.read(Path("build/soak/failing.csv"))
 
 
 def test_a_node_that_differs(cli, simulator):
@@ -206,7 +206,7 @@ def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, width, mes
     monkeypatch.setattr(fixed, "run", wrong)
     status, _, err = cli("--targets", "400", "--width", str(width))
     assert status == 1 and message in err[0] and err[1].startswith("soak: its words: x="), err
-    rows = hardest.read(Path("build/soak/failing.csv"))
+    rows = worst_targets.read(Path("build/soak/failing.csv"))
     if "hand" in message:
         assert all(row.hand_error > tolerances.lean(width) for row in rows)
         assert rows[0].hand_error == max(row.hand_error for row in rows)
@@ -240,8 +240,8 @@ def test_keep(cli, simulator):
     """The last run of each datapath, word length and kind of targets is kept; flag counts match exact integers."""
     for words in (["800", "18"], ["400", "24"], ["400", "18", "--seed", "2"], ["400", "18"]):
         assert cli("--keep", "--targets", words[0], "--width", *words[1:])[0] == 0
-    assert hardest.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()
-    for group in hardest.groups(hardest.read(hardest.LIST)).values():
+    assert worst_targets.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()
+    for group in worst_targets.groups(worst_targets.read(worst_targets.LIST)).values():
         errors = [row.hand_error for row in group]
         assert 5 < len(group) <= 20 and errors == sorted(errors, reverse=True)
     rows = soak.recorded()
@@ -251,9 +251,9 @@ def test_keep(cli, simulator):
     assert row["targets"] == 400 == len(words)
     assert row["flags"] == {flag.name: n for flag in FLAGS if (n := int((owed & flag.bit > 0).sum()))}
     assert all(f" {count} |" in soak.PAGE.read_text() for count in row["flags"].values())
-    before = hardest.LIST.read_bytes()
+    before = worst_targets.LIST.read_bytes()
     assert cli("--targets", "400", "--width", "18", "--keep")[0] == 0 == cli("--targets", "800")[0]
-    assert hardest.LIST.read_bytes() == before, "repeated, or not kept"
+    assert worst_targets.LIST.read_bytes() == before, "repeated, or not kept"
     assert check_proofs.PAGES[-1].stale() == []
     soak.FIGURES.write_text(soak.FIGURES.read_text().replace(row["code"], "0" * 16, 1))
     assert len(check_proofs.PAGES[-1].stale()) == 1
@@ -261,7 +261,7 @@ def test_keep(cli, simulator):
 
 @pytest.mark.parametrize("file", ["hardest", "figures"])
 def test_an_unusable_file_is_not_overwritten(cli, simulator, file):
-    kept = hardest.LIST if file == "hardest" else soak.FIGURES
+    kept = worst_targets.LIST if file == "hardest" else soak.FIGURES
     kept.write_text("old")
     status, out, err = cli("--targets", "400", "--keep")
     assert (status, out, len(err), simulator.calls, kept.read_text()) == (2, [], 1, [], "old")

@@ -18,7 +18,7 @@ from model.bounds import tolerances
 from model.io.flags import FLAGS, expected_flags, names
 from model.io.stimuli import REGIONS, corners, edges, extremes, of_special, random_reachable, region, unreachable
 from model.io.words import result_values
-from tb.core import hardest
+from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
@@ -115,7 +115,7 @@ class Found:
 
 def _first(of: list[Hard], measure: Callable[[Hard], float]) -> list[Hard]:
     once = {tuple(hard.words): hard for hard in sorted(of, key=lambda hard: -hard.target)}
-    return sorted(once.values(), key=lambda hard: (-measure(hard), hard.target))[: hardest.KEPT]
+    return sorted(once.values(), key=lambda hard: (-measure(hard), hard.target))[: worst_targets.KEPT]
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def judge(
     run, results, flags = core.run(words)
     if run.results.shape != words.shape or run.flags.shape != (len(words),):
         raise SimulationError(f"{len(words)} targets were sent, {len(run.results)} results came back")
-    hand, norm = hardest.errors(words, run.results, core.width)
+    hand, norm = worst_targets.errors(words, run.results, core.width)
     reachable = np.flatnonzero(~np.isnan(hand))
     candidates = reachable[np.argsort(-hand[reachable], kind="stable")][:CANDIDATES]
     tolerance = np.full(len(words), np.inf)
@@ -208,7 +208,7 @@ def judge(
             text = f"{opinion.of}: a result differs by {difference[worst[0]]:.3e}, tolerance {most:.3e}"
             failures.append(Failure([f"{text} ({len(rows)} targets)"], worst))
 
-    by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: hardest.KEPT]
+    by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: worst_targets.KEPT]
     missing = by_norm[np.isinf(tolerance[by_norm])]
     tolerance[missing] = tolerances.yardstick(words[missing], core.width, core.datapath)
 
@@ -218,7 +218,7 @@ def judge(
             for n in rows.tolist()
         ]
 
-    by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: hardest.KEPT]
+    by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: worst_targets.KEPT]
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
     flagged = Counter({flag.name: int(np.count_nonzero(run.flags & flag.bit)) for flag in FLAGS})
     found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart, flagged)

@@ -12,13 +12,13 @@ import pytest
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
 from model.io.stimuli import mixed
-from tb.core import hardest
+from tb.core import worst_targets
 from tb.core.corner_targets import corner_targets
 from tb.sim.env import simulator
 from tb.sim.job import Run
 from tb.sim.simulate import Job, simulate
 
-GROUPS = hardest.groups(hardest.read(hardest.LIST))
+GROUPS = worst_targets.groups(worst_targets.read(worst_targets.LIST))
 ICARUS = simulator() == "icarus"
 
 QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
@@ -46,7 +46,7 @@ def listed(datapath: str, width: int) -> np.ndarray:
     own = datapath if datapath in DATAPATHS else "lean"
     longest = max(w for d, w in GROUPS if d == own)
     found = width if (own, width) in GROUPS else longest
-    return hardest.array(GROUPS[own, found]) >> max(0, found - width)
+    return worst_targets.array(GROUPS[own, found]) >> max(0, found - width)
 
 
 def targets(datapath: str, width: int) -> np.ndarray:

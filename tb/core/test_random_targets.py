@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the soak's target chunks and of the list of the hardest targets (tb/core/hardest.csv) in the bit-true model.
+"""Tests of the soak's target chunks, and of the list of the hardest targets in the bit-true model.
 
-test_every_node.py runs the list in the RTL.
+test_every_node.py runs the list, tb/core/worst_targets.csv, in the RTL.
 """
 
 import numpy as np
@@ -13,11 +13,11 @@ from model.io.flags import UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, SPECIAL, corners, of_special, region, special, unreachable
 from model.io.words import from_words
 from model.reference.equations import solve_clamped
-from tb.core import hardest
+from tb.core import worst_targets
 from tb.core.random_targets import chunk
 
-ROWS = hardest.read(hardest.LIST)
-GROUPS = hardest.groups(ROWS)
+ROWS = worst_targets.read(worst_targets.LIST)
+GROUPS = worst_targets.groups(ROWS)
 
 
 # ---- chunks ----------------------------------------------------------------------------------------------------------
@@ -84,8 +84,8 @@ def test_the_list_is_sorted_and_bounded():
     order = [(row.datapath, row.width, -row.hand_error, row.words) for row in ROWS]
     assert order == sorted(order)
     assert len({(row.datapath, row.width, row.words) for row in ROWS}) == len(ROWS)
-    assert hardest.text(ROWS) == hardest.LIST.read_text(encoding="utf-8")
-    assert max(map(len, GROUPS.values())) <= 2 * hardest.KEPT
+    assert worst_targets.text(ROWS) == worst_targets.LIST.read_text(encoding="utf-8")
+    assert max(map(len, GROUPS.values())) <= 2 * worst_targets.KEPT
 
 
 @pytest.mark.parametrize(("datapath", "width"), GROUPS)
@@ -95,9 +95,9 @@ def test_errors_in_the_model(datapath, width):
     For the paper's equations the prediction is no bound where two singular poses meet, as they do for these targets.
     """
     rows = GROUPS[datapath, width]
-    words = hardest.array(rows)
+    words = worst_targets.array(rows)
     answer = fixed.run(words, width, datapath)
-    hand, norm = hardest.errors(words, answer.results, width)
+    hand, norm = worst_targets.errors(words, answer.results, width)
     np.testing.assert_allclose(
         hand,
         [row.hand_error for row in rows],
@@ -116,16 +116,16 @@ def of_all_kinds(width: int) -> np.ndarray:
 
 
 def rows_of(words, width=32, datapath="lean", found="here"):
-    return [hardest.Row(datapath, width, tuple(row), 0.5, found) for row in words.tolist()]
+    return [worst_targets.Row(datapath, width, tuple(row), 0.5, found) for row in words.tolist()]
 
 
 def test_merge_keeps_the_hardest_in_any_order():
     words = of_all_kinds(32)
     words = np.unique(words[expected_flags(words, 32) & UNREACHABLE == 0], axis=0)
-    hand, norm = hardest.errors(words, fixed.run(words, 32, "lean").results, 32)
-    kept = hardest.merge(rows_of(words))
-    assert hardest.merge(rows_of(words)[::-1]) == kept and len(kept) == 20
-    assert hardest.merge(kept) == kept
+    hand, norm = worst_targets.errors(words, fixed.run(words, 32, "lean").results, 32)
+    kept = worst_targets.merge(rows_of(words))
+    assert worst_targets.merge(rows_of(words)[::-1]) == kept and len(kept) == 20
+    assert worst_targets.merge(kept) == kept
     error_of = dict(zip(map(tuple, words.tolist()), hand, strict=True))
     norm_of = dict(zip(map(tuple, words.tolist()), norm, strict=True))
     assert [row.hand_error for row in kept] == [error_of[row.words] for row in kept], "errors are computed anew"
@@ -139,8 +139,8 @@ def test_merge_keeps_the_hardest_in_any_order():
 def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():
     words = of_all_kinds(18)
     twice = rows_of(words, 18, found="b") + rows_of(words, 18, found="a")
-    kept = hardest.merge([*rows_of(words[:40], 20), *twice])
-    assert kept == hardest.merge([*twice[::-1], *rows_of(words[:40], 20)])
+    kept = worst_targets.merge([*rows_of(words[:40], 20), *twice])
+    assert kept == worst_targets.merge([*twice[::-1], *rows_of(words[:40], 20)])
     assert {(row.width, row.found) for row in kept} == {(20, "here"), (18, "a")}
     assert [row.width for row in kept] == sorted(row.width for row in kept)
     assert len({(row.width, row.words) for row in kept}) == len(kept)
@@ -148,7 +148,10 @@ def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():
 
 
 def test_the_list_reads_as_it_was_written(tmp_path):
-    rows = [hardest.Row("lean", 18, (1, -2, 3, 4, 5, 6), 1.5e-8, "a, b"), hardest.Row("paper", 32, (0,) * 6, None, "c")]
+    rows = [
+        worst_targets.Row("lean", 18, (1, -2, 3, 4, 5, 6), 1.5e-8, "a, b"),
+        worst_targets.Row("paper", 32, (0,) * 6, None, "c"),
+    ]
     path = tmp_path / "list.csv"
-    path.write_text(hardest.text(rows), encoding="utf-8")
-    assert hardest.read(path) == rows
+    path.write_text(worst_targets.text(rows), encoding="utf-8")
+    assert worst_targets.read(path) == rows

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Regression list of the hardest targets found so far: ``tb/core/hardest.csv``.
+"""Regression list of the hardest targets found so far: ``tb/core/worst_targets.csv``.
 
 ``python -m scripts.soak --keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its hand
 error is large compared with its tolerance (paper: its prediction) or its quaternions are far from unit length. A row
@@ -27,7 +27,7 @@ from model.io.words import FIELDS, result_values
 from model.reference.kinematics import forward
 from tb.sim.env import ROOT
 
-LIST = ROOT / "tb" / "core" / "hardest.csv"
+LIST = ROOT / "tb" / "core" / "worst_targets.csv"
 COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
 
 KEPT = 10
