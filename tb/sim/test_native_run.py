@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
 from model.io.stimuli import mixed
 from tb.sim import native_run
 from tb.sim.env import simulator
@@ -16,25 +15,6 @@ from tb.sim.simulate import simulate
 WIDTH = 18
 QUICK = 3
 """A word length that builds quickly."""
-
-
-@pytest.mark.parametrize(("datapath", "width"), [("lean", 3), ("lean", 18), ("lean", 32), ("paper", 32)])
-def test_the_wrapper_has_every_node_once(datapath, width):
-    text = native_run.wrapper(datapath, width, 0)
-    nodes = native_run.nodes_of(datapath, width)
-    lines = [line.strip(" ,") for line in text.partition("assign nodes = {")[2].splitlines()]
-    signals = [line.strip("{}").split()[-1] for line in lines if "u_core." in line]
-    assert [signal.split(".")[-1] for signal in reversed(signals)] == [node.name for node in nodes]
-    assert {node.instance for node in nodes} >= {f"u_{s}" for s in DATAPATHS[datapath].sections if s != "results"}
-
-
-def test_columns_hold_every_bit():
-    """Columns include the high bits of words longer than 64 bits."""
-    for node in fixed.run(mixed(300, 32, seed=1), 32, "lean").bits.nodes.values():
-        limbs = [column.astype(np.uint64) for column in native_run.columns(node)]
-        words = sum(limb.astype(object) << 64 * k for k, limb in enumerate(limbs))
-        mask = (1 << node.format.width) - 1
-        assert [word & mask for word in words.tolist()] == [int(v) & mask for v in node.value.tolist()], node.name
 
 
 def test_what_cannot_run_natively(tmp_path):
