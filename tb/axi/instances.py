@@ -7,14 +7,12 @@ takes a quarter of the time.
 
 from __future__ import annotations
 
-import json
 import shutil
-import sys
 import tempfile
 from pathlib import Path
 
 from tb.sim.env import ROOT, simulator
-from tb.sim.runner import simulate
+from tb.sim.runner import command
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
 from tb.sim.subprocesses import started
@@ -47,18 +45,9 @@ def apart(modules: str, sim: str, env: dict[str, str], root: Path = ROOT, **opti
     """Run cocotb tests in a separate process, because cocotb-test changes signal handlers and logging; print nothing.
     Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder, open(Path(folder) / "log", "w+") as log:
-        given = json.dumps([modules, str(root), {"sim": sim, "env": env, **options}])
-        with started([sys.executable, "-m", "tb.axi.instances", given], folder, stdout=log, stderr=log) as process:
+        words = command("ik_axi", modules, sim=sim, env=env, root=root, **options)
+        with started(words, folder, stdout=log, stderr=log) as process:
             failed = process.wait()
         log.seek(0)
         if failed:
             raise SimulationError(reason(log.read(), sim))
-
-
-def _child(given: str) -> None:
-    modules, root, options = json.loads(given)
-    simulate("ik_axi", modules, root=Path(root), **options)
-
-
-if __name__ == "__main__":
-    _child(sys.argv[1])

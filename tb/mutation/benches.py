@@ -12,7 +12,6 @@ import importlib
 import json
 import re
 import subprocess
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from tb.mutation import node_bench
 from tb.mutation.netlists import SECONDS, SELECT, Mutant, Netlist, relative, source_name
 from tb.mutation.node_bench import NodeBench
 from tb.sim.env import ROOT
-from tb.sim.runner import alone
+from tb.sim.runner import alone, command
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import LIST
 from tb.sim.subprocesses import compiled
@@ -50,14 +49,14 @@ class Nodes:
         with alone(folder):
             if not (folder / "program").exists():
                 top, half = self.bench.write(folder), folder / "half"
-                command = ["iverilog", "-g2001", "-s", node_bench.TOP, "-o", half, top, netlist.folder / "netlist.v"]
-                status, output = finished(command, SECONDS)
+                build = ["iverilog", "-g2001", "-s", node_bench.TOP, "-o", half, top, netlist.folder / "netlist.v"]
+                status, output = finished(build, SECONDS)
                 if status != 0:
                     raise SimulationError(f"Icarus rejects the netlist {netlist.name}: {output[-300:]}")
                 half.rename(folder / "program")
         number = mutant.number if mutant else 0
-        command = ["vvp", "-n", folder / "program", f"+data={folder / node_bench.DATA}", f"+{SELECT}={number}"]
-        status, output = finished(command, seconds)
+        words = ["vvp", "-n", folder / "program", f"+data={folder / node_bench.DATA}", f"+{SELECT}={number}"]
+        status, output = finished(words, seconds)
         if status is None:
             return TIMEOUT, ""
         last = output.splitlines()[-1] if output else "no output"
@@ -96,8 +95,8 @@ class Replaced:
         head = re.compile(r"^module [^;]*;\n", re.M)
         file.write_text(head.sub(lambda found: found[0] + declared, file.read_text(), count=1))
         (place / LIST).write_text(f"{file.name}\n{others.name}\n")
-        command = [sys.executable, "-m", "tb.mutation.benches", place, json.dumps(self.given)]
-        status, output = finished(command, seconds)
+        given = self.given | {"env": self.given["env"] | {"COCOTB_MAX_FAILURES": "1"}}
+        status, output = finished(command(**given, sim="icarus", root=place, build=place / "sim"), seconds)
         if status is None:
             return TIMEOUT, ""
         failed = re.search(r"Failed: (\S+)::(.*)", output)
@@ -155,24 +154,10 @@ def emptied(place: Path) -> Path:
     return folder
 
 
-def finished(command: Sequence[str | Path], seconds: float) -> tuple[int | None, str]:
+def finished(words: Sequence[str | Path], seconds: float) -> tuple[int | None, str]:
     """Run a program; return its exit status, None after `seconds`, and its output."""
     try:
-        done = compiled(command, seconds)
+        done = compiled(words, seconds)
     except subprocess.TimeoutExpired:
         return None, ""
     return done.returncode, (done.stderr + done.stdout).strip()
-
-
-def _child(place: str, given: str) -> None:
-    """Run cocotb tests; cocotb-test changes signal handlers and logging of its process."""
-    from tb.sim import runner
-
-    runner.BUILD = Path(place) / "sim"
-    options = json.loads(given)
-    env = options.pop("env", {}) | {"COCOTB_MAX_FAILURES": "1"}
-    runner.simulate(**options, env=env, sim="icarus", root=Path(place))
-
-
-if __name__ == "__main__":
-    _child(*sys.argv[1:])

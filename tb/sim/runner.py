@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
+import json
 import os
 import re
 import shutil
 import signal
+import sys
 import threading
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -105,6 +107,7 @@ def simulate(
     top: str = "",
     start: int = 1,
     built: bool = False,
+    build: Path | None = None,
 ) -> Path:
     """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
 
@@ -112,8 +115,8 @@ def simulate(
     ``waves`` is a VCD file to write; ``root`` is another copy of ``rtl/``, and ``name`` distinguishes its build;
     ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
     behavioural); ``top`` is the text of a toplevel outside ``rtl/``; ``start`` is the seed of initial register values
-    under Verilator; ``built`` reuses the build of an earlier call that differs only in env and seeds. Raises
-    ``SystemExit`` when a test or the build fails, as cocotb-test does.
+    under Verilator; ``built`` reuses the build of an earlier call that differs only in env and seeds; ``build`` is
+    another folder of builds. Raises ``SystemExit`` when a test or the build fails, as cocotb-test does.
     """
     use_environment()
     sim = simulator(sim)
@@ -121,7 +124,7 @@ def simulate(
     parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
     if waves and sim == "verilator":
         parts.append("waves")
-    folder = BUILD / sim / "-".join(parts)
+    folder = (build or BUILD) / sim / "-".join(parts)
     extra = []
     if top:
         folder = folder.with_name(f"{folder.name}-{hashlib.sha1(top.encode()).hexdigest()[:10]}")
@@ -191,3 +194,14 @@ def _whole(program: Path):
     except BaseException:
         program.unlink(missing_ok=True)
         raise
+
+
+def command(*names: str, **options) -> list[str]:
+    """Return a command that calls :func:`simulate`, for a separate process: cocotb-test changes signal handlers and
+    logging."""
+    return [sys.executable, "-m", "tb.sim.runner", json.dumps([names, options], default=str)]
+
+
+if __name__ == "__main__":
+    given, named = json.loads(sys.argv[1])
+    simulate(*given, **named | {key: Path(named[key]) for key in ("waves", "root", "build") if named.get(key)})

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import tempfile
 import threading
 from collections.abc import Callable
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from tb.sim import native_run
+from tb.sim import native_run, runner
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
 from tb.sim.subprocesses import full, naming, started
@@ -57,8 +56,21 @@ def simulate(
         with naming(place / "jobs.npz") as file:
             np.savez(file, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
-        arguments = [simulator, datapath, str(width), folder, str(waves or ""), str(root), name, cores or ""]
-        command = [sys.executable, "-m", "tb.sim.simulate", *arguments]
+        command = runner.command(
+            "ik_axis",
+            "tb.core.run_targets",
+            parameters={"W": width, **CONFIGURATIONS[datapath].parameters},
+            sim=simulator,
+            env={
+                "IK_JOBS": str(place / "jobs.npz"),
+                "IK_RESULTS": str(place / "results.npz"),
+                "IK_PROGRESS": str(place / "progress"),
+            },
+            waves=waves,
+            root=root,
+            name=name,
+            core=cores,
+        )
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
             _wait(process, place / "progress", total, progress)
         lacking = full(*([waves.parent] if waves else []))  # a simulator may truncate a waveform silently
@@ -91,32 +103,3 @@ def reason(log: str, simulator: str) -> str:
     """Return the log lines that explain a failure."""
     telling = [line for line in log.splitlines() if any(w in line for w in ("rror", "FAIL", "assert", "syntax"))]
     return "\n".join([f"the {simulator} simulation failed:", *(telling or log.splitlines())[-12:]])
-
-
-def _child(
-    simulator: str, datapath: str, width: str, folder: str, waves: str, root: str, name: str, cores: str
-) -> None:
-    """Entry point of a separate process, because cocotb-test changes signal handlers and logging."""
-    from tb.sim.runner import simulate as run_cocotb
-
-    place, w = Path(folder), int(width)
-    run_cocotb(
-        "ik_axis",
-        "tb.core.run_targets",
-        parameters={"W": w, **CONFIGURATIONS[datapath].parameters},
-        sim=simulator,
-        env={
-            "IK_JOBS": str(place / "jobs.npz"),
-            "IK_RESULTS": str(place / "results.npz"),
-            "IK_PROGRESS": str(place / "progress"),
-        },
-        waves=Path(waves) if waves else None,
-        root=Path(root),
-        name=name,
-        core=cores or None,
-        seed=1,
-    )
-
-
-if __name__ == "__main__":
-    _child(*sys.argv[1:])
