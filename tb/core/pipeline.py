@@ -257,7 +257,7 @@ class Pipeline:
         words = tuple(unpack([int(data, 2)], self.width)[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
-            self.errors.append(f"a result with tag {tag} in clock {self.clock} that nobody asked for")
+            self.errors.append(f"a result with tag {tag} in clock {self.clock} without a target")
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))

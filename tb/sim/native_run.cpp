@@ -196,7 +196,7 @@ int main(int argc, char** argv) {
     // departure
     ++quiet;
     if (top.out_valid) {
-      if (due.empty()) stop(1, "a result with tag " + std::to_string(top.out_tag) + " that nobody asked for");
+      if (due.empty()) stop(1, "a result with tag " + std::to_string(top.out_tag) + " without a target");
       const Flying target = due.front();
       due.pop_front();
       if (top.out_tag != left % kTags) {
