@@ -22,7 +22,7 @@ from types import SimpleNamespace
 
 from scripts.console import command, option, progress, sim_option, whole
 from scripts.parallel import shared
-from tb.axi.instances import CORE, ECHO, apart, echoing, named
+from tb.axi.instances import CORE, ECHO, echoing, named, run_in_process
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
@@ -48,7 +48,7 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
         env |= {"IK_AXI_CORE": "echo"} if echo else {}
         failed = ""
         try:
-            apart("tb.axi.ik_axi", sim, env, parameters=parameters, **options)
+            run_in_process("tb.axi.ik_axi", sim, env, parameters=parameters, **options)
         except SimulationError as error:
             failed = str(error)
         rows = [[int(word) for word in line.split()] for line in done]

@@ -14,8 +14,8 @@ from types import SimpleNamespace
 
 from scripts.console import command, sim_option
 from scripts.generate.render import render
-from tb.axi.instances import apart
-from tb.axi.rates import BATCH, LONG
+from tb.axi.ik_axi import BATCH, LONG
+from tb.axi.instances import run_in_process
 from tb.sim.env import GENERATED, ROOT
 
 PAGE = GENERATED / "memory.md"
@@ -23,11 +23,11 @@ BUSES = (32, 64, 128)
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Return the rows that tb/axi/rates.py writes for one or all latencies. Raises SimulationError."""
+    """Return the rows that test `rates` of tb/axi/ik_axi.py writes for one or all latencies. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
-        apart("tb.axi.rates", sim, env, parameters=parameters)
+        run_in_process("tb.axi.ik_axi", sim, env, parameters=parameters)
         return [json.loads(line) for line in path.read_text().splitlines()]
 
 

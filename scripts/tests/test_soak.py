@@ -358,13 +358,13 @@ def test_jobs_of_memory_are_counted_and_a_failing_piece_is_replayed(command, mon
     """Piece 2 of seed 7 fails."""
     ran = []
 
-    def apart(modules, sim, env, **options):
+    def run_in_process(modules, sim, env, **options):
         ran.append((env["IK_AXI_SEED"], options["parameters"], env.get("IK_AXI_CORE")))
         if env["IK_AXI_SEED"] == "7000003":
             raise SimulationError("result 3 of 5 differs")
         Path(env["IK_AXI_DONE"]).write_text("40 900\n60 1100\n")
 
-    monkeypatch.setattr(soak_memory, "apart", apart)
+    monkeypatch.setattr(soak_memory, "run_in_process", run_in_process)
     monkeypatch.setattr(soak_memory, "ECHO_PLACE", tmp_path)
     status, out, _ = command(soak_memory.main, "--jobs", "401", "--seed", "3", "--processes", "1")
     assert status == 0 and "500 jobs, 10000 targets, seed 3" in out[-1] and len({seed for seed, *_ in ran}) == 5

@@ -8,7 +8,6 @@ import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
@@ -84,27 +83,20 @@ class Core(ctypes.Structure):
     ]
 
 
-class Platform(Protocol):
-    """Callbacks of the driver; the last three are used only if `Driver` enables them."""
-
-    def read(self, offset: int) -> int: ...
-    def write(self, offset: int, value: int) -> None: ...
-    def flush(self, at: int, size: int) -> None: ...
-    def invalidate(self, at: int, size: int) -> None: ...
-    def wait(self) -> bool: ...
-
-
 class Driver:
-    """Handle of one core. An area is a pair: the CPU's pointer and the bus address."""
+    """Handle of one core.
+
+    ``platform`` has the callbacks read and write; with ``interrupt`` also wait, flush and invalidate, the last two for
+    a non-coherent cache. An area is a pair: the CPU's pointer and the bus address.
+    """
 
     def __init__(
         self,
         library: Path,
-        platform: Platform,
+        platform,
         source: tuple[int, int],
         destination: tuple[int, int],
         records: int,
-        cache: bool = False,
         interrupt: bool = False,
         polls: int = 0,
         real: str = "double",
@@ -120,10 +112,9 @@ class Driver:
             records=records,
             polls=polls,
         )
-        if cache:
+        if interrupt:
             self.bus.flush = CACHE(self._guarded(platform.flush))
             self.bus.invalidate = CACHE(self._guarded(platform.invalidate))
-        if interrupt:
             self.bus.wait = WAIT(self._guarded(platform.wait))
         self.core = Core()
         self.target_type = np.dtype([*((name, REALS[real]) for name in FIELDS), ("tag", np.uint32)], align=True)
@@ -153,17 +144,17 @@ class Driver:
         return NAMES[self.call("ik_init", ctypes.byref(self.bus))]
 
     def targets(self, columns: dict[str, np.ndarray], tags: np.ndarray) -> np.ndarray:
-        found = np.zeros(len(tags), self.target_type)
+        targets = np.zeros(len(tags), self.target_type)
         for name, values in {**columns, "tag": tags}.items():
-            found[name] = values
-        return found
+            targets[name] = values
+        return targets
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
-        """Call ik_solve; return the code's name and the results it reports as written. No other result may change."""
+        """Call ik_solve; return the code's name and the results it reports as written; no other may change."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
         code = self.call("ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))
         good = self.core.written * self.result_type.itemsize
-        assert (results[good:] == 0xA5).all(), "results that are not written were touched"
+        assert (results[good:] == 0xA5).all(), "a result that is not reported as written has changed"
         return NAMES[code], results[:good].view(self.result_type)
 
     def text(self, code: int) -> str:

@@ -1,30 +1,41 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Job tests of ``ik_axi``: results equal the model's, neighbouring bytes stay untouched, and the AXI rules hold."""
+"""Job tests of ``ik_axi``: results equal the model's, only the areas are accessed; limits, counters and throughput."""
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
 import cocotb
 from cocotb.triggers import ClockCycles
 
-from model.io.words import BYTES
-from tb.axi.machine import CHANNELS, Machine, started
+from model.io.trajectories import make
+from model.io.words import BYTES, result_words, to_words
+from tb.axi.bench import BURSTS, CHANNELS, Bench, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
-"""Number of random jobs, half of them with pauses."""
+"""Number of random jobs; half of them without pauses. Jobs with pauses on one channel are in addition."""
 
 BASE = 0x40000 - 512
 """Base address of the areas; the smallest tested instance has an address space of 1 MiB."""
 
+QUICKEST = 2
+"""Clocks from AR accepted to the first R beat for a memory without added latency."""
 
-def bursts(address: int, count: int, whole: int, beats: int) -> list[tuple[int, int]]:
+LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
+"""Memory latencies in clocks; B is delayed by the same additional clocks as R."""
+
+BATCH, LONG = 100, 600
+"""Targets of a job: `reach` once, and `reach` repeated."""
+
+
+def bursts(address: int, count: int, bench: Bench) -> list[tuple[int, int]]:
     """Return the expected bursts of an area as (address, beats)."""
     found = []
     while count:
-        size = min(count, whole - address // BYTES % whole)
-        found.append((address, size * beats))
+        size = min(count, bench.per_burst - address // BYTES % bench.per_burst)
+        found.append((address, size * bench.beats))
         address, count = address + size * BYTES, count - size
     return found
 
@@ -32,67 +43,76 @@ def bursts(address: int, count: int, whole: int, beats: int) -> list[tuple[int, 
 @cocotb.test()
 async def one_record(dut):
     """One target gives one result."""
-    machine = await started(dut)
-    await machine.solve(BASE, BASE + 0x2000, 1)
-    await machine.solve(BASE + BYTES, BASE, 1, first=1)
-    machine.check()
+    bench = await started(dut)
+    await bench.solve(BASE, BASE + 0x2000, 1)
+    await bench.solve(BASE + BYTES, BASE, 1, first=1)
+    bench.check()
 
 
 @cocotb.test()
 async def edges_of_bursts(dut):
     """Jobs that start and end at, before and after a burst boundary, with another alignment at the destination."""
-    machine = await started(dut)
-    whole = machine.whole
+    bench = await started(dut)
+    whole = bench.per_burst
     for k, skip in enumerate((0, 1, whole - 1)):
         for count in (1, 2, whole - 1, whole, whole + 1, 2 * whole + 1):
-            machine.monitor.bursts_read.clear()
-            machine.monitor.bursts_written.clear()
             source, destination = 0x8000 + skip * BYTES, 0x20000 + (k * count + count) % whole * BYTES
-            await machine.solve(source, destination, count, first=count)
-            assert machine.monitor.bursts_read == bursts(source, count, whole, machine.beats)
-            written = machine.monitor.bursts_written
-            assert written == bursts(destination, count, whole, machine.beats), f"{count} records: {written}"
-    machine.check()
+            bench.monitor.bursts = {"ar": [], "aw": []}
+            await bench.solve(source, destination, count, first=count)
+            wanted = {"ar": bursts(source, count, bench), "aw": bursts(destination, count, bench)}
+            assert bench.monitor.bursts == wanted, f"{count} records: {bench.monitor.bursts}, expected {wanted}"
+    bench.check()
 
 
 @cocotb.test()
 async def pages(dut):
     """Areas that cross several 4 KiB boundaries, starting just below one."""
-    machine = await started(dut)
-    await machine.solve(0x10000 - BYTES, 0x20000 - 3 * BYTES, 300)
-    machine.check()
-    assert len(machine.monitor.bursts_read) >= 300 // machine.whole
+    bench = await started(dut)
+    await bench.solve(0x10000 - BYTES, 0x20000 - 3 * BYTES, 300)
+    bench.check()
+    assert len(bench.monitor.bursts["ar"]) >= 300 // bench.per_burst
 
 
 @cocotb.test()
 async def long_job(dut):
     """A job of many times the FIFO depth, with pauses: no slot is lost."""
-    machine = await started(dut, seed=4)
-    machine.stall("ar", "r", "aw", "w", "b")
-    await machine.solve(0x40000 - 3 * BYTES, 0x80000 - BYTES, 1500)
-    machine.check()
+    bench = await started(dut, seed=4)
+    bench.stall("ar", "r", "aw", "w", "b")
+    await bench.solve(0x40000 - 3 * BYTES, 0x80000 - BYTES, 1500)
+    bench.check()
 
 
 @cocotb.test()
 async def neighbours(dut):
     """Destination directly after and directly before the source, at both ends of the address space."""
-    machine = await started(dut)
-    count, end = 2 * machine.whole + 3, 1 << machine.addr_width
+    bench = await started(dut)
+    count, end = 2 * bench.per_burst + 3, 1 << bench.addr_width
     size = count * BYTES
     for source, destination in ((0x3000, 0x3000 + size), (0x3000 + size, 0x3000), (0, end - size), (end - size, 0)):
-        machine.place(source, 0, count)
-        await machine.start(source, destination, count)
-        status = await machine.ended()
+        bench.place(source, 0, count)
+        await bench.start(source, destination, count)
+        status = await bench.ended()
         assert status["done"], f"source {source:#x}, destination {destination:#x}: {status}"
-        machine.compare(destination, 0, count)
-    machine.check()
+        bench.compare(destination, 0, count)
+    bench.check()
 
 
-async def random_jobs(machine: Machine, jobs: int) -> None:
-    """Run jobs of mostly small sizes on random disjoint areas; then append their counts to the file IK_AXI_DONE."""
-    numbers = machine.random
-    limit = min(1 << machine.addr_width, 1 << 40) // BYTES
-    solved = 0
+@cocotb.test()
+@cocotb.parametrize(stalled=["none", "all", *CHANNELS[:-1]])
+async def many_jobs(dut, stalled):
+    """Random jobs, mostly small, on disjoint areas, with pauses on no, all or one channel of the memory.
+
+    Appends the numbers of jobs and records to the file IK_AXI_DONE.
+    """
+    bench = await started(dut, seed=2, latency=len(stalled) % 3 * 7)
+    jobs, solved = JOBS // 2, 0
+    if stalled == "all":
+        bench.stall(*CHANNELS)
+    elif stalled != "none":
+        bench.stall(stalled, share=0.7)
+        jobs = JOBS // 20
+    numbers = bench.random
+    limit = min(1 << bench.addr_width, 1 << 40) // BYTES
     for _ in range(jobs):
         count = numbers.choice((numbers.randint(1, 12), numbers.randint(1, 40), numbers.randint(1, 120)))
         source = destination = 0
@@ -102,70 +122,51 @@ async def random_jobs(machine: Machine, jobs: int) -> None:
                 destination = source + numbers.choice((-1, 1)) * (count + numbers.randint(0, 3))
             else:
                 source, destination = (numbers.randint(8, limit - 200) for _ in range(2))
-        await machine.solve(source * BYTES, destination * BYTES, count, first=numbers.randrange(machine.pool))
+        await bench.solve(source * BYTES, destination * BYTES, count, first=numbers.randrange(bench.pool))
         solved += count
-    machine.check()
+    bench.check()
     if path := os.environ.get("IK_AXI_DONE"):
         with Path(path).open("a") as file:
             file.write(f"{jobs} {solved}\n")
 
 
 @cocotb.test()
-async def many_jobs(dut):
-    """Random jobs without pauses."""
-    machine = await started(dut, seed=2)
-    await random_jobs(machine, JOBS // 2)
-
-
-@cocotb.test()
-@cocotb.parametrize(stalled=["all", *(c for c in CHANNELS if c != "lite")])
-async def many_jobs_with_pauses(dut, stalled):
-    """Random jobs, with random pauses on all channels or on one."""
-    machine = await started(dut, seed=3, latency=len(stalled) % 3 * 7)
-    machine.stall(*(CHANNELS if stalled == "all" else (stalled,)), share=0.3 if stalled == "all" else 0.7)
-    await random_jobs(machine, JOBS // 2 if stalled == "all" else JOBS // 20)
-
-
-@cocotb.test()
-@cocotb.parametrize(shut=["r", "aw", "w", "b"])
-async def nobody_answers(dut, shut):
+@cocotb.parametrize(blocked=["r", "aw", "w", "b"])
+async def blocked_channel(dut, blocked):
     """Block one channel: requests stay within FIFO slots and burst limit; after release every result is right."""
-    machine = await started(dut)
-    count = machine.places + 12 * machine.whole
+    bench = await started(dut)
+    count = bench.places + 12 * bench.per_burst
     source, destination = 0x40000, 0x80000
-    machine.place(source, 0, count)
-    for port in (machine.reader.ar_channel, machine.writer.aw_channel, machine.writer.b_channel):
-        port.queue_occupancy_limit = 64  # accept every request
-    channel = getattr(machine.reader if shut == "r" else machine.writer, f"{shut}_channel")
-    channel.pause = True
-    await machine.start(source, destination, count)
-    await ClockCycles(dut.clk, 30 * machine.places + 4 * count * machine.beats // machine.whole)
+    bench.place(source, 0, count)
+    for name in ("ar", "aw", "b"):
+        bench.channel(name).queue_occupancy_limit = 64  # accept every request
+    bench.channel(blocked).pause = True
+    await bench.start(source, destination, count)
+    await ClockCycles(dut.clk, 30 * bench.places + 4 * count * bench.beats // bench.per_burst)
     assert dut.u_job.busy.value == 1
-    most = dict(machine.monitor.most)
-    assert most["reads"] <= 8 and most["writes"] <= 8, f"{most}"
-    assert most["places"] <= machine.places + 1, f"{most}"  # one record may be on W
-    promised = {"r": ("reads", min(8, machine.places // machine.whole)), "b": ("writes", 8)}
-    if shut in promised:
-        name, number = promised[shut]
-        assert most[name] == number, f"{most}, {number} are promised"
-    if shut != "r":  # every allowed request has been made
-        room = 8 * machine.whole if shut == "b" else 0
-        asked = sum(beats for _, beats in machine.monitor.bursts_read) // machine.beats
-        most_asked = machine.places + 1 + room + (shut == "aw") * 10 * machine.whole
-        assert machine.places - machine.whole < asked <= most_asked, f"{asked} records asked for"
-    channel.pause = False
-    assert (await machine.ended())["done"] == 1
-    machine.compare(destination, 0, count)
-    machine.check()
+    most = dict(bench.monitor.most)
+    assert most["reads"] <= BURSTS and most["writes"] <= BURSTS, f"{most}"
+    assert most["places"] <= bench.places + 1, f"{most}"  # one record may be on W
+    if blocked == "r":
+        assert most["reads"] == min(BURSTS, bench.places // bench.per_burst), f"{most}"
+    else:  # every allowed request has been made
+        assert blocked != "b" or most["writes"] == BURSTS, f"{most}"
+        records = sum(beats for _, beats in bench.monitor.bursts["ar"]) // bench.beats
+        limit = bench.places + 1 + {"aw": 10, "w": 0, "b": BURSTS}[blocked] * bench.per_burst
+        assert bench.places - bench.per_burst < records <= limit, f"{records} records requested, limit {limit}"
+    bench.channel(blocked).pause = False
+    assert (await bench.ended())["done"] == 1
+    bench.compare(destination, 0, count)
+    bench.check()
 
 
 @cocotb.test()
 async def counters(dut):
     """CLOCKS counts busy clocks; the stall counters count clocks in which a due beat does not move."""
-    machine = await started(dut, latency=20)
-    await machine.solve(0x4000, 0x8000, 20)
-    assert await machine.read("READ_STALLS") >= 20 and await machine.read("WRITE_STALLS") == 0
-    machine.stall("w", share=0.8)
+    bench = await started(dut, latency=20)
+    await bench.solve(0x4000, 0x8000, 20)
+    assert await bench.read("READ_STALLS") >= 20 and await bench.read("WRITE_STALLS") == 0
+    bench.stall("w", share=0.8)
     busy = [0]
 
     async def count():
@@ -174,9 +175,36 @@ async def counters(dut):
             busy[0] += int(dut.u_job.busy.value)
 
     watch = cocotb.start_soon(count())
-    await machine.solve(0x4000, 0x8000, 60)
+    await bench.solve(0x4000, 0x8000, 60)
     watch.cancel()
-    clocks, waited = await machine.read("CLOCKS"), await machine.read("WRITE_STALLS")
+    clocks, waited = await bench.read("CLOCKS"), await bench.read("WRITE_STALLS")
     assert abs(clocks - busy[0]) <= 1, f"{clocks} counted, busy for {busy[0]}"
     assert 60 < waited < clocks
-    machine.check()
+    bench.check()
+
+
+@cocotb.test()
+@cocotb.parametrize(latency=LATENCIES)
+async def rates(dut, latency):
+    """Require 95 % use of the read bus without added latency; append a row to the file IK_AXI_RATES."""
+    words, _ = to_words(make("reach"), 32)
+    bench = await started(dut, latency=latency - QUICKEST, words=words)
+    assert bench.pool == BATCH
+    clocks = {}
+    for count in (1, BATCH):
+        await bench.solve(0x40000, 0x80000, count)
+        clocks[count] = await bench.read("CLOCKS")
+    results = result_words(bench.memory.read(0x80000, BATCH * BYTES), bench.width)
+    bench.monitor.beats = {"ar": [], "r": []}
+    await bench.solve(0x40000, 0x80000, LONG)
+    bench.check()
+    requested, beats = bench.monitor.beats.values()
+    assert beats[0] - requested[0] == latency, f"{beats[0] - requested[0]} clocks to the first beat, expected {latency}"
+    span = beats[-1] - beats[0] + 1
+    share = len(beats) / span
+    if path := os.environ.get("IK_AXI_RATES"):
+        row = {"whole": bench.per_burst, "latency": latency, "share": share, "each": span / LONG}
+        row |= {"first": clocks[1], "last": clocks[BATCH], "results": results.tolist()}
+        with Path(path).open("a") as file:
+            file.write(json.dumps(row) + "\n")
+    assert latency > QUICKEST or share >= 0.95, f"{share:.3f} of the bus for {LONG * BYTES} bytes"

@@ -41,9 +41,11 @@ def echoing(place: Path, bug: Bug | None = None) -> dict:
     return {"root": place, "name": "echo"}
 
 
-def apart(modules: str, sim: str, env: dict[str, str], root: Path = ROOT, **options) -> None:
-    """Run cocotb tests in a separate process, because cocotb-test changes signal handlers and logging; print nothing.
-    Raises SimulationError."""
+def run_in_process(modules: str, sim: str, env: dict[str, str], root: Path = ROOT, **options) -> None:
+    """Run cocotb tests in a separate process, because cocotb-test changes signal handlers and logging.
+
+    Raises SimulationError.
+    """
     with tempfile.TemporaryDirectory(prefix="ik_") as folder, open(Path(folder) / "log", "w+") as log:
         words = command("ik_axi", modules, sim=sim, env=env, root=root, **options)
         with started(words, folder, stdout=log, stderr=log) as process:

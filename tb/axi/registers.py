@@ -8,8 +8,8 @@ from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 from cocotbext.axi.axil_channels import AxiLiteAWTransaction, AxiLiteWTransaction
 
+from tb.axi.bench import Bench, started
 from tb.axi.ik_regs import FIELDS, OFFSETS, Field
-from tb.axi.machine import Machine, started
 
 ALL = 0xFFFFFFFF
 
@@ -22,16 +22,16 @@ def masks(register: str, access: str) -> int:
     return sum(mask(field) for field in FIELDS[register].values() if field.access == access)
 
 
-def after_reset(machine: Machine) -> dict[str, int]:
+def after_reset(bench: Bench) -> dict[str, int]:
     """Return register -> value after reset; parameter-dependent fields come from the instance."""
     parameters = {
-        "width": machine.width,
-        "data_width": machine.data_width,
-        "addr_width": machine.addr_width,
-        "lean": int(machine.datapath == "lean"),
-        "digit": int(machine.dut.DIGIT.value),
-        "latency": machine.latency,
-        "places": machine.places,
+        "width": bench.width,
+        "data_width": bench.data_width,
+        "addr_width": bench.addr_width,
+        "lean": int(bench.datapath == "lean"),
+        "digit": int(bench.dut.DIGIT.value),
+        "latency": bench.latency,
+        "places": bench.places,
     }
     values = {}
     for register, fields in FIELDS.items():
@@ -41,109 +41,109 @@ def after_reset(machine: Machine) -> dict[str, int]:
     return values
 
 
-async def raw(machine: Machine, address: int, data: int, strobes: int, data_first: int = 0) -> AxiResp:
+async def raw(bench: Bench, address: int, data: int, strobes: int, data_first: int = 0) -> AxiResp:
     """Write with any strobes; data leads the address by ``data_first`` clocks, or follows it if negative."""
-    bus = machine.lite.write_if
+    bus = bench.lite.write_if
     if data_first < 0:
         await bus.aw_channel.send(AxiLiteAWTransaction(awaddr=address, awprot=0))
-        await ClockCycles(machine.dut.clk, -data_first)
+        await ClockCycles(bench.dut.clk, -data_first)
     await bus.w_channel.send(AxiLiteWTransaction(wdata=data, wstrb=strobes))
     if data_first >= 0:
-        await ClockCycles(machine.dut.clk, data_first)
+        await ClockCycles(bench.dut.clk, data_first)
         await bus.aw_channel.send(AxiLiteAWTransaction(awaddr=address, awprot=0))
     return AxiResp(int((await bus.b_channel.recv()).bresp))
 
 
 @cocotb.test()
 async def after_a_reset(dut):
-    machine = await started(dut, pool=8)
-    for register, value in after_reset(machine).items():
-        got = await machine.read(register)
-        assert got == value, f"{register}: {got:#x}, described as {value:#x}"
-    machine.check()
+    bench = await started(dut)
+    for register, value in after_reset(bench).items():
+        got = await bench.read(register)
+        assert got == value, f"{register}: {got:#x}, expected {value:#x}"
+    bench.check()
 
 
 @cocotb.test()
 async def every_field(dut):
     """Write all ones, all zeros and a random word: only writable bits change; read-only registers return SLVERR."""
-    machine = await started(dut, pool=8)
-    values = after_reset(machine)
+    bench = await started(dut)
+    values = after_reset(bench)
     for register in OFFSETS:
         if register == "CONTROL":
             continue
         keeps = masks(register, "rw")
         writable = keeps | masks(register, "w1c")
-        for data in (ALL, 0, machine.random.getrandbits(32)):
-            answer = await machine.write(register, data)
+        for data in (ALL, 0, bench.random.getrandbits(32)):
+            answer = await bench.write(register, data)
             assert answer == (AxiResp.OKAY if writable else AxiResp.SLVERR), f"{register} written: {answer}"
             values[register] = values[register] & ~keeps | data & keeps
             for other, value in values.items():
-                got = await machine.read(other)
+                got = await bench.read(other)
                 assert got == value, f"{data:#x} to {register}: {other} is {got:#x}, expected {value:#x}"
-    machine.check()
+    bench.check()
 
 
 @cocotb.test()
 async def pulses(dut):
     """Each write-1-to-clear bit alone, after a job that sets it; CONTROL reads as 0 and ignores zeros."""
-    machine = await started(dut, pool=8)
+    bench = await started(dut)
     for register, done in (("CONTROL", 0), ("IRQ_STATUS", 1)):
         assert masks(register, "w1c" if done else "w1")
-    await machine.write("CONTROL", 0)
-    await machine.write("CONTROL", ALL & ~masks("CONTROL", "w1"))
-    assert await machine.read("CONTROL") == 0 and await machine.read("STATUS") == 0
+    await bench.write("CONTROL", 0)
+    await bench.write("CONTROL", ALL & ~masks("CONTROL", "w1"))
+    assert await bench.read("CONTROL") == 0 and await bench.read("STATUS") == 0
     jobs = {"done": (0x1000, 0x2000, 0), "error": (0x1001, 0x2000, 1)}
     for name, job in jobs.items():
         field = FIELDS["IRQ_STATUS"][name]
         for enabled in (0, 7 & ~mask(field), mask(field)):
-            await machine.write("IRQ_ENABLE", enabled)
-            await machine.start(*job)
-            status = await machine.ended(20)
+            await bench.write("IRQ_ENABLE", enabled)
+            await bench.start(*job)
+            status = await bench.ended(20)
             assert status[name] == 1
             await ClockCycles(dut.clk, 3)
-            assert await machine.read("IRQ_STATUS") == mask(field), name
+            assert await bench.read("IRQ_STATUS") == mask(field), name
             assert dut.irq.value == bool(enabled & mask(field)), f"irq with {enabled:#x} enabled"
-            await machine.write("IRQ_STATUS", ALL & ~mask(field))
-            assert await machine.read("IRQ_STATUS") == mask(field), "erased by a 1 elsewhere"
-            await machine.write("IRQ_STATUS", mask(field))
-            assert await machine.read("IRQ_STATUS") == 0
+            await bench.write("IRQ_STATUS", ALL & ~mask(field))
+            assert await bench.read("IRQ_STATUS") == mask(field), "cleared by a 1 in another bit"
+            await bench.write("IRQ_STATUS", mask(field))
+            assert await bench.read("IRQ_STATUS") == 0
             await ClockCycles(dut.clk, 3)
             assert dut.irq.value == 0
-    machine.check()
+    bench.check()
 
 
 @cocotb.test()
 async def strobes(dut):
     """Every strobe pattern on every writable register, with address and data in any order."""
-    machine = await started(dut, pool=8)
+    bench = await started(dut)
     for register, offset in OFFSETS.items():
         keeps = masks(register, "rw")
-        value = await machine.read(register)
-        for lanes in machine.random.sample(range(16), 16) if keeps else ():
-            data = machine.random.getrandbits(32)
-            answer = await raw(machine, offset, data, lanes, machine.random.choice((-5, -1, 0, 0, 1, 5)))
+        value = await bench.read(register)
+        for lanes in bench.random.sample(range(16), 16) if keeps else ():
+            data = bench.random.getrandbits(32)
+            answer = await raw(bench, offset, data, lanes, bench.random.choice((-5, -1, 0, 0, 1, 5)))
             assert answer == AxiResp.OKAY
             bits = sum(0xFF << 8 * k for k in range(4) if lanes >> k & 1) & keeps
             value = value & ~bits | data & bits
-            got = await machine.read(register)
+            got = await bench.read(register)
             assert got == value, f"{data:#x} with strobes {lanes:04b} to {register}: {got:#x}, expected {value:#x}"
     # a pulse needs the strobe of its byte
     for lanes in (0, 14):
-        await raw(machine, OFFSETS["CONTROL"], 1, lanes)
-    assert await machine.read("STATUS") == 0 and await machine.read("IRQ_STATUS") == 0
-    machine.check()
+        await raw(bench, OFFSETS["CONTROL"], 1, lanes)
+    assert await bench.read("STATUS") == 0 and await bench.read("IRQ_STATUS") == 0
+    bench.check()
 
 
 @cocotb.test()
-async def nothing_there(dut):
+async def unmapped_address(dut):
     """An unmapped address returns SLVERR, reads as 0 and changes nothing."""
-    machine = await started(dut, pool=8)
-    machine.stall("lite")
+    bench = await started(dut)
+    bench.stall("lite")
     last = max(OFFSETS.values())
-    before = [await machine.read(register) for register in OFFSETS]
+    before = [await bench.read(register) for register in OFFSETS]
     for address in (last + 4, last + 8, 0x7C, 0x80, 0x100, 0x400, 0x800 + OFFSETS["COUNT"], 0xFFC):
-        assert (await machine.lite.write(address, b"\xff\xff\xff\xff")).resp == AxiResp.SLVERR, f"write to {address:#x}"
-        answer = await machine.lite.read(address, 4)
+        assert (await bench.lite.write(address, b"\xff\xff\xff\xff")).resp == AxiResp.SLVERR, f"write to {address:#x}"
+        answer = await bench.lite.read(address, 4)
         assert (answer.resp, answer.data) == (AxiResp.SLVERR, bytes(4)), f"read of {address:#x}: {answer}"
-    assert [await machine.read(register) for register in OFFSETS] == before
-    machine.check()
+    assert [await bench.read(register) for register in OFFSETS] == before
+    bench.check()

@@ -1,49 +1,276 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the C driver on ``ik_axi``, most of them with an echo instead of the datapath."""
+"""Tests of the C driver: by itself on a register model, and on ``ik_axi``, mostly with an echo as the datapath."""
 
+import ctypes
 import shutil
+import subprocess
 
+import numpy as np
 import pytest
 
-from tb.axi.binding import compiled
-from tb.axi.instances import echoing
+from model.io.words import BYTES, FIELDS, TargetError, Targets, result_records, result_values, target_records, to_words
+from tb.axi.binding import CODES, FLAGS, SOURCE, Driver, compiled
+from tb.axi.ik_regs import OFFSETS
+from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
-MODULE = "tb.axi.driver"
-FEW = "who_is_there|solves/interrupt=.*/arm=metres|error_on_the_bus/interrupt=True/.*=slverr|aborted/interrupt=False"
+REGISTER = {offset: name for name, offset in OFFSETS.items()}
+RECORDS = 400
+"""Capacity of each buffer; less than the longest call."""
 
-pytestmark = [pytest.mark.sim, pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")]
+pytestmark = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
 
-def run(folder, library, tests: str, echo: bool = True, **parameters: int) -> None:
-    env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests}
-    options = {}
-    if echo:
-        options = echoing(folder)
-        env["IK_AXI_CORE"] = "echo"
-    simulate("ik_axi", MODULE, parameters=parameters, env=env, seed=1, **options)
+class RegisterModel:
+    """Register model whose jobs end at once with random words. `jobs`: the target records of each job."""
 
+    def __init__(self, width: int = 32, identity: int = 0x494B0100) -> None:
+        self.registers = dict.fromkeys(OFFSETS, 0) | {"ID": identity, "CONFIG": 0x01204000 | width, "PIPELINE": 55}
+        self.memory = ctypes.create_string_buffer(2 * RECORDS * BYTES)
+        self.random = np.random.default_rng(1)
+        self.jobs: list[bytes] = []
+        self.words: list[np.ndarray] = []
+
+    @property
+    def areas(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        at = ctypes.addressof(self.memory)
+        return (at, 0x1000), (at + RECORDS * BYTES, 0x8000)
+
+    def read(self, offset: int) -> int:
+        return self.registers[REGISTER[offset]]
+
+    def write(self, offset: int, value: int) -> None:
+        name = REGISTER[offset]
+        if name == "CONTROL" and value == 1:
+            self.run(self.registers["COUNT"])
+        elif name == "IRQ_STATUS":
+            self.registers[name] &= ~value
+        else:
+            self.registers[name] = value
+
+    def run(self, count: int) -> None:
+        assert self.registers["SOURCE_LO"] == 0x1000 and self.registers["DESTINATION_LO"] == 0x8000
+        self.jobs.append(self.memory.raw[: count * BYTES])
+        words = self.random.integers(-(2**31), 2**31, (count, 6))
+        words[:2] = (-(2**31), 2**31 - 1, 2**30, -(2**30), 0, -1)
+        tags = np.frombuffer(self.jobs[-1], "<u4").reshape(-1, 8)[:, 6] & 0xFFFFFF
+        data = result_records(words, words[:, 0] & 0xFF, tags, 32)
+        ctypes.memmove(self.areas[1][0], data, len(data))
+        self.words.append(words)
+        self.registers["IRQ_STATUS"] = 1
+
+
+def random_targets(random: np.random.Generator, count: int, decades: int) -> dict[str, np.ndarray]:
+    """Return arms in any unit, coordinates up to and beyond the scaling limit, and phi of any size."""
+    unit = 10.0 ** random.uniform(-decades, decades)
+    spread = 10.0 ** random.uniform(-3, 1.3)
+    columns = dict(zip("xyz", unit * spread * random.normal(0, 1, (3, count)), strict=True))
+    some = random.random(count) < 0.3
+    columns["phi"] = random.normal(0, 4, count) * 10.0 ** (random.integers(-20, 20, count) * some)
+    columns |= dict(zip(("d1", "d2"), unit * 10.0 ** random.uniform(-random.uniform(0, 5), 0, (2, count)), strict=True))
+    return columns
+
+
+def corners() -> list[dict[str, np.ndarray]]:
+    """Return ties, both ends of the format, the largest and smallest double, whole and half turns."""
+    ulp = 2.0**-30
+    fractions = np.array([0.5, 1.5, 2.5, 0.5 - 2**-20, 0.5 + 2**-20, 1 - 2**-22]) * ulp
+    lengths = np.concatenate([fractions, -fractions, [0, -0.0, -2, 2 - ulp, 2 - ulp / 2, 2 - ulp / 4, 1, -1, 1e-310]])
+    turns = np.array([0, 1, 2, 3, 2**31 - 0.5, 2**31 + 0.5, 2**31 - 0.25, 2**32, 0.25, 7e25, 7e35, 7e45, 1e300]) / 2**32
+    phi = np.resize(np.concatenate([turns, -turns[-4:]]) * (2 * np.pi), len(lengths))
+    plain = {"x": lengths, "y": lengths[::-1], "z": np.roll(lengths, 1), "phi": phi, "d1": 1.0, "d2": 0.75}
+    one = {name: np.array([0.25]) for name in FIELDS}
+    tiny, huge = 5e-324, float(np.finfo(np.float64).max)
+    return [
+        {name: values * scale if name != "phi" else values for name, values in plain.items()}
+        for scale in (1.0, 2.0**-1000, 2.0**1000)
+    ] + [
+        one | {"d1": tiny, "d2": tiny, "x": tiny, "y": -2 * tiny, "z": 0.0},
+        one | {"d1": huge / 2, "d2": huge / 2, "x": huge, "y": -huge},
+        one | {"d1": huge, "d2": huge},
+        one | {"d1": 1.0, "d2": 1.0 - 2**-53},  # a reach that rounds up to 2
+        one | {"d1": 1.0, "d2": 2.0**-31},
+        one | {"d1": 1.0, "d2": 2.0**-31 + 2.0**-60},
+        *(one | {"d1": 0.5, "d2": 0.5, "x": x} for x in (-2.0, 2.0, -32.0, 32.0, -33.0, 32.0 - 2**-48, 31.9)),
+    ]
+
+
+def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) -> str:
+    """Solve and compare every bit with the model; return the code's name."""
+    core.jobs.clear(), core.words.clear()
+    columns = {name: np.broadcast_to(np.asarray(values), len(tags)) for name, values in columns.items()}
+    targets = driver.targets(columns, tags)
+    wide = Targets(name="test", **{name: targets[name].astype(np.float64) for name in FIELDS})
+    code, results = driver.solve(targets)
+    try:
+        words, _ = to_words(wide, 32)
+    except TargetError as error:
+        assert code == ("too_short" if "too short" in str(error) else "too_far_out"), f"{code}: {error}"
+        assert not core.jobs
+        if code == "too_short":
+            assert f"target {driver.core.bad}," in str(error)
+        return code
+    assert code == "none", f"{code} for target {driver.core.bad}"
+    assert len(core.jobs) == -(-len(tags) // RECORDS)
+    got, wanted = b"".join(core.jobs), target_records(words, tags)
+    if got != wanted:
+        rows = [np.frombuffer(data, "<i4").reshape(-1, 8) for data in (got, wanted)]
+        k = int(np.argmax((rows[0] != rows[1]).any(axis=1)))
+        raise AssertionError(f"target {k} {targets[k]}: words {rows[0][k]}, expected {rows[1][k]}")
+    values = result_values(np.concatenate(core.words), 32).astype(results["qs"].dtype)
+    assert (results["qs"] == values[:, :4]).all() and (results["qe"] == values[:, 4:]).all()
+    assert (results["tag"] == tags & 0xFFFFFF).all()
+    assert (results["flags"] == np.concatenate(core.words)[:, 0] & 0xFF).all()
+    return code
+
+
+def numbers(library, real: str = "double", sets: int = 120, count: int = 1000) -> list[str]:
+    """Solve random targets, by default 120 sets of 1000, and the corners; return the codes."""
+    core = RegisterModel()
+    driver = Driver(library, core, *core.areas, RECORDS, real=real, polls=3)
+    assert driver.start_up() == "none"
+    random = np.random.default_rng(7)
+    asked = corners() if real == "double" else []
+    asked += [random_targets(random, count, 300 if real == "double" else 35) for _ in range(sets)]
+    codes = []
+    for columns in asked:
+        tags = random.integers(0, 2**32, max(np.size(values) for values in columns.values()))
+        codes.append(check(driver, core, columns, tags))
+    return codes
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    return compiled(tmp_path_factory.mktemp("driver"))
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
+    """The driver compiles freestanding and references no external function except memcpy and memset."""
+    if not shutil.which(compiler):
+        pytest.skip(f"no {compiler} here")
+    made = tmp_path / "ik.o"
+    command = [compiler, *FLAGS, "-ffreestanding", "-c", f"-DIK_REAL={real}", "-o", made, SOURCE / "ik.c"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    listed = subprocess.run(["nm", "-u", made], capture_output=True, text=True, check=True).stdout.split()
+    assert set(listed) <= {"U", "memcpy", "memset"}, listed  # a compiler may emit calls to these
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_numbers(real, tmp_path):
+    codes = numbers(compiled(tmp_path, f"-DIK_REAL={real}"), real)
+    assert {"none", "too_far_out", *(["too_short"] if real == "double" else [])} == set(codes)
+    assert codes.count("none") > 100
+
+
+def test_no_undefined_behaviour(tmp_path, capfd):
+    try:
+        library = compiled(tmp_path, "-fsanitize=undefined")
+    except AssertionError:
+        pytest.skip("the compiler has no sanitizer")
+    numbers(library, sets=20, count=100)
+    assert "runtime error" not in capfd.readouterr().err
+
+
+def test_bad_targets_are_refused(library):
+    """Bad targets are refused before any job starts, and the first bad target is named."""
+    core = RegisterModel(width=18)
+    driver = Driver(library, core, *core.areas, RECORDS)
+    good = {name: np.full(9, 0.25) for name in FIELDS}
+    tags = np.arange(9)
+    assert driver.solve(driver.targets(good, tags))[0] == "no_core", "before ik_init"
+    assert driver.start_up() == "none"
+    assert (driver.core.width, driver.core.data_width, driver.core.addr_width) == (18, 64, 32)
+    assert (driver.core.latency, driver.core.lean) == (55, True)
+    cases = [(name, value, "not_finite") for name in FIELDS for value in (np.nan, np.inf, -np.inf)]
+    cases += [(name, value, "not_an_arm") for name in ("d1", "d2") for value in (0.0, -0.25, -5e-324)]
+    cases += [(name, value, "too_far_out") for name in "xyz" for value in (16.0, -16.1)]
+    cases += [(name, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # for words of 18 bits
+    for k, (name, value, code) in enumerate(cases):
+        bad = {**good, name: np.where(np.arange(9) == k % 9, value, good[name])}
+        assert driver.solve(driver.targets(bad, tags))[0] == code, f"{name} {value}"
+        assert driver.core.bad == k % 9
+    assert driver.solve(driver.targets(good, tags)[:0])[0] == "no_targets"
+    for arguments in ((None, tags.ctypes), (tags.ctypes, None)):
+        assert driver.call("ik_solve", *arguments, ctypes.c_size_t(9)) == CODES["null"]
+    assert driver.linked.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
+    assert not core.jobs
+    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half a word of 18 bits; the core rounds it up
+    assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
+
+
+def test_start_up(library):
+    for identity, code in (
+        (0x494B0100, "none"),
+        (0x494B01FF, "none"),
+        (0x494B0200, "version"),
+        (0x494A0100, "no_core"),
+        (0, "no_core"),
+        (0xFFFFFFFF, "no_core"),
+    ):
+        core = RegisterModel(identity=identity)
+        driver = Driver(library, core, *core.areas, RECORDS)
+        assert driver.start_up() == code
+        solved = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))[0]
+        assert solved == ("none" if code == "none" else "no_core")
+    core = RegisterModel()
+    core.registers["STATUS"] = 1  # never cleared
+    assert Driver(library, core, *core.areas, RECORDS, polls=9).start_up() == "timeout"
+    core = RegisterModel()
+    for name in ("read", "write", "source", "destination", "records"):
+        driver = Driver(library, core, *core.areas, RECORDS)
+        setattr(driver.bus, name, type(getattr(driver.bus, name))())
+        assert driver.start_up() == "null", name
+    assert driver.call("ik_init", None) == CODES["null"]
+    assert driver.linked.ik_init(None, ctypes.byref(driver.bus)) == CODES["null"]
+
+
+def test_missing_result(library):
+    """A job reports done, but the core did not write the buffer."""
+    core = RegisterModel()
+    elsewhere = ctypes.create_string_buffer(RECORDS * BYTES)
+    source, (_, address) = core.areas
+    driver = Driver(library, core, source, (ctypes.addressof(elsewhere), address), RECORDS)
+    assert driver.start_up() == "none"
+    code, results = driver.solve(driver.targets({name: np.ones(7) for name in FIELDS}, np.arange(7)))
+    assert (code, len(results)) == ("lost", 0)
+
+
+def test_texts(library):
+    """Each code has its own text."""
+    driver = Driver(library, RegisterModel(), *RegisterModel().areas, RECORDS)
+    texts = [driver.text(code) for code in CODES.values()]
+    assert len(set(texts)) == len(CODES) and all(text.endswith(".") for text in texts)
+    (unknown,) = {driver.text(code) for code in (-1, 10, 15, max(CODES.values()) + 1)}
+    assert unknown not in texts
+
+
+# ---- on ik_axi -------------------------------------------------------------------------------------------------------
 
 ICARUS = simulator() == "icarus"
+FEW = "ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"
 SMALL = {"W": 18, "ADDR_W": 20}
-SETS = (
-    {"few": (FEW, SMALL)}
-    if ICARUS
-    else {
-        "all": ("", SMALL),
-        "long_addresses": ("", {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}),
-    }
-)
+INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}]
 
 
+def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **options) -> None:
+    """Run tests of tb/axi/driver.py."""
+    env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, **env}
+    simulate("ik_axi", "tb.axi.driver", parameters=parameters, env=env, seed=1, **options)
+
+
+@pytest.mark.sim
 @pytest.mark.cost(20)
-@pytest.mark.parametrize(("tests", "parameters"), SETS.values(), ids=list(SETS))
-def test_around_the_core(tmp_path, tests, parameters):
-    run(tmp_path, compiled(tmp_path), tests, **parameters)
+@pytest.mark.parametrize("parameters", INSTANCES, ids=named)
+def test_around_the_core(library, tmp_path, parameters):
+    run(library, FEW if ICARUS else "", parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
 
 
+@pytest.mark.sim
 @pytest.mark.cost(30)
 @pytest.mark.skipif(ICARUS, reason="Verilator runs the same tests in a tenth of the time")
-def test_with_the_core(tmp_path):
-    run(tmp_path, compiled(tmp_path), "solves/interrupt=True/arm=(small|metres)", echo=False)
+def test_with_the_core(library):
+    run(library, "solves/interrupt=True/stalled=False", {}, {})

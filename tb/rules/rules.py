@@ -11,7 +11,8 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb.types import LogicArray
 
 from model.io.stimuli import mixed
-from tb.axi import machine
+from tb.axi.bench import CHANNELS as AXI_CHANNELS
+from tb.axi.bench import started
 from tb.core.pipeline import Pipeline
 from tb.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 
@@ -132,6 +133,6 @@ async def stream(dut):
 async def memory(dut):
     """A job with pauses on all channels."""
     cocotb.start_soon(force(dut))
-    bench = await machine.started(dut, latency=9)
-    bench.stall(*machine.CHANNELS)
+    bench = await started(dut, latency=9)
+    bench.stall(*AXI_CHANNELS)
     await bench.solve(0x40000, 0x80000, 60)

@@ -48,7 +48,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("s_axi B_AFTER_DATA", REGISTERS, "strobes", REGS, "waddr_held && wdata_held &&", "waddr_held &&"),
     ("s_axi BRESP", REGISTERS, "every_field", REGS, "s_axi_bresp <= SLVERR", "s_axi_bresp <= 2'b01"),
     ("s_axi R_AFTER_ADDRESS", REGISTERS, "after_a_reset", REGS, "read = raddr_held &&", "read ="),
-    ("s_axi RRESP", REGISTERS, "nothing_there", REGS, "s_axi_rresp <= SLVERR", "s_axi_rresp <= 2'b01"),
+    ("s_axi RRESP", REGISTERS, "unmapped_address", REGS, "s_axi_rresp <= SLVERR", "s_axi_rresp <= 2'b01"),
     ("m_axi.aw VALID_STAYS", JOBS, "stalled=aw", WRITE, "else if (m_axi_awready) m_axi", "else m_axi"),
     ("m_axi.ar_burst BURST_TYPE", JOBS, "one_record", AXI, *ar(burst="2'b11")),
     ("m_axi.ar_burst BURST_SIZE", JOBS, "one_record", AXI, *ar(size="3'd4")),
@@ -59,7 +59,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("m_axi.write WLAST", JOBS, "edges_of_bursts", WRITE, " || to_send == {{LOG2_PLACES{1'b0}}, 1'b1}", ""),
     ("m_axi.write WSTRB", JOBS, "one_record", AXI, "m_axi_awprot} = {1'b0, SIZE", "m_axi_awprot} = {1'b0, 3'd2"),
     # properties of jobs, which the bench itself checks
-    ("free_places", JOBS, "nobody_answers/shut=w", READ, " && free >= {{(P - N) {1'b0}}, size};", ";"),
+    ("free_places", JOBS, "blocked_channel/blocked=w", READ, " && free >= {{(P - N) {1'b0}}, size};", ";"),
     ("error_code", FAULTS, "error_on_read", READ, "error_decode <= m_axi_rresp[0]", "error_decode <= 1'b0"),
     ("error_stops_writes", FAULTS, "error_on_write", JOB, "aborted || write_error", "aborted"),
     ("all_answers", JOBS, "counters", WRITE, "bursts == 0 && (stop", "(stop"),

@@ -16,7 +16,7 @@ from model.io.trajectories import make
 from model.io.words import from_words, result_values, to_words
 from scripts.generate.memory import measured
 from scripts.paper.table6.contenders import hand_errors
-from tb.axi.rates import LATENCIES
+from tb.axi.ik_axi import LATENCIES
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate
 
