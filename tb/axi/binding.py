@@ -20,14 +20,12 @@ SOURCE = ROOT / "examples" / "driver"
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
 
 
-def _codes() -> dict[str, int]:
-    """Return name -> number of every code: the hardware's, and the driver's from the enumeration in ik.h."""
-    listed = re.findall(r"^    IK_(\w+)( = 16)?, ", (SOURCE / "ik.h").read_text(encoding="utf-8"), re.MULTILINE)
-    first = next(k for k, (_, number) in enumerate(listed) if number)
-    return HARDWARE | {name.lower(): 16 + k for k, (name, _) in enumerate(listed[first:])}
+LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 16,")[2]
+CODES = HARDWARE | {
+    name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
+}
+"""Name -> number of every code: the hardware's, and the driver's from ik.h."""
 
-
-CODES = _codes()
 NAMES = {number: name for name, number in CODES.items()}
 
 REALS = {"double": np.float64, "float": np.float32}
@@ -39,7 +37,7 @@ def compiled(folder: Path, *options: str, text: str = "") -> Path:
     if text:
         source = folder / "ik.c"
         source.write_text(text)
-    command = ["cc", *FLAGS, f"-I{SOURCE}", *options, "-shared", "-fPIC", "-o", str(library), str(source)]
+    command = ["cc", *FLAGS, f"-I{SOURCE}", *options, "-shared", "-fPIC", "-o", library, source]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and not done.stderr, done.stderr
     return library
@@ -84,10 +82,9 @@ class Core(ctypes.Structure):
 
 
 class Driver:
-    """Handle of one core.
+    """Handle of one core. An area is a pair: the CPU's pointer and the bus address.
 
-    ``platform`` has the callbacks read and write; with ``interrupt`` also wait, flush and invalidate, the last two for
-    a non-coherent cache. An area is a pair: the CPU's pointer and the bus address.
+    ``platform`` has the callbacks read and write, and with ``interrupt`` also wait, flush and invalidate.
     """
 
     def __init__(

@@ -23,14 +23,17 @@ SOURCE, DESTINATION = 0x40000 - 5 * BYTES, 0x80000 - 2 * BYTES
 DONE, ERROR, REFUSED = 1, 2, 4  # bits of IRQ_STATUS
 
 
+def failure(code: str) -> dict[str, int]:
+    return {"busy": 0, "done": 0, "error": 1, "code": CODES[code]}
+
+
 async def failing_job(bench: Bench, first: int, count: int, faults: dict[int, AxiResp], code: str, address: int) -> int:
     """Run a job that ends with this error at this address; compare the results, and return their number."""
     bench.place(SOURCE, first, count)
     bench.memory.faults = faults
     await bench.start(SOURCE, DESTINATION, count)
     status = await bench.ended()
-    wanted = {"busy": 0, "done": 0, "error": 1, "code": CODES[code]}
-    assert status == wanted, f"{status}, expected {wanted}; {bench.memory.errors[:1]}"
+    assert status == failure(code), f"{status}, expected {failure(code)}; {bench.memory.errors[:1]}"
     assert await bench.wide("ERROR") == address, f"{await bench.wide('ERROR'):#x}, expected {address:#x}"
     assert await bench.read("IRQ_STATUS") == ERROR
     await bench.write("IRQ_STATUS", ERROR)
@@ -72,8 +75,7 @@ async def refused_areas(dut):
     for source, destination, count, code, address in cases:
         await bench.start(source, destination, count, accepted=False)
         status = await bench.ended(20)
-        wanted = {"busy": 0, "done": 0, "error": 1, "code": CODES[code]}
-        assert status == wanted, f"{source:#x} {destination:#x}: {status}"
+        assert status == failure(code), f"{source:#x} {destination:#x}: {status}"
         if address:
             assert await bench.wide("ERROR") == address
         assert await bench.read("WRITTEN") == 0 and await bench.read("CLOCKS") == 4
@@ -189,7 +191,7 @@ async def start_while_busy(dut):
     await ClockCycles(dut.clk, 3)
     assert dut.irq.value == 1
     assert (await bench.ended())["done"] == 1
-    assert await bench.read("IRQ_STATUS") == REFUSED | DONE, "refused is sticky"
+    assert await bench.read("IRQ_STATUS") == REFUSED | DONE, "IRQ_STATUS.refused is cleared by the end of the job"
     bench.compare(DESTINATION, 0, 60)
     await bench.write("IRQ_STATUS", REFUSED)
     assert await bench.read("IRQ_STATUS") == DONE
@@ -221,8 +223,7 @@ async def soft_reset(dut, paused):
         ended += dut.u_job.busy.value == 0
         await bench.write("CONTROL", 3)
         await bench.ended()
-        for _ in range(4):
-            await FallingEdge(dut.clk)
+        await ClockCycles(dut.clk, 4)
         assert bench.monitor.quiet(), "transactions are open after a soft reset"
         assert await bench.read("STATUS") == 0 and await bench.read("IRQ_STATUS") == 0 and dut.irq.value == 0
         kept = await bench.read("COUNT"), await bench.wide("SOURCE"), await bench.wide("DESTINATION")
@@ -241,7 +242,7 @@ async def soft_reset(dut, paused):
 
 @cocotb.test()
 async def soft_reset_after_an_error(dut):
-    """A soft reset also clears an error that the job has already met."""
+    """A soft reset also clears the error of the running job."""
     bench = await started(dut, seed=10, latency=100)
     seen = 0
     for k in range(6):
@@ -254,8 +255,7 @@ async def soft_reset_after_an_error(dut):
         await FallingEdge(dut.clk)
         seen += dut.u_job.aborted.value == 1
         await bench.ended()
-        for _ in range(4):
-            await FallingEdge(dut.clk)
+        await ClockCycles(dut.clk, 4)
         assert await bench.read("STATUS") == 0
         await next_job(bench)
     assert seen, "every job ended before the reset"
@@ -264,7 +264,7 @@ async def soft_reset_after_an_error(dut):
 
 @cocotb.test()
 async def reset_during_a_job(dut):
-    """A reset of core and memory during a job: the next job works."""
+    """The next job succeeds after a reset of core and memory."""
     bench = await started(dut, seed=9)
     for k in range(4):
         bench.place(SOURCE, k, 50)

@@ -89,11 +89,7 @@ async def neighbours(dut):
     count, end = 2 * bench.per_burst + 3, 1 << bench.addr_width
     size = count * BYTES
     for source, destination in ((0x3000, 0x3000 + size), (0x3000 + size, 0x3000), (0, end - size), (end - size, 0)):
-        bench.place(source, 0, count)
-        await bench.start(source, destination, count)
-        status = await bench.ended()
-        assert status["done"], f"source {source:#x}, destination {destination:#x}: {status}"
-        bench.compare(destination, 0, count)
+        await bench.solve(source, destination, count)
     bench.check()
 
 

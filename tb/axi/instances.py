@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameter sets of ``ik_axi`` for the tests and ``make soak-memory``, and a runner in a separate process.
 
-Most jobs use an echo instead of the datapath (tb/axi/ik_lean.v): the surrounding logic is unchanged, and the simulation
-takes a quarter of the time.
+Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v), in a quarter of the time. The logic around the
+datapath is unchanged.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
 from tb.sim.subprocesses import started
 
-ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # takes Verilator minutes to compile
+ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator takes minutes to compile it
 CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS})
 """Parameter sets for the real datapaths."""
 
