@@ -13,6 +13,7 @@ import numpy as np
 
 from model.io.words import FIELDS
 from tb.axi.ik_regs import CODES as HARDWARE
+from tb.axi.ik_regs import OFFSETS
 from tb.sim.env import ROOT
 
 SOURCE = ROOT / "examples" / "driver"
@@ -26,6 +27,7 @@ CODES = HARDWARE | {
 }
 """Name -> number of every code: the hardware's, and the driver's from ik.h."""
 
+REGISTER = {offset: name for name, offset in OFFSETS.items()}
 NAMES = {number: name for name, number in CODES.items()}
 
 REALS = {"double": np.float64, "float": np.float32}

@@ -19,8 +19,7 @@ from cocotbext.axi import AxiResp
 
 from model.io.words import BYTES, FIELDS, Targets, result_values, target_records, to_words
 from tb.axi.bench import CHANNELS, Bench, started
-from tb.axi.binding import Driver
-from tb.axi.ik_regs import OFFSETS
+from tb.axi.binding import REGISTER, Driver
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
@@ -28,9 +27,7 @@ RECORDS = 24
 """Capacity of each buffer."""
 
 SIZE = RECORDS * BYTES
-
-PAGE = 4096
-"""Bytes of a segment of the simulated memory."""
+PAGE = 4096  # bytes of a segment of the simulated memory
 
 PATIENCE = 4000
 """Limit in clocks for an interrupt to arrive."""
@@ -74,21 +71,19 @@ class Platform:
 
     @resume
     async def read(self, offset: int) -> int:
-        answer = await self.bench.lite.read(offset, 4)
-        assert answer.resp == AxiResp.OKAY, f"read of {offset:#x}: {answer.resp}"
-        return int.from_bytes(answer.data, "little")
+        return await self.bench.read(REGISTER[offset])
 
     @resume
     async def _write(self, offset: int, value: int) -> None:
-        answer = await self.bench.lite.write(offset, value.to_bytes(4, "little"))
-        assert answer.resp == AxiResp.OKAY, f"write to {offset:#x}: {answer.resp}"
+        answer = await self.bench.write(REGISTER[offset], value)
+        assert answer == AxiResp.OKAY, f"write to {REGISTER[offset]}: {answer}"
 
     def write(self, offset: int, value: int) -> None:
-        memory = self.memory
-        if offset == OFFSETS["COUNT"]:
+        memory, register = self.memory, REGISTER[offset]
+        if register == "COUNT":
             memory.readable = (self.source, self.source + value * BYTES)
             memory.writable = (self.destination, self.destination + value * BYTES)
-        if (offset, value) == (OFFSETS["CONTROL"], 1):
+        if (register, value) == ("CONTROL", 1):
             self.bench.monitor.failed.clear()
             self.running = True
             self.jobs.append(memory.read(self.source, memory.readable[1] - self.source))
@@ -96,7 +91,7 @@ class Platform:
                 memory.faults = self.second_faults
             if self.race:
                 self._write(offset, value)
-        if offset == OFFSETS["IRQ_STATUS"] and self.interrupt and self.running:
+        if register == "IRQ_STATUS" and self.interrupt and self.running:
             self.running = False
             self._evict()
         self._write(offset, value)

@@ -87,7 +87,7 @@ async def refused_areas(dut):
 
 @cocotb.test()
 async def no_records(dut):
-    """A job of count 0 is done at once, whatever its areas."""
+    """A job of count 0 is done at once, also with illegal areas."""
     bench = await started(dut)
     for source, destination in ((0x1000, 0x2000), (0x1000, 0x1000), (3, 5), (1 << 63, 1 << 63)):
         await bench.start(source, destination, 0)

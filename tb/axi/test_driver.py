@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from model.io.words import BYTES, FIELDS, TargetError, Targets, result_records, result_values, target_records, to_words
-from tb.axi.binding import CODES, FLAGS, SOURCE, Driver, compiled
+from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, compiled
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
-REGISTER = {offset: name for name, offset in OFFSETS.items()}
 RECORDS = 400
 """Capacity of each buffer; less than the longest call."""
 
