@@ -60,8 +60,8 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("m_axi.write WSTRB", JOBS, "one_record", AXI, "m_axi_awprot} = {1'b0, SIZE", "m_axi_awprot} = {1'b0, 3'd2"),
     # properties of jobs, which the bench itself checks
     ("free_places", JOBS, "blocked_channel/blocked=w", READ, " && free >= {{(P - N) {1'b0}}, size};", ";"),
-    ("error_code", FAULTS, "error_on_read", READ, "error_decode <= m_axi_rresp[0]", "error_decode <= 1'b0"),
-    ("error_stops_writes", FAULTS, "error_on_write", JOB, "aborted || write_error", "aborted"),
+    ("error_code", FAULTS, "bus_errors", READ, "error_decode <= m_axi_rresp[0]", "error_decode <= 1'b0"),
+    ("error_stops_writes", FAULTS, "bus_errors", JOB, "aborted || write_error", "aborted"),
     ("all_answers", JOBS, "counters", WRITE, "bursts == 0 && (stop", "(stop"),
     ("saturation", JOBS, "pages", TARGET, "(i != PHI) && up[W-1]", "1'b0 && up[W-1]"),
     ("overlap_refused", FAULTS, "refused_areas", JOB, "refused = crooked[0]",
