@@ -127,12 +127,9 @@ class Monitor:
             {name: getattr(dut, f"m_axi_{name}{part}") for name in ("ar", "r", "aw", "w", "b")}
             for part in ("valid", "ready")
         )
-        self.payload = {
-            name: [getattr(dut, f"m_axi_{name}{part}") for part in ("addr", "len", "size", "burst", "cache", "id")]
-            + [getattr(dut, f"m_axi_{name}prot")]
-            for name in self.bursts
-        }
-        self.kind = [(32 // record_beats).bit_length() - 1, 1, 0b0011, 0, 0]  # size, burst, cache, id, prot
+        parts = ("addr", "len", "size", "burst", "cache", "prot", "id")
+        self.payload = {name: [getattr(dut, f"m_axi_{name}{part}") for part in parts] for name in self.bursts}
+        self.kind = ((32 // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # from size to id
         self.axis_valid, self.axis_ready = dut.u_axis.s_axis_tvalid, dut.u_axis.s_axis_tready
         self._clear()
 
@@ -193,8 +190,8 @@ class Monitor:
             self.error(f"m_axi_{name}: a burst after an error")
         if self.open[name] > BURSTS:
             self.error(f"m_axi_{name}: {self.open[name]} outstanding bursts, at most {BURSTS} allowed")
-        if list(kind) != self.kind:
-            self.error(f"m_axi_{name}: size, burst, cache, id, prot are {kind}, expected {self.kind}")
+        if kind != self.kind:
+            self.error(f"m_axi_{name}: size, burst, cache, prot, id are {kind}, expected {self.kind}")
 
     def quiet(self) -> bool:
         """Return True if no transaction is open."""

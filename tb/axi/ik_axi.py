@@ -15,7 +15,7 @@ from model.io.words import BYTES, result_words, to_words
 from tb.axi.bench import BURSTS, CHANNELS, Bench, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
-"""Number of random jobs; half of them without pauses. Jobs with pauses on one channel are in addition."""
+"""Random jobs: half of them without pauses, half with pauses on all channels, and a twentieth more per channel."""
 
 BASE = 0x40000 - 512
 """Base address of the areas; the smallest tested instance has an address space of 1 MiB."""
