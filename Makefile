@@ -124,7 +124,6 @@ docs: ## write scores.md, latency.md, registers.md, memory.md and the generated 
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.generate.headers
 	@exec $(VENV) -m scripts.generate.registers
-	@exec $(VENV) -m scripts.generate.memory --sim $(SIM)
 	@exec $(VENV) -m scripts.generate.pages --sim $(SIM)
 
 paper_needs_figures := graphviz

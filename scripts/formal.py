@@ -19,8 +19,7 @@ from types import SimpleNamespace
 
 from model.io.files import write_atomically
 from scripts.console import InputError, command, option, switch
-from scripts.generate.page_tables import table
-from scripts.generate.render import render
+from scripts.generate.render import read_table, render
 from tb.formal.task import Outcome, Task, digest_of
 from tb.formal.tasks import TASKS
 from tb.formal.tools import missing, stop, versions
@@ -38,7 +37,7 @@ def digests() -> dict[str, str]:
 
 def rows() -> dict[str, list[str]]:
     """Return proof -> row of the page."""
-    return {row[0]: row for row in table(PAGE.read_text(encoding="utf-8"), "proof")} if PAGE.exists() else {}
+    return {row[0]: row for row in read_table(PAGE.read_text(encoding="utf-8"), "proof")} if PAGE.exists() else {}
 
 
 def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:

@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow graph after a run: nodes, the cone of a node, the longest path, balancing delays.
+"""Dataflow graph after a run: nodes, operation counts, the cone of a node, the longest path, balancing delays.
 
 Pages and pictures are drawn from it. Formats and clocks do not depend on the target.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import NamedTuple
 
+import numpy as np
+
+from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Format, Latency, Node
+from model.io.flags import FLAGS
 from model.io.words import RESULT_FIELDS
-from scripts.generate.counts import WIDTH, counted_run
+
+WIDTH = 32
 
 KINDS = {
     "input": "input",
@@ -34,14 +41,70 @@ KIND_OF = {
 }  # fmt: skip
 """Operation of `Latency.TABLE` -> its kind."""
 
-FLAGS = ("too_far", "too_near", "on_axis", "at_shoulder", "bad_length")
+VECTORS = ("norm", "sincos", "trig")
+"""Units with several results."""
+
+
+class _Counted(np.ndarray):
+    """Array of words that counts the + and - applied to it."""
+
+    done = 0
+
+    def __array_ufunc__(self, ufunc, method, *inputs, **kwargs):
+        _Counted.done += ufunc in (np.add, np.subtract)
+        plain = [i.view(np.ndarray) if isinstance(i, _Counted) else i for i in inputs]
+        return np.asarray(getattr(ufunc, method)(*plain, **kwargs)).view(_Counted)
+
+
+class _Counting(fixed.Bits):
+    """Dataflow run that records the number of + and - of every choice."""
+
+    def __init__(self, width: int, flow: Callable) -> None:
+        super().__init__(width)
+        self.additions: Counter = Counter()
+        flow(self, self.inputs(lambda name, fmt: np.array([1 << (width - 3)])))
+
+    def apply(self, name, operands, fmt, words):
+        before = _Counted.done
+        value = words(*(np.asarray(n.value).view(_Counted) for n in operands))
+        self.additions[name] = _Counted.done - before
+        return np.asarray(value).view(np.ndarray)
+
+
+def operations(flow: Callable) -> dict[str, Counter]:
+    """Return for each section the number of each unit, a kind of `Latency.TABLE`, and of ``additions``.
+
+    Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
+    or a shift count, are not. ``exact`` counts products of the flags, which also count under their own unit.
+    """
+    run = _Counting(WIDTH, flow)
+    counts: dict[str, Counter] = {}
+    vectors = set()
+    for node in run.nodes.values():
+        mine, unit = counts.setdefault(node.section, Counter()), node.latency
+        if unit in ("sum2", "sum3"):
+            mine["additions"] += max(int(unit[-1]), len(node.operands)) - 1
+        elif unit in ("mux", "wide"):
+            mine["additions"] += run.additions[node.name]
+        elif unit in VECTORS and (key := (unit, tuple(o.name for o in node.operands))) in vectors:
+            continue
+        elif unit in Latency.TABLE:
+            mine[unit.removesuffix("_far")] += 1
+            mine["exact"] += node.op == "choose" and unit in ("mul", "square", "product")
+            if unit in VECTORS:
+                vectors.add(key)
+        elif unit:
+            raise RuntimeError(f"node {node.name}: no rule for the operation {unit}")
+    return counts
 
 
 def design(datapath: str, width: int = WIDTH) -> dict[str, Node]:
     """Return the nodes of a datapath; a selection that adds words counts as a sum."""
-    bits, additions = counted_run(DATAPATHS[datapath].flow, width)
-    exact = {n for n, v in bits.nodes.items() if v.latency == "mux" and additions[n]}
-    return {n: replace(v, op="sum") if n in exact else v for n, v in bits.nodes.items()}
+    run = _Counting(width, DATAPATHS[datapath].flow)
+    return {
+        name: replace(node, op="sum") if node.latency == "mux" and run.additions[name] else node
+        for name, node in run.nodes.items()
+    }
 
 
 def kind(node: Node) -> str:
@@ -59,8 +122,7 @@ def operands(node: Node, nodes: Mapping[str, Node]) -> list[str]:
     return list(dict.fromkeys(o.name for o in node.operands if o.name in nodes))
 
 
-@dataclass(frozen=True)
-class Delay:
+class Delay(NamedTuple):
     """Delay of a word of ``bits`` bits from clock ``begin`` to clock ``end``."""
 
     begin: int
@@ -78,40 +140,32 @@ class Delay:
         return self.clocks * self.bits
 
 
-def check(nodes: Mapping[str, Node], width: int = WIDTH) -> None:
+def check(nodes: Mapping[str, Node]) -> None:
     """Raise ValueError with the node's name for a missing format, a missing operand or a negative delay."""
     for node in nodes.values():
         if not isinstance(node.format, Format):
             raise ValueError(f"node {node.name}: no format")
-        if start(node, width) < 0:
-            raise ValueError(f"node {node.name}: starts in clock {start(node, width)}")
-        for o in node.operands:
-            if not o.name:
-                continue
-            if o.name not in nodes:
-                raise ValueError(f"node {node.name}: its operand {o.name} is no node of the design")
-            wait = start(node, width) - nodes[o.name].time
-            if wait < 0:
-                raise ValueError(f"node {node.name}: starts {-wait} clocks before its operand {o.name} is ready")
+        for name in (o.name for o in node.operands if o.name):
+            if name not in nodes:
+                raise ValueError(f"node {node.name}: its operand {name} is no node of the design")
+            if (wait := start(node) - nodes[name].time) < 0:
+                raise ValueError(f"node {node.name}: starts {-wait} clocks before its operand {name} is ready")
 
 
-def delays(nodes: Mapping[str, Node], width: int = WIDTH, out: int | None = None) -> dict[str, Delay]:
+def delays(nodes: Mapping[str, Node], out: int | None = None) -> dict[str, Delay]:
     """Return the balancing delay of every node that has one; all results leave in clock ``out``."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
-        for o in node.operands:
-            if o.name in nodes:
-                last[o.name] = max(last[o.name], start(node, width))
+        for name in operands(node, nodes):
+            last[name] = max(last[name], start(node))
     if out is not None:
-        last |= {name: out for name in (*RESULT_FIELDS, *FLAGS) if name in nodes}
+        last |= {name: out for name in (*RESULT_FIELDS, *(flag.name for flag in FLAGS)) if name in nodes}
     found = {n: Delay(v.time, last[n], v.format.width) for n, v in nodes.items()}
     return {n: d for n, d in found.items() if d.flip_flops}
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return node ``name`` and all nodes it depends on. KeyError for an unknown name."""
-    if name not in nodes:
-        raise KeyError(f"no node {name}; results are {', '.join(RESULT_FIELDS)}")
+    """Return node ``name`` and all nodes it depends on."""
     wanted, todo = set(), [name]
     while todo:
         at = todo.pop()
@@ -142,26 +196,15 @@ def q(fmt: Format) -> str:
     """Return a format as Q i.f: integer bits without the sign, fraction bits; U for unsigned words."""
     if fmt.width == 1:
         return "bit"
-    if not fmt.signed:
-        return f"U {fmt.width - fmt.frac}.{fmt.frac}"
-    return f"Q {fmt.width - 1 - fmt.frac}.{fmt.frac}"
+    return f"{'Q' if fmt.signed else 'U'} {fmt.width - fmt.signed - fmt.frac}.{fmt.frac}"
 
 
-def declared(fmt: Format) -> str:
-    """Return the range of a format as text."""
-    if not fmt.signed:
-        return "0, 1" if fmt.width == 1 else f"[0, {_power(fmt.width - fmt.frac)})"
-    top = _power(fmt.width - 1 - fmt.frac)
-    return f"[-{top}, {top})"
-
-
-def _power(i: int) -> str:
-    return f"{2.0**i:g}" if -3 <= i <= 10 else f"2^{i}"
-
-
-def tip(node: Node, width: int = WIDTH) -> str:
-    """Describe a node in one line: operation, operands, format, clocks."""
-    names = ", ".join(o.name or "constant" for o in node.operands)
+def tip(node: Node) -> str:
+    """Describe a node in one line: operation, operands, format, range, clocks."""
+    names, fmt = ", ".join(o.name or "constant" for o in node.operands), node.format
     what = f"{node.name} {node.equation}".strip() + f": {KINDS[kind(node)]}" + (f" of {names}" if names else "")
-    clocks = f"clocks {start(node, width)} to {node.time}" if node.latency else f"clock {node.time}"
-    return f"{what}; {q(node.format)}, {node.format.width} bits, {declared(node.format)}; {clocks}"
+    clocks = f"clocks {start(node)} to {node.time}" if node.latency else f"clock {node.time}"
+    bits = fmt.width - fmt.signed - fmt.frac
+    top = f"{2.0**bits:g}" if -3 <= bits <= 10 else f"2^{bits}"
+    span = "0, 1" if fmt.width == 1 and not fmt.signed else f"[{f'-{top}' if fmt.signed else 0}, {top})"
+    return f"{what}; {q(fmt)}, {fmt.width} bits, {span}; {clocks}"

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of scores and latency, pictures of the pipelines (make docs).
+"""Pages of scores, latency and clocks memory to memory, pictures of the pipelines (make docs).
 
-python -m scripts.generate.pages [--sim icarus|verilator]     runs all trajectories through the RTL, then writes
+    python -m scripts.generate.pages [--sim icarus|verilator]
+
+Runs all trajectories, and `ik_axi` with buses of 32, 64 and 128 bits, through the RTL.
 """
 
 from __future__ import annotations
@@ -9,24 +11,48 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
+from collections.abc import Iterable
+from itertools import groupby
 from pathlib import Path
 from types import SimpleNamespace
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import FIFO_CLOCKS
-from model.dataflow.nodes import Latency
+from model.dataflow.nodes import Latency, Node
 from model.io import trajectories
 from model.io.stimuli import REGIONS
 from scripts import run
 from scripts.console import command, sim_option
 from scripts.generate import accuracy
-from scripts.generate.flow import design, longest_path, start
-from scripts.generate.pipeline import pipeline_svg
-from scripts.generate.render import render
-from tb.sim.env import GENERATED, ROOT
+from scripts.generate.flow import KINDS, WIDTH, design, kind, longest_path, start
+from scripts.generate.render import render, update
+from tb.axi.ik_axi import BATCH, LONG
+from tb.axi.instances import run_in_process
+from tb.sim.env import GENERATED
 
 SCORES = GENERATED / "scores.md"
+BUSES = (32, 64, 128)
+
+LEFT, DRAWN, RIGHT = 230, 1000, 20
+"""Widths of a pipeline picture in pixels: section titles, all clocks, right margin."""
+
+TOP, LANE, GAP = 62, 11, 8
+"""Heights in pixels: above the first section, a lane of operations, between sections."""
+
+COLOURS = {
+    "root": "#c2410c",
+    "div": "#1d4ed8",
+    "sincos": "#15803d",
+    "mul": "#60a5fa",
+    "add": "#34d399",
+    "scale": "#a78bfa",
+    "choose": "#9ca3af",
+    "fifo": "#475569",
+}
+"""Kind of operation -> colour of its bars."""
+
+NAMES = KINDS | {"fifo": "output FIFO"}
 
 
 def scores_page(scores: dict[str, list[dict]]) -> str:
@@ -46,16 +72,80 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 def latency_page() -> str:
     """Return latency.md."""
     paths = []
-    for datapath, width in (("lean", 32), ("paper", 32)):
-        path = [node for node in longest_path(design(datapath, width)) if node.latency]
+    for datapath in ("lean", "paper"):
         rows = []
-        for node in path:
-            begin, does = start(node, width), Latency.TABLE[node.latency][2]
+        for node in (node for node in longest_path(design(datapath)) if node.latency):
+            begin, does = start(node), Latency.TABLE[node.latency][2]
             rows.append((begin, node.time, node.time - begin, f"`{node.name}`", node.equation or "-", does))
-        end = path[-1].time
+        end = rows[-1][1]
         rows.append((end, end + FIFO_CLOCKS, FIFO_CLOCKS, "output FIFO", "-", "memory, output register"))
-        paths.append({"datapath": datapath, "width": width, "rows": rows})
+        paths.append({"datapath": datapath, "width": WIDTH, "rows": rows})
     return render("latency", paths=paths)
+
+
+def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
+    """Return the rows that test `rates` of tb/axi/ik_axi.py writes for one or all latencies. Raises SimulationError."""
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        path = Path(folder) / "rates.json"
+        env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
+        run_in_process("tb.axi.ik_axi", sim, env, parameters=parameters)
+        return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+# -- pictures of the pipelines ---------------------------------------------------------------------
+
+
+def lanes(nodes: Iterable[Node], width: int) -> list[list[tuple[str, int, int, list[str]]]]:
+    """Group operations by kind and clocks into bars (kind, from, to, names), in lanes without overlap.
+
+    Kinds are in the order of ``COLOURS``. A selection without a clock is wiring and is omitted.
+    """
+
+    def key(node: Node) -> tuple[int, int, int]:
+        return list(COLOURS).index(kind(node)), start(node, width), node.time
+
+    found: list[list] = []
+    working = sorted((node for node in nodes if node.time > start(node, width)), key=key)
+    for (of, begin, end), own in groupby(working, key):
+        bar = (list(COLOURS)[of], begin, end, [node.name for node in own])
+        free = [lane for lane in found if all(begin >= last or end <= first for _, first, last, _ in lane)]
+        if free:
+            free[0].append(bar)
+        else:
+            found.append([bar])
+    return found
+
+
+def pipeline_svg(datapath: str, width: int = WIDTH) -> str:
+    """Return pipeline-<datapath>.svg: every clock from a target's admission to its result at `ik_axis`."""
+    nodes = design(datapath, width).values()
+    ready = max(node.time for node in nodes)
+    total = ready + FIFO_CLOCKS
+    scale = DRAWN / total
+    drawn = [
+        (title, lanes((node for node in nodes if node.section == name), width))
+        for name, title in DATAPATHS[datapath].sections.items()
+        if name != "results"
+    ]
+    drawn.append(("output FIFO", [[("fifo", ready, total, ["ik_fifo"])]]))
+    rows, y = [], TOP
+    for title, own in drawn:
+        rows.append((y, title, own))
+        y += LANE * len(own) + GAP
+    used = {what for _, own in drawn for lane in own for what, *_ in lane}
+    legend, at = [], LEFT
+    for what in (what for what in COLOURS if what in used):
+        legend.append((at, COLOURS[what], NAMES[what]))
+        at += 44 + 7 * len(NAMES[what])
+    return render(
+        "pipeline.svg", datapath=datapath, width=width, total=total, scale=scale, rows=rows, legend=legend,
+        x=lambda clock: round(LEFT + scale * clock, 1), wide=LEFT + DRAWN + RIGHT, high=y + 30, bottom=y, top=TOP,
+        left=LEFT, drawn=DRAWN, lane_height=LANE, gap=GAP, colours=COLOURS, kinds=NAMES,
+        step=next(step for step in (1, 2, 5, 10, 20, 50) if scale * step >= 40),
+    )  # fmt: skip
+
+
+# -- files -----------------------------------------------------------------------------------------
 
 
 def pages() -> dict[Path, str]:
@@ -64,7 +154,7 @@ def pages() -> dict[Path, str]:
     return {GENERATED / "latency.md": latency_page(), **pictures}
 
 
-@command("generate.pages", __doc__.splitlines()[0], [sim_option()], fails="a trajectory fails")
+@command("generate.pages", __doc__.splitlines()[0], [sim_option()], fails="a simulation or a trajectory fails")
 def main(options: SimpleNamespace) -> int:
     scores = {}
     for datapath in DATAPATHS:
@@ -73,10 +163,9 @@ def main(options: SimpleNamespace) -> int:
             if status:
                 return status
             scores[datapath] = json.loads((Path(out) / "score.json").read_text())
-    files = {SCORES: scores_page(scores), **pages()}
-    for path, text in files.items():
-        path.write_text(text)
-    print(f"wrote {', '.join(str(path.relative_to(ROOT)) for path in files)}")
+    rows = zip(*(measured(options.sim, {"DATA_W": bus}) for bus in BUSES), strict=True)
+    memory = render("memory", rows=list(rows), buses=BUSES, short=BATCH, long=LONG)
+    update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **pages()})
     return 0
 
 

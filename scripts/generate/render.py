@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,15 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
     """Format a table; the first ``left`` columns are left-aligned, the others right-aligned."""
     line = ["---"] * left + ["--:"] * (len(head) - left)
     return "\n".join(map(row, (head, line, *rows)))
+
+
+def read_table(text: str, heading: str) -> list[list[str]]:
+    """Return the rows of the table whose first column is headed ``heading``; a code cell loses its marks."""
+    lines = text.splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
+    rows = itertools.takewhile(lambda line: line.startswith("|"), lines[start + 2 :])
+    cells = ([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in rows)
+    return [[re.sub(r"^`([^`]*)`$", r"\1", cell) for cell in row] for row in cells]
 
 
 def error(value: float | None) -> str:

@@ -23,7 +23,7 @@ import sympy
 from model.dataflow.fixed import latency
 from model.dataflow.paper import SECTIONS, paper
 from model.reference.printed import PRINTED, symbol
-from scripts.generate.counts import WIDTH, operations
+from scripts.generate.flow import WIDTH, operations
 from scripts.generate.render import render, table
 from tb.sim.env import GENERATED, ROOT, environment
 from tb.sim.sources import includes, sources

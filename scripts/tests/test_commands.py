@@ -11,7 +11,7 @@ import pytest
 from examples.icebreaker import host
 from scripts import check_proofs, coverage, follow, formal, lint, mutants, parallel, run, soak, soak_memory, waves
 from scripts.fpga import __main__ as fpga
-from scripts.generate import fold_scheduler, memory, pages
+from scripts.generate import fold_scheduler, pages
 from scripts.paper import __main__ as paper
 from scripts.playground import page as playground
 from scripts.report import page
@@ -36,7 +36,6 @@ MAINS = {
     "schedule": fold_scheduler.main,
     "playground": playground.main,
     "icebreaker": host.main,
-    "generate.memory": memory.main,
     "generate.pages": pages.main,
 }
 """Command -> its main()."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generated Verilog headers: current, and equal to the model at every word length."""
+"""Generated headers and register files: current, and equal to the model and the RTL."""
 
 import re
 import subprocess
@@ -8,13 +8,27 @@ from pathlib import Path
 import pytest
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from scripts.generate import headers
+from scripts.generate import headers, registers
 from tb.sim.env import environment
 
 
-def test_headers_are_up_to_date():
-    stale = [path.name for path, text in headers.texts().items() if path.read_text() != text]
-    assert not stale, f"run `python -m scripts.generate.headers`: out of date are {stale}"
+@pytest.mark.parametrize("generator", [headers, registers])
+def test_files_are_up_to_date(generator):
+    stale = [path.name for path, text in generator.texts().items() if path.read_text() != text]
+    assert not stale, f"run `python -m {generator.__name__}`: out of date are {stale}"
+
+
+def test_a_changed_register_changes_every_file(tmp_path):
+    changed = tmp_path / "ik_axi.rdl"
+    changed.write_text(registers.SOURCE.read_text().replace("COUNT @ 0x1c", "COUNT @ 0x48"))
+    assert not set(registers.texts(changed).values()) & set(registers.texts().values())
+
+
+def test_the_rtl_has_these_registers_and_no_other():
+    """Names and offsets of the RTL localparams match; simulations test the behaviour."""
+    text = (registers.SOURCE.parent / "ik_axi_regs.v").read_text()
+    found = {name: 4 * int(word) for name, word in re.findall(r"\bA_(\w+) = (\d+)", text)}
+    assert found == {register.inst_name: register.address_offset for register in registers.description().registers()}
 
 
 def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str, int]:

@@ -14,7 +14,7 @@ import numpy as np
 from model.dataflow import fixed
 from model.io.trajectories import make
 from model.io.words import from_words, result_values, to_words
-from scripts.generate.memory import measured
+from scripts.generate.pages import measured
 from scripts.paper.table6.contenders import hand_errors
 from tb.axi.ik_axi import LATENCIES
 from tb.sim.env import SIMULATORS

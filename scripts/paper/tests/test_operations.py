@@ -9,7 +9,7 @@ import sympy
 from model.dataflow.paper import paper
 from model.reference.printed import PRINTED, symbol
 from scripts.fpga.designs import load
-from scripts.generate.counts import operations
+from scripts.generate.flow import operations
 from scripts.paper import operations as table4
 from scripts.paper.operations import Ops, count
 from tb.sim.env import ROOT

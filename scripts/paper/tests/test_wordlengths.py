@@ -11,14 +11,14 @@ from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
 from model.io.scoring import singular_distance
 from model.io.words import to_words
-from scripts.generate.page_tables import table
+from scripts.generate.render import read_table
 from scripts.paper import __main__ as paper
 from scripts.paper import operations, wordlengths
 
 
 def proofs(page):
     """Return the proved columns of the page by node."""
-    return {row[0]: row[1:4] for row in table(page.read_text(encoding="utf-8"), "node name")}
+    return {row[0]: row[1:4] for row in read_table(page.read_text(encoding="utf-8"), "node name")}
 
 
 def test_proofs_of_the_page_are_up_to_date():
