@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Documentation: generated pages are current, links resolve, named files and commands exist, all nodes are drawn."""
+"""Documentation: pages are current, links resolve, named files and commands exist, pictures show every node."""
 
 import re
 from itertools import combinations
