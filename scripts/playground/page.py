@@ -70,7 +70,7 @@ def _joined(paths: Sequence[Path]) -> str:
 
 def page(machines: Sequence[Machine]) -> str:
     """Return the whole page.  Raises BuildError."""
-    code = [REPORT / "canvas.js", HERE / "data.js", REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS[1:])]
+    code = [REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS)]
     embedded = [
         f'<script type="application/octet-stream" id="wasm-{machine.name}">'
         f"{base64.b64encode(wasm(machine)).decode()}</script>"

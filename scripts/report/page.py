@@ -40,7 +40,7 @@ from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, tra
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
-SCRIPTS = ("canvas", "data", "arm", "figure", "paper", "plots", "report")
+SCRIPTS = ("arm", "figure", "paper", "plots", "report")
 
 DIGITS = 7
 """Significant digits of the numbers in the page."""
