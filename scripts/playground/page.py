@@ -32,7 +32,7 @@ from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, t
 
 HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
-SCRIPTS = ("data", "machine", "solve", "lane", "waves", "playground")
+SCRIPTS = ("machine", "solve", "lane", "waves", "playground")
 
 PLAIN = {
     "too_far": "Too far: the arm is straight and points to the target.",
@@ -64,10 +64,6 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
     }
 
 
-def _joined(paths: Sequence[Path]) -> str:
-    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
-
-
 def page(machines: Sequence[Machine]) -> str:
     """Return the whole page.  Raises BuildError."""
     code = [REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS)]
@@ -77,8 +73,8 @@ def page(machines: Sequence[Machine]) -> str:
         for machine in machines
     ]
     parts = {
-        "style": _joined([REPORT / "report.css", HERE / "playground.css"]),
-        "script": _joined(code),
+        "style": (REPORT / "report.css").read_text(encoding="utf-8"),
+        "script": "\n".join(path.read_text(encoding="utf-8") for path in code),
         "data": json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
         "machines": "\n".join(embedded),
     }
