@@ -110,7 +110,7 @@ test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behaviou
 	@$(SETUP) $(sort icarus $(SIM)) fpga farm
 	@$(pytest) -m "$(only_sim)"
 
-test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: all machines of the playground]
+test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: all cores of the playground]
 	@$(SETUP) $(SIM) chromium playground
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile \
 	  scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from scripts import console
+from scripts.report.tests.browser import WIDE, Browser, Page
 
 
 @pytest.fixture
@@ -26,3 +27,25 @@ def command(tmp_path, monkeypatch, capsys):
 def files():
     """Return a function that lists the files below the working folder, sorted."""
     return lambda: sorted(str(path) for path in Path().rglob("*") if path.is_file())
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
+    started = Browser(tmp_path_factory.mktemp("chromium"))
+    yield started
+    started.close()
+
+
+@pytest.fixture
+def browser(chromium):
+    """Open pages with browser(address, size, features); fail at teardown if a page had a problem."""
+    pages = []
+
+    def browser(address, size=WIDE, **features):
+        pages.append(Page(chromium, *size, {name.replace("_", "-"): value for name, value in features.items()}))
+        return pages[-1].open(address)
+
+    yield browser
+    for page in pages:
+        page.close()
+    assert [page.problems for page in pages] == [[] for _ in pages]

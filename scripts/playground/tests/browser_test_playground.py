@@ -16,16 +16,30 @@ from scripts.playground import machines
 from scripts.playground import page as playground
 from scripts.playground.machines import Machine
 from scripts.recording import read
-from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE
+from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
 from tb.sim.env import ROOT
 from tb.sim.native_run import nodes_of
 
 BUILT = [Machine("lean", 32), Machine("fold", 32)]
 EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in machines.MACHINES]
-"""The others take minutes to compile: ``make test-browser ONLY=machine``."""
+"""The others take minutes to compile: ``make test-browser ONLY=core``."""
 FLOW = "document.querySelector('button[data-flow={}]').click()"
 MACHINE = "playground.ui.machines[0]"
 LEAN = fixed.latency("lean", 32)
+
+
+SET = """((name, value) => { const e = document.getElementById(name); e.value = value;
+             for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind)); })"""
+RESET = f"""(async () => {{
+    const {{ ui, state, first }} = playground;
+    for (const name of ['ready', 'dense']) if (!ui[name]) document.getElementById(name).click();
+    const values = {{ axis: 'z', trajectory: '', zoom: 80, second: '', machine: 'lean-W32' }};
+    for (const [name, value] of Object.entries(values)) {SET}(name, value);
+    await new Promise((done) => setTimeout(done));
+    Object.assign(ui.target, first.target);
+    Object.assign(state.view, first.view);
+    {FLOW.format("step")};
+}})()"""
 
 
 @pytest.fixture(scope="session")
@@ -36,17 +50,29 @@ def written(tmp_path_factory):
     return out / "index.html"
 
 
-@pytest.fixture
-def page(written, browser):
-    """Open the page in a window of a given size, with the first core loaded and stopped."""
-
-    def page(size=WIDE, **features):
-        opened = browser(written.as_uri(), size, **features)
+@pytest.fixture(scope="session")
+def loaded(written, tmp_path_factory):
+    """Load the page once for all tests."""
+    with Page(tmp_path_factory.mktemp("profile"), *WIDE) as opened:
+        opened.open(written.as_uri())
         opened.wait_for("document.documentElement.dataset.ready")
-        opened.run("document.querySelector('button[data-flow=step]').click()")
-        return opened
+        opened.run("playground.first = structuredClone({ target: playground.ui.target, view: playground.state.view })")
+        yield opened
 
-    return page
+
+def resize(page, width, height, **media):
+    page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+    features = [{"name": name.replace("_", "-"), "value": value} for name, value in media.items()]
+    page.call("Emulation.setEmulatedMedia", features=features)
+
+
+@pytest.fixture
+def page(loaded):
+    """Return the page with the lean core and all controls as at the start, stopped."""
+    resize(loaded, *WIDE)
+    loaded.run(RESET)
+    yield loaded
+    assert loaded.problems == []
 
 
 def step(page, clocks):
@@ -59,27 +85,24 @@ def rows_of(name):
 
 
 def choose(page, name, value):
-    page.run(f"""(() => {{ const e = document.getElementById('{name}'); e.value = '{value}';
-                 e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})()""")
+    page.run(f"{SET}('{name}', '{value}')")
 
 
 # -- results ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("machine", EVERY, ids=lambda machine: machine.name)
-def test_every_machine_in_the_page_is_the_model(page, browser, tmp_path, machine):
+def test_every_core_equals_the_model(page, browser, tmp_path, machine):
     """Words, flags, clocks and all named nodes equal the model for 200 targets from trajectories and hard cases."""
     width = machine.width
     built_in = [to_words(trajectories.make(name), width)[0][::10] for name in trajectories.TRAJECTORIES]
     words = np.concatenate([*built_in, stimuli.mixed(60, width, seed=15)])
     words = np.concatenate([words, stimuli.mixed(max(0, 200 - len(words)), width, seed=16)])[:200]
-    if machine in BUILT:
-        opened = page()
-    else:
+    if machine not in BUILT:
         parts = ["--datapath", machine.datapath, "--width", str(width), "--out", str(tmp_path)]
         assert playground.main(parts) == 0
-        opened = browser((tmp_path / "index.html").as_uri(), WIDE)
-    found = opened.run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
+        page = browser((tmp_path / "index.html").as_uri())
+    found = page.run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
     model = fixed.run(words, width, machine.datapath)
     assert len(found) == 200
     assert [each["result"] for each in found] == model.results.tolist()
@@ -93,7 +116,7 @@ def test_every_machine_in_the_page_is_the_model(page, browser, tmp_path, machine
 def test_double_precision(page):
     """The page's double-precision solution and flags equal the model's."""
     words = stimuli.mixed(400, 32, seed=17)
-    found = page().run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
+    found = page.run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
     asked = from_words(words, 0, 32, "mixed")
     exact = solve_lean(*(getattr(asked, name) for name in FIELDS))
     for names, of in ((("qs_w", "qs_i", "qs_j", "qs_k"), "qs"), (("qe_w", "qe_i"), "qe")):
@@ -106,14 +129,14 @@ def test_double_precision(page):
 
 
 @pytest.mark.parametrize("width", [18, 24, 32])
-def test_words_are_those_of_the_model(page, width):
+def test_words_equal_the_model(page, width):
     random = np.random.default_rng(18)
     rows = np.column_stack(
         [random.uniform(-0.9, 0.9, (300, 3)), random.uniform(-9, 9, 300), 10.0 ** random.uniform(-2, 2, (300, 2))]
     )
     rows[:, :3] *= rows[:, 4:].sum(axis=1)[:, None]
     given = [dict(zip(FIELDS, row, strict=True)) for row in rows.tolist()]
-    found = page().run(f"{json.dumps(given)}.map((target) => playground.toWords(target, {width}))")
+    found = page.run(f"{json.dumps(given)}.map((target) => playground.toWords(target, {width}))")
     for row, each in zip(rows, found, strict=True):
         words, exponent = to_words(Targets("one", *row), width)
         assert (each["words"], each["exponent"], each["fits"]) == (words[0].tolist(), exponent, True)
@@ -121,12 +144,11 @@ def test_words_are_those_of_the_model(page, width):
 
 def test_every_axis_gives_the_hand_its_target(page):
     """In the user's frame the wrist is at the target for every axis, with different quaternions."""
-    opened = page()
     seen = set()
     for axis in playground.data([])["axes"]:
-        choose(opened, "axis", axis)
-        step(opened, LEAN + 2)
-        run = opened.run("(({ wrist, qs, one }) => ({ wrist, qs, place: one.place }))(playground.state.runs[0].now)")
+        choose(page, "axis", axis)
+        step(page, LEAN + 2)
+        run = page.run("(({ wrist, qs, one }) => ({ wrist, qs, place: one.place }))(playground.state.runs[0].now)")
         assert np.allclose(run["wrist"], run["place"], atol=1e-8), axis
         seen.add(tuple(np.round(run["qs"], 6)))
     assert len(seen) == 6
@@ -148,132 +170,124 @@ PLACE = "[playground.ui.target.x, playground.ui.target.y, playground.ui.target.z
 @pytest.mark.parametrize("touch", [False, True])
 def test_the_wrist_follows_the_pointer(page, touch):
     """The wrist ends where the pointer was released, and the core has solved that target."""
-    opened = page()
-    opened.run(FLOW.format("run"))
-    opened.middle("#scene")
-    start = opened.run(WRIST)
+    page.run(FLOW.format("run"))
+    page.middle("#scene")
+    start = page.run(WRIST)
     end = [start[0] - 60, start[1] - 45]
     if touch:
         for kind, points in (("touchStart", [start]), ("touchMove", [end]), ("touchEnd", [])):
-            opened.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
+            page.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
     else:
-        opened.drag(start, end)
-    assert np.allclose(opened.run(WRIST), end, atol=3)
-    opened.wait_for(f"String(playground.state.runs[0].now.one.place) === String({PLACE})")
-    assert opened.run("playground.state.runs[0].now.hand") < 2e-8
-    assert opened.run("document.documentElement.dataset.flow") == "run"
+        page.drag(start, end)
+    assert np.allclose(page.run(WRIST), end, atol=3)
+    page.wait_for(f"String(playground.state.runs[0].now.one.place) === String({PLACE})")
+    assert page.run("playground.state.runs[0].now.hand") < 2e-8
+    assert page.run("document.documentElement.dataset.flow") == "run"
 
 
-def test_elsewhere_the_pointer_turns_the_view(page):
-    opened = page()
-    x, y = opened.middle("#scene")
-    before, view = opened.run(PLACE), opened.run("playground.state.view.azimuth")
-    opened.drag((x - 250, y - 150), (x - 150, y - 150))
-    assert opened.run(PLACE) == before
-    assert abs(opened.run("playground.state.view.azimuth") - view + 1.0) < 0.1
+def test_dragging_the_background_turns_the_view(page):
+    x, y = page.middle("#scene")
+    before, view = page.run(PLACE), page.run("playground.state.view.azimuth")
+    page.drag((x - 250, y - 150), (x - 150, y - 150))
+    assert page.run(PLACE) == before
+    assert abs(page.run("playground.state.view.azimuth") - view + 1.0) < 0.1
 
 
 def test_keys_move_the_wrist(page):
-    opened = page()
-    opened.run("document.getElementById('scene').focus()")
-    places = [opened.run(PLACE)]
+    page.run("document.getElementById('scene').focus()")
+    places = [page.run(PLACE)]
     for key in ("ArrowLeft", "ArrowUp", "PageUp"):
-        opened.press(key)
-        places.append(opened.run(PLACE))
+        page.press(key)
+        places.append(page.run(PLACE))
     assert len({tuple(place) for place in places}) == 4
-    opened.run("document.activeElement.blur()")
-    opened.press(" ")
-    assert opened.run("document.documentElement.dataset.flow") == "run"
+    page.run("document.activeElement.blur()")
+    page.press(" ")
+    assert page.run("document.documentElement.dataset.flow") == "run"
 
 
-def test_flags_light_up_with_a_reason(page):
-    opened = page()
-    opened.run("Object.assign(playground.ui.target, { x: 0.7, y: 0, z: 0 })")
-    step(opened, LEAN + 2)
+def test_flags_are_shown_with_a_reason(page):
+    page.run("Object.assign(playground.ui.target, { x: 0.7, y: 0, z: 0 })")
+    step(page, LEAN + 2)
     lit = "[...document.querySelectorAll('#flags .on')].map((e) => e.textContent)"
-    assert opened.run(lit) == ["too_far"]
-    assert "straight" in opened.run("document.getElementById('plain').textContent")
-    opened.run("Object.assign(playground.ui.target, { x: 0, y: 0, z: 0.4 })")
-    step(opened, LEAN + 2)
-    assert opened.run(lit) == ["on_axis"]
-    assert opened.run("playground.state.runs[0].now.flags === playground.state.runs[0].now.owed")
+    assert page.run(lit) == ["too_far"]
+    assert "straight" in page.run("document.getElementById('plain').textContent")
+    page.run("Object.assign(playground.ui.target, { x: 0, y: 0, z: 0.4 })")
+    step(page, LEAN + 2)
+    assert page.run(lit) == ["on_axis"]
+    assert page.run("playground.state.runs[0].now.flags === playground.state.runs[0].now.owed")
 
 
 # -- the pipeline ----------------------------------------------------------------------------------
 
 
 def test_a_step_is_a_clock(page):
-    opened = page()
-    opened.run(f"{MACHINE}.reset()")
-    before = opened.run(f"[{MACHINE}.clock, {MACHINE}.sent]")
-    step(opened, 3)
-    assert opened.run(f"[{MACHINE}.clock, {MACHINE}.sent]") == [before[0] + 3, before[1] + 3]
-    step(opened, LEAN)
-    assert opened.run(f"{MACHINE}.flying.length") == LEAN
-    opened.click("#lane-title")
-    assert opened.run(f"{MACHINE}.clock") == before[0] + 3 + LEAN, "no other click is"
-    assert opened.run("document.getElementById('clock').textContent") == f"clock {before[0] + 3 + LEAN}"
+    page.run(f"{MACHINE}.reset()")
+    before = page.run(f"[{MACHINE}.clock, {MACHINE}.sent]")
+    step(page, 3)
+    assert page.run(f"[{MACHINE}.clock, {MACHINE}.sent]") == [before[0] + 3, before[1] + 3]
+    step(page, LEAN)
+    assert page.run(f"{MACHINE}.flying.length") == LEAN
+    page.click("#lane-title")
+    assert page.run(f"{MACHINE}.clock") == before[0] + 3 + LEAN, "no other click is"
+    assert page.run("document.getElementById('clock').textContent") == f"clock {before[0] + 3 + LEAN}"
 
 
 def test_a_receiver_that_stalls_loses_nothing(page):
     """Credits run out and the input stalls; afterwards every result is correct and in order."""
-    opened = page()
-    choose(opened, "trajectory", "reach")
-    opened.run(f"{MACHINE}.reset()")
-    start = opened.run(f"[{MACHINE}.sent, {MACHINE}.left]")
-    opened.run("document.getElementById('ready').click()")
-    step(opened, 150)
-    places = opened.run(f"{MACHINE}.places")
-    assert opened.run(f"Number({MACHINE}.live('g_fifo.credits'))") == 0
-    assert opened.run(f"{MACHINE}.sent") - start[0] == places == opened.run(f"{MACHINE}.flying.length")
-    opened.run("document.getElementById('ready').click()")
-    opened.run("document.getElementById('dense').click()")
-    opened.run(f"playground.seen = {MACHINE}.flying.map((one) => one)")
-    step(opened, places + 2)
-    seen = opened.run("playground.seen.map(({ words, result, flags }) => ({ words, result, flags }))")
+    choose(page, "trajectory", "reach")
+    page.run(f"{MACHINE}.reset()")
+    start = page.run(f"[{MACHINE}.sent, {MACHINE}.left]")
+    page.run("document.getElementById('ready').click()")
+    step(page, 150)
+    places = page.run(f"{MACHINE}.places")
+    assert page.run(f"Number({MACHINE}.live('g_fifo.credits'))") == 0
+    assert page.run(f"{MACHINE}.sent") - start[0] == places == page.run(f"{MACHINE}.flying.length")
+    page.run("document.getElementById('ready').click()")
+    page.run("document.getElementById('dense').click()")
+    page.run(f"playground.seen = {MACHINE}.flying.map((one) => one)")
+    step(page, places + 2)
+    seen = page.run("playground.seen.map(({ words, result, flags }) => ({ words, result, flags }))")
     words = np.array([each["words"] for each in seen])
     assert words.tolist() == [to_words(Targets("one", *row), 32)[0][0].tolist() for row in rows_of("reach")[:places]]
     model = fixed.run(words, 32, "lean")
     assert [each["result"] for each in seen] == model.results.tolist()
     assert [each["flags"] for each in seen] == model.flags.tolist()
-    assert opened.run(f"{MACHINE}.lost") == 0
+    assert page.run(f"{MACHINE}.lost") == 0
 
 
 def test_a_target_is_followed_through_its_nodes(page):
     """The column of node words fills as the target proceeds and finally equals the model's."""
-    opened = page()
-    opened.run(f"{MACHINE}.reset(); playground.ui.followed = null")
+    page.run(f"{MACHINE}.reset(); playground.ui.followed = null")
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
-    step(opened, 10)
-    words = opened.run("playground.ui.followed.words")
+    step(page, 10)
+    words = page.run("playground.ui.followed.words")
     model = fixed.run(np.array([words]), 32, "lean").bits.nodes
     for clocks in (10, LEAN):
         if clocks > 10:
-            step(opened, clocks - 10)
-        shown = {name: word for name, word in opened.run(cells) if word}
+            step(page, clocks - 10)
+        shown = {name: word for name, word in page.run(cells) if word}
         due = {name for name, node in model.items() if node.time < clocks}
         assert set(shown) == due
         for name, word in shown.items():
             assert int(word, 16) == int(model[name].value[0]) & ((1 << model[name].format.width) - 1), name
 
 
-def test_a_click_on_a_node_looks_inside(page):
-    opened = page()
-    step(opened, 60)
-    opened.middle("#lane")
-    x, y = opened.run("""(() => {
+def test_a_click_on_a_node_shows_it(page):
+    step(page, 60)
+    page.middle("#lane")
+    x, y = page.run("""(() => {
         const box = document.getElementById('lane').getBoundingClientRect();
         const { ui, laneX } = playground;
         const node = ui.machines[0].nodes.find(({ name }) => name === 'k_law');
         const at = laneX(ui.laid, box.width);
         return [box.x + (at(node.time) + at(node.time + 1)) / 2, box.y + ui.laid.yOf(node) + 4];
     })()""")
-    opened.drag((x, y), (x, y))
-    said = opened.run("document.getElementById('node').innerText")
+    page.drag((x, y), (x, y))
+    said = page.run("document.getElementById('node').innerText")
     assert "k_law, (L7)" in said and "Q" in said and "guard" in said
-    assert opened.run("playground.ui.watched.at(-1)").endswith("k_law")
-    word = int(opened.run("document.querySelectorAll('#node dd')[5].textContent"), 16)
-    words = opened.run("playground.ui.followed.words")
+    assert page.run("playground.ui.watched.at(-1)").endswith("k_law")
+    word = int(page.run("document.querySelectorAll('#node dd')[5].textContent"), 16)
+    words = page.run("playground.ui.followed.words")
     node = fixed.run(np.array([words]), 32, "lean").bits.nodes["k_law"]
     assert word == int(node.value[0]) & ((1 << node.format.width) - 1)
 
@@ -284,13 +298,12 @@ def test_a_click_on_a_node_looks_inside(page):
 @pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
 def test_the_vcd_holds_every_node(page, tmp_path, machine):
     """All nodes of all targets in the VCD, read as by `make follow`, equal the model's."""
-    opened = page()
-    choose(opened, "machine", machine.name)
-    opened.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
-    choose(opened, "trajectory", "overhead")
-    opened.run(f"{MACHINE}.reset(); {MACHINE}.frames.length = 0")
-    step(opened, 200)
-    (tmp_path / "waves.vcd").write_text(opened.run("playground.vcd()"))
+    choose(page, "machine", machine.name)
+    page.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
+    choose(page, "trajectory", "overhead")
+    page.run(f"{MACHINE}.reset(); {MACHINE}.frames.length = 0")
+    step(page, 200)
+    (tmp_path / "waves.vcd").write_text(page.run("playground.vcd()"))
     nodes = nodes_of(machine.datapath, machine.width)
     found = read(tmp_path / "waves.vcd", machine.datapath, nodes)
     assert len(found.admitted) == (200 if machine.datapath == "lean" else 3)
@@ -307,59 +320,57 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
 
 
 def test_signals_are_shown_and_hidden(page):
-    opened = page()
-    step(opened, 5)
+    step(page, 5)
     for there in (True, False):
-        choose(opened, "watch", "g_fifo.u_fifo.wr_ptr")
-        assert opened.run("playground.ui.watched.includes('g_fifo.u_fifo.wr_ptr')") == there
-    wide = opened.run("document.getElementById('waves').toDataURL()")
-    choose(opened, "zoom", "20")
-    assert opened.run("document.getElementById('waves').toDataURL()") != wide
+        choose(page, "watch", "g_fifo.u_fifo.wr_ptr")
+        assert page.run("playground.ui.watched.includes('g_fifo.u_fifo.wr_ptr')") == there
+    wide = page.run("document.getElementById('waves').toDataURL()")
+    choose(page, "zoom", "20")
+    assert page.run("document.getElementById('waves').toDataURL()") != wide
 
 
 # -- the page --------------------------------------------------------------------------------------
 
 
-def test_two_machines_side_by_side(page):
+def test_two_cores_side_by_side(page):
     """Both cores give the same words, each after its own latency."""
-    opened = page()
-    choose(opened, "second", "fold-W32")
-    opened.wait_for("document.documentElement.dataset.ready === 'lean-W32 fold-W32'")
-    opened.run(FLOW.format("run"))
-    opened.wait_for("playground.state.runs.length === 2 && playground.state.runs.every((run) => run.now)")
-    opened.run(FLOW.format("step"))
-    first, second = opened.run("playground.state.runs.map(({ now: { one } }) => [one.words, one.result, one.latency])")
+    choose(page, "second", "fold-W32")
+    page.wait_for("document.documentElement.dataset.ready === 'lean-W32 fold-W32'")
+    page.run(FLOW.format("run"))
+    page.wait_for("playground.state.runs.length === 2 && playground.state.runs.every((run) => run.now)")
+    page.run(FLOW.format("step"))
+    first, second = page.run("playground.state.runs.map(({ now: { one } }) => [one.words, one.result, one.latency])")
     assert first[:2] == second[:2] and [first[2], second[2]] == [LEAN, fixed.latency("fold", 32)]
-    badges = opened.run("[...document.querySelectorAll('#now .badge')].map((b) => b.textContent)")
+    badges = page.run("[...document.querySelectorAll('#now .badge')].map((b) => b.textContent)")
     assert badges == ["lean-W32", "fold-W32"]
 
 
 @pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_fits(page, size, scheme):
-    opened = page(size, prefers_color_scheme=scheme)
-    step(opened, 50)
-    assert opened.run(FITS)
+def test_page_fits(page, size, scheme):
+    resize(page, *size, prefers_color_scheme=scheme)
+    step(page, 50)
+    assert page.run(FITS)
     scrolls = STICKING_OUT.replace(".map(", ".filter((e) => !e.closest('.wide, .scrolls')).map(")
-    assert opened.run(scrolls) == []
+    assert page.run(scrolls) == []
     unnamed = """[...document.querySelectorAll('input, select, button, canvas, [tabindex]')]
         .filter((e) => !(e.labels?.length || e.ariaLabel || e.textContent.trim() || e.getAttribute('aria-labelledby')))
         .map((e) => e.id)"""
-    assert opened.run(unnamed) == [], "everything has a name for a screen reader"
+    assert page.run(unnamed) == [], "everything has a name for a screen reader"
 
 
-def test_a_browser_without_webassembly_is_told(written, browser):
+def test_without_webassembly_the_page_reports_it(written, browser):
     opened = browser("about:blank")
     opened.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.WebAssembly")
     opened.open(written.as_uri())
     assert "no WebAssembly" in opened.run("document.getElementById('status').textContent")
 
 
-def test_it_is_one_file(written, page):
+def test_page_is_one_file(written, page):
     """The page makes no request and contains no local path; each core is below 1 MiB."""
-    assert page().requests == [written.as_uri()]
+    assert page.requests == [written.as_uri()]
     assert str(ROOT) not in written.read_text(encoding="utf-8")
     for machine in BUILT:
         packed = machines.wasm(machine)  # gzipped
         assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)
-    assert "zig" in page().run("document.getElementById('tools').textContent")
+    assert "zig" in page.run("document.getElementById('tools').textContent")

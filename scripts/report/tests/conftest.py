@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures of the report's tests: pages, their data, and a browser."""
+"""Fixtures of the report's tests: pages and their data."""
 
 import json
 import re
@@ -11,7 +11,6 @@ import pytest
 from model.motion.tests import figure
 from scripts import run
 from scripts.report import page as report
-from scripts.report.tests.browser import WIDE, Browser, Page
 from scripts.tests.test_run import FakeSimulator
 from tb.sim.env import simulator as simulator_name
 
@@ -79,25 +78,3 @@ def trajectories_in():
         return json.loads(found)[key]
 
     return trajectories_in
-
-
-@pytest.fixture(scope="session")
-def chromium(tmp_path_factory):
-    started = Browser(tmp_path_factory.mktemp("chromium"))
-    yield started
-    started.close()
-
-
-@pytest.fixture
-def browser(chromium):
-    """Open pages with browser(address, size, features); fail at teardown if a page had a problem."""
-    pages = []
-
-    def browser(address, size=WIDE, **features):
-        pages.append(Page(chromium, *size, {name.replace("_", "-"): value for name, value in features.items()}))
-        return pages[-1].open(address)
-
-    yield browser
-    for page in pages:
-        page.close()
-    assert [page.problems for page in pages] == [[] for _ in pages]
