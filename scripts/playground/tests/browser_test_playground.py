@@ -32,13 +32,13 @@ SET = """((name, value) => { const e = document.getElementById(name); e.value = 
              for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind)); })"""
 RESET = f"""(async () => {{
     const {{ ui, state, first }} = playground;
+    {FLOW.format("step")};
+    Object.assign(ui.target, first.target);
+    Object.assign(state.view, first.view);
     for (const name of ['ready', 'dense']) if (!ui[name]) document.getElementById(name).click();
     const values = {{ axis: 'z', trajectory: '', zoom: 80, second: '', machine: 'lean-W32' }};
     for (const [name, value] of Object.entries(values)) {SET}(name, value);
     await new Promise((done) => setTimeout(done));
-    Object.assign(ui.target, first.target);
-    Object.assign(state.view, first.view);
-    {FLOW.format("step")};
 }})()"""
 
 
@@ -88,6 +88,10 @@ def choose(page, name, value):
     page.run(f"{SET}('{name}', '{value}')")
 
 
+def bits(node):
+    return [int(word) & ((1 << node.format.width) - 1) for word in node.value.tolist()]
+
+
 # -- results ---------------------------------------------------------------------------------------
 
 
@@ -109,8 +113,7 @@ def test_every_core_equals_the_model(page, browser, tmp_path, machine):
     assert [each["flags"] for each in found] == model.flags.tolist()
     assert {each["latency"] for each in found} == {fixed.latency(machine.datapath, width)}
     for name, node in model.bits.nodes.items():
-        mask = (1 << node.format.width) - 1
-        assert [int(each["nodes"][name], 16) for each in found] == [int(v) & mask for v in node.value.tolist()], name
+        assert [int(each["nodes"][name], 16) for each in found] == bits(node), name
 
 
 def test_double_precision(page):
@@ -123,8 +126,8 @@ def test_double_precision(page):
         ours, theirs = np.array([each[of] for each in found]), np.column_stack([exact[name] for name in names])
         same_sign = np.sign((ours * theirs).sum(axis=1))  # at k = 0 either sign is right
         assert np.abs(ours * same_sign[:, None] - theirs).max() < 1e-12
-    bits = {flag["name"]: flag["bit"] for flag in playground.data([])["flags"]}
-    flags = [sum(bits[name] for name, on in each["flag"].items() if on) for each in found]
+    bit = {flag["name"]: flag["bit"] for flag in playground.data([])["flags"]}
+    flags = [sum(bit[name] for name, on in each["flag"].items() if on) for each in found]
     assert flags == expected_flags(words, 32).tolist()
 
 
@@ -221,7 +224,6 @@ def test_flags_are_shown_with_a_reason(page):
 
 
 def test_a_step_is_a_clock(page):
-    page.run(f"{MACHINE}.reset()")
     before = page.run(f"[{MACHINE}.clock, {MACHINE}.sent]")
     step(page, 3)
     assert page.run(f"[{MACHINE}.clock, {MACHINE}.sent]") == [before[0] + 3, before[1] + 3]
@@ -235,13 +237,12 @@ def test_a_step_is_a_clock(page):
 def test_a_receiver_that_stalls_loses_nothing(page):
     """Credits run out and the input stalls; afterwards every result is correct and in order."""
     choose(page, "trajectory", "reach")
-    page.run(f"{MACHINE}.reset()")
-    start = page.run(f"[{MACHINE}.sent, {MACHINE}.left]")
+    start = page.run(f"{MACHINE}.sent")
     page.run("document.getElementById('ready').click()")
     step(page, 150)
     places = page.run(f"{MACHINE}.places")
     assert page.run(f"Number({MACHINE}.live('g_fifo.credits'))") == 0
-    assert page.run(f"{MACHINE}.sent") - start[0] == places == page.run(f"{MACHINE}.flying.length")
+    assert page.run(f"{MACHINE}.sent") - start == places == page.run(f"{MACHINE}.flying.length")
     page.run("document.getElementById('ready').click()")
     page.run("document.getElementById('dense').click()")
     page.run(f"playground.seen = {MACHINE}.flying.map((one) => one)")
@@ -256,24 +257,14 @@ def test_a_receiver_that_stalls_loses_nothing(page):
 
 
 def test_a_target_is_followed_through_its_nodes(page):
-    """The column of node words fills as the target proceeds and finally equals the model's."""
-    page.run(f"{MACHINE}.reset(); playground.ui.followed = null")
+    """The column of node words fills as the target proceeds and finally equals the model's; a click shows one node."""
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
     step(page, 10)
-    words = page.run("playground.ui.followed.words")
-    model = fixed.run(np.array([words]), 32, "lean").bits.nodes
+    model = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").bits.nodes
     for clocks in (10, LEAN):
-        if clocks > 10:
-            step(page, clocks - 10)
-        shown = {name: word for name, word in page.run(cells) if word}
-        due = {name for name, node in model.items() if node.time < clocks}
-        assert set(shown) == due
-        for name, word in shown.items():
-            assert int(word, 16) == int(model[name].value[0]) & ((1 << model[name].format.width) - 1), name
-
-
-def test_a_click_on_a_node_shows_it(page):
-    step(page, 60)
+        shown = {name: [int(word, 16)] for name, word in page.run(cells) if word}
+        assert shown == {name: bits(node) for name, node in model.items() if node.time < clocks}
+        step(page, LEAN - clocks)
     page.middle("#lane")
     x, y = page.run("""(() => {
         const box = document.getElementById('lane').getBoundingClientRect();
@@ -283,13 +274,12 @@ def test_a_click_on_a_node_shows_it(page):
         return [box.x + (at(node.time) + at(node.time + 1)) / 2, box.y + ui.laid.yOf(node) + 4];
     })()""")
     page.drag((x, y), (x, y))
-    said = page.run("document.getElementById('node').innerText")
-    assert "k_law, (L7)" in said and "Q" in said and "guard" in said
+    text = page.run("document.getElementById('node').innerText")
+    assert "k_law, (L7)" in text and "Q" in text and "guard" in text
     assert page.run("playground.ui.watched.at(-1)").endswith("k_law")
     word = int(page.run("document.querySelectorAll('#node dd')[5].textContent"), 16)
-    words = page.run("playground.ui.followed.words")
-    node = fixed.run(np.array([words]), 32, "lean").bits.nodes["k_law"]
-    assert word == int(node.value[0]) & ((1 << node.format.width) - 1)
+    node = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").bits.nodes["k_law"]
+    assert [word] == bits(node)
 
 
 # -- the waveform ----------------------------------------------------------------------------------
@@ -301,7 +291,7 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
     choose(page, "machine", machine.name)
     page.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
     choose(page, "trajectory", "overhead")
-    page.run(f"{MACHINE}.reset(); {MACHINE}.frames.length = 0")
+    page.run(f"{MACHINE}.frames.length = 0")
     step(page, 200)
     (tmp_path / "waves.vcd").write_text(page.run("playground.vcd()"))
     nodes = nodes_of(machine.datapath, machine.width)
@@ -315,8 +305,7 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
     asked = [to_words(Targets("one", *row), machine.width)[0][0] for row in rows_of("overhead")]
     assert words.tolist() == [asked[n % len(asked)].tolist() for n in whole] and whole
     for name, node in fixed.run(words, machine.width, machine.datapath).bits.nodes.items():
-        mask = (1 << node.format.width) - 1
-        assert [int(found.word(node, n), 2) for n in whole] == [int(v) & mask for v in node.value.tolist()], name
+        assert [int(found.word(node, n), 2) for n in whole] == bits(node), name
 
 
 def test_signals_are_shown_and_hidden(page):
