@@ -93,37 +93,29 @@ def test_clock_and_critical_path_of_a_report():
 # -- packing of registers ------------------------------------------------------------------------------------------
 
 
+def cell(kind, parameters=None, out="Q", **nets):
+    """Return a cell of a netlist; ports whose names begin with ``out`` are outputs."""
+    ways = {port: "output" if port.startswith(out) else "input" for port in nets}
+    connections = {port: [net] for port, net in nets.items()}
+    return {"type": kind, "parameters": parameters or {}, "port_directions": ways, "connections": connections}
+
+
 def flop(d, q, clk=2, **parameters):
-    return {
-        "type": "TRELLIS_FF",
-        "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK", "REGSET": "RESET", **parameters},
-        "port_directions": {"CLK": "input", "DI": "input", "LSR": "input", "Q": "output"},
-        "connections": {"CLK": [clk], "DI": [d], "LSR": ["0"], "Q": [q]},
-    }
+    plain = {"CEMUX": "1 ", "CLKMUX": "CLK", "REGSET": "RESET"}
+    return cell("TRELLIS_FF", plain | parameters, CLK=clk, DI=d, LSR="0", Q=q)
 
 
 def lut(net):
-    return {"type": "LUT4", "parameters": {}, "port_directions": {"A": "input"}, "connections": {"A": [net]}}
+    return cell("LUT4", A=net)
 
 
 def product(a, b, p):
-    ports = {"A0": a, "A1": "0", "B0": b, "B1": b, "P0": p}
-    return {
-        "type": "MULT18X18D",
-        "parameters": {},
-        "port_directions": {k: "output" if k[0] == "P" else "input" for k in ports},
-        "connections": {k: [net] for k, net in ports.items()},
-    }
+    return cell("MULT18X18D", out="P", A0=a, A1="0", B0=b, B1=b, P0=p)
 
 
 def memory(do, clk=2):
-    ports = {"CLKA": [clk], "CLKB": [2]} | {f"DO{k}": [net] for k, net in do.items()}
-    return {
-        "type": "DP16KD",
-        "parameters": {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG"},
-        "port_directions": {k: "output" if k[:2] == "DO" else "input" for k in ports},
-        "connections": ports,
-    }
+    outputs = {f"DO{port}": net for port, net in do.items()}
+    return cell("DP16KD", {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG"}, "DO", CLKA=clk, CLKB=2, **outputs)
 
 
 def packed(**cells):
@@ -309,16 +301,10 @@ def test_folded_datapath_is_measured_on_every_chip(begun, tools):
     assert [row[9] for row in rows] == ["100.0"] * 4 + ["-"] * 4  # clock of the second seed
 
 
-@pytest.mark.parametrize(
-    ("groups", "widths", "names"),
-    [
-        (["lean"], [20], ["lean-20"]),
-        (["fold"], [32], ["fold-32"]),
-        (["memory"], [], ["echo-32", "memory-18", "memory-32"]),
-    ],
-)
-def test_designs_are_selected_by_datapath_and_word_length(groups, widths, names):
-    assert [one.name for one in designs.select(groups, widths)] == names
+def test_designs_are_selected_by_datapath_and_word_length():
+    selections = (["lean"], [20]), (["fold"], [32]), (["memory"], [])
+    names = [[one.name for one in designs.select(*selection)] for selection in selections]
+    assert names == [["lean-20"], ["fold-32"], ["echo-32", "memory-18", "memory-32"]]
 
 
 def test_a_design_too_large_for_the_device_is_not_placed_whole():
