@@ -83,7 +83,7 @@ def memory(data: dict) -> str:
     for design in measured(data, "echo", "memory"):
         cells = [run_of(data, design.run(family)).get("cells", {}) for family in ("xc2vp", "xc7", "ecp5")]
         placed = run_of(data, design.run("ecp5", "place"))
-        what = "an echo in the place of the datapath" if design.datapath == "echo" else "`lean`"
+        what = "an echo instead of the datapath" if design.datapath == "echo" else "`lean`"
         sizes = [each.get(kind) for kind in ("LUT", "FF") for each in cells]
         sizes += [cells[-1].get(kind) for kind in ("RAM", "multipliers")]
         clocks = [_form(placed.get("mhz"), "{:.0f}"), _clocks(placed)]
