@@ -173,9 +173,8 @@ def test_debugging(checkout):
             missing = [line for line in lines if line != "..." and line not in printed]
             assert not missing, "\n".join(printed)
             continue
-        # bash, the shell of most readers, reads test_sections[lean-32] as a pattern that matches no file
         streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "check": False}
         done = subprocess.run(["bash", "-c", "\n".join(lines)], cwd=checkout, env=env, **streams)
-        finds = lines[-1].startswith(("make", ".venv/bin/python -m pytest"))
+        finds = lines[-1].startswith("make")
         assert bool(done.returncode) == finds and "cga-ik: " not in done.stdout, done.stdout
-        printed = [re.sub(r"^INFO +cocotb:\S+ +", "", line.rstrip()) for line in done.stdout.splitlines()]
+        printed = [line.rstrip() for line in done.stdout.splitlines()]

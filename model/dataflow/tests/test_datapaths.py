@@ -329,7 +329,7 @@ def test_the_program_is_the_same_at_every_word_length(width):
 
 def test_steps_in_the_clocks_of_another_step_are_refused():
     """Two steps that need a field or a place in one clock; a step of another clock that does not conflict shows as
-    wrong nodes in the RTL (`tb/core/test_every_target.py`)."""
+    wrong nodes in the RTL (`tb/core/test_every_node.py`)."""
     (_, groups), found = lower(24), schedule()
     first, *others = found.starts
     for other in others[::7]:

@@ -51,13 +51,12 @@ def written(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def loaded(written, tmp_path_factory):
+def loaded(written, chromium):
     """Load the page once for all tests."""
-    with Page(tmp_path_factory.mktemp("profile"), *WIDE) as opened:
-        opened.open(written.as_uri())
-        opened.wait_for("document.documentElement.dataset.ready")
-        opened.run("playground.first = structuredClone({ target: playground.ui.target, view: playground.state.view })")
-        yield opened
+    page = Page(chromium, *WIDE).open(written.as_uri())
+    page.wait_for("document.documentElement.dataset.ready")
+    page.run("playground.first = structuredClone({ target: playground.ui.target, view: playground.state.view })")
+    return page
 
 
 def resize(page, width, height, **media):
