@@ -13,7 +13,7 @@ from model.io.scoring import singular_distance
 from model.io.words import to_words
 from scripts.generate.render import read_table
 from scripts.paper import __main__ as paper
-from scripts.paper import operations, wordlengths
+from scripts.paper import wordlengths
 
 
 def proofs(page):
@@ -67,6 +67,5 @@ def test_command_writes_the_page(tmp_path, monkeypatch):
 def test_an_operand_with_too_few_fraction_bits_is_named(part, monkeypatch, command):
     monkeypatch.setattr(Domain, "word", lambda self, i: Format(self.width, self.width + 9, "W + 9"))
     monkeypatch.setattr(ranges, "_as_built", ranges.analyse)  # without its cache
-    monkeypatch.setattr(operations, "rtl_counts", dict)
     status, _, (error,) = command(paper.main, "--only", part)
     assert status == 1 and re.match(r"\w+: \d+ fraction bits, .* only \d+$", error), error
