@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures 6 and 7 of the paper: dataflow graphs and pipeline schedules of all datapaths, as SVG.
+"""Figures 6 and 7 of the paper: dataflow graph and pipeline schedule of p_e_x (13), as SVG.
 
-docs/generated/figures holds equation (13), as in the paper; graphs and schedules of whole datapaths and their sections
-go to build/paper/figures. A balancing delay lasts from the clock in which a node is ready to the last clock in which a
-consumer starts. graphviz draws the graphs; each picture carries the digest of its graph, so a test can check without
-graphviz that it is current.
+A balancing delay lasts from the clock in which a node is ready to the last clock in which a consumer starts. graphviz
+draws the graph; the picture carries the digest of its graph, so a test can check without graphviz that it is current.
 """
 
 from __future__ import annotations
@@ -20,20 +18,17 @@ from html import escape
 from model.bounds import ranges
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
+from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
 from scripts.generate import flow
 from scripts.generate.flow import WIDTH, check, delays, design, kind, longest_path, operands, start, tip
 from scripts.generate.render import render
-from tb.sim.env import GENERATED, ROOT
+from tb.sim.env import GENERATED
 
 SHOWN = GENERATED / "figures"
-ALL = ROOT / "build" / "paper" / "figures"
 PAGE = GENERATED / "figures.md"
 
 Nodes = Mapping[str, Node]
-Designs = Mapping[str, Nodes]
-"""Datapath -> its nodes by name."""
-
 
 KINDS = {
     "input": ("", "#ffffff", "#333333"),
@@ -46,15 +41,6 @@ KINDS = {
     "choose": ("?", "#f1f1f1", "#666666"),
 }
 """Kind of operation -> its symbol in a graph, its fill and line in a schedule."""
-
-
-def designs() -> Designs:
-    """Return the nodes of every datapath."""
-    return {name: design(name) for name in DATAPATHS}
-
-
-def _latest(nodes: Nodes) -> int:
-    return max(node.time for node in nodes.values())
 
 
 def _critical(nodes: Nodes) -> tuple[list[str], set[tuple[str, str]]]:
@@ -84,37 +70,26 @@ HEAD = """digraph {{
 """
 
 
-def _proved(datapath: str) -> dict[str, str]:
-    """Return the proved range of each node of the paper's datapath; empty for other datapaths."""
-
-    def number(v: float) -> str:
-        return "0" if abs(v) < 1e-3 else f"{v:.3g}"
-
-    proofs = ranges.proved(WIDTH) if datapath == "paper" else {}
-    return {n: f"; proved [{number(p.low)}, {number(p.high)}]" for n, p in proofs.items()}
-
-
-def graph(nodes: Nodes, datapath: str, title: str) -> str:
+def graph(nodes: Nodes) -> str:
     """Return the dataflow graph of nodes in the DOT language, coloured by section, with the longest path in red.
 
     A node without operands that is not an input belongs to another section and is dashed.
     """
     check(nodes)
-    sections, proved = DATAPATHS[datapath].sections, _proved(datapath)
-    colours = dict(zip(sections, COLOURS, strict=False))
-    used = [s for s in sections if any(node.section == s and node.operands for node in nodes.values())]
-    cells = "".join(f'<td bgcolor="{colours[s]}">{escape(sections[s])}</td>' for s in used)
-    lines = [HEAD.format(title=escape(f"{title}, W = {WIDTH}"), sections=cells)]
+    proved = ranges.proved(WIDTH)
+    colours = dict(zip(SECTIONS, COLOURS, strict=False))
+    used = [s for s in SECTIONS if any(node.section == s and node.operands for node in nodes.values())]
+    cells = "".join(f'<td bgcolor="{colours[s]}">{escape(SECTIONS[s])}</td>' for s in used)
+    lines = [HEAD.format(title=f"p_e_x (13), figure 6 of the paper, W = {WIDTH}", sections=cells)]
     path, steps = _critical(nodes)
     for name, node in nodes.items():
         outside = not node.operands and node.op != "input"
         label = f"<b>{name}</b>" + (f"&#160;{escape(node.equation)}" if node.equation else "")
-        operation = " ".join(
-            text for text in (KINDS[kind(node)][0] if node.operands else "", flow.q(node.format)) if text
-        )
+        operation = f"{KINDS[kind(node)][0] if node.operands else ''} {flow.q(node.format)}".strip()
         style = f'fillcolor="{"#ffffff" if outside or node.op == "input" else colours[node.section]}"'
         style += (', style="filled,rounded,dashed"' if outside else "") + (CRITICAL if name in path else "")
-        tooltip = tip(node) + proved.get(name, "")
+        low, high = ("0" if abs(v) < 1e-3 else f"{v:.3g}" for v in (proved[name].low, proved[name].high))
+        tooltip = f"{tip(node)}; proved [{low}, {high}]"
         box = f'label=<{label}<br/><font point-size="10">{operation}</font>>, tooltip="{tooltip}"'
         lines.append(f'  "{name}" [{box}, {style}];')
     for a, b in _arrows(nodes):
@@ -142,23 +117,20 @@ ROW, LABEL = 17, 200
 """Height of a row and width of the labels in pixels."""
 
 
-def schedule(nodes: Nodes, datapath: str, title: str, out: int | None = None) -> str:
-    """Return the pipeline schedule of nodes as SVG: stages, delays, critical path, and wires for fewer than 40 nodes.
-
-    out: clock in which results leave, if they leave together.
-    """
+def schedule(nodes: Nodes) -> str:
+    """Return the pipeline schedule of nodes as SVG: stages, delays, critical path and wires."""
     check(nodes)
-    waits = delays(nodes, out=out)
+    waits = delays(nodes)
     path, steps = _critical(nodes)
     first = min(start(node) if node.operands else node.time for node in nodes.values())
-    latest = max([_latest(nodes), *(delay.end for delay in waits.values())])
-    scale = max(4.0, min(20.0, 1100 / (latest - first)))
+    latest = max(node.time for node in nodes.values())
+    scale = min(20.0, 1100 / (latest - first))
 
     def x(clock: float) -> float:
         return round(LABEL + scale * (clock - first), 1)
 
     y, heads, rows = 86, [], {}
-    for section, head in DATAPATHS[datapath].sections.items():
+    for section, head in SECTIONS.items():
         if not (own := [node for node in nodes.values() if node.section == section]):
             continue
         heads.append((head, y))
@@ -179,7 +151,7 @@ def schedule(nodes: Nodes, datapath: str, title: str, out: int | None = None) ->
     kinds = {kind(node) for node in nodes.values()} - {"input"}
     return render(
         "schedule.svg",
-        title=f"Pipeline schedule of {title}, W = {WIDTH}",
+        title=f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}",
         wide=LABEL + scale * (latest - first) + 150,
         high=y + 20,
         label=LABEL,
@@ -190,7 +162,7 @@ def schedule(nodes: Nodes, datapath: str, title: str, out: int | None = None) ->
         heads=heads,
         rows={name: rows[name] for name in nodes},
         path=path,
-        wires=[arrow for arrow in _arrows(nodes) if arrow not in steps and len(nodes) < 40],
+        wires=[arrow for arrow in _arrows(nodes) if arrow not in steps],
         steps=sorted(steps, key=lambda step: nodes[step[1]].time),
         flip_flops=sum(delay.flip_flops for delay in waits.values()),
         latest=latest,
@@ -202,40 +174,26 @@ def schedule(nodes: Nodes, datapath: str, title: str, out: int | None = None) ->
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
-def shown(nodes: Designs) -> dict[str, str]:
-    """Return the figures of the page: file name -> graph or SVG."""
-    check(nodes["paper"])
-    pair = flow.cone(flow.part(nodes["paper"], equation="(13)"), "p_e_x")
-    return {
-        "graph_p_e_x.svg": graph(pair, "paper", "p_e_x (13), figure 6 of the paper"),
-        "schedule_p_e_x.svg": schedule(pair, "paper", "p_e_x (13), figure 7 of the paper"),
-    }
+def figures() -> dict[str, str]:
+    """Return the figures of the page: file name -> graph or SVG. ValueError for an invalid node."""
+    check(nodes := design("paper"))
+    elbow = flow.cone(flow.part(nodes, equation="(13)"), "p_e_x")
+    return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 
-def whole(nodes: Designs) -> dict[str, str]:
-    """Return the figures of each datapath and section: file name -> graph or SVG. ValueError for an invalid node."""
-    found = {}
-    for path, own in nodes.items():
-        title = f"The {path} datapath"
-        found[f"graph_{path}.svg"] = graph(own, path, title)
-        for name, section in DATAPATHS[path].sections.items():
-            if nodes_of := flow.part(own, section=name):
-                found[f"graph_{path}_{name}.svg"] = graph(nodes_of, path, f"{title}: {section}")
-        found[f"schedule_{path}.svg"] = schedule(own, path, f"the {path} datapath", _latest(own))
-    return found
-
-
-def page(nodes: Designs) -> str:
+def page() -> str:
     """Return docs/generated/figures.md."""
     datapaths = []
-    for path, own in nodes.items():
-        waits = delays(own, out=_latest(own))
+    for path in DATAPATHS:
+        nodes = design(path)
+        clocks = max(node.time for node in nodes.values())
+        waits = delays(nodes, out=clocks)
         largest = sorted(waits.items(), key=lambda item: (-item[1].flip_flops, item[0]))[:5]
         datapaths.append(
             {
                 "name": path,
-                "nodes": len(own),
-                "clocks": _latest(own),
+                "nodes": len(nodes),
+                "clocks": clocks,
                 "waits": len(waits),
                 "bits": sum(d.flip_flops for d in waits.values()),
                 "largest": ", ".join(f"`{n}` ({d.clocks} × {d.bits})" for n, d in largest),
@@ -245,15 +203,12 @@ def page(nodes: Designs) -> str:
 
 
 def write() -> int:
-    """Draw all figures and write the page; return 1 if a node does not fit its format."""
+    """Draw the figures and write the page; return 1 if a node does not fit its format."""
     if wrong := ranges.failures(WIDTH):
         print(*wrong.values(), sep="\n", file=sys.stderr)
         return 1
-    nodes = designs()
-    for folder, figures in {SHOWN: shown(nodes), ALL: whole(nodes)}.items():
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in figures.items():
-            (folder / name).write_text(svg(text) if text.startswith("digraph") else text, encoding="utf-8")
-    PAGE.write_text(page(nodes), encoding="utf-8")
-    print(f"wrote {PAGE.name}; figures of the whole datapaths are in {ALL.relative_to(ROOT)}")
+    for name, text in figures().items():
+        (SHOWN / name).write_text(svg(text) if text.startswith("digraph") else text, encoding="utf-8")
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"wrote {PAGE.name}")
     return 0

@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from model.dataflow.datapaths import DATAPATHS
 from model.io.words import RESULT_FIELDS
 from scripts.console import InputError
 from scripts.generate import flow
@@ -18,40 +17,36 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
-def designs():
-    return figures.designs()
+def nodes():
+    return design("paper")
 
 
-@pytest.fixture
-def nodes(designs):
-    return designs["paper"]
+@pytest.fixture(scope="module")
+def drawn():
+    return figures.figures()
 
 
 def is_current(name, text):
     """Compare a picture with its figure; for a graph, compare the embedded digest."""
-    drawn = (figures.SHOWN / name).read_text("utf-8")
+    shown = (figures.SHOWN / name).read_text("utf-8")
     if text.startswith("digraph"):
-        return drawn.startswith(f"<!-- of the graph {figures.digest(text)} -->")
-    return drawn == text
+        return shown.startswith(f"<!-- of the graph {figures.digest(text)} -->")
+    return shown == text
 
 
-def test_figures_and_page_are_up_to_date(designs):
-    drawn = figures.shown(designs)
+def test_figures_and_page_are_up_to_date(drawn):
     assert [name for name, text in drawn.items() if not is_current(name, text)] == [], "run `make paper ONLY=figures`"
-    assert figures.PAGE.read_text("utf-8") == figures.page(designs), "run `make paper ONLY=figures`"
+    assert figures.PAGE.read_text("utf-8") == figures.page(), "run `make paper ONLY=figures`"
     assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
 
 
-@pytest.mark.parametrize("datapath", DATAPATHS)
-def test_every_node_and_operand_is_drawn(designs, datapath):
-    nodes, drawn = designs[datapath], figures.whole({datapath: designs[datapath]})
-    graph = drawn[f"graph_{datapath}.svg"]
-    arrows = {(o, n.name) for n in nodes.values() for o in flow.operands(n, nodes)}
+def test_every_node_and_operand_is_drawn(nodes, drawn):
+    graph = drawn["graph_p_e_x.svg"]
+    shown = flow.cone(flow.part(nodes, equation="(13)"), "p_e_x")
+    arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node, shown)}
     assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
-    for name, node in nodes.items():
-        (line,) = re.findall(rf'^  "{name}" \[label=.*', graph, re.M)
-        assert flow.q(node.format) in line and (node.equation or "") in line
-    assert len(list(ElementTree.fromstring(drawn[f"schedule_{datapath}.svg"]).iter(f"{SVG}g"))) == len(nodes)
+    assert re.findall(r'^  "(\w+)" \[label=.*', graph, re.M) == list(shown)
+    assert len(list(ElementTree.fromstring(drawn["schedule_p_e_x.svg"]).iter(f"{SVG}g"))) == len(shown)
 
 
 @pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
