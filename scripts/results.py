@@ -12,7 +12,7 @@ import numpy as np
 import pybvh
 
 from model.io.files import write_atomically
-from model.io.scoring import Score, write_results_csv, write_results_npz, write_score_json
+from model.io.scoring import Score, write_score_json, write_tables
 from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
@@ -81,5 +81,4 @@ def _write_datapath(folder: Path, prepared: Sequence[Prepared], done: Sequence[t
             targets = replace(targets, others=targets.others | {"elbow_error": elbow_errors(item, result).tolist()})
             for kind, content in turned_clip(item, ran, result.width).items():
                 write_atomically(path.with_name(f"clip.{kind}"), content)
-        write_results_csv(path, targets, ran.results, ran.flags, result)
-        write_results_npz(path.with_suffix(".npz"), targets, ran.results, ran.flags, result)
+        write_tables(path, targets, ran, result)

@@ -10,12 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-TOO_FAR = 1 << 0
-TOO_NEAR = 1 << 1
-ON_AXIS = 1 << 2
-AT_SHOULDER = 1 << 3
-BAD_LENGTH = 1 << 4
-SATURATED = 1 << 5
+TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED = (1 << n for n in range(6))
 
 FLAG_BITS = 8
 """Width of the flag field; unnamed bits are 0."""
@@ -25,8 +20,6 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 
 
 class Flag(NamedTuple):
-    """Flag: its name, its bit mask, and its meaning in one line."""
-
     name: str
     bit: int
     meaning: str
@@ -62,12 +55,17 @@ def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
     # Exact: three squares of 32-bit words, and the square of a sum of positive ones, fit unsigned 64 bits.
     squared = sum((v * v).astype(np.uint64) for v in (x, y, z))
     furthest, nearest = ((np.abs(v).astype(np.uint64)) ** 2 for v in (d1 + d2, d1 - d2))
+    return combine(x, y, z, d1, d2, squared > furthest, squared < nearest)
+
+
+def combine(x, y, z, d1, d2, beyond, inside) -> np.ndarray:
+    """Return the flags (N,) int64 of targets beyond the outer or inside the inner limit of the arm's reach."""
     on_axis = (x == 0) & (y == 0)
     bad = (d1 <= 0) | (d2 <= 0)
     return (
         np.where(on_axis, ON_AXIS, 0)
         | np.where(on_axis & (z == 0), AT_SHOULDER, 0)
         | np.where(bad, BAD_LENGTH, 0)
-        | np.where(~bad & (squared > furthest), TOO_FAR, 0)
-        | np.where(~bad & (squared < nearest), TOO_NEAR, 0)
+        | np.where(~bad & beyond, TOO_FAR, 0)
+        | np.where(~bad & inside, TOO_NEAR, 0)
     )

@@ -21,7 +21,6 @@ import csv
 import dataclasses
 import io
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,9 +34,6 @@ from ..reference.kinematics import angle_between, continuous, forward
 from . import flags as flag_bits
 from .files import write_atomically
 from .words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
-
-ELBOW_FIELDS = ("elbow_x", "elbow_y", "elbow_z")
-"""Columns of results.csv for the elbow's position, in the user's unit and frame."""
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
@@ -139,16 +135,11 @@ def score(
     targets: Targets,
     words: np.ndarray,
     exponent: int,
-    results: np.ndarray,
-    flags: np.ndarray,
+    run: Any,
     *,
     width: int,
     datapath: str,
     simulator: str,
-    latency_cycles: int | None,
-    total_cycles: int | None,
-    bit_mismatches: int,
-    first_mismatch: str | None = None,
     predicted: np.ndarray | None,
     bar: float | None = None,
 ) -> Score:
@@ -156,9 +147,7 @@ def score(
 
     * targets: N of them, in the user's units
     * words (N, 6), exponent: output of `targets.to_words`
-    * results (N, 6): the core's signed words, columns as `RESULT_FIELDS`; flags (N,): its flag bits
-    * latency_cycles: clocks from the first target in to the first result out; None if not measured
-    * total_cycles: clocks from the first target in to the last result out, both counted; likewise
+    * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
     * bar: hand error / reach requested by the user, replacing the table of tolerances
 
@@ -167,7 +156,7 @@ def score(
     """
     count = len(targets)
     shapes = {"words": (count, 6), "results": (count, 6), "flags": (count,), "predicted": (count,)}
-    for name, array in (("words", words), ("results", results), ("flags", flags), ("predicted", predicted)):
+    for name, array in {"words": words, "results": run.results, "flags": run.flags, "predicted": predicted}.items():
         if array is not None and np.shape(array) != shapes[name]:
             raise ValueError(f"{targets.name}: {name} has shape {np.shape(array)}, not {shapes[name]}")
     if predicted is not None and not (np.isfinite(predicted) & (np.asarray(predicted) > 0)).all():
@@ -177,13 +166,14 @@ def score(
     d1, d2 = np.ldexp(targets.d1, exponent), np.ldexp(targets.d2, exponent)
     reach = d1 + d2
     pose = solve_clamped(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
-    pose_qs = np.column_stack([pose[field] for field in RESULT_FIELDS[:4]])
-    pose_qe = np.column_stack([pose[field] for field in RESULT_FIELDS[4:]])
-    values = result_values(results, width)
+    pose_qs, pose_qe, pose_elbow = (
+        np.column_stack([pose[name] for name in names])
+        for names in (RESULT_FIELDS[:4], RESULT_FIELDS[4:], ("p_e_x", "p_e_y", "p_e_z"))
+    )
+    values = result_values(run.results, width)
     qs, qe = values[:, :4], values[:, 4:]
 
     elbow, wrist = forward(qs, qe, d1, d2)
-    pose_elbow = np.column_stack([pose[name] for name in ("p_e_x", "p_e_y", "p_e_z")])
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
     hand_error = np.linalg.norm(wrist - np.ldexp(targets.core_position, exponent), axis=1) / reach
     clamped_error = np.linalg.norm(wrist - pose_wrist, axis=1) / reach
@@ -204,12 +194,13 @@ def score(
     norm_bar = tolerances.norm(width, datapath)
     everywhere = np.ones(count, dtype=bool)
 
-    mismatch = f"{bit_mismatches} bits differ from the bit-true model" + (
-        f"; {first_mismatch}" if first_mismatch else ""
-    )
+    clocks = None if run.total_cycles is None else run.total_cycles - (run.latency_cycles or 0)
+    mismatch = f"{run.bit_mismatches} bits differ from the bit-true model"
+    if run.first_mismatch:
+        mismatch += f"; {run.first_mismatch}"
     failures = [
-        *([mismatch] if bit_mismatches else []),
-        *_flag_failures(np.asarray(flags), expected),
+        *([mismatch] if run.bit_mismatches else []),
+        *_flag_failures(np.asarray(run.flags), expected),
         *_bar_failures("hand error", hand_error, bar, reachable),
         *_bar_failures("error of the clamped hand", clamped_error, bar, clamped),
         *_bar_failures("abs(norm^2-1) of Qs", qs_norm, norm_bar, everywhere),
@@ -222,7 +213,7 @@ def score(
         width=width,
         simulator=simulator,
         targets=count,
-        bit_mismatches=int(bit_mismatches),
+        bit_mismatches=int(run.bit_mismatches),
         hand_error_max=largest,
         hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
         hand_error_bar=bar if reachable.any() else None,
@@ -238,11 +229,11 @@ def score(
         clamped_error_max=furthest,
         clamped_error_bar=bar if clamped.any() else None,
         singular_distance_min=float(distance.min()),
-        latency_cycles=latency_cycles,
-        total_cycles=total_cycles,
+        latency_cycles=run.latency_cycles,
+        total_cycles=run.total_cycles,
         # Throughput from the first result to the last, both counted.
-        results_per_cycle=None if total_cycles is None else count / (total_cycles - (latency_cycles or 0)),
-        flagged=int(np.count_nonzero(flags)),
+        results_per_cycle=None if clocks is None else count / clocks,
+        flagged=int(np.count_nonzero(run.flags)),
         scale_exponent=int(exponent),
         passed=not failures,
         outcome=_outcome(not failures, bar, max(error for error in (largest, furthest) if error is not None)),
@@ -309,62 +300,43 @@ def _bar_failures(what: str, error: np.ndarray, bar: float | None, where: np.nda
 # -- files -----------------------------------------------------------------------------------------
 
 
-def write_results_csv(
-    path: str | os.PathLike[str],
-    targets: Targets,
-    results: np.ndarray,
-    flags: np.ndarray,
-    result: Score,
-) -> None:
-    """Write results.csv: one row per target in input order, lengths in the user's unit and frame, angles in rad,
-    followed by the other columns of the target file.
+def write_tables(path: Path, targets: Targets, run: Any, result: Score) -> None:
+    """Write results.csv to `path`, and the same data as arrays in an .npz file next to it.
 
-    Every float is written so that reading it gives the same bits. The bytes depend on the arguments only, so the files
-    of two simulators can be compared. Raises OSError; then the file is unchanged.
+    CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
+    columns of the target file. Every float is written so that reading it gives the same bits. The bytes depend on the
+    arguments only, so the files of two simulators can be compared.
+
+    Arrays: points, elbow, wrist (N, 3), phi, d1, d2, flags, hand_error (N,), qs, qe (N, 4) as w, i, j, k with signs
+    that make them continuous. Raises OSError; then the file is unchanged.
     """
-    values = result_values(results, result.width)
+    values = result_values(run.results, result.width)
+    qs, qe = targets.from_core(values[:, :4]), values[:, 4:]
+    elbow, wrist = (np.ldexp(points, -result.scale_exponent) for points in (result.each.elbow, result.each.wrist))
+    flags, hand_error = np.asarray(run.flags), result.each.hand_error
     columns: dict[str, list] = {"n": list(range(len(targets)))}
     columns |= {field: getattr(targets, field).tolist() for field in FIELDS}
-    answers = np.column_stack((targets.from_core(values[:, :4]), values[:, 4:]))
-    columns |= dict(zip(RESULT_FIELDS, answers.T.tolist(), strict=True))
-    columns |= {"flags": np.asarray(flags).tolist(), "hand_error": result.each.hand_error.tolist()}
-    elbow = np.ldexp(result.each.elbow, -result.scale_exponent)
-    columns |= dict(zip(ELBOW_FIELDS, elbow.T.tolist(), strict=True))
+    columns |= dict(zip(RESULT_FIELDS, np.column_stack((qs, qe)).T.tolist(), strict=True))
+    columns |= {"flags": flags.tolist(), "hand_error": hand_error.tolist()}
+    columns |= dict(zip(("elbow_x", "elbow_y", "elbow_z"), elbow.T.tolist(), strict=True))
     columns |= {name: cells for name, cells in targets.others.items() if name not in columns}
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*columns.values(), strict=True))
-    write_atomically(Path(path), text.getvalue())
-
-
-def write_results_npz(
-    path: str | os.PathLike[str], targets: Targets, results: np.ndarray, flags: np.ndarray, result: Score
-) -> None:
-    """Write results.npz, the same data as arrays: points (N, 3), phi, d1, d2 (N,), qs, qe (N, 4) as w, i, j, k with
-    signs that make them continuous, flags (N,), elbow, wrist (N, 3), hand_error (N,). Raises OSError."""
-    values = result_values(results, result.width)
-    arrays = {
-        "points": targets.position,
-        "phi": targets.phi,
-        "d1": targets.d1,
-        "d2": targets.d2,
-        "qs": continuous(targets.from_core(values[:, :4]), targets.arm),
-        "qe": continuous(np.pad(values[:, 4:], ((0, 0), (0, 2))), targets.arm),
-        "flags": np.asarray(flags),
-        "hand_error": result.each.hand_error,
-        "elbow": np.ldexp(result.each.elbow, -result.scale_exponent),
-        "wrist": np.ldexp(result.each.wrist, -result.scale_exponent),
-    }
+    write_atomically(path, text.getvalue())
+    arrays = {name: getattr(targets, name) for name in ("phi", "d1", "d2")}
+    arrays |= {"points": targets.position, "elbow": elbow, "wrist": wrist, "flags": flags, "hand_error": hand_error}
+    arrays |= {"qs": continuous(qs, targets.arm), "qe": continuous(np.pad(qe, ((0, 0), (0, 2))), targets.arm)}
     data = io.BytesIO()
     np.savez(data, **arrays)
-    write_atomically(Path(path), data.getvalue())
+    write_atomically(path.with_suffix(".npz"), data.getvalue())
 
 
-def write_score_json(path: str | os.PathLike[str], scores: Sequence[Score]) -> None:
+def write_score_json(path: Path, scores: Sequence[Score]) -> None:
     """Write score.json: a list with one object per trajectory. Raises OSError; then the file is unchanged.
 
     It contains nothing that changes from run to run: no times, no paths.
     """
     text = json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False)
-    write_atomically(Path(path), text + "\n")
+    write_atomically(path, text + "\n")

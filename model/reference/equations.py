@@ -14,7 +14,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
+from ..io.flags import AT_SHOULDER, BAD_LENGTH, TOO_FAR, UNREACHABLE, combine
 
 _REACH = "(p_w_x**2 + p_w_z**2 + p_w_y**2 + d1**2 - d2**2)"
 C4 = "(p_e_x**2 - p_e_x*p_w_x + p_e_y**2 - p_e_y*p_w_y - p_e_z*p_w_z + p_e_z**2)/(d1*d2)"
@@ -289,16 +289,7 @@ def pose_flags(x, y, z, d1, d2):
     inputs that are not finite or do not broadcast.
     """
     x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
-    on_axis = (x == 0) & (y == 0)
-    bad_length = (d1 <= 0) | (d2 <= 0)
-    conditions = {
-        TOO_FAR: ~bad_length & (_compare(x, y, z, d1 + d2) > 0),
-        TOO_NEAR: ~bad_length & (_compare(x, y, z, d1 - d2) < 0),
-        ON_AXIS: on_axis,
-        AT_SHOULDER: on_axis & (z == 0),
-        BAD_LENGTH: bad_length,
-    }
-    return np.sum([bit * condition.astype(np.int64) for bit, condition in conditions.items()], axis=0)
+    return combine(x, y, z, d1, d2, _compare(x, y, z, d1 + d2) > 0, _compare(x, y, z, d1 - d2) < 0)
 
 
 def solve_clamped(x, y, z, phi, d1, d2):

@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 
 from model.bounds.tolerances import REGULAR
-from model.io import scoring
+from model.io import files
 from model.io.files import read_csv
 from model.io.flags import AT_SHOULDER, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
 from model.io.scoring import (
     score,
     singular_distance,
     singular_distances,
-    write_results_csv,
-    write_results_npz,
     write_score_json,
+    write_tables,
 )
 from model.io.trajectories import make
 from model.io.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
@@ -31,7 +30,7 @@ ULP = 2.0**-30
 
 
 class Case:
-    """Trajectory with the results of an ideal core, double precision rounded to words; tests corrupt it."""
+    """Trajectory and run of an ideal core, double precision rounded to words; tests corrupt it."""
 
     def __init__(self, targets, width=32, predicted=1e-6):
         self.targets, self.width = targets, width
@@ -42,22 +41,12 @@ class Case:
         self.results = np.rint(np.ldexp(exact, width - 2)).astype(np.int64)
         self.flags = expected_flags(self.words, width)
         self.predicted = np.full(len(targets), predicted)
-        self.run = {"latency_cycles": 400, "total_cycles": 400 + len(targets), "bit_mismatches": 0}
+        self.latency_cycles, self.total_cycles = 400, 400 + len(targets)
+        self.bit_mismatches, self.first_mismatch = 0, None
 
     def score(self, bar=None):
-        return score(
-            self.targets,
-            self.words,
-            self.exponent,
-            self.results,
-            self.flags,
-            width=self.width,
-            datapath="paper",
-            simulator="icarus",
-            predicted=self.predicted,
-            bar=bar,
-            **self.run,
-        )
+        about = {"width": self.width, "datapath": "paper", "simulator": "icarus", "predicted": self.predicted}
+        return score(self.targets, self.words, self.exponent, self, bar=bar, **about)
 
     def turn_shoulder(self, n, angle):
         """Turn the core's shoulder at target n by `angle` (rad) about the z axis."""
@@ -177,7 +166,7 @@ def stretch(case, columns):
 
 
 FAULTS = {
-    "bit mismatches": (lambda case: case.run.update(bit_mismatches=3), "3 bits differ"),
+    "bit mismatches": (lambda case: setattr(case, "bit_mismatches", 3), "3 bits differ"),
     "wrong flags": (lambda case: np.put(case.flags, [3, 5], TOO_NEAR), "target 3 has too_near instead of -"),
     "length of Qs": (lambda case: stretch(case, slice(0, 4)), "of Qs"),
     "length of Qe": (lambda case: stretch(case, slice(4, 6)), "of Qe"),
@@ -276,7 +265,7 @@ def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):
     case.flags[2] = ON_AXIS
     result = case.score()
     path = tmp_path / "results.csv"
-    write_results_csv(path, case.targets, case.results, case.flags, result)
+    write_tables(path, case.targets, case, result)
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     fields = "n,x,y,z,phi,d1,d2,qs_w,qs_i,qs_j,qs_k,qe_w,qe_i,flags,hand_error,elbow_x,elbow_y,elbow_z,t,na,me"
@@ -293,7 +282,7 @@ def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):
     for name in FIELDS:
         np.testing.assert_array_equal(getattr(again, name), getattr(case.targets, name))
     assert again.default_arm == () and [again.others[name] for name in ("t", "na,me")] == [*others.values()][:2]
-    write_results_csv(tmp_path / "twice.csv", again, case.results, case.flags, result)
+    write_tables(tmp_path / "twice.csv", again, case, result)
     assert (tmp_path / "twice.csv").read_bytes() == path.read_bytes()
 
 
@@ -310,7 +299,7 @@ def test_results_in_the_users_frame(tmp_path):
     ours = core.score()
     np.testing.assert_allclose(ours.each.hand_error, result.each.hand_error, atol=1e-15)
     np.testing.assert_allclose(ours.each.elbow, rotate(conjugate(frame), result.each.elbow), atol=1e-15)
-    write_results_npz(tmp_path / "results.npz", users, core.results, core.flags, ours)
+    write_tables(tmp_path / "results.csv", users, core, ours)
     arrays = np.load(tmp_path / "results.npz")
     np.testing.assert_allclose(arrays["points"], users.position)
     elbow, wrist = forward(arrays["qs"], arrays["qe"], arrays["d1"], arrays["d2"])
@@ -328,7 +317,7 @@ def test_files_are_never_half_written(tmp_path, case, monkeypatch, stopped_in):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(scoring.Path if stopped_in == "write_bytes" else scoring.os, stopped_in, stop)
+        patch.setattr(files.Path if stopped_in == "write_bytes" else files.os, stopped_in, stop)
         write_score_json(path, [case.score()])
     assert path.read_text(encoding="utf-8") == "old"
     assert list(tmp_path.iterdir()) == [path]
