@@ -19,7 +19,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import click
@@ -29,10 +28,10 @@ from model.dataflow.fixed import latency
 from model.io.stimuli import region
 from scripts import parallel
 from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
-from scripts.fpga import page
-from scripts.fpga.designs import FIGURES, GROUPS, PAGE, Design, code, load, select
+from scripts.fpga import designs, page
+from scripts.fpga.designs import Design
 from scripts.fpga.netlist import HOLDS
-from scripts.fpga.runs import TOOLS, Job, attempts, commands, version
+from scripts.fpga.runs import TOOLS, Run, attempts, commands, version
 from scripts.generate.accuracy import Errors
 from tb.sim.env import ROOT
 
@@ -57,7 +56,7 @@ def commit() -> str:
 
 def describe(design: Design) -> dict:
     """Return commit and digest of the code; latency and largest hand error of the bit-true model on 4000 targets."""
-    facts = {"rtl": code(design), "commit": commit()}
+    facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in CONFIGURATIONS:
         return facts
     errors = Errors.of(region("anywhere", 4000, design.width, 1), design.width, design.datapath)
@@ -66,26 +65,25 @@ def describe(design: Design) -> dict:
 
 
 class Measurement:
-    """Figures of fpga.json, written after each job. ``left_out``: a line for each job that timed out.
+    """Figures of fpga.json, written after each run. ``left_out``: a line for each run that timed out.
 
     ``tried`` in the file is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
     """
 
-    def __init__(self, path: Path = FIGURES, each: Callable = map):
-        self.path, self.each = path, each
+    def __init__(self, each: Callable = map):
+        self.data, self.each = designs.load(), each
         self.left_out: list[str] = []
-        self.data = json.loads(path.read_text()) if path.exists() else {"tried": [], "designs": {}, "runs": {}}
 
-    def execute(self, jobs: Sequence[Job]) -> dict[str, dict]:
-        """Execute the jobs that are not cached; record and return the figures of each run by its title.
+    def execute(self, runs: Sequence[Run]) -> dict[str, dict]:
+        """Execute the runs that are not cached; record and return the figures of each by its title.
 
         Of the seeds of a placement the fastest counts; ``tried`` has the clocks of all.
         """
-        known = [attempts(job, cached=True) for job in jobs]
-        fresh = iter(self.each(attempts, [job for job, found in zip(jobs, known, strict=True) if not found]))
+        known = [attempts(run, cached=True) for run in runs]
+        fresh = iter(self.each(attempts, [run for run, found in zip(runs, known, strict=True) if not found]))
         best = {}
-        with progress("fpga", len(jobs)) as meter:
-            for done, ((run, aim), found) in enumerate(zip(jobs, known, strict=True)):
+        with progress("fpga", len(runs)) as meter:
+            for done, (run, found) in enumerate(zip(runs, known, strict=True)):
                 meter(done, run.title)
                 if not found:
                     found = next(fresh)
@@ -94,36 +92,36 @@ class Measurement:
                 if not found:
                     self.left_out.append(f"{run.title}: not done in time")
                     continue
-                best[run.title] = max(found, key=lambda figures: figures["mhz"]) if aim else found[0]
-                extra = {"tried": [figures["mhz"] for figures in found]} if aim else {}
+                best[run.title] = max(found, key=lambda figures: figures["mhz"]) if run.aim else found[0]
+                extra = {"tried": [figures["mhz"] for figures in found]} if run.aim else {}
                 date = datetime.date.today().isoformat()
                 self.data["runs"][run.title] = {"date": date, **best[run.title], **extra}
                 self.write()
         return best
 
-    def measure(self, designs: Sequence[Design]) -> None:
+    def measure(self, chosen: Sequence[Design]) -> None:
         """Synthesize designs for all of their families, and place them whole, if they fit, and section by section."""
-        for design in designs:
+        for design in chosen:
             self.data["designs"].setdefault(design.name, {}).update(describe(design))
-        runs = [design.run(family) for design in designs for family in design.families]
-        runs += [d.run("xc2vp", "tree") for d in designs if d.sections and d.width in page.BROKEN_DOWN]
-        done = self.execute([(run, None) for run in runs])
-        jobs: list[Job] = []
-        for design in designs:
-            for family, aim in design.aims.items():
+        runs = [design.run(family) for design in chosen for family in design.families]
+        runs += [d.run("xc2vp", "tree") for d in chosen if d.sections and d.width in page.BROKEN_DOWN]
+        done = self.execute(runs)
+        placements: list[Run] = []
+        for design in chosen:
+            for family in design.aims:
                 synthesized = done.get(design.run(family).title)
                 if synthesized and fits(family, synthesized["cells"]):
-                    jobs.append((design.run(family, "place"), aim))
-                jobs += [(design.placements()[module], aim) for module in design.sections]
-        done = self.execute(jobs)
-        for design in designs:
+                    placements.append(design.run(family, "place"))
+            placements += [design.run("ecp5", "place", module) for module in design.sections]
+        done = self.execute(placements)
+        for design in chosen:
             if design.sections:
-                whole = design.placements()[design.top].title in done
+                whole = design.run("ecp5", "place").title in done
                 self.data["designs"][design.name]["placed"] = "whole" if whole else "by module"
         self.write()
 
     def write(self) -> None:
-        """Write the figures, and the page from the checkout's figures."""
+        """Write the figures and the page."""
         self.data["tools"] = {tool: version(tool) for tool in TOOLS}
         self.data["commands"] = commands()
         for part in ("tools", "commands", "designs", "runs"):
@@ -134,16 +132,15 @@ class Measurement:
         for part in ("designs", "runs"):
             rows = (f'  "{key}": {json.dumps(value)}' for key, value in self.data[part].items())
             lines.append(f' "{part}": {{\n' + ",\n".join(rows) + "\n }")
-        self.path.write_text("{\n" + ",\n".join(lines) + "\n}\n")
-        if self.path == FIGURES:
-            PAGE.write_text(page.page(self.data))
+        designs.FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+        designs.PAGE.write_text(page.page(self.data))
 
 
 @command(
     "fpga",
     __doc__.splitlines()[0],
     [
-        option("--datapath", "only this datapath or core", click.Choice(GROUPS), multiple=True),
+        option("--datapath", "only this datapath or core", click.Choice(designs.GROUPS), multiple=True),
         option("--width", "only this word length", WORD_LENGTH, metavar="BITS", multiple=True),
         switch("--page", "only write the page from the figures"),
         parallel.FARM,
@@ -154,13 +151,13 @@ def main(options: SimpleNamespace) -> int:
     if options.farm and options.page:
         raise InputError("argument --farm: does not go with --page")
     if options.page:
-        PAGE.write_text(page.page(load()))
+        designs.PAGE.write_text(page.page(designs.load()))
         return 0
     for tool in TOOLS:
         version(tool)
     with parallel.shared(1, options.farm) as each:
         measurement = Measurement(each=each)
-        measurement.measure(select(options.datapath, options.width))
+        measurement.measure(designs.select(options.datapath, options.width))
     print("\n".join([page.comparison(measurement.data), "", page.folded(measurement.data), *measurement.left_out]))
     return 1 if measurement.left_out else 0
 

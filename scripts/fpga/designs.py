@@ -42,13 +42,10 @@ class Design:
         return {"echo": "memory", "fold16": "fold"}.get(self.datapath, self.datapath)
 
     def run(self, family: str, kind: str = "synth", module: str = "") -> Run:
-        """Return a run of the top, or the placement of a module alone, with the first seed."""
+        """Return a run of the top, or of a module alone."""
         values = {"W": self.width, **self.parameters}
-        return Run(kind, family, module or self.top, values, echo=self.datapath == "echo")
-
-    def placements(self) -> dict[str, Run]:
-        """Return module -> its placement on the ECP5: the top, then the sections."""
-        return {module: self.run("ecp5", "place", module) for module in (self.top, *self.sections)}
+        aim = self.aims.get(family) if kind == "place" else None
+        return Run(kind, family, module or self.top, values, aim, echo=self.datapath == "echo")
 
 
 def _fold(datapath: str, width: int, families: tuple[str, ...], aims: dict[str, float]) -> Design:
@@ -117,7 +114,7 @@ def run_of(data: dict, run: Run) -> dict:
 
 def slowest(data: dict, design: Design) -> float | None:
     """Return the lowest clock of the sections (MHz), None unless all were placed."""
-    clocks = [run_of(data, run).get("mhz") for run in list(design.placements().values())[1:]]
+    clocks = [run_of(data, design.run("ecp5", "place", module)).get("mhz") for module in design.sections]
     return min(clocks) if clocks and all(clocks) else None
 
 

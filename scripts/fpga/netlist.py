@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from itertools import groupby
 
 from scripts.console import InputError
@@ -18,36 +19,35 @@ MULTIPLIER_NS = 3.65
 KINDS = ("LUT", "shift", "FF", "carry", "MUXF", "multipliers", "RAM")
 """Kinds of cells in fpga.json and on the page."""
 
-_XILINX = {
-    "FF": {f"FD{x}": 1 for x in ("RE", "SE", "CE", "PE")},
-    "MUXF": {f"MUXF{k}": 1 for k in range(5, 10)},
-    "shift": {"SRL16E": 1, "SRLC32E": 1},
-}
-_LUT = {f"LUT{k}": 1 for k in range(1, 7)} | {"INV": 1} | _XILINX["shift"]
 _PORTS = (1, 2, 4, 9, 18, 36)
 # Memories in LUTs: 16 bits each on xc2vp, 64 on xc7 and xcup; the second port of X1D doubles them.
 _LUT4_RAM = {f"RAM{depth}X1{port}": depth // 16 * (2 if port == "D" else 1) for depth in (16, 32, 64) for port in "SD"}
 _LUT6_RAM = {"RAM32M": 4, "RAM64M": 4, "RAM32M16": 8, "RAM64M8": 8, "RAM32X1D": 2, "RAM64X1D": 2}
 _LUT6_RAM |= {"RAM128X1D": 4, "RAM32X1S": 1, "RAM64X1S": 1}
+
+
+def _xilinx(lut_ram: dict[str, int], carry: str, multipliers: Sequence[str], ram: dict[str, int]) -> dict:
+    shift = {"SRL16E": 1, "SRLC32E": 1}
+    return {
+        "LUT": {f"LUT{k}": 1 for k in range(1, 7)} | {"INV": 1} | shift | lut_ram,
+        "shift": shift,
+        "FF": dict.fromkeys(("FDRE", "FDSE", "FDCE", "FDPE"), 1),
+        "carry": {carry: 1},
+        "MUXF": {f"MUXF{k}": 1 for k in range(5, 10)},
+        "multipliers": dict.fromkeys(multipliers, 1),
+        "RAM": ram,
+    }
+
+
 CELLS = {
-    "xc2vp": _XILINX
-    | {
-        "LUT": _LUT | _LUT4_RAM,
-        "carry": {"MUXCY": 1},
-        "multipliers": {"MULT18X18": 1, "MULT18X18S": 1},
-        "RAM": {f"RAMB16_S{a}{b}": 1 for a in _PORTS for b in ("", *(f"_S{k}" for k in _PORTS))},
-    },
-    # Two CARRY4 of xcup are a CARRY8.
-    **{
-        family: _XILINX
-        | {
-            "LUT": _LUT | _LUT6_RAM,
-            "carry": {"CARRY4": 1},
-            "multipliers": {f"DSP48E{n}": 1},
-            "RAM": {f"RAMB18E{n}": 1, f"RAMB36E{n}": 2},
-        }
-        for n, family in enumerate(("xc7", "xcup"), 1)
-    },
+    "xc2vp": _xilinx(
+        _LUT4_RAM,
+        "MUXCY",
+        ("MULT18X18", "MULT18X18S"),
+        {f"RAMB16_S{a}{b}": 1 for a in _PORTS for b in ("", *(f"_S{k}" for k in _PORTS))},
+    ),
+    "xc7": _xilinx(_LUT6_RAM, "CARRY4", ["DSP48E1"], {"RAMB18E1": 1, "RAMB36E1": 2}),
+    "xcup": _xilinx(_LUT6_RAM, "CARRY4", ["DSP48E2"], {"RAMB18E2": 1, "RAMB36E2": 2}),  # two CARRY4 are a CARRY8
     # A CCU2C is two LUTs with a carry; a memory of 16x4 bits takes the LUTs of two slices, and two for writing.
     "ecp5": {
         "LUT": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 6},
@@ -91,22 +91,21 @@ def counted(stat: dict, family: str) -> dict[str, int]:
 
 def by_module(stat: dict, family: str) -> dict[str, dict]:
     """Return module -> its instances and its own cells in all of them, without cells of inner modules."""
-    found: dict[str, Counter] = {}
+    found = defaultdict(Counter)
     for key, times in _instances(stat, _top(stat)).items():
-        found.setdefault(_plain(key), Counter())[key] = times
+        found[_plain(key)][key] = times
     return {name: {"instances": of.total(), **_kinds(stat, of, family)} for name, of in found.items()}
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
     """Return module that the top instantiates -> all cells inside, summed over its instances."""
     top = _top(stat)
-    found: dict[str, Counter] = {}
+    found = defaultdict(Counter)
     for key, times in _inner(stat, top).items():
         for name, count in _instances(stat, key).items():
-            found.setdefault(_plain(key), Counter())[name] += times * count
-    return {name: _kinds(stat, of, family) for name, of in found.items()} | {
-        "itself": _kinds(stat, Counter({top: 1}), family)
-    }
+            found[_plain(key)][name] += times * count
+    found["itself"][top] = 1
+    return {name: _kinds(stat, of, family) for name, of in found.items()}
 
 
 def _inner(stat: dict, key: str) -> dict[str, int]:

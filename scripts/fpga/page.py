@@ -145,8 +145,8 @@ def critical(data: dict) -> str:
     """Return the table of each placement's slowest path."""
     rows = []
     for design in measured(data, "lean", "paper"):
-        for module, run in design.placements().items():
-            if not (found := run_of(data, run)):
+        for module in (design.top, *design.sections):
+            if not (found := run_of(data, design.run("ecp5", "place", module))):
                 continue
             path = found["path"]
             rows.append([

@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
 
@@ -96,12 +96,16 @@ def call(command: list[str], folder: Path, log: str, label: str, limit: float = 
 
 @dataclass(frozen=True)
 class Run:
-    """One or two tool runs: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place."""
+    """One or two tool runs: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place.
+
+    aim: the MHz at which no further seed of a placement is tried.
+    """
 
     kind: str
     family: str
     top: str
-    values: dict = field(hash=False)
+    values: dict
+    aim: float | None = None
     seed: int = 1
     echo: bool = False
 
@@ -214,18 +218,13 @@ def _program(tool: str) -> str:
     return str(Path(sys.prefix) / "bin" / f"yowasp-{tool}")
 
 
-Job = tuple[Run, float | None]
-"""A run, and for a placement the MHz at which no further seed is tried."""
+def attempts(first: Run, cached: bool = False) -> list[dict]:
+    """Return the figures of a run, or of a placement by seeds up to the first that reaches the aim.
 
-
-def attempts(job: Job, cached: bool = False) -> list[dict]:
-    """Return the figures of the job's runs, up to the first that reaches the aim, without those that timed out.
-
-    cached: take them from the cache only; an empty list if one is missing.
+    Runs that timed out are left out. cached: use the cache only; return an empty list if a run is missing there.
     """
-    first, aim = job
     found = []
-    for seed in SEEDS if aim else [first.seed]:
+    for seed in SEEDS if first.aim else [first.seed]:
         run = replace(first, seed=seed)
         try:
             figures = run.cached() if cached else run.done()
@@ -234,8 +233,8 @@ def attempts(job: Job, cached: bool = False) -> list[dict]:
             continue
         if figures is None:
             return []
-        found.append(figures | {"seed": seed} if aim else figures)
-        if aim and figures["mhz"] >= aim:
+        found.append(figures | {"seed": seed} if first.aim else figures)
+        if first.aim and figures["mhz"] >= first.aim:
             break
     return found
 

@@ -26,6 +26,8 @@ STAT = {
 
 
 def test_modules_have_their_own_cells_only_and_sections_all_inside():
+    total = (3 + 1 + 10 + 3 * 8, 24, 2 + 3, 4, 2, 3, 0)
+    assert netlist.counted(STAT, "xc2vp") == dict(zip(netlist.KINDS, total, strict=True))
     modules = netlist.by_module(STAT, "xc2vp")
     assert modules["ik_delay"]["instances"] == 3 and modules["ik_delay"]["shift"] == 24
     assert modules["ik_mul3"]["LUT"] == 10 and modules["ik_top"]["LUT"] == 4
@@ -33,26 +35,20 @@ def test_modules_have_their_own_cells_only_and_sections_all_inside():
     assert sections["ik_mul3"]["LUT"] == 18 and sections["ik_delay"]["LUT"] == 16 and sections["itself"]["LUT"] == 4
 
 
-SMALL = [
-    ("ecp5", {"CCU2C": 5, "LUT4": 7, "PFUMX": 2, "TRELLIS_FF": 3}, (17, 0, 3, 5, 2, 0, 0)),
-    ("up5k", {"SB_LUT4": 5, "SB_CARRY": 2, "SB_DFFESR": 3, "SB_MAC16": 4}, (5, 0, 3, 2, 0, 4, 0)),
-    ("gowin", {"LUT2": 5, "ALU": 2, "DFFE": 3, "SPX9": 1, "MUX2_LUT5": 6}, (7, 0, 3, 2, 6, 0, 1)),
-]
-
-
 @pytest.mark.parametrize(
-    ("family", "stat", "kinds"),
-    [("xc2vp", STAT, (3 + 1 + 10 + 3 * 8, 24, 2 + 3, 4, 2, 3, 0))]
-    + [(family, {"modules": {"\\t": {"num_cells_by_type": cells}}}, kinds) for family, cells, kinds in SMALL],
-    ids=["xc2vp", "ecp5", "up5k", "gowin"],
+    ("family", "cells", "kinds"),
+    [
+        ("ecp5", {"CCU2C": 5, "LUT4": 7, "PFUMX": 2, "TRELLIS_FF": 3}, (17, 0, 3, 5, 2, 0, 0)),
+        ("up5k", {"SB_LUT4": 5, "SB_CARRY": 2, "SB_DFFESR": 3, "SB_MAC16": 4}, (5, 0, 3, 2, 0, 4, 0)),
+        ("gowin", {"LUT2": 5, "ALU": 2, "DFFE": 3, "SPX9": 1, "MUX2_LUT5": 6}, (7, 0, 3, 2, 6, 0, 1)),
+    ],
 )
-def test_cells_are_counted_by_kind(family, stat, kinds):
+def test_cells_are_counted_by_kind(family, cells, kinds):
+    stat = {"modules": {"\\t": {"num_cells_by_type": cells}}}
     assert netlist.counted(stat, family) == dict(zip(netlist.KINDS, kinds, strict=True))
-
-
-def test_an_unknown_cell_is_named():
+    cells["SRLC32E_X"] = 1
     with pytest.raises(netlist.ToolError, match="SRLC32E_X"):
-        netlist.counted({"modules": {"\\t": {"num_cells_by_type": {"SRLC32E_X": 1}}}}, "xc2vp")
+        netlist.counted(stat, family)
 
 
 ROM, PRODUCT, FLOP = "dut.u_q.rom.0.0", "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19", "dut.u_q.bend_2_TRELLIS_FF_Q_8"
@@ -153,8 +149,7 @@ def test_what_is_no_plain_register_stays(changed, inputs, outputs, removed):
     assert counts == {"multipliers": 1, "input": inputs, "output": outputs, "flip_flops": removed}
 
 
-def test_two_multipliers_in_a_row_share_no_register():
-    """The register between them is packed into one of them only."""
+def test_the_register_between_two_multipliers_goes_into_one_of_them():
     _, cells = packed(**around(p=flop(30, 22)), n=product(22, 22, 40), q=flop(40, 31))
     m, n = (cells[name] for name in "mn")
     outside = "p" in cells
@@ -193,12 +188,6 @@ def test_wrapper_connects_every_port(module):
     assert made.count("input wire") == 3 and made.count("output wire") == 1
 
 
-def test_tools_work_in_their_folder_by_relative_names_only():
-    run = designs.find("lean", 18).run("ecp5", "place")
-    assert not re.search(r"(^|\s)/", run.script())
-    assert "fpga_top.v" in run.extra()
-
-
 def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
     monkeypatch.setattr(fpga, "TOOLS", ["no-such-tool"])
     assert fpga.main([]) == 2
@@ -222,91 +211,77 @@ def sent(thing):
     return pickle.loads(pickle.dumps(thing))
 
 
-@pytest.fixture(params=["here", "farm"])
-def begun(request, monkeypatch, tmp_path):
-    """Return a measurement with an empty cache, local or on a farm, to which jobs are sent."""
-    monkeypatch.setattr(runs, "version", lambda *_: "1")  # the tools are not needed
-    monkeypatch.setattr(fpga, "version", lambda *_: "1")
-    monkeypatch.setattr(fpga, "describe", lambda _: {"latency": 99, "hand": 1e-6})
-    monkeypatch.setattr(runs, "BUILD", tmp_path / "build")
-    farm = lambda work, jobs: (sent(work(sent(job))) for job in jobs)  # noqa: E731
-    return fpga.Measurement(tmp_path / "fpga.json", map if request.param == "here" else farm)
+def on_farm(work, jobs):
+    return (sent(work(sent(job))) for job in jobs)
+
+
+RECORDED = designs.load()
 
 
 @pytest.fixture
-def tools(monkeypatch):
-    """Replace the tools; return the names of the runs, and the clock by seed, None for a time-out."""
-    clocks, ran = {}, []
+def replay(monkeypatch, tmp_path):
+    """Measure with the recorded figures instead of the tools; return the measurement and the names of the runs.
 
-    def done(run):
-        ran.append(run.name)
-        if run.kind != "place":
-            return {"cells": dict.fromkeys(netlist.KINDS, run.values["W"] if run.family != "ecp5" or run.echo else 1)}
-        if clocks.get(run.seed) is None:
-            raise runs.TimeOutError(f"{run.name}: not done after 40 min, left out")
-        return {"mhz": clocks[run.seed], "path": {"from": "a", "to": "b"}}
+    Begins with an empty cache, from which later calls of the same test take their figures. late: names of runs, or
+    titles of all their seeds, that time out.
+    """
+    monkeypatch.setattr(runs, "version", lambda *_: "1")
+    monkeypatch.setattr(fpga, "version", lambda *_: "1")
+    monkeypatch.setattr(fpga, "describe", lambda design: RECORDED["designs"][design.name])
+    monkeypatch.setattr(runs, "BUILD", tmp_path / "build")
+    for name in ("FIGURES", "PAGE"):
+        monkeypatch.setattr(designs, name, tmp_path / name)
+    designs.FIGURES.write_text(json.dumps(RECORDED | {"designs": {}, "runs": {}}))
 
-    monkeypatch.setattr(runs.Run, "done", done)
-    return clocks, ran
+    def replay(chosen, each=map, late=()):
+        ran = []
 
+        def done(run):
+            ran.append(run.name)
+            figures = {key: value for key, value in RECORDED["runs"][run.title].items() if key not in ("date", "seed")}
+            clocks = figures.pop("tried", [0.0])
+            if {run.name, run.title} & set(late) or (run.seed > len(clocks) and max(clocks) < run.aim):
+                raise runs.TimeOutError(f"{run.name}: not done after 40 min, left out")
+            return figures | {"mhz": clocks[run.seed - 1]} if run.aim else figures
 
-@pytest.mark.parametrize(
-    ("by_seed", "best", "tried"),
-    [
-        ({1: 170.0, 2: None, 3: 175.0, 4: 171.0}, (175.0, 3), [170.0, 175.0, 171.0]),
-        ({1: 190.0, 2: 201.0, 3: 210.0}, (201.0, 2), [190.0, 201.0]),
-    ],
-    ids=["the fastest seed", "stop at the aim"],
-)
-def test_seeds_of_a_placement(begun, tools, by_seed, best, tried):
-    clocks, ran = tools
-    clocks |= by_seed
-    begun.measure(designs.select(["lean"], [18]))
-    run = begun.data["runs"]["lean-W18-ecp5-place"]
-    assert ((run["mhz"], run["seed"]), run["tried"]) == (best, tried)
-    assert begun.data["designs"]["lean-18"]["placed"] == "whole" and not begun.left_out
-    ran.clear()
-    begun.measure(designs.select(["lean"], [18]))
-    assert not ran or None in by_seed.values(), "a repeated command takes figures from the cache"
+        monkeypatch.setattr(runs.Run, "done", done)
+        measurement = fpga.Measurement(each)
+        measurement.measure(chosen)
+        return measurement, ran
+
+    return replay
 
 
-def test_what_is_not_placed_in_time_is_placed_by_module_and_reported(begun, tools):
-    begun.measure(designs.select(["lean"], [18]))
-    assert begun.data["designs"]["lean-18"]["placed"] == "by module"
-    modules = ["ik_lean", *designs.LEAN]
-    assert [line.split("-")[0] for line in begun.left_out] == [name.removeprefix("ik_") for name in modules]
+@pytest.mark.parametrize("each", [map, on_farm])
+def test_recorded_figures_give_the_same_runs_and_placements(replay, each):
+    """Runs are those of fpga.json: designs too large for the device are placed by module, seeds are tried up to the
+    aim, each chip of the folded datapath is measured; a repeated command takes all figures from the cache."""
+    for again in (False, True):
+        found, ran = replay(designs.DESIGNS, each)
+        assert found.data["designs"] == RECORDED["designs"] and not found.left_out
+        for title, run in found.data["runs"].items():
+            assert run | {"date": ""} == RECORDED["runs"][title] | {"date": ""}
+        assert found.data["runs"].keys() == RECORDED["runs"].keys() and bool(ran) != again
+    assert page.comparison(designs.load()) in designs.PAGE.read_text()
 
 
-def test_memory_to_memory_is_measured_around_an_echo_and_whole(begun, tools):
-    clocks, ran = tools
-    clocks |= {seed: 170.0 + seed for seed in runs.SEEDS}
-    begun.measure(designs.select(["memory"], []))
-    assert begun.left_out == []
-    for one in designs.select(["memory"], []):
-        folders = {path.parent.name for path in one.run("xc7").files() if path.name == "ik_lean.v"}
-        assert folders == {"axi" if one.datapath == "echo" else "lean"} and one.run("xc7").name in ran
-    rows = [row.split(" | ") for row in page.memory(begun.data).splitlines()[2:]]
-    assert [row[0].split(",")[0] for row in rows] == ["| W = 32", "| W = 18", "| W = 32"]
-    assert [row[9] for row in rows] == ["174"] * 3 and rows[0][-1] == "171, 172, 173, 174 |"
-
-
-def test_folded_datapath_is_measured_on_every_chip(begun, tools):
-    clocks, _ = tools
-    clocks |= {1: 32.5, 2: 100.0}
-    begun.measure(designs.select(["fold"], []))
-    assert begun.left_out == []
-    rows = [row.split(" | ") for row in page.folded(begun.data).splitlines()[2:]]
-    widths = [(chip, width) for chip in designs.CHIPS for width in ((18, 24) if chip == "up5k" else (24, 32))]
-    assert [row[0] for row in rows] == [f"| {designs.CHIPS[chip][0]}, W = {width}" for chip, width in widths]
-    assert [row[9] for row in rows] == ["100.0"] * 4 + ["-"] * 4  # clock of the second seed
+@pytest.mark.parametrize("each", [map, on_farm])
+def test_time_outs(replay, each, monkeypatch):
+    """A seed that timed out is left out; a design that timed out is reported and counts by its modules."""
+    lean, title = designs.select(["lean"], [18]), "lean-W18-ecp5-place"
+    monkeypatch.setitem(RECORDED["runs"], title, RECORDED["runs"][title] | {"tried": [170.0, 180.0, 175.0, 171.0]})
+    found, _ = replay(lean, each, [f"{title}-seed2"])
+    run = found.data["runs"][title]
+    assert (run["mhz"], run["seed"], run["tried"]) == (175.0, 3, [170.0, 175.0, 171.0]) and not found.left_out
+    assert found.data["designs"]["lean-18"]["placed"] == "whole"
+    found, _ = replay(lean, each, [title])
+    assert found.data["designs"]["lean-18"]["placed"] == "by module"
+    assert found.left_out == [f"{title}: not done in time"]
 
 
 def test_designs_are_selected_by_datapath_and_word_length():
     selections = (["lean"], [20]), (["fold"], [32]), (["memory"], [])
     names = [[one.name for one in designs.select(*selection)] for selection in selections]
     assert names == [["lean-20"], ["fold-32"], ["echo-32", "memory-18", "memory-32"]]
-
-
-def test_a_design_too_large_for_the_device_is_not_placed_whole():
-    figures = json.loads(designs.FIGURES.read_text())["runs"]
-    assert [fpga.fits("ecp5", figures[f"{name}-ecp5"]["cells"]) for name in ("lean-W18", "lean-W32")] == [True, False]
+    (echo,) = (path for path in designs.find("echo", 32).run("xc7").files() if path.name == "ik_lean.v")
+    assert echo.parent.name == "axi", "a stand-in for the datapath"
