@@ -32,7 +32,7 @@ from scripts.fpga import designs, page
 from scripts.fpga.designs import Design
 from scripts.fpga.netlist import HOLDS
 from scripts.fpga.runs import TOOLS, Run, attempts, commands, version
-from scripts.generate.accuracy import Errors
+from scripts.generate.accuracy import TARGETS, errors
 from tb.sim.env import ROOT
 
 FULL = 0.97
@@ -55,13 +55,12 @@ def commit() -> str:
 
 
 def describe(design: Design) -> dict:
-    """Return commit and digest of the code; latency and largest hand error of the bit-true model on 4000 targets."""
+    """Return commit and digest of the code; latency and largest hand error of the bit-true model."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in CONFIGURATIONS:
         return facts
-    errors = Errors.of(region("anywhere", 4000, design.width, 1), design.width, design.datapath)
-    hand = float(f"{errors.hand.max():.2g}")
-    return {"latency": latency(design.datapath, design.width), "hand": hand, **facts}
+    hand, _ = errors(region("anywhere", TARGETS, design.width, 1), design.width, design.datapath)
+    return {"latency": latency(design.datapath, design.width), "hand": float(f"{hand.max():.2g}"), **facts}
 
 
 class Measurement:

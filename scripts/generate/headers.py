@@ -234,17 +234,6 @@ def _parameters(form: Form, *more: str) -> dict[str, int]:
     }
 
 
-def rsqrt_table() -> str:
-    """Return the text of ``ik_rsqrt_table.vh``."""
-    rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
-    return quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks")
-
-
-def trig_table() -> str:
-    """Return the text of ``ik_trig_table.vh``."""
-    return quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks")
-
-
 # -- fold datapath -------------------------------------------------------------------------------------------------
 
 STEP_BITS = sum(FIELDS.values())
@@ -418,14 +407,18 @@ def _range(node: Node) -> str:
 def texts() -> dict[Path, str]:
     """Return file -> its text."""
     folder, model = ROOT / "rtl" / "include", "model/dataflow"
+    rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
     found = {
         "paper_nodes": (node_formats("paper"), f"{model}/paper.py"),
         "lean_nodes": (node_formats("lean"), f"{model}/lean.py"),
         "lean_formats": (lean_formats(), f"{model}/nodes.py"),
         "latency": (latencies(), f"{model}/paper.py and {model}/lean.py"),
         "sincos_table": (sincos_table(), f"{model}/fixed.py"),
-        "rsqrt_table": (rsqrt_table(), f"{model}/quadratic.py"),
-        "trig_table": (trig_table(), f"{model}/quadratic.py"),
+        "rsqrt_table": (
+            quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks"),
+            f"{model}/quadratic.py",
+        ),
+        "trig_table": (quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks"), f"{model}/quadratic.py"),
         "fold_codes": (fold_codes(), f"{model}/fold/program.py"),
         "fold_fields": (fold_fields(), f"{model}/fold/program.py"),
         "fold_formats": (fold_formats(), f"{model}/nodes.py"),

@@ -43,23 +43,21 @@ TEMPLATES.filters |= {
 }
 
 
-def description(path: Path = SOURCE) -> AddrmapNode:
-    """Return the registers of a description."""
+def description() -> AddrmapNode:
+    """Return the registers."""
     compiler = RDLCompiler()
-    compiler.compile_file(str(path))
+    compiler.compile_file(str(SOURCE))
     return compiler.elaborate().top
 
 
-def texts(source: Path = SOURCE) -> dict[Path, str]:
+def texts() -> dict[Path, str]:
     """Return file -> its text."""
-    top = description(source)
+    top = description()
     registers = list(top.registers())
     encodings = [field.get_property("encode") for register in registers for field in register.fields()]
     codes = [(code.name, code.value, code.rdl_desc) for encoding in encodings if encoding for code in encoding]
-    return {
-        path: TEMPLATES.get_template(name).render(top=top, registers=registers, codes=codes)
-        for path, name in FILES.items()
-    }
+    given = {"top": top, "registers": registers, "codes": codes}
+    return {path: TEMPLATES.get_template(name).render(given) for path, name in FILES.items()}
 
 
 if __name__ == "__main__":

@@ -1,45 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy by region: errors match their definition, lean meets its tolerances, targets lie in their region."""
+"""Accuracy by region: hand errors match their definition, targets lie in their region."""
 
 import numpy as np
 import pytest
 
-from model.bounds import tolerances
 from model.dataflow import fixed
-from model.dataflow.nodes import WIDTHS
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, region
 from model.io.words import result_values
 from model.reference.kinematics import forward
-from scripts.generate.accuracy import Errors
-
-ANGLE = 1e-7
-"""Bound of the lean datapath's joint angles at 32 bits (rad)."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("name", REGIONS)
-def test_lean_is_within_its_tolerances(name, width):
-    errors = Errors.of(region(name, 4000, width, 1), width, "lean")
-    assert errors.hand.max() <= tolerances.lean(width)
-    assert width < 32 or errors.angle < ANGLE
-
-
-@pytest.mark.parametrize("name", REGIONS)
-def test_lean_is_more_accurate_than_paper(name):
-    words = region(name, 4000, 32, 1)
-    lean, paper = (Errors.of(words, 32, path).hand for path in ("lean", "paper"))
-    assert np.median(lean) < np.median(paper) and lean.max() < paper.max()
+from scripts.generate.accuracy import errors
 
 
 def test_hand_error_by_its_definition():
     words = region("near the z axis", 5, 24, 3)
-    errors = Errors.of(words, 24, "lean")
     value = result_values(fixed.run(words, 24, "lean").results, 24)
     for n, (x, y, z, _, d1, d2) in enumerate(words.tolist()):
         _, wrist = forward(value[n : n + 1, :4], value[n : n + 1, 4:], d1, d2)
-        assert errors.hand[n] == pytest.approx(np.linalg.norm(wrist[0] - (x, y, z)) / (d1 + d2), rel=1e-9)
+        expected = np.linalg.norm(wrist[0] - (x, y, z)) / (d1 + d2)
+        assert errors(words, 24, "lean")[0][n] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("width", (16, 32))
