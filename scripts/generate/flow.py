@@ -117,9 +117,9 @@ def start(node: Node, width: int = WIDTH) -> int:
     return node.time - (Latency(width)[node.latency] if node.latency else 0)
 
 
-def operands(node: Node, nodes: Mapping[str, Node]) -> list[str]:
-    """Return the names of the operands that are in ``nodes``, each once."""
-    return list(dict.fromkeys(o.name for o in node.operands if o.name in nodes))
+def operands(node: Node) -> list[str]:
+    """Return the names of the operands, each once, without constants."""
+    return list(dict.fromkeys(o.name for o in node.operands if o.name))
 
 
 class Delay(NamedTuple):
@@ -140,23 +140,11 @@ class Delay(NamedTuple):
         return self.clocks * self.bits
 
 
-def check(nodes: Mapping[str, Node]) -> None:
-    """Raise ValueError with the node's name for a missing format, a missing operand or a negative delay."""
-    for node in nodes.values():
-        if not isinstance(node.format, Format):
-            raise ValueError(f"node {node.name}: no format")
-        for name in (o.name for o in node.operands if o.name):
-            if name not in nodes:
-                raise ValueError(f"node {node.name}: its operand {name} is no node of the design")
-            if (wait := start(node) - nodes[name].time) < 0:
-                raise ValueError(f"node {node.name}: starts {-wait} clocks before its operand {name} is ready")
-
-
 def delays(nodes: Mapping[str, Node], out: int | None = None) -> dict[str, Delay]:
     """Return the balancing delay of every node that has one; all results leave in clock ``out``."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
-        for name in operands(node, nodes):
+        for name in operands(node):
             last[name] = max(last[name], start(node))
     if out is not None:
         last |= {name: out for name in (*RESULT_FIELDS, *(flag.name for flag in FLAGS)) if name in nodes}
@@ -165,23 +153,14 @@ def delays(nodes: Mapping[str, Node], out: int | None = None) -> dict[str, Delay
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return node ``name`` and all nodes it depends on."""
-    wanted, todo = set(), [name]
+    """Return a node and the nodes of its equation that it depends on; operands from outside become inputs."""
+    found, todo = {}, [name]
     while todo:
-        at = todo.pop()
-        if at not in wanted:
-            wanted.add(at)
-            todo += [o.name for o in nodes[at].operands if o.name]
-    return {n: v for n, v in nodes.items() if n in wanted}
-
-
-def part(nodes: Mapping[str, Node], *, section: str | None = None, equation: str | None = None) -> dict[str, Node]:
-    """Return the nodes of a section or equation with their operands; outside operands become inputs."""
-    inside = {n for n, v in nodes.items() if section in (None, v.section) and equation in (None, v.equation)}
-    around = {o.name for n in inside for o in nodes[n].operands if o.name} - inside
-    return {
-        n: v if n in inside else replace(v, operands=(), after=None) for n, v in nodes.items() if n in inside | around
-    }
+        node = nodes[todo.pop()]
+        inside = node.equation == nodes[name].equation
+        found[node.name] = node if inside else replace(node, operands=(), after=None)
+        todo += operands(found[node.name])
+    return {n: found[n] for n in nodes if n in found}
 
 
 def longest_path(nodes: Mapping[str, Node]) -> list[Node]:

@@ -21,7 +21,7 @@ from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
 from scripts.generate import flow
-from scripts.generate.flow import WIDTH, check, delays, design, kind, longest_path, operands, start, tip
+from scripts.generate.flow import WIDTH, delays, design, kind, longest_path, operands, start, tip
 from scripts.generate.render import render
 from tb.sim.env import GENERATED
 
@@ -51,7 +51,7 @@ def _critical(nodes: Nodes) -> tuple[list[str], set[tuple[str, str]]]:
 
 def _arrows(nodes: Nodes) -> list[tuple[str, str]]:
     """Return the pairs of operand and node."""
-    return [(o, name) for name, node in nodes.items() for o in operands(node, nodes)]
+    return [(o, name) for name, node in nodes.items() for o in operands(node)]
 
 
 # -- dataflow graphs, figure 6 -----------------------------------------------------------------------------------------
@@ -75,7 +75,6 @@ def graph(nodes: Nodes) -> str:
 
     A node without operands that is not an input belongs to another section and is dashed.
     """
-    check(nodes)
     proved = ranges.proved(WIDTH)
     colours = dict(zip(SECTIONS, COLOURS, strict=False))
     used = [s for s in SECTIONS if any(node.section == s and node.operands for node in nodes.values())]
@@ -119,7 +118,6 @@ ROW, LABEL = 17, 200
 
 def schedule(nodes: Nodes) -> str:
     """Return the pipeline schedule of nodes as SVG: stages, delays, critical path and wires."""
-    check(nodes)
     waits = delays(nodes)
     path, steps = _critical(nodes)
     first = min(start(node) if node.operands else node.time for node in nodes.values())
@@ -175,9 +173,8 @@ def schedule(nodes: Nodes) -> str:
 
 
 def figures() -> dict[str, str]:
-    """Return the figures of the page: file name -> graph or SVG. ValueError for an invalid node."""
-    check(nodes := design("paper"))
-    elbow = flow.cone(flow.part(nodes, equation="(13)"), "p_e_x")
+    """Return the figures of the page: file name -> graph or SVG."""
+    elbow = flow.cone(design("paper"), "p_e_x")
     return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 

@@ -2,7 +2,6 @@
 """Figures 6 and 7: graphs and schedules match the design; checked without graphviz."""
 
 import re
-from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -42,8 +41,8 @@ def test_figures_and_page_are_up_to_date(drawn):
 
 def test_every_node_and_operand_is_drawn(nodes, drawn):
     graph = drawn["graph_p_e_x.svg"]
-    shown = flow.cone(flow.part(nodes, equation="(13)"), "p_e_x")
-    arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node, shown)}
+    shown = flow.cone(nodes, "p_e_x")
+    arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node)}
     assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
     assert re.findall(r'^  "(\w+)" \[label=.*', graph, re.M) == list(shown)
     assert len(list(ElementTree.fromstring(drawn["schedule_p_e_x.svg"]).iter(f"{SVG}g"))) == len(shown)
@@ -64,16 +63,6 @@ def test_delays_are_consumer_minus_operand(nodes):
     assert (waits["inf_pp"].begin, waits["inf_pp"].end, waits["inf_pp"].bits) == (96, 140, 32)
     assert waits["inf_pp"].flip_flops == 44 * 32
     assert waits["qe_w"].end == 318 and "qs_w" not in waits
-
-
-def test_a_wrong_design_names_the_node(nodes):
-    early = nodes | {"tmp_sqr": replace(nodes["tmp_sqr"], time=nodes["tmp_sqr"].time - 1)}
-    with pytest.raises(ValueError, match="node tmp_sqr: starts 1 clocks before its operand tmp1 is ready"):
-        flow.check(early)
-    with pytest.raises(ValueError, match="node c3: no format"):
-        flow.check(nodes | {"c3": replace(nodes["c3"], format=None)})
-    with pytest.raises(ValueError, match="node flat: its operand tmp1 is no node"):
-        flow.check({k: v for k, v in nodes.items() if k not in ("tmp1", "tmp_sqr")})
 
 
 def test_without_graphviz_one_line(monkeypatch):
