@@ -4,8 +4,8 @@
 // The inverse kinematics core with AXI4-Stream ports: one datapath between credit logic and an output FIFO.
 //
 // A target is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is
-// lost, repeated or reordered. tready does not depend on tvalid, nor tvalid on tready. The folded datapath has its own
-// flow control and bypasses the FIFO.
+// lost, repeated or reordered. tready and tvalid do not depend on each other combinationally. The folded datapath has
+// its own flow control and bypasses the FIFO.
 // Throughput: one target per clock; folded, one per period of its program.
 // Latency: datapath_latency (ik_latency.vh) plus 2 clocks in the FIFO; folded, see ik_fold.
 `default_nettype none
@@ -15,8 +15,8 @@ module ik_axis #(
     parameter integer TAG_W    = 8,   // tag width, at least 1
     parameter integer DATAPATH = 1,   // 0 paper, 1 lean, 2 fold (lean on one multiplier): W even, 20 or more
     parameter integer DIGIT    = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
-    // width of the longer operand of the lean multiplier blocks: 18; 25 for 25x18, not folded; 16 for 16x16, with small
-    // tables and, folded, W from 18 on
+    // width of the longer operand of the multiplier blocks, lean and fold: 18; 25 for 25x18, lean only; 16 for 16x16,
+    // with smaller tables, and fold then from W = 18
     parameter integer TILE     = 18
 ) (
     // Clock
@@ -46,12 +46,12 @@ module ik_axis #(
 
   // ---- reject unsupported parameters at elaboration ----
 
-  // A missing module names the parameter that breaks its rule:
+  // An illegal parameter instantiates a module that does not exist; its name ends with that parameter:
   //   ik_axis_illegal_TAG_W     1 or more
   //   ik_axis_illegal_DATAPATH  0, 1 or 2
   //   ik_axis_illegal_DIGIT     0 or 1
-  //   ik_axis_illegal_TILE      16, 18 or, not folded, 25
-  //   ik_axis_illegal_W         16 to 32; TILE = 16: 16 to 24; folded: even, from 20 on, from 18 on with TILE = 16
+  //   ik_axis_illegal_TILE      16 or 18; 25 unless folded
+  //   ik_axis_illegal_W         16 to 32, at most 24 with TILE = 16; folded: even, at least 20, or 18 with TILE = 16
   localparam TAG_OK = TAG_W >= 1;
   localparam DATAPATH_OK = DATAPATH >= 0 && DATAPATH <= 2;
   localparam DIGIT_OK = DIGIT == 0 || DIGIT == 1;

@@ -34,7 +34,7 @@ module ik_axi_job #(
     output wire              clear,          // resets ik_axis: discards an aborted job's targets
     output wire              go,
     output wire              stop,
-    output wire [ADDR_W-1:5] job_source,       // copies, in records
+    output wire [ADDR_W-1:5] job_source,       // address / 32 of the job
     output wire [ADDR_W-1:5] job_destination,
     output reg  [      31:0] job_count,
     input  wire              read_idle,

@@ -24,14 +24,14 @@ module ik_axi_read #(
     input  wire [ADDR_W-1:5] source,
     input  wire [      31:0] count,
     output wire              idle,         // nothing outstanding and nothing left to request
-    output wire              ended,        // no further record will be delivered
+    output wire              ended,        // `got` stays low until the next job
     output reg               error,        // sticky until go
     output reg               error_decode, // the error was DECERR
     output reg  [      31:0] good,         // records received before the first error
-    output reg  [       2:0] error_beat,   // failed beat of the record after these
+    output reg  [       2:0] error_beat,   // failed beat within the next record
     output wire              waiting,      // data outstanding, none in this clock
     // Records
-    output wire              got,          // record received; record_valid follows a clock later
+    output wire              got,          // record received; record_valid rises one clock later
     output reg               record_valid,
     output reg  [     255:0] record,
     input  wire              leave,        // a result has left; its slot is free
@@ -98,7 +98,7 @@ module ik_axi_read #(
   reg [2:0] at;  // beat within the record
   reg [LOG2_BURST-1:0] coming;  // low bits of the record's address
   wire last = m_axi_rvalid && at == LAST_BEAT;
-  wire burst_in = last && ((&coming) || due == {{LOG2_PLACES{1'b0}}, 1'b1});  // at a boundary, or last requested
+  wire burst_in = last && ((&coming) || due == {{LOG2_PLACES{1'b0}}, 1'b1});  // boundary, or last record requested
   wire bad = m_axi_rvalid && m_axi_rresp[1];
   assign got = last && !bad && !error;
 

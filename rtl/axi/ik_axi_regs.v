@@ -12,7 +12,7 @@ module ik_axi_regs #(
     parameter integer ADDR_W   = 32,
     parameter integer DATA_W   = 64,
     parameter integer LATENCY  = 44,  // latency of ik_axis, clocks
-    parameter integer PLACES   = 64   // most records between AR and W
+    parameter integer PLACES   = 64   // most records in flight from AR to W
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -69,7 +69,7 @@ module ik_axi_regs #(
 
   initial {s_axi_bvalid, s_axi_rvalid, irq} = 3'b000;
 
-  // ---- write: address and data are held in one register each until both have arrived ----
+  // ---- write: address and data are each held in a register until both have arrived ----
 
   reg [9:0] waddr;
   reg waddr_held;

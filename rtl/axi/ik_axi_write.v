@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Write engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records, at the end of the job, or before a
-// record that could not be read. It is announced only when all its targets are in the core, so its data need nothing
-// more from the bus. Data may leave before AW is accepted. Responses arrive in order, so the same rule gives the size
-// of the burst that a B answers.
+// record that could not be read. It is announced only when all its targets have been read, so its data do not wait for
+// the bus. Data may leave before AW is accepted. Responses arrive in order, so the same rule gives the size of the
+// burst that a B answers.
 `default_nettype none
 
 module ik_axi_write #(
@@ -18,7 +18,7 @@ module ik_axi_write #(
     input  wire              rst,
     // Job
     input  wire              go,            // loads destination, clears all other state
-    input  wire              stop,          // announce no new burst; also set after a write error
+    input  wire              stop,          // announce no new burst; must be high after a write error
     input  wire [ADDR_W-1:5] destination,
     input  wire              got,           // a target has been read
     input  wire              ended,         // no further target will be read

@@ -40,7 +40,7 @@ CHANNELS = ("ar", "r", "aw", "w", "b", "lite")
 
 
 class Memory(SparseMemory):
-    """Sparse memory; an access outside the two areas is an error of the core."""
+    """Sparse memory; an access outside the source and destination areas is an error of the core."""
 
     def __init__(self) -> None:
         super().__init__(1 << 64)
@@ -56,7 +56,7 @@ class Memory(SparseMemory):
 
 
 class Responder:
-    """Mixin of a slave: its responses come after a latency, in order and pipelined, with the injected errors."""
+    """Slave mixin: responds in order after a latency, pipelined, with the injected errors."""
 
     fault: AxiResp | None = None
 
@@ -113,7 +113,7 @@ class Writer(Responder, AxiSlaveWrite):
 class Monitor:
     """Checks of the memory port beyond the AXI rules (tb/rules), sampled at every falling edge.
 
-    A test checks `errors` at its end. Counts start at the last reset.
+    A test checks `errors` at its end. A reset clears only the counts of open bursts and beats.
     """
 
     def __init__(self, dut, record_beats: int) -> None:
@@ -138,7 +138,7 @@ class Monitor:
         self.requested = self.sent = 0  # beats
         self.moved = self.clock  # clock of the last beat
         self.failed: dict[str, int] = {}  # address channel -> clock of the first error, after which no burst may start
-        self.offered: set[str] = set()  # address channels whose burst is counted but not yet accepted
+        self.offered: set[str] = set()  # address channels whose current burst is counted but not yet accepted
 
     def error(self, text: str) -> None:
         self.errors.append(f"clock {self.clock}: {text}")
@@ -224,7 +224,7 @@ class Bench:
         self.beats = 256 // self.data_width  # beats of a record
         self.per_burst = 1 << int(dut.LOG2_BURST.value)  # records of a whole burst
         self.latency = fixed.latency(self.datapath, self.width)
-        self.places = 1 << self.latency.bit_length()  # FIFO slots for one result per clock
+        self.places = 1 << self.latency.bit_length()  # FIFO slots of ik_axis
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats)
         cocotb.start_soon(self.monitor.run())

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the C driver on ``ik_axi``: its object code, IK_DRIVER, runs in a thread, and register accesses take clocks.
+"""Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take clocks.
 
-Words of targets in memory and result values equal the model's. Each hardware error returns its code, and the next call
+Target words in memory and result values equal the model's. Each hardware error returns its code, and the next call
 succeeds.
 """
 
@@ -132,7 +132,7 @@ class Platform:
         assert self.bench.dut.irq.value == 0, "the interrupt is not acknowledged"
 
     def wait(self) -> bool:
-        """Wait for the interrupt; every second call wakes spuriously."""
+        """Wait for the interrupt; every other call returns at once, as a spurious wake-up."""
         self.waits += 1
         if self.waits % 2:
             return True
@@ -244,7 +244,7 @@ async def bus_error(dut, on, answer):
 
 @cocotb.test()
 async def busy(dut):
-    """The job of another host is not disturbed and nothing is written, even if it started just before this one."""
+    """A call returns busy, writes nothing and leaves another host's job undisturbed, even one that just started."""
     platform = await ready(dut, interrupt=True)
     bench = platform.bench
     bench.stall("r", "w")

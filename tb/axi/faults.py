@@ -101,9 +101,9 @@ async def no_records(dut):
 
 @cocotb.test()
 async def bus_errors(dut):
-    """The records before the failing beat of R, or before the failing burst of W, are written; ERROR is its address.
+    """The records before the failing beat of R or burst of W are written; ERROR is the address of that beat or burst.
 
-    Sides and responses alternate, and some failing jobs follow each other: each reports its own error.
+    Sides and responses alternate. Some failing jobs follow each other directly; each reports its own error.
     """
     bench = await started(dut, seed=5, latency=9)
     numbers, beat_bytes = bench.random, bench.data_width // 8
@@ -116,7 +116,7 @@ async def bus_errors(dut):
         bad = numbers.randrange(count * bench.beats) * beat_bytes
         bad = {0: 0, 1: count * BYTES - beat_bytes, 2: 0}.get(k, bad)
         faults = {area + bad: AxiResp[answer.upper()]}
-        if k % 3 == 0:  # only the first is reported
+        if k % 3 == 0:  # a second fault, which is not reported
             faults.setdefault(area + count * BYTES - 4, AxiResp[other.upper()])
         address = area + bad
         if side == "write":
@@ -205,7 +205,7 @@ async def soft_reset(dut, paused):
         kept = await bench.read("COUNT"), await bench.wide("SOURCE"), await bench.wide("DESTINATION")
         assert kept == (count, SOURCE, DESTINATION) and await bench.read("IRQ_ENABLE") == 7
         bench.compare(DESTINATION, k, await bench.read("WRITTEN"))
-        if k % 2:  # the kept parameters are valid for a job
+        if k % 2:  # a start reuses the kept parameters
             await bench.write("CONTROL", 1)
             assert (await bench.ended())["done"] == 1
             bench.compare(DESTINATION, k, count)

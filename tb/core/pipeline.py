@@ -60,7 +60,7 @@ class Scoreboard:
         self.in_clock.clear()
 
     def sample(self, clock: int, now: int) -> None:
-        """Compare all nodes that are valid in core clock ``clock``; ``now`` is the bench clock for messages."""
+        """Compare all valid nodes; ``clock`` counts clocks without a stall, ``now`` all clocks, for messages."""
         for time, pairs in self.by_time.items():
             target = self.in_clock.get(clock - time)
             if target is None:
@@ -128,7 +128,7 @@ class Pipeline:
         self.results: list[tuple[tuple[int, ...], int, int, int]] = []
         self.latencies: list[int] = []
         self.errors: list[str] = []
-        self.gap = self.held = False  # an idle input clock since the last target; a waiting result
+        self.gap = self.held = False  # since the last beat: an idle input clock; a result had to wait
         self.gaps: list[bool] = []
         cocotb.start_soon(self._watch())
 
@@ -160,7 +160,7 @@ class Pipeline:
         for values in self.scoreboard.expected.values():
             del values[dropped:]
         self.dut.rst.value = 0
-        # A driver sees a beat sent at the rising edge at once in one simulator and a clock later in the other.
+        # A beat queued at the rising edge is driven at once in one simulator and a clock later in the other.
         await FallingEdge(self.dut.clk)
 
     def announce(self, words: np.ndarray) -> None:
@@ -220,7 +220,7 @@ class Pipeline:
                 self.scoreboard.forget()
                 self.due.clear()
                 self.gap = self.held = False
-                # Flip-flops are reset at the first rising edge with rst high; ignore everything before it.
+                # Registers keep old values until the first rising edge with rst high; ignore all clocks in reset.
                 continue
             for valid, ready, data, user, taken in streams:
                 if valid.value == 1 and ready.value == 1:
@@ -231,7 +231,7 @@ class Pipeline:
             self.ran += self.go is None or self.go.value == 1
 
     async def unknown_while_idle(self) -> None:
-        """Drive X on the input data while tvalid is low, as a task. The driver writes a beat after the next edge."""
+        """Drive X on the input data while tvalid is low; run as a task. The driver overwrites it with the next beat."""
         dut = self.dut
         while True:
             await FallingEdge(dut.clk)

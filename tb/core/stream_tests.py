@@ -30,7 +30,7 @@ async def started(dut, nodes: bool = False) -> Pipeline:
 
 
 def datapath_latency(bench: Pipeline) -> int:
-    """Return the scheduled clocks from a target to its result."""
+    """Return the latency of the datapath in clocks, as scheduled in the model."""
     nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), bench.width, bench.datapath).bits.nodes
     return max(node.time for node in nodes.values())
 
@@ -39,7 +39,7 @@ def places(bench: Pipeline) -> int:
     """Return the number of targets admitted while m_axis_tready is low.
 
     A pipeline has a FIFO whose depth is its latency plus 3, rounded up to a power of two. The folded core holds one
-    result at its output, a finished result behind it, and one more target if that was loaded earlier.
+    result at its output, a second target that stalls before its first result, and a third if loaded before the stall.
     """
     if bench.period == 1:
         return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
@@ -67,7 +67,7 @@ async def one_result_per_clock(dut):
 
 @cocotb.test()
 async def recurrences(dut):
-    """Each divider and root of the paper datapath is of the kind that DIGIT selects; both kinds compute the same."""
+    """Each divider and root of the paper datapath is of the kind that DIGIT selects."""
     bench = await started(dut, nodes=True)
     if CONFIGURATIONS[bench.datapath].rtl == "paper":
         cores = [node for node in bench.scoreboard.nodes if node.op in ("div", "root")]
@@ -97,7 +97,7 @@ async def stalls(dut, idle, stall):
 async def every_flag_in_every_region(dut, idle, stall):
     """Targets near each singular pose and far from all, with and without gaps and waiting results.
 
-    Pauses are random: targets whose bin has no sample are sent again after another target, up to 9 times.
+    Pauses are random: targets whose coverage bin is empty are sent again, after another target, up to 9 times.
     """
     bench = await started(dut, nodes=not idle and not stall)
     random = np.random.default_rng(7)
@@ -117,7 +117,7 @@ async def every_flag_in_every_region(dut, idle, stall):
 
 @cocotb.test()
 async def full(dut):
-    """While m_axis_tready is low the core admits one target per slot, and releases all of them later."""
+    """While m_axis_tready is low the core admits one target per slot; all results leave when it is high again."""
     bench = await started(dut)
     most, more = places(bench), 50 if bench.period == 1 else 5
     bench.sink.pause = True
@@ -160,10 +160,10 @@ async def reset_in_traffic(dut, after):
 
 @cocotb.test()
 async def reset_in_any_clock(dut):
-    """Reset for one clock, in each of 200 clocks of traffic with gaps and stalls; later results are right.
+    """Reset for one clock, after 1 to 200 clocks of traffic with gaps and stalls; later results are right.
 
-    The folded core is in a different program step in each clock. Of the pipelines, the shortest words cover all clocks,
-    the others every 37th.
+    All 200 clocks are tested for the folded core, to reset it in every program step, and for the shortest words; every
+    37th clock otherwise.
     """
     bench = await started(dut)
     every = bench.period > 1 or bench.width <= 18
@@ -186,7 +186,7 @@ async def reset_in_any_clock(dut):
 
 @cocotb.test()
 async def ready_before_valid(dut):
-    """After reset a pipeline is ready before tvalid, the folded core once per period; no result leaves."""
+    """After reset a pipeline is ready before tvalid, the folded core is not; no result leaves."""
     bench = await started(dut)
     for _ in range(20):
         await FallingEdge(dut.clk)

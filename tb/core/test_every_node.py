@@ -42,7 +42,7 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
 
 
 def listed(datapath: str, width: int) -> np.ndarray:
-    """Return the hardest targets; a width without rows uses the longest words, truncated."""
+    """Return the hardest targets; a width that is not in the list uses the longest words, truncated."""
     own = datapath if datapath in DATAPATHS else "lean"
     longest = max(w for d, w in GROUPS if d == own)
     found = width if (own, width) in GROUPS else longest
@@ -75,7 +75,7 @@ if ICARUS:  # Verilator takes minutes to compile digit recurrences
 else:
     signed = np.concatenate([np.arange(4), np.arange(-4, 0)])
     EVERY = np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
-    """All targets of 3-bit words; target number n has the input bits of n, with x lowest."""
+    """All targets of 3-bit words; the bits of number n are the words of target n, x lowest."""
 
     @pytest.mark.sim
     def test_every_target_of_3_bits():
@@ -86,7 +86,7 @@ else:
     @pytest.mark.slow
     @pytest.mark.cost(20)
     def test_every_folded_target_of_3_bits():
-        """The highest bits of the shortest words that the folded datapath supports."""
+        """All combinations of the three highest bits of each word at W = 20, the shortest for fold."""
         run("fold", 20, EVERY << 17)
 
 

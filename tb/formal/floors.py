@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof over the integers, by z3, that divider and root return the floor: consequences of ik_div_digit.vh and
+"""Proof by z3 over the integers that divider and root return the floor, given the properties in ik_div_digit.vh and
 ik_root_digit.vh.
 
-Bit vectors prove a linear ghost of every row: P + R equals the operand's bits so far, modulo the word length, without a
-product. The integers add the products: P = Q d, S = Q^2, and after the last row Q is the floor. The equations of a row
-are read from the .vh (:func:`integer`), so a changed ghost changes the question. Word lengths are numbers X >= 2 D,
-D = 2^(DW-1), B = 2^ROWS of any size: a question holds at all widths.
+Those files prove one linear relation per row with bit vectors: P + R, or S + R, equals the operand's bits so far,
+modulo a power of two. The questions here add the products P = Q d and S = Q^2; after the last row, Q is the floor. Row
+equations are read from the .vh (:func:`integer`), so changing one changes the question. Widths appear only as integers
+X >= 2 D, D = 2^(DW-1) and B = 2^ROWS of any size, so a question holds at all widths.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class FormulaError(LookupError):
 
 
 class _Reader:
-    """Parser of a Verilog expression, without overflow, into an SMT term over integers; ``names`` maps its names."""
+    """Parser of a Verilog expression into an SMT term over integers, ignoring overflow; ``names`` maps identifiers."""
 
     def __init__(self, text: str, names: dict[str, str]) -> None:
         self.text, self.names, self.left = text, names, []
@@ -63,7 +63,7 @@ class _Reader:
         term = self.level(depth + 1)
         while sign := self._next(*LEVELS[depth], *(["<<<"] if "<<" in LEVELS[depth] else [])):
             other = self.level(depth + 1)
-            if sign.startswith("<<"):  # by a number, or by a name for its power of two
+            if sign.startswith("<<"):  # by a number, or by ROWS, which maps to 2^ROWS
                 term = f"(* {term} {1 << int(other) if other.isdigit() else other})"
             else:
                 term = f"({ {'||': 'or', '==': '='}.get(sign, sign) } {term} {other})"
@@ -88,7 +88,7 @@ class _Reader:
             return word[-1] if "'" in word else word
         if re.fullmatch(r"\{\(\w+ - 1\) \{1'b0\}\}|\{\w+\{1'b0\}\}|\{\w+ \{1'b0\}\}", word):
             return "0"
-        if found := re.fullmatch(r"\{(\w+)\[\w+-2:0\], (\w+)\}", word):  # one bit more
+        if found := re.fullmatch(r"\{(\w+)\[\w+-2:0\], (\w+)\}", word):  # a bit appended
             return f"(+ (* 2 {self.names[found[1]]}) {self.names[found[2]]})"
         raise FormulaError(f"{word!r} in {self.text!r}")
 

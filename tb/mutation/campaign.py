@@ -46,7 +46,7 @@ class Design:
 
 
 def core(*benches: NodeBench) -> Design:
-    """Return the design of benches that differ in their targets only."""
+    """Return a design of ``ik_axis``; its benches differ only in their targets."""
     name = " ".join(benches[0].name.split()[1:-1])
     return Design(name, "ik_axis", benches[0].parameters, tuple(map(Nodes, benches)))
 
@@ -100,7 +100,7 @@ COLUMNS = ("nodes", "unit", "jobs", PROVED, SURVIVED)
 
 
 def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
-    """Yield design, seed and mutant, evenly over the files whose name contains `only`, then over the designs."""
+    """Yield design, seed and mutant: files whose name contains `only` take turns, as do the designs of a file."""
     files: dict[str, list[list]] = {}
     for design in (number for number, design in enumerate(DESIGNS) if design.has(only)):
         mutants = [m for m in netlist(design, seed).mutants if only in m.file]
@@ -148,7 +148,7 @@ def recorded(path: Path) -> dict[str, Result]:
 
 
 def append(path: Path, result: Result) -> None:
-    """Append a line."""
+    """Append a result as one line."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as file:
         file.write(f"{json.dumps(asdict(result))}\n")

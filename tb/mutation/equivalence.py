@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Equivalence of a module with and without a mutant, by Yosys' equiv commands.
 
-Wires of the same name are compared bit by bit. Bits that differ are removed from the comparison until the rest is
-proved; a port must not be removed. If a module is not equivalent, the modules around it may be. The proofs use
-two-valued logic: they hold for a chip and ignore X.
+Wires of the same name are compared bit by bit. Bits left unproven, except ports, are removed from the comparison until
+the rest is proved. If a module is not equivalent, the modules that instantiate it may be. The proofs use two-valued
+logic: they hold for a chip and ignore X.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PORT = re.compile(r"^ *wire .*\b(?:input|output) \d+ .*\\(\S+)$", re.M)
 def proof(mutant: Mutant, place: Path, climb: bool = True) -> str:
     """Return the modules in which a mutant is proved equivalent, empty if it is not.
 
-    The search begins with the module of the mutant; with `climb` it continues with the modules around it.
+    The search begins with the module of the mutant; with `climb` it continues with the modules that instantiate it.
     """
     if mutant.options["port"] in CLOCKS:
         return ""

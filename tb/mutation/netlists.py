@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Netlists and their mutants, made by Yosys' ``mutate``.
 
-A mutant changes one bit of one port of a cell: stuck, inverted, or inverted by another bit of the port. The netlist of
-`ik_axis` contains all its mutants; an input of the top selects one.
+In a mutant, one bit of a cell's port is stuck, inverted, or inverted if another bit of the port is 0 or 1. The netlist
+of `ik_axis` contains all its mutants; an input of the top selects one.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from tb.sim.sources import closure, digest, headers, includes, sources
 
 BUILD = ROOT / "build" / "mutants"
 SECONDS = 120.0
-"""Time limit of a Yosys script or a simulation of one mutant."""
+"""Time limit of a Yosys script or an Icarus build for one mutant; ten times that for a whole netlist."""
 SELECT, BITS = "mutant", 16
 """Input of the top that selects a mutant, and its width; 0 selects none."""
 PER_FILE = 24
-"""Mutants of one file of rtl/ in one netlist."""
+"""Most mutants of one file of rtl/ in one netlist."""
 EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
 """Ports without mutants: read ports of memories are asynchronous and tied, and a changed register output would lose its
 initial value. A changed register input has the same effect."""
@@ -165,7 +165,7 @@ class Netlist:
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:
-    """Return whether a mutant sticks a bit at its constant, given Yosys' JSON."""
+    """Return whether a mutant sticks a constant bit at its own value, given Yosys' JSON."""
     o = mutant.options
     bits = modules[o["module"]]["cells"][o["cell"]]["connections"][o["port"]]
     return o["mode"] in ("const0", "const1") and bits[int(o["portbit"])] in (o["mode"][-1], "x")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verilog bench of ``ik_axis`` that compares every node of a netlist: under stalls, with a full FIFO, after a reset.
 
-Icarus runs it in the seconds that cocotb takes to start. It stops at the first difference. A plusarg selects a mutant.
+Under Icarus it finishes in the few seconds that cocotb takes to start. It stops at the first difference. A plusarg
+selects a mutant.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ from tb.sim.native_run import columns
 TOP, DATA = "node_bench", "data.hex"
 TAG_W = 8
 RIGHT = "all right"
-"""Start of the last line of output without a difference."""
+"""Start of the last output line of a run without differences."""
 
 
 @dataclass(frozen=True)
 class NodeBench:
-    """A datapath, its word length, and the number of mixed targets; `corners` adds targets next to a rounding."""
+    """A datapath, its word length, and the number of mixed targets; `corners` adds corner targets."""
 
     datapath: str
     width: int

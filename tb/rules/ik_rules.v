@@ -1,12 +1,12 @@
 // Rules of AXI4, AXI4-Lite and AXI4-Stream from the specifications, for both sides of a port.
 // SPDX-License-Identifier: Apache-2.0
 //
-// IHI 0022E is AXI4 and AXI4-Lite, IHI 0051A is AXI4-Stream. Signals are sampled at rising edges like the receiver.
+// IHI 0022E is AXI4 and AXI4-Lite, IHI 0051A is AXI4-Stream. Signals are sampled at rising edges, as by the receiver.
 // Rules apply from the first reset on.
 `default_nettype none
 
 // Action on a broken rule: set its bit in `broken`; with STOP, print it and end the simulation.
-// A condition must be 1: X counts as broken. %m ends with the port.
+// A condition must be 1: X counts as broken. %m ends with the instance name of the port.
 `define IK_RULE(number, holds, name, clause) \
   if ((holds) !== 1'b1) begin \
     broken[number] = 1'b1; \
@@ -38,8 +38,8 @@ module ik_rules_channel #(
 
   always @(posedge clk) begin
     if (rst !== 1'b0 || was_reset || !on) begin
-      // A3.1.2, 2.7.2: valid is low during reset, and may rise at the earliest at an edge after one with reset deasserted. It
-      // may still be high at the edge that first samples reset, since reset can be asserted between edges.
+      // A3.1.2, 2.7.2: valid is low during reset and at the first edge after it. It may still be high at the edge that
+      // first samples reset, since reset can be asserted between edges.
       if (on && was_reset && STREAM != 0) begin `IK_RULE(0, valid === 1'b0, "LOW_AFTER_RESET", "IHI 0051A 2.7.2") end
       else if (on && was_reset) begin `IK_RULE(0, valid === 1'b0, "LOW_AFTER_RESET", "IHI 0022E A3.1.2") end
       waits = 1'b0;
@@ -119,7 +119,7 @@ module ik_rules_lite #(
     if (rst === 1'b1) on = 1'b1;
     if (rst !== 1'b0) {addresses, words, reads} = 0;
     else if (on) begin
-      // A3.3.1: a response follows everything it responds to, and comes once
+      // A3.3.1: one response per transfer, after its address and data
       if (bvalid === 1'b1) begin
         `IK_RULE(0, addresses != 0, "B_AFTER_ADDRESS", "IHI 0022E A3.3.1")
         `IK_RULE(1, words != 0, "B_AFTER_DATA", "IHI 0022E A3.3.1")
@@ -210,7 +210,7 @@ module ik_rules_axi4 #(
       .clk(clk), .rst(rst), .valid(rvalid), .ready(rready), .payload({rid, rdata, rresp, rlast})
   );
 
-  // ---- bursts; the channel rules report X ----
+  // ---- bursts; signals with X are left to the channel rules ----
 
   reg on;  // a reset has occurred
   initial on = 1'b0;
@@ -311,7 +311,7 @@ module ik_rules_write #(
 
   reg [6:0] broken = 7'd0;
 
-  // Bursts are numbered from the reset. `told`: number of bursts offered on AW.
+  // Bursts are numbered from the reset. Counts: offered on AW, accepted on AW, all data sent, both, answered on B.
   reg [7:0] told, taken, ended, joined, answered;
   reg seen;  // the offered burst has been counted
   reg [ID_W-1:0] ids[0:255];

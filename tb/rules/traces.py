@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Port traces, one row per clock: legal ones, and for each AXI rule one that breaks only this rule.
+"""Port traces: legal ones, and for each AXI rule at least one that breaks only this rule.
 
 A trace lists differences from an idle port: clock -> signal -> value; reset is in clocks 0 and 1. A trace that breaks a
-rule overlays a legal one and ends in the last clock of the overlay.
+rule usually overlays a legal one; it ends in the last clock of the overlay.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ LEGAL = [
 
 @dataclass(frozen=True)
 class Break:
-    """Overlay ``trace`` on the legal trace of ``port`` that breaks ``rules``; ``known``: it contains no X."""
+    """A trace of ``port`` that breaks ``rules``; ``base``: it overlays the legal trace; ``known``: it contains no X."""
 
     port: str
     rules: set[str]
@@ -110,7 +110,7 @@ CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, 
     ("axi4", "r."): ("r", 9, {"rdata": 8, "rresp": 2, "rlast": 1, "rid": 1}),
 }
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
-"""Burst rule that a change of this payload breaks as well. An offered AW is evaluated at once."""
+"""Burst rule that a change of this payload also breaks; none for AW, which is evaluated when first offered."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:

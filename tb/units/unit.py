@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Framework for the unit testbenches of ``rtl/lib``.
 
-A bench is a function from a module's parameters to the cocotb tests of such an instance; most are one call of
-:func:`checks`. All benches of a file share a simulation (:func:`runs`). References avoid the arithmetic of RTL and
-model: they use Python integers and fractions.
+A bench is a function that maps a module's parameters to the cocotb tests of an instance; most are one call of
+:func:`checks`. All benches of a file share a simulation (:func:`runs`). References do not share the arithmetic of RTL
+and model: they use Python integers and fractions.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ EVERY = 1 << 14
 
 
 class Case(NamedTuple):
-    """A module, its bench, parameter sets of the quick gate, and further ones of ``make test-all``."""
+    """A module, its bench, its parameter sets in ``make test``, and further ones in ``make test-all``."""
 
     module: str
     bench: Callable[..., Tests]
@@ -65,7 +65,7 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
 
 
 def runs(*cases: Case) -> Callable:
-    """Return a test with one simulation of all cases in the quick gate, and another of their further sets."""
+    """Return a pytest test: one simulation of all cases with their `few` sets, and another with their `more` sets."""
 
     groups = ["few", *([pytest.param("more", marks=pytest.mark.slow)] if any(case.more for case in cases) else [])]
 
@@ -81,7 +81,7 @@ def runs(*cases: Case) -> Callable:
 
 
 def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
-    """Return a parameter set for each row of values of the named parameters; all have the other parameters."""
+    """Return one parameter set per row, the values of the parameters in ``names``; all sets include ``others``."""
     return [dict(zip(names.split(), row, strict=True)) | others for row in rows]
 
 
@@ -102,8 +102,8 @@ def checks(
 ) -> Tests:
     """Return the tests of a module without handshake; in each, a vector enters in every clock (:func:`stream`).
 
-    ``inputs`` and ``outputs`` map ports to their words; ``expected`` maps the words of each input, one sequence per
-    port, to those on each output. A vector of one word may be written as the word.
+    ``inputs`` and ``outputs`` map ports to the range of their words; ``expected`` is the reference, from one sequence
+    of words per input to one per output. A vector of one word may be written as the word.
 
     - *named*: each of ``corners``, vector and outputs, between ``good`` vectors; omitted if a word does not fit its
       port.
@@ -146,8 +146,8 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
     """Drive one vector per clock without gaps, compare every output ``latency`` clocks later, and return the outputs.
 
     Inputs change after the rising edge; outputs are sampled at the falling edge, when both have settled in both
-    simulators, and compared as bits, so that X is a difference. A delay DA belongs to port ``a``, and so on: this port
-    gets its word of a vector DA clocks before the ports without delay, from which ``latency`` counts.
+    simulators, and compared as bits, so that X is a difference. Parameter DA delays port ``a`` in the module, and so
+    on: this port gets its word DA clocks before the ports without delay, from which ``latency`` counts.
     """
     assert vectors, "no vectors to check"
     for name, words in (inputs | outputs).items():
@@ -227,7 +227,7 @@ def size(words: range) -> int:
 
 
 def corners(words: range) -> list[int]:
-    """Return both ends, the middle, three quarters, and neighbours."""
+    """Return both ends, the middle and three quarters of a range, and neighbours."""
     low, high = words[0], words[-1]
     mid = (low + high + 1) // 2
     near = {low, low + 1, mid - 1, mid, mid + 1, (mid + high + 1) // 2, high - 1, high}
@@ -240,7 +240,7 @@ def crossed(*words: range) -> list[Vector]:
 
 
 def halves(width: int) -> list[int]:
-    """Return signed words whose halves are at an end or next to 0, for every carry across the middle."""
+    """Return signed words with extreme halves and halves close to 0, to test carries across the middle."""
     low = width // 2
     high, last = signed(width - low), (1 << low) - 1
     return [(k << low) + rest for k in {high[0], -1, 0, 1, high[-1]} for rest in (0, 1, last // 2 + 1, last - 1, last)]
