@@ -276,3 +276,8 @@ def core_words(records: bytes, width: int) -> tuple[np.ndarray, np.ndarray]:
 def result_records(results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
     """Return the result records of a job: results (N, 6) of `width` bits, flags and tags (N,)."""
     return _pack_records(results << (32 - width), flags << TAG_BITS | tags, np.arange(len(results)))
+
+
+def result_words(records: bytes, width: int) -> np.ndarray:
+    """Return the results (N, 6) of `width` bits in result records."""
+    return _unpack_records(records)[:, : len(RESULT_FIELDS)] >> (32 - width)
