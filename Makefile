@@ -78,21 +78,21 @@ waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
 .PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-worker lint formal check-proofs release-check fpga lock clean distclean
 
-help: ## this list
+help: ## print this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
 
-setup: ## make .venv and install the simulator [SIM=icarus|verilator]; every other target does it too
+setup: ## create .venv and install the simulator [SIM=icarus|verilator]; targets that need them do this too
 	@$(SETUP) $(sort icarus $(SIM))
 
-run: ## the main job [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
+run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.run $(job) $(waves)
 
-follow: ## one target through the pipeline, node by node [TARGET=0.. WAVES=1 and the options of run]
+follow: ## print every node of one target, RTL next to model [TARGET=0.. WAVES=1 and the options of run]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
 
-report: ## the same run as an HTML page: the arm in motion, errors, pipeline [same options but WAVES]
+report: ## run and write an HTML page: the arm in motion, errors, pipeline [options of run except WAVES]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.report $(job)
 
@@ -102,21 +102,21 @@ quick    = $(if $(call given,ONLY,yes),, and not slow)
 pytest   = SIM=$(SIM) IK_CORES=$(CORES) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder \
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
-test: ## the quick gate [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit ONLY=file or pattern]
+test: ## quick tests [SIM=icarus, or verilator: simulations only; CORES=behavioural|digit ONLY=file or pattern: slow ones as well]
 	@$(SETUP) $(sort icarus $(SIM))
 	@$(pytest) -m "$(only_sim)$(quick)"
 
-test-all: ## all tests [SIM=icarus, or verilator: what simulates; CORES=behavioural|digit]
+test-all: ## all tests except those marked release [SIM=icarus, or verilator: simulations only; CORES=behavioural|digit]
 	@$(SETUP) $(sort icarus $(SIM)) fpga farm
 	@$(pytest) -m "$(only_sim)"
 
-test-browser: ## tests of report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: all cores of the playground]
+test-browser: ## test report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: slow tests as well]
 	@$(SETUP) $(SIM) chromium playground
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile \
 	  scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
 	  $(call given,ONLY,-k "$$CGA_ONLY") -m "not release$(quick)"
 
-coverage: ## points of the Verilog that tests reach: build/coverage/annotated [ONLY=pattern; KEEP=1: coverage.md]
+coverage: ## measure Verilog coverage of the tests: build/coverage/annotated [ONLY=pattern; KEEP=1: coverage.md]
 	@$(SETUP) verilator
 	@exec $(VENV) -m scripts.coverage $(call given,ONLY,--only="$$CGA_ONLY") $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
@@ -129,16 +129,16 @@ docs: ## write scores.md, latency.md, registers.md, memory.md and the generated 
 paper_needs_figures := graphviz
 paper_needs_table6  := table6
 
-paper: ## pages that answer the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 [ONLY=derivation|operations|wordlengths|figures|table6]
+paper: ## write the pages of comparison with the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 [ONLY=derivation|operations|wordlengths|figures|table6]
 	@$(SETUP) icarus $(if $(call given,ONLY,yes),$(paper_needs_$(value ONLY)),graphviz table6)
 	@exec $(VENV) -m scripts.paper $(call given,ONLY,--only="$$CGA_ONLY")
 
-playground: ## a page in which the Verilog runs: build/playground/index.html; some minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
+playground: ## write a page that runs the Verilog: build/playground/index.html; takes minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
 	@$(SETUP) playground
 	@exec $(VENV) -m scripts.playground $(call given,OUT,--out="$$CGA_OUT") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 
-schedule: ## the program of the folded datapath again, after its dataflow has changed [PERIOD= SECONDS=]
+schedule: ## reschedule the folded datapath after a change of its dataflow [PERIOD= SECONDS=]
 	@$(SETUP) icarus schedule
 	@exec $(VENV) -m scripts.generate.fold_scheduler $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
 
@@ -146,7 +146,7 @@ schedule: ## the program of the folded datapath again, after its dataflow has ch
 farm     = $(call given,FARM, farm)
 soak_sim = $(if $(filter file,$(origin SIM)),verilator,$(SIM))
 
-soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1 AGAINST=c FARM=]
+soak: ## compare every node of random targets with the model [TARGETS= SEED= FROM=chunk DATAPATH= WIDTH= OUT= SIM= KEEP=1 AGAIN=file SPECIAL=1 AGAINST=c FARM=]
 	@$(SETUP) $(soak_sim)$(farm)
 	@exec $(VENV) -m scripts.soak --sim $(soak_sim) \
 	  $(call given,TARGETS,--targets="$$CGA_TARGETS") $(call given,SEED,--seed="$$CGA_SEED") \
@@ -157,39 +157,39 @@ soak: ## an unlimited stream of random targets [TARGETS= SEED= FROM=chunk DATAPA
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep) \
 	  $(if $(filter-out 0,$(call given,SPECIAL,$(value SPECIAL))),--special)
 
-soak-memory: ## random jobs of ik_axi, memory to memory [JOBS= SEED= FROM=piece SIM=]
+soak-memory: ## run random memory-to-memory jobs of ik_axi [JOBS= SEED= FROM=piece SIM=]
 	@$(SETUP) $(soak_sim)
 	@exec $(VENV) -m scripts.soak_memory --sim $(soak_sim) $(call given,JOBS,--jobs="$$CGA_JOBS") \
 	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
 
-mutants: ## mutants of the netlists, each of which a bench must kill [COUNT= SEED= ONLY=file OUT= FARM=; KEEP=1: mutants.md]
+mutants: ## run netlist mutants, each of which a bench must kill [COUNT= SEED= ONLY=file OUT= FARM=; KEEP=1: mutants.md]
 	@$(SETUP) icarus fpga$(farm)
 	@exec $(VENV) -m scripts.mutants $(call given,COUNT,--count="$$CGA_COUNT") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") $(call given,FARM,--farm="$$CGA_FARM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
-farm-worker: ## makes this machine work for a scheduler; what the work needs is set up first [FARM=tcp://scheduler:8786 JOBS=]
+farm-worker: ## make this machine a worker of a scheduler, after installing the tools [FARM=tcp://scheduler:8786 JOBS=]
 	@$(SETUP) icarus verilator fpga farm
 	@exec $(VENV) -m scripts.parallel $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
 
-lint: ## Verilator -Wall and Icarus -Wall on every module as its own top; ruff, imports, licences and types of the Python
+lint: ## lint every module as its own top with Verilator and Icarus -Wall; check style, imports, licences and types of the Python
 	@$(SETUP) icarus
 	@exec $(VENV) -m scripts.lint
 
-formal: ## proofs of streams, divider, root and ranges, each seen failing on a seeded bug: proofs.md [ONLY=name]
+formal: ## prove streams, divider, root and ranges; each proof must fail on a seeded bug: proofs.md [ONLY=name]
 	@$(SETUP) fpga
 	@exec $(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 
-check-proofs: ## which pages of proofs and measurements are of other code than the present one
+check-proofs: ## list stale pages of proofs and measurements
 	@$(SETUP)
 	@exec $(VENV) -m scripts.check_proofs
 
-release-check: ## before a version: no page of proofs or measurements is stale; tests marked release
+release-check: ## before a release: fail on stale pages of proofs or measurements; run the tests marked release
 	@$(SETUP) icarus verilator fpga farm
 	@$(VENV) -m scripts.check_proofs --strict
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder -m release
 
-fpga: ## table 5 of the paper again: size and clock of the machines by open tools: fpga.md [DATAPATH=lean|lean25|paper|memory|fold WIDTH= FARM=]
+fpga: ## measure size and clock of the datapaths with open tools, for the paper's table 5: fpga.md [DATAPATH=lean|lean25|paper|memory|fold WIDTH= FARM=]
 	@$(SETUP) fpga$(farm)
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,FARM,--farm="$$CGA_FARM")
@@ -197,7 +197,7 @@ fpga: ## table 5 of the paper again: size and clock of the machines by open tool
 compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --generate-hashes --no-emit-index-url \
   --no-emit-find-links --custom-compile-command "make lock"
 
-lock: ## write the locks of requirements/ again (needs uv)
+lock: ## regenerate the lock files of requirements/ (needs uv)
 	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
 	for name in fpga table6 schedule playground farm; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
