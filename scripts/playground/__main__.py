@@ -1,8 +1,117 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m scripts.playground``."""
+"""Write an HTML page that runs the Verilog (`make playground`).
 
+    python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
+
+Compiles the cores to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
+cached in build/playground, and writes OUT/index.html: a self-contained page that opens from disk without network. The
+3D view, texts and colours are shared with the report.
+
+Exit status: 0 the page is written, 1 a tool failed, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
 import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
-from scripts.playground.page import main
+from model.io import trajectories
+from model.io.files import write_atomically
+from model.io.flags import FLAGS
+from model.io.words import FIELDS, HEADROOM_BITS
+from model.motion.pose import NAMED_AXES, to_z
+from model.reference.kinematics import matrix
+from scripts.console import WORD_LENGTH, command, option, output, some_of
+from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
 
-sys.exit(main())
+HERE = Path(__file__).parent
+REPORT = HERE.parent / "report"
+SCRIPTS = ("machine", "solve", "lane", "waves", "playground")
+
+PLAIN = {
+    "too_far": "Too far: the arm is straight and points to the target.",
+    "too_near": "Too near: the arm is folded and points to the target.",
+    "on_axis": "On the reference axis: no azimuth, 0 is taken.",
+    "at_shoulder": "At the shoulder: the target has no direction, that of the axis is taken.",
+    "bad_length": "An arm length is not positive.",
+    "saturated": "Reserved, always 0.",
+}
+"""Flag -> its explanation in the page."""
+
+
+def data(machines: Sequence[Machine]) -> dict[str, Any]:
+    """Return the page's data, except the WebAssembly of the cores."""
+    made = {name: trajectories.make(name) for name in trajectories.TRAJECTORIES}
+    return {
+        "machines": [table(machine) for machine in machines],
+        "headroom": HEADROOM_BITS,
+        "flags": [{**flag._asdict(), "plain": PLAIN[flag.name]} for flag in FLAGS],
+        "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
+        "trajectories": [
+            {
+                "name": name,
+                "rows": [list(row) for row in zip(*(getattr(one, f).tolist() for f in FIELDS), strict=True)],
+            }
+            for name, one in made.items()
+        ],
+        "tools": tools(),
+    }
+
+
+def page(machines: Sequence[Machine]) -> str:
+    """Return the whole page.  Raises BuildError."""
+    code = [REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS)]
+    embedded = [
+        f'<script type="application/octet-stream" id="wasm-{machine.name}">'
+        f"{base64.b64encode(wasm(machine)).decode()}</script>"
+        for machine in machines
+    ]
+    parts = {
+        "style": (REPORT / "report.css").read_text(encoding="utf-8"),
+        "script": "\n".join(path.read_text(encoding="utf-8") for path in code),
+        "data": json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
+        "machines": "\n".join(embedded),
+    }
+    template = (HERE / "playground.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
+
+
+_NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
+OPTIONS = [
+    option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
+    option("--datapath", f"only these of {', '.join(_NAMES)}", some_of(_NAMES, len(_NAMES)), metavar="NAME[,NAME]"),
+    option("--width", "only cores of this word length", WORD_LENGTH, metavar="BITS"),
+]
+
+
+@command(
+    "playground",
+    "Write one page in which the Verilog runs.",
+    OPTIONS,
+    passes="the page is written",
+    fails="a tool failed",
+)
+def main(parsed: SimpleNamespace) -> int:
+    """Run the command line and return the exit status."""
+    machines = chosen(parsed.datapath, parsed.width and [parsed.width])
+    tools()
+    path = parsed.out / "index.html"
+    with output(parsed.out, [path]):
+        try:
+            text = page(machines)
+        except BuildError as error:
+            print(f"playground: {error}", file=sys.stderr)
+            return 1
+        write_atomically(path, text)
+    print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/playground/page.py, which puts its scripts into one function.
+// Part of the page of scripts/playground/__main__.py, which puts its scripts into one function.
 
 // -- the pipeline, stage by stage -------------------------------------------------------------
 

@@ -1,8 +1,194 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m scripts.report``."""
+"""Run trajectories through the core and write an HTML report (`make report`).
 
+    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath NAME[,NAME]] ...
+
+Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
+paper, joint angles, the error of every target with its limit and prediction, the score, the pipeline over time.
+The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
+without network. It links to the files of `scripts.run`, written to the same folder; with several datapaths, shown side
+by side, each has its own folder, such as OUT/lean and OUT/fold.
+
+Exit status: as `scripts.run`; the page is also written, with a notice, when a trajectory fails.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
 import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
-from scripts.report.page import main
+import numpy as np
 
-sys.exit(main())
+from model.io import flags as flag_bits
+from model.io import trajectories
+from model.io.files import write_atomically
+from model.io.scoring import Score
+from model.io.words import from_words, result_values
+from model.reference.equations import swivel_normal
+from scripts.console import command, output
+from scripts.report.constructions import packed
+from scripts.report.figure import figure_data, joint_angles
+from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
+from scripts.run import run_and_score
+from scripts.tables import figures, verdict
+from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
+from tb.sim.simulate import Run
+
+HERE = Path(__file__).parent
+SCRIPTS = ("arm", "figure", "paper", "plots", "report")
+
+DIGITS = 7
+"""Significant digits of the numbers in the page."""
+
+MOST_ARMS = 4
+"""Most arms of different lengths drawn together; with more, only the moving arm is drawn."""
+
+
+def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
+    """Convert an array to nested lists of rounded numbers."""
+    if array.ndim > 1:
+        return [_numbers(row, digits) for row in array]
+    return [float(f"{value:.{digits}g}") for value in array.tolist()]
+
+
+def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
+    """Return the index of each target's arm; targets with the same lengths share an arm."""
+    _, index = np.unique(np.column_stack((d1, d2)), axis=0, return_inverse=True)
+    index = index.reshape(-1)
+    return (index if index.max() < MOST_ARMS else np.zeros_like(index)).tolist()
+
+
+def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
+    """Return the page's data for one trajectory: lists over its targets, lengths in the user's unit.
+
+    Results of further datapaths are under "beside", with the same names.
+    """
+    targets, width = item.targets, done[0][1].width
+    # Decode the input words, so that the swivel plane is the one passed to the core.
+    asked = from_words(item.words, 0, width, targets.name)
+    about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
+    arms = _arms(targets.d1, targets.d2)
+    if item.clip:
+        sides = " and ".join(move.arm.side for move in item.moves)
+        frames = len(targets) // len(item.moves)
+        about = (
+            f"{Path(targets.path).name}: {frames} frames at {1 / item.clip.bvh.frame_time:.6g} Hz; {sides} arm by the "
+            "core, the rest of the body as in the clip."
+        )
+        arms = np.tile(np.arange(len(item.moves)), frames).tolist()
+    first, *others = (_run_data(item, ran, result) for ran, result in done)
+    return {
+        "name": targets.name,
+        "about": about,
+        "target": _numbers(targets.position),
+        "phi": _numbers(targets.phi),
+        "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
+        "arm": arms,
+        "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
+        "paper": packed(item, width),
+        **first,
+        "beside": others,
+    }
+
+
+def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
+    """Return one datapath's results for a trajectory."""
+    targets, width, each = item.targets, result.width, result.each
+    values = result_values(ran.results, width)
+    of_clip = {}
+    if item.clip:
+        of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
+    return of_clip | {
+        "datapath": result.datapath,
+        "angles": _numbers(joint_angles(item, ran, width), 5),
+        "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
+        "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
+        "qs": _numbers(targets.from_core(values[:, :4])),
+        "qe": _numbers(values[:, 4:]),
+        "flags": [flag_bits.names(int(bits)) for bits in ran.flags],
+        "clamped": each.clamped.tolist(),
+        "hand": _numbers(each.judged_error),
+        "predicted": _numbers(each.predicted),
+        "bar": result.hand_error_bar if result.hand_error_bar is not None else result.clamped_error_bar,
+        "shoulderAngle": _numbers(each.shoulder_angle_error),
+        "elbowAngle": _numbers(each.elbow_angle_error),
+        "latency": result.latency_cycles,
+        "cycles": result.total_cycles,
+        "figures": figures(result, ran.flags),
+        "passed": result.passed,
+        "outcome": result.outcome,
+        "failures": result.failures,
+    }
+
+
+def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
+    """Return the files to link to for each trajectory and, under "", for all. folders: one per datapath."""
+    links: dict[str, list[str]] = {item.targets.name: [] for item in prepared}
+    names = []
+    for folder in folders:
+        names += [path.relative_to(out).as_posix() for path in of_datapath(folder, prepared)]
+        for name, path in zip(links, result_paths(folder, prepared), strict=True):
+            table = path.relative_to(out).as_posix()
+            links[name] += [table, f"{table.removesuffix('csv')}npz"]
+    known = {name for each in links.values() for name in each}
+    return links | {"": [*(name for name in names if name not in known), SCORES]}
+
+
+def _listed(names: Sequence[str]) -> str:
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def script() -> str:
+    """Return the scripts of the page in dependency order."""
+    return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
+
+
+def page(
+    shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, names: Sequence[str], width: int, simulator: str
+) -> str:
+    """Return the whole page. links: files to link to by trajectory name, or "" for all trajectories."""
+    data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
+    parts = {
+        "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
+        "run": html.escape(f"{_listed(names)} datapath{'s' * (len(names) > 1)}, {width} bits, {simulator}"),
+        "style": (HERE / "report.css").read_text(encoding="utf-8"),
+        "script": script(),
+        "data": data.replace("<", "\\u003c"),  # prevents a name from ending the script element
+    }
+    template = (HERE / "report.html").read_text(encoding="utf-8")
+    # A single pass, so that inserted text is not expanded again.
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
+
+
+@command(
+    "report",
+    "Run trajectories through the core in a simulator and write a page that shows them.",
+    trajectory_options("build/report", "report.html", most=MOST_DATAPATHS),
+    passes="all trajectories pass",
+    fails="one fails",
+)
+def main(parsed: SimpleNamespace) -> int:
+    """Run, score and write the page; return the exit status."""
+    path = parsed.out / "report.html"
+    prepared = prepare(parsed)
+    folders = datapaths(parsed)
+    with output(parsed.out, [path, *written(parsed.out, folders.values(), prepared)]):
+        done = [run_and_score(parsed, datapath, prepared) for datapath in folders]
+        shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
+        links = _links(parsed.out, list(folders.values()), prepared)
+        text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)
+        write_atomically(path, text)
+        write_results(parsed.out, folders.values(), prepared, done)
+    print(f"wrote {path}")
+    return verdict("report", [result for ran in done for _, result in ran])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

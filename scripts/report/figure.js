@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of the page of scripts/report/page.py, which puts the scripts of this folder into one function.
+// Part of the page of scripts/report/__main__.py, which puts the scripts of this folder into one function.
 
 // -- data -----------------------------------------------------------------------------------
 

@@ -13,15 +13,15 @@ from scripts import check_proofs, coverage, follow, formal, lint, mutants, paral
 from scripts.fpga import __main__ as fpga
 from scripts.generate import fold_scheduler, pages
 from scripts.paper import __main__ as paper
-from scripts.playground import page as playground
-from scripts.report import page
+from scripts.playground import __main__ as playground
+from scripts.report import __main__ as report
 from tb.core import worst_targets
 from tb.sim.env import ROOT
 
 MAINS = {
     "run": run.main,
     "follow": follow.main,
-    "report": page.main,
+    "report": report.main,
     "soak": soak.main,
     "soak_memory": soak_memory.main,
     "formal": formal.main,

@@ -12,8 +12,8 @@ from model.io import stimuli, trajectories
 from model.io.flags import expected_flags
 from model.io.words import FIELDS, Targets, from_words, to_words
 from model.reference.lean_equations import solve_lean
+from scripts.playground import __main__ as playground
 from scripts.playground import machines
-from scripts.playground import page as playground
 from scripts.playground.machines import Machine
 from scripts.recording import read
 from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page

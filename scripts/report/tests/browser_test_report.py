@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from model.io import trajectories
-from scripts.report import page as report
+from scripts.report import __main__ as report
 from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
 from scripts.report.tests.conftest import LATENCY
 

@@ -10,7 +10,7 @@ import pytest
 
 from model.motion.tests import figure
 from scripts import run
-from scripts.report import page as report
+from scripts.report import __main__ as report
 from scripts.tests.test_run import FakeSimulator
 from tb.sim.env import simulator as simulator_name
 

@@ -19,8 +19,7 @@ from model.motion import clip as clips
 from model.motion.tests import figure
 from model.reference.kinematics import forward, matrix
 from scripts import run
-from scripts.report import page as report
-from scripts.report.constructions import ANGLES, LENGTHS, NOTHING, STEPS, VECTORS
+from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
 from tb.sim.env import ROOT
 
@@ -216,18 +215,18 @@ def test_joint_angles(shown, axis):
 
 # -- figures 1 to 5 --------------------------------------------------------------------------------
 
-TURNS = ("folded", "rest", "half", "middle", "yz2", *ANGLES)
+TURNS = ("folded", "rest", "half", "middle", "yz2", "theta4", "theta3")
 
 
 def unpack(data):
-    """Decode the page's entities by name: VECTORS (N, 3), ANGLES and LENGTHS (N,); undefined ones are nan."""
+    """Decode the page's entities by name: vectors (N, 3), angles and lengths (N,); undefined ones are nan."""
+    vectors, angles, lengths = (data[kind] for kind in ("vectors", "angles", "lengths"))
     words = np.frombuffer(base64.b64decode(data["rows"]), "<i2").astype(float)
-    words = words.reshape(-1, 3 * len(VECTORS) + len(ANGLES) + len(LENGTHS))
-    words[words == NOTHING] = np.nan
-    found = {name: words[:, 3 * i : 3 * i + 3] / STEPS for i, name in enumerate(data["vectors"])}
-    scalars = words[:, 3 * len(VECTORS) :].T / STEPS
-    scalars[: len(ANGLES)] *= np.pi
-    return found | dict(zip((*data["angles"], *data["lengths"]), scalars, strict=True))
+    words[words == data["nothing"]] = np.nan
+    columns = words.reshape(-1, 3 * len(vectors) + len(angles) + len(lengths)).T / data["steps"]
+    found = {name: columns[3 * i : 3 * i + 3].T for i, name in enumerate(vectors)}
+    scalars = dict(zip((*angles, *lengths), columns[3 * len(vectors) :], strict=True))
+    return found | scalars | {name: np.pi * scalars[name] for name in angles}
 
 
 def turn(v, axis, angle):
