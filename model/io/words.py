@@ -227,6 +227,27 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
     return Targets(name=name, **values)
 
 
+def pack(fields: np.ndarray, width: int) -> list[int]:
+    """Return the tdata integers of signed words `fields` (N, 6): field 0 in the lowest `width` bits.
+
+    Works for targets (`FIELDS`) and results (`RESULT_FIELDS`). Raises ValueError for a word that does not fit.
+    """
+    half = 2 ** (width - 1)
+    array = np.asarray(fields, dtype=np.int64)
+    if ((array < -half) | (array >= half)).any():
+        raise ValueError(f"a word does not fit {width} bits")
+    mask = 2**width - 1
+    return [sum((word & mask) << (width * i) for i, word in enumerate(row)) for row in array.tolist()]
+
+
+def unpack(data: list[int], width: int) -> np.ndarray:
+    """Return the signed words (N, 6) int64 of tdata integers; the inverse of `pack`."""
+    half = 2 ** (width - 1)
+    mask = 2**width - 1
+    rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(len(FIELDS))] for value in data]
+    return np.array(rows, dtype=np.int64).reshape(len(rows), len(FIELDS))
+
+
 def result_values(words: np.ndarray, width: int) -> np.ndarray:
     """Return the real values, exact in float64, of result words with width-2 fraction bits; same shape."""
     return np.ldexp(np.asarray(words, dtype=np.float64), 2 - width)
