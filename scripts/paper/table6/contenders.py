@@ -27,9 +27,6 @@ from model.reference.lean_equations import solve_lean
 from scripts.paper.table6.arrays import lean, lean_of
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 
-CHUNK = 100_000
-"""Targets per chunk in the error computation."""
-
 
 @dataclass(frozen=True)
 class Bound:
@@ -78,13 +75,9 @@ def first(targets: Targets, count: int | None) -> Targets:
 
 def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
     """Return the hand errors / reach (N,) of answers (N, 6)."""
-    out = np.empty(len(targets))
-    for start in range(0, len(targets), CHUNK):
-        rows = slice(start, start + CHUNK)
-        part = np.asarray(answers[rows], dtype=np.float64)
-        wrist = forward(part[:, :4], part[:, 4:], targets.d1[rows], targets.d2[rows])[1]
-        out[rows] = np.linalg.norm(wrist - targets.position[rows], axis=1) / targets.reach[rows]
-    return out
+    answers = np.asarray(answers, dtype=np.float64)
+    wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)[1]
+    return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
 
 
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
