@@ -35,5 +35,5 @@ def write() -> int:
             print(*wrong, f"{name}.md not written", sep="\n", file=sys.stderr)
             return 1
         (GENERATED / f"{name}.md").write_text(page(name, steps), encoding="utf-8")
-        print(f"wrote {name}.md: {len(steps)} steps, {sum(len(step.checks) for step in steps.values())} statements")
+        print(f"wrote {name}.md: {len(steps)} steps, {sum(len(step.statements) for step in steps.values())} statements")
     return 0

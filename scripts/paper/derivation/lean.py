@@ -15,8 +15,7 @@ import sympy as sp
 from model.reference import cga
 from model.reference.lean_equations import HALF, LEAN
 from model.reference.printed import symbol
-from scripts.generate.render import table
-from scripts.paper.derivation.paper import normal
+from scripts.paper.derivation.paper import normal, of_axes
 from scripts.paper.derivation.proofs import (
     COS_H,
     HALF_CIRCLE,
@@ -24,60 +23,18 @@ from scripts.paper.derivation.proofs import (
     SIN_H,
     Step,
     corrected,
-    latex,
     name_tex,
     parse,
     symbols,
 )
-from scripts.paper.operations import Ops, shared, total
 
 HALVES = {"az": ("-u_y", "u_x"), "tilt": ("sin_el", "cos_el"), "arm": ("cos_a", "sin_a")}
 """Half angle quaternion -> cosine and sine of its angle."""
 PARTS = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
 
-MATRIX = {
-    "Directions of the target": {
-        "p_x": "cos_el*u_x",
-        "p_y": "cos_el*u_y",
-        "p_z": "sin_el",
-        "v_x": "sin_el*u_x",
-        "v_y": "sin_el*u_y",
-    },
-    "Columns": {
-        "n_x": "cos_phi*u_y + sin_phi*v_x",
-        "n_y": "sin_phi*v_y - cos_phi*u_x",
-        "n_z": "-sin_phi*cos_el",
-        "m_x": "sin_phi*u_y - cos_phi*v_x",
-        "m_y": "-cos_phi*v_y - sin_phi*u_x",
-        "m_z": "cos_phi*cos_el",
-        "e_x": "cos_a*p_x + sin_a*m_x",
-        "e_y": "cos_a*p_y + sin_a*m_y",
-        "e_z": "cos_a*p_z + sin_a*m_z",
-        "f_x": "e_z*n_y - e_y*n_z",
-        "f_y": "e_x*n_z - e_z*n_x",
-        "f_z": "e_y*n_x - e_x*n_y",
-    },
-    "Four sums and what goes with them": {
-        "sum_w": "1 - n_x + f_y + e_z",
-        "sum_i": "1 - n_x - f_y - e_z",
-        "sum_j": "1 + n_x + f_y - e_z",
-        "sum_k": "1 + n_x - f_y + e_z",
-        "w_i": "f_z - e_y",
-        "w_j": "e_x + n_z",
-        "w_k": "-n_y - f_x",
-        "i_j": "f_x - n_y",
-        "i_k": "e_x - n_z",
-        "j_k": "e_y + f_z",
-    },
-    "The row of the largest sum": {
-        "g_q": "rsqrt(largest)",
-        "q_0": "largest*g_q/2",
-        "q_1": "other_1*g_q/2",
-        "q_2": "other_2*g_q/2",
-        "q_3": "other_3*g_q/2",
-    },
-}
-"""The shoulder from the rotation matrix with columns -n, f, e; replaces "Product" and "Root, second level"."""
+NORMAL = "vec(cos_phi*u_y + sin_phi*sin_el*u_x, sin_phi*sin_el*u_y - cos_phi*u_x, -sin_phi*cos_el)"
+ACROSS = "vec(sin_phi*u_y - cos_phi*sin_el*u_x, -cos_phi*sin_el*u_y - sin_phi*u_x, cos_phi*cos_el)"
+"""Unit vectors n, of the swivel plane, and m, perpendicular to it and to the target."""
 
 CIRCLES = (
     "u_y**2 = 1 - u_x**2",
@@ -95,11 +52,6 @@ SQUARES = (
 )
 ROOTS = {"rho_sq": "rho", "s": "dist", "a_far": "sqrt_a", "b_near": "sqrt_b", "d1": "sqrt_1", "d2": "sqrt_2"}
 """Argument of a root -> name of the root."""
-
-
-def lines(table_: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
-    """Return the lines of all groups in one dictionary."""
-    return {name: text for group in table_.values() for name, text in group.items()}
 
 
 def run(lines_: Mapping[str, str], values: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
@@ -121,14 +73,12 @@ def to_triangle(step: Step) -> None:
 
 
 def frame(step: Step) -> None:
-    """Set n, m, e, f of the matrix form, p/|p| as `direction`, and the target (10)-(17) in polar form."""
+    """Set the unit vectors n, m, e, p/|p| as `direction`, and the target (10)-(17) in polar form."""
     step.suppose(*CIRCLES)
-    values = run(MATRIX["Directions of the target"] | MATRIX["Columns"], {})
-    step.values |= {v: sp.Matrix([values[f"{v}_{axis}"] for axis in "xyz"]) for v in "pnmef"}
-    step.values["direction"] = step.values.pop("p")
-    for axis, part in zip("xyz", step.values["direction"], strict=True):
-        step.values[f"p_w_{axis}"] = symbol("dist") * part
+    step.values |= {"n": parse(NORMAL), "m": parse(ACROSS), "direction": parse("vec(cos_el*u_x, cos_el*u_y, sin_el)")}
+    step.values["e"] = step.value("cos_a*direction + sin_a*m")
     step.values["p"] = symbol("dist") * step.values["direction"]
+    step.values |= of_axes("p_w", step.values["p"])
 
 
 def rotation_matrix(quaternion: Iterable) -> sp.Matrix:
@@ -160,8 +110,7 @@ def swivel(step: Step) -> None:
     step.values |= {"pi": sp.Matrix(plane), "rho": symbol("dist") * symbol("cos_el")}
     whole = {symbol("cos_phi"): COS_H**2 - SIN_H**2, symbol("sin_phi"): 2 * COS_H * SIN_H}
     half = {"n": step.values["n"].subs(whole), "cos_phi": whole[symbol("cos_phi")], "sin_phi": whole[symbol("sin_phi")]}
-    written = "vec(cos_phi*u_y + sin_phi*sin_el*u_x, sin_phi*sin_el*u_y - cos_phi*u_x, -sin_phi*cos_el)"
-    step.prove(f"pi/rho = n = {written}", **half)
+    step.prove(f"pi/rho = n = {NORMAL}", **half)
     step.prove("cos_phi**2 + sin_phi**2 = 1", **half)
     step.prove("sq(n) = 1", "dot(n, p) = 0")
 
@@ -170,19 +119,15 @@ def elbow(step: Step) -> None:
     frame(step)
     sums = run(LEAN["Sums of the inputs"], {})
     step.prove("k_law = s + d1**2 - d2**2", "4*d1**2*s - k_law**2 = a_far*b_near", **sums)
-    for axis, part in zip("xyz", step.values["n"], strict=True):
-        step.values[f"pi_swivel_{axis}"] = symbol("dist") * symbol("cos_el") * part
-    step.values |= {"rho": symbol("dist") * symbol("cos_el")}
+    step.values["rho"] = symbol("dist") * symbol("cos_el")
+    step.values |= of_axes("pi_swivel", step.values["rho"] * step.values["n"])
     for name in PRINTED["(12)"]:
         step.values[name] = step.value(corrected("(12)", name))
     rows = {name: step.value(corrected("(13)", name)) for name in ("inf_pp", "tmp1")}
     step.values |= rows | {"pair": sp.Matrix([step.values[f"pp_{unit}"] for unit in "ijk"])}
-    step.suppose("d2**2 = dist**2 + d1**2 - k_law")
+    step.suppose("k_law = 2*d1*dist*cos_a", "d2**2 = dist**2 + d1**2 - k_law")  # by step 1
     step.prove("pair = rho*k_law*n/2", label=r"(PP_i, PP_j, PP_k) = \tfrac12 \rho K\,n")
     step.prove("inf_pp = rho**2*dist**2", "tmp1 = rho**2*(4*d1**2*dist**2 - k_law**2)/4")
-    step.values["k_law"] = 2 * symbol("d1") * symbol("dist") * symbol("cos_a")
-    step.suppose("d2**2 = dist**2 + d1**2 - 2*d1*dist*cos_a")
-    del step.relations["d2**2 = dist**2 + d1**2 - k_law"]
     root = step.value("rho*d1*dist*sin_a")
     step.roots = {root: root**2}
     step.prove("sqrt(tmp1) = rho*d1*dist*sin_a")
@@ -190,14 +135,13 @@ def elbow(step: Step) -> None:
     p_e = sp.Matrix([step.value(corrected("(13)", f"p_e_{axis}"), **given) for axis in "xyz"])
     step.prove("p_e = rho**2*dist**2*d1*e", label="p_e = d_1 e", p_e=p_e)
     step.prove("cross(n, direction) = m", label=r"n \times p/|p| = m")
-    written = "vec(sin_phi*u_y - cos_phi*sin_el*u_x, -cos_phi*sin_el*u_y - sin_phi*u_x, cos_phi*cos_el)"
-    step.prove(f"m = {written}", "sq(e) = 1", "dot(n, e) = 0")
+    step.prove(f"m = {ACROSS}", "sq(e) = 1", "dot(n, e) = 0")
     step.prove("direction = cos_a*e - sin_a*cross(n, e)", label=r"p/|p| = \cos a\,e - \sin a\,n \times e")
 
 
 def elbow_quaternion(step: Step) -> None:
     frame(step)
-    given = {f"p_e_{axis}": symbol("d1") * part for axis, part in zip("xyz", step.values["e"], strict=True)}
+    given = of_axes("p_e", symbol("d1") * step.values["e"])
     step.prove("c4 = (d1 - dist*cos_a)/d2", c4=step.value(corrected("(14)", "c4"), **given))
     to_triangle(step)
     step.values |= {"c4": step.value("(d1 - k_law/(2*d1))/d2")}  # |p| cos a = K/(2 d1) by step 1
@@ -215,10 +159,9 @@ def shoulder(step: Step) -> None:
     step.suppose("r_w**2 = 1 - r_i**2 - r_j**2 - r_k**2", "gamma**2 = r_w**2 + r_k**2", "sigma**2 = 1")
     turned = rotation_matrix(r)
     step.values = {"n": -turned[:, 0], "f": turned[:, 1], "e": (e := turned[:, 2])}
-    p_e = {f"p_e_{axis}": d1 * part for axis, part in zip("xyz", e, strict=True)}
     length = 2 * d1**3 * (1 - e[2]) * gamma
     step.roots = {length: length**2}
-    step.values |= p_e | dict(zip(("e_x", "e_y", "e_z"), e, strict=True))
+    step.values |= of_axes("p_e", d1 * e) | of_axes("e", e)
     step.values["tmp2"] = step.value(corrected("(15)", "tmp2"))
     step.prove("l_m = 2*d1**3*(1 - e_z)*gamma", l_m=step.value(corrected("(15)", "l_m")))
     q12 = {name: step.value(corrected("(15)", name), l_m=length) for name in ("q12_i", "q12_j", "q12_k")}
@@ -227,10 +170,8 @@ def shoulder(step: Step) -> None:
     image = rotation_matrix([sp.Integer(0), *q12.values()])[:, 2]
     step.prove("image = e", label=r"Q_{12} e_3 \tilde Q_{12} = e", image=image)
     # (17) with the plane of length rho and the target as step 3 has it
-    along = step.value("cos_a*e - sin_a*cross(n, e)")
-    step.values |= q12
-    for axis, n, p in zip("xyz", step.values["n"], along, strict=True):
-        step.values |= {f"pi_swivel_{axis}": symbol("rho") * n, f"p_w_{axis}": symbol("dist") * p}
+    along = step.value("dist*(cos_a*e - sin_a*cross(n, e))")
+    step.values |= q12 | of_axes("pi_swivel", symbol("rho") * step.values["n"]) | of_axes("p_w", along)
     step.roots = {symbol("rho"): symbol("rho") ** 2}
     for name, text in (("c3", "(r_k**2 - r_w**2)/gamma**2"), ("sign_raw", "-2*dist*sin_a*r_w*r_k/gamma**2")):
         step.prove(f"{name} = {text}", **{name: step.value(corrected("(17)", name))})
@@ -264,7 +205,6 @@ def factors(step: Step) -> None:
     step.prove("product = columns", label=label, product=swivelled, columns=columns)
     columns = sp.Matrix.hstack(-step.values["n"], step.value("cross(e, -n)"), step.values["e"])
     step.prove("product = columns", label=r"R = (-n, e \times (-n), e)", product=whole, columns=columns)
-    step.prove("f = cross(e, -n)")
 
 
 def half(step: Step) -> None:
@@ -282,11 +222,11 @@ def half(step: Step) -> None:
             (f"{large} = length_sq", f"{large} = |h|^2"),
         ):
             step.prove(text, label=label + when)
-    at_0 = [sp.Matrix([parse(text, {"c": sp.Integer(0)}) for text in pair]) for pair in HALF.values()]
-    step.suppose("s**2 = 1")
-    del step.relations["s**2 = 1 - c**2"]
-    label = r"\lim_{c \to -0} h = s\,h(0, s) \text{ with } s = \pm 1"
-    step.prove("second = s*first", label=label, first=at_0[0], second=at_0[1])
+    at_0 = {"c": sp.Integer(0), "s": symbol("sigma")}
+    first, second = (sp.Matrix([parse(text, at_0) for text in pair]) for pair in HALF.values())
+    step.suppose("sigma**2 = 1")
+    label = r"\lim_{c \to -0} h = \sigma\,h(0, \sigma) \text{ with } s = \sigma = \pm 1"
+    step.prove("second = sigma*first", label=label, first=first, second=second)
 
 
 def product_lines() -> list[sp.Expr]:
@@ -330,17 +270,8 @@ def length(step: Step) -> None:
     step.values["length_sq"] = parse(last["length_sq"])
     step.prove("w_1**2 + i_1**2 + j_1**2 + k_1**2 = length_sq")
     squares = LEAN["Lengths of the half angle quaternions, squared"]
-    for name, (cosine, _) in HALVES.items():
-        step.prove(f"{name}_sq = (1 + Abs({cosine}))/2", **{f"{name}_sq": parse(squares[f"{name}_sq"])})
-    flat = symbols("u_y sin_el " + HALVES["arm"][0])
     whole = parse(last["length_sq"], {name: parse(text) for name, text in squares.items()})
-    corners = [whole.subs(dict(zip(flat, corner, strict=True))) for corner in itertools.product((0, 1), repeat=3)]
-    linear = all(sp.degree(whole.subs({sp.Abs(v): v for v in flat}), v) == 1 for v in flat)
-    cosines = ", ".join(f"$|{name_tex(str(v))}|$" for v in flat)
-    bounds = (
-        rf"$\frac18 \le |q|^2 \le 1$: $|q|^2$ is linear in each of {cosines}, so its extremes are among the 8 corners"
-    )
-    step.true(f"{bounds} of $[0, 1]^3$", linear and (min(corners), max(corners)) == (sp.Rational(1, 8), 1))
+    step.prove("length_sq = (1 + Abs(u_y))*(1 + Abs(sin_el))*(1 + Abs(cos_a))/8", length_sq=whole)
     step.values = {name: parse(last[name]) for name in last if name.startswith("qs_")} | {
         "inv_q": parse(last["inv_q"], {"rsqrt": lambda argument: 1 / {symbol("length_sq"): symbol("length")}[argument]})
     }
@@ -360,12 +291,10 @@ def shifts(step: Step) -> None:
     scaled = {symbol(name): two[name] * symbol(name) for name in arguments}
     scaled |= {symbol(argument): symbol(argument) / two[name] ** 2 for name, argument in arguments.items()}
     for name in ("u_x", "u_y", "sin_el", "cos_el", "qe_w", "qe_i", HALVES["arm"][0], HALVES["arm"][1]):
-        degree = {v: sp.degree(plain[name], symbol(v)) for pair in arguments.items() for v in pair}
-        powers = {n: degree[n] - 2 * degree[a] for n, a in arguments.items()}
-        ratio = sp.cancel(plain[name].subs(scaled, simultaneous=True) / plain[name])
-        right = ratio == sp.prod(two[n] ** power for n, power in powers.items())
-        tail = {n: sp.Symbol(f"k_{{{name_tex(a).removesuffix('^2')}}}") for n, a in arguments.items()}
-        exponent = sp.latex(sum(power * tail[n] for n, power in powers.items()))
+        powers = sp.cancel(plain[name].subs(scaled, simultaneous=True) / plain[name]).as_powers_dict()
+        right = powers.keys() <= {*two.values(), sp.Integer(1)}
+        tail = {two[n]: sp.Symbol(f"k_{{{name_tex(a).removesuffix('^2')}}}") for n, a in arguments.items()}
+        exponent = sp.latex(sum(powers[v] * k for v, k in tail.items()))
         step.true(f"${name_tex(name)}$: $2^{{{exponent}}}$", right)
 
 
@@ -384,81 +313,6 @@ def near_singular(step: Step) -> None:
     linear = all(sum(m) == 1 for part in product_lines() for pair in pairs for m in sp.Poly(part, *pair).monoms())
     step.true(r"$q$ is linear in each of $\mathrm{az}$, $\mathrm{tilt}$, $\mathrm{arm}$ and $h_\phi$", linear)
 
-    d1, d2, dist = sp.symbols("d_1 d_2 |p|", positive=True)
-    delta = symbol("delta")
-    at = {symbol("x"): 0, symbol("y"): 0, symbol("z"): dist, symbol("d1"): d1, symbol("d2"): d2}
-    a_far, b_near = (sums[name].subs(at) for name in ("a_far", "b_near"))
-    stretched, folded = {dist: (d1 + d2) * (1 - delta)}, {dist: (d1 - d2) * (1 + delta)}
-    sine = a_far * b_near / (4 * d1**2 * dist**2)
-    far, near = r"$|p| = (d_1 + d_2)(1 - \delta)$", r"$|p| = (d_1 - d_2)(1 + \delta)$"
-    tmp1 = r"4\,\mathrm{tmp}_1 / (2 \rho d_1 |p|)^2"
-    rows = []
-    for where, name, value, lean in (
-        (far, "1 + c_4", (a_far / (2 * d1 * d2)).subs(stretched), "$A$, exact"),
-        (far, tmp1, sine.subs(stretched), "$A$ and $B$, exact"),
-        (near, "1 - c_4", (b_near / (2 * d1 * d2)).subs(folded), "$B$, exact"),
-        (near, tmp1, sine.subs(folded), "$A$ and $B$, exact"),
-        (r"wrist $\delta$ from the z axis", r"|\pi_{swivel}|/|p|", sp.sin(delta), r"$\rho^2$, exact"),
-        (r"elbow $\delta$ from the positive z axis", "(d_1 - p_{ez})/d_1", 1 - sp.cos(delta), "not formed"),
-        (r"$\theta_3 = \delta$, no turn about the upper arm", "1 - c_3", 1 - sp.cos(delta), "not formed"),
-    ):
-        value = sp.expand(sp.together(value))
-        lead = sp.factor(value.as_leading_term(delta))
-        coefficient, order = lead.as_coeff_exponent(delta)
-        limit = sp.simplify(sp.limit(value / delta**order, delta, 0) - coefficient)
-        if order <= 0 or limit != 0:
-            step.true(f"{where}: ${name}$ vanishes", False)
-        rows.append((where.replace("|", r"\vert "), f"${name}$".replace("|", r"\vert "), f"${latex(lead)}$", lean))
-    step.extra.append(table(["pose", "in the paper's form", "size", "in the lean form"], rows, 4))
-
-
-def count(table_: Mapping[str, str]) -> Ops:
-    """Count the operations of lines as written."""
-    return total(parse(text, evaluate=False) for text in table_.values())
-
-
-def counts(step: Step) -> None:
-    r = symbols("r_w r_i r_j r_k")
-    step.suppose("r_w**2 = 1 - r_i**2 - r_j**2 - r_k**2")
-    turned = rotation_matrix(r)
-    for v, column, sign in (("n", 0, -1), ("f", 1, 1), ("e", 2, 1)):
-        step.values |= {f"{v}_{axis}": sign * turned[m, column] for m, axis in enumerate("xyz")}
-    for name, text in MATRIX["Four sums and what goes with them"].items():
-        a, b = name.removeprefix("sum_")[0], name[-1]
-        square = f"r_{a}**2" if a == b else f"r_{a}*r_{b}"
-        step.prove(f"{name} = {text} = 4*{square}", **{name: step.value(text)})
-    # The row of the largest sum 4 r_a^2 is (4 r_a^2, 4 r_a r_b, ...). Divided by twice the sum's root, it is +-r.
-    row = dict(zip(("largest", "other_1", "other_2", "other_3"), [4 * r[0] * v for v in r], strict=True))
-    result = run(MATRIX["The row of the largest sum"], row | {"g_q": 1 / (2 * r[0])})
-    label = r"(q_0, q_1, q_2, q_3) = r \text{ from the row of } \Sigma_w,\ g_\Sigma = 1/(2 r_w)"
-    step.prove("row = r", label=label, row=sp.Matrix([result[f"q_{n}"] for n in range(4)]), r=sp.Matrix(r))
-
-    rows: list[tuple] = []
-
-    def group(lines_: Mapping[str, Mapping[str, str]], title: str) -> Ops:
-        whole = Ops()
-        for name, table_ in lines_.items():
-            one = count(table_)
-            assert one == Ops(one.add, one.mul, one.root, 0, one.scale), f"{name}: what the table does not show"
-            whole += one
-            rows.append((name, one.mul, one.add, one.root))
-        rows.append((f"**{title}**", whole.mul, whole.add, whole.root))
-        return whole
-
-    chosen = ("Half angle quaternions", "Half the swivel angle")  # choices; both forms look up sine and cosine
-    own = ("Lengths of the half angle quaternions, squared", "Product", "Root, second level")
-    lean = {name: LEAN[name] for name in own}
-    both = group({n: t for n, t in LEAN.items() if n not in own + chosen}, "both forms, to the triangle")
-    plain = group(lean, "shoulder, lean form"), group(MATRIX, "shoulder, matrix form")
-    less = [shared({n: parse(t, evaluate=False) for n, t in lines(form).items()}) for form in (lean, MATRIX)]
-    for form, one, other in zip(("lean", "matrix"), plain, less, strict=True):
-        for label, ops in ((f"{form} form, whole", both + one), ("the same, common subexpressions", both + other)):
-            rows.append((label, ops.mul, ops.add, ops.root))
-    step.extra.append(table(["lines", "x", "+, -", "reciprocal roots"], rows))
-    mul, add = less[1].mul - less[0].mul, less[1].add - less[0].add
-    text = f"with common subexpressions (`sympy.cse`) the lean form has {mul} multiplications and {add} additions less"
-    step.true(text, mul > 0 and add > 0 and less[0].root == less[1].root)
-
 
 STEPS = (
     directions,
@@ -472,5 +326,4 @@ STEPS = (
     length,
     shifts,
     near_singular,
-    counts,
 )

@@ -10,7 +10,6 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -41,11 +40,9 @@ TEX = {
     "inf_pp": r"\mathrm{inf}_{PP}", "tmp1": r"\mathrm{tmp}_1", "tmp2": r"\mathrm{tmp}_2", "c3": "c_3", "c4": "c_4",
     "tmp_sqr": r"\mathrm{tmp}_{sqr}", "sign_raw": r"\mathrm{side}", "abs_side": r"|\mathrm{side}|",
     "sign": r"\mathrm{sign}", "q3_scalar": r"q_{3,scalar}", "q3_k": "q_{3k}", "rho": r"\rho", "dist": "|p|",
-    "lam": r"\lambda", "gamma": r"\gamma", "sigma": r"\sigma", "delta": r"\delta", "length_sq": "|q|^2",
-    "length": "|q|", "c_plus": "c_+", "s_plus": "s_+", "c_minus": "c_-", "s_minus": "s_-",
-    "sqrt_a": r"\sqrt A", "sqrt_b": r"\sqrt B",
+    "lam": r"\lambda", "gamma": r"\gamma", "sigma": r"\sigma", "length_sq": "|q|^2", "c_plus": "c_+",
+    "s_plus": "s_+", "c_minus": "c_-", "s_minus": "s_-", "sqrt_a": r"\sqrt A", "sqrt_b": r"\sqrt B",
     "cc": r"\mathrm{cc}", "ss": r"\mathrm{ss}", "sc": r"\mathrm{sc}", "cs": r"\mathrm{cs}", "abs_w": "|r_w|",
-    "largest": r"\Sigma", "g_q": r"g_\Sigma",
 }  # fmt: skip
 PATTERNS = (
     (r"p_([we])_([xyz])", r"p_{\1\2}"),
@@ -66,9 +63,6 @@ PATTERNS = (
     (r"sqrt_(\w)", r"\\sqrt{d_\1}"),
     (r"(az|tilt|arm)_([cs])", r"\\mathrm{\1}_\2"),
     (r"(az|tilt|arm)_sq", r"|\\mathrm{\1}|^2"),
-    (r"sum_(\w)", r"\\Sigma_\1"),
-    (r"([wij])_([ijk])", r"\\Sigma_{\1\2}"),
-    (r"other_(\d)", r"\\Sigma'_\1"),
 )
 """Name -> LaTeX, by pattern; other names stand for themselves."""
 
@@ -167,11 +161,6 @@ def aligned(equations: Mapping[str, str]) -> str:
     return f"$$\n\\begin{{aligned}}\n{lines}\n\\end{{aligned}}\n$$"
 
 
-def lines_tex(lines: Mapping[str, str]) -> str:
-    """Format the lines of a table as an aligned block."""
-    return aligned({name_tex(name): tex(text) for name, text in lines.items()})
-
-
 def parts(left: Any, right: Any) -> list[sp.Expr]:
     """Return left - right by components."""
     sides = [list(side) if isinstance(side, sp.MatrixBase) else [side] for side in (left, right)]
@@ -181,15 +170,6 @@ def parts(left: Any, right: Any) -> list[sp.Expr]:
 # -- proofs ----------------------------------------------------------------------------------------------------------
 
 
-@dataclass
-class Check:
-    """Statement as Markdown, the relations that it needs, and an error message if it fails."""
-
-    statement: str
-    used: tuple[str, ...] = ()
-    wrong: str = ""
-
-
 class Step:
     """Section of a derivation: values of names, relations, recognized roots, and checked statements.
 
@@ -197,15 +177,13 @@ class Step:
     relation; a is not 0. `roots`: a quantity that is not negative -> its square.
     """
 
-    def __init__(self, relations: Iterable[str] = ()):
+    def __init__(self) -> None:
         self.values: dict[str, Any] = {}
         self.relations: dict[str, tuple[sp.Symbol, int, sp.Expr, sp.Expr]] = {}
         self.roots: dict[sp.Expr, sp.Expr] = {}
-        self.checks: list[Check] = []
         self.printed: dict[str, str] = {}
-        self.extra: list[str] = []
-        self.used: dict[str, None] = {}
-        self.suppose(*relations)
+        self.statements: list[str] = []
+        self.wrong: list[str] = []
 
     def suppose(self, *relations: str) -> None:
         """Add relations."""
@@ -221,13 +199,12 @@ class Step:
         This form is unique, so it is 0 exactly if the polynomial follows from the relations.
         """
         part = sp.expand(part)
-        for label, (v, k, factor, right) in reversed(self.relations.items()):
+        for v, k, factor, right in reversed(self.relations.values()):
             try:
                 powers = sp.Poly(part, v)
             except sp.PolynomialError:  # v in an unrecognized root
                 continue
             if (most := powers.degree() // k) > 0:
-                self.used[label] = None
                 terms = ((n // k, c * v ** (n % k)) for (n,), c in powers.terms())
                 part = sp.expand(sum(c * right**n * factor ** (most - n) for n, c in terms))
         return part
@@ -237,18 +214,14 @@ class Step:
         expression = sp.sympify(expression)
         if any(power.exp.is_negative for power in expression.atoms(sp.Pow)):
             expression, below = sp.fraction(sp.together(expression))
-            used, self.used = self.used, {}
             assert self.reduce(below) != 0, "a denominator vanishes identically"
-            self.used = used
         return self.reduce(expression)
 
     def root(self, square: sp.Expr) -> sp.Expr:
         """Return the quantity of `roots` with this square, otherwise the root as it is."""
         for quantity, known in self.roots.items():
-            before = dict(self.used)
             if self.rest(square - known) == 0:
                 return quantity
-            self.used = before
         return sp.sqrt(square)
 
     def named(self, expression: Any) -> Any:
@@ -262,11 +235,8 @@ class Step:
     def absolute(self, v: sp.Expr) -> sp.Expr:
         """Return |v|: a known square, if v is one or the opposite of one, otherwise the root of v**2."""
         for known in self.roots.values():
-            for opposite in (known, -known):
-                before = dict(self.used)
-                if self.rest(v - opposite) == 0:
-                    return known
-                self.used = before
+            if self.rest(v - known) == 0 or self.rest(v + known) == 0:
+                return known
         return self.root(v**2)
 
     def value(self, text: str, **more: Any) -> Any:
@@ -323,22 +293,16 @@ class Step:
         self._add(f"all rows of {number}{which} equal the derived ones{times}", error)
 
     def _add(self, statement: str, wrong: str) -> None:
-        self.checks.append(Check(statement, tuple(self.used), wrong))
-        self.used = {}
+        self.statements.append(f"- {statement}")
+        if wrong:
+            self.wrong.append(wrong)
 
     def block(self) -> str:
-        """Return the proofs as Markdown: printed rows, tables, relations by letter, statements."""
-        letters = dict(zip(dict.fromkeys(u for check in self.checks for u in check.used), "abcdefghijkl", strict=False))
+        """Return the proofs as Markdown: printed rows, relations, statements."""
         parts = [f"Printed:\n\n{aligned(self.printed)}"] if self.printed else []
-        parts += self.extra
-        if letters:
-            named = ", ".join(f"({letter}) ${tex(text)}$" for text, letter in letters.items())
-            parts.append(f"Modulo {named}:")
-        lines = []
-        for check in self.checks:
-            used = f" ({''.join(sorted(letters[u] for u in check.used))})" if check.used else ""
-            lines.append(f"- {check.statement}{used}")
-        return "\n\n".join([*parts, "\n".join(lines)])
+        if self.relations:
+            parts.append(f"Modulo {', '.join(f'${tex(text)}$' for text in self.relations)}:")
+        return "\n\n".join([*parts, "\n".join(self.statements)])
 
 
 def derive(steps: Iterable[Callable[[Step], None]]) -> dict[str, Step]:
@@ -352,4 +316,4 @@ def derive(steps: Iterable[Callable[[Step], None]]) -> dict[str, Step]:
 
 def failures(steps: Mapping[str, Step]) -> list[str]:
     """Return the statements that do not hold, each with its step."""
-    return [f"step {name}: {check.wrong}" for name, step in steps.items() for check in step.checks if check.wrong]
+    return [f"step {name}: {wrong}" for name, step in steps.items() for wrong in step.wrong]
