@@ -62,54 +62,6 @@ def test_coefficients_may_be_numbers_arrays_and_symbols():
     assert cga.coefficient(cga.point(*RNG.normal(size=(3, 7))), "einf").shape == (7,), "an array stays an array"
 
 
-def entities():
-    """Return entity -> standard and direct representation, grades of table 1, and points on it not used to build it."""
-    size = 20
-    frame = np.linalg.qr(RNG.normal(size=(size, 3, 3)))[0]
-    u, v, normal = frame[:, :, 0].T, frame[:, :, 1].T, frame[:, :, 2].T
-    centre, radius = RNG.normal(size=(3, size)), RNG.uniform(0.5, 2, size)
-
-    def at(*offsets):
-        return [cga.point(*(centre + offset)) for offset in offsets]
-
-    def plane(n):
-        return cga.plane(*n, (centre * n).sum(axis=0))
-
-    def sphere(offset):
-        """Return the sphere about an offset through the circle or pair whose offset is orthogonal."""
-        return cga.sphere(at(offset)[0], np.sqrt(radius**2 + (offset**2).sum(axis=0)))
-
-    round_ = at(*(radius * (np.cos(t) * u + np.sin(t) * v) for t in (0, 1, 3, 5)))
-    ball = at(*(radius * unit_vectors(size) for _ in range(5)))
-    flat = at(0 * u, u + 0.3 * v, v - 0.5 * u, 2 * u + 2 * v)
-    along = at(-u, 0.5 * u, 3 * u)
-    pair = at(radius * u, -radius * u)
-    s_1, s_2, *s_3 = ball[:4]
-    return {
-        "sphere": (sphere(0 * u), s_1 ^ s_2 ^ s_3[0] ^ s_3[1], (1, 4), ball[4:]),
-        "plane": (plane(normal), flat[0] ^ flat[1] ^ flat[2] ^ e_inf, (1, 4), flat[3:]),
-        "circle": (sphere(0.7 * normal) ^ sphere(-0.4 * normal), round_[0] ^ round_[1] ^ round_[2], (2, 3), round_[3:]),
-        "line": (plane(v) ^ plane(normal), cga.line_direct(*along[:2]), (2, 3), along[2:]),
-        "point pair": (sphere(0 * u) ^ sphere(v) ^ sphere(normal), pair[0] ^ pair[1], (3, 2), pair),
-    }
-
-
-@pytest.mark.parametrize("what", ["sphere", "plane", "circle", "line", "point pair"])
-def test_entities_of_table_1(what):
-    """Both representations have table 1's grades, are dual up to a scale, and contain exactly their points."""
-    standard, direct, grades, points = entities()[what]
-    for mv, grade in zip((standard, direct), grades, strict=True):
-        assert all(blade.count("^") + 1 == grade for blade, value in coefficients(mv).items() if np.any(value))
-    a, b = values(standard), values(cga.dual(direct))
-    lengths = np.linalg.norm(a, axis=0) * np.linalg.norm(b, axis=0)
-    close(np.abs((a * b).sum(axis=0)) / lengths, 1, "the same entity")
-    for p in points:
-        assert np.abs(values(p | standard)).max() < 1e-10 and np.abs(values(p ^ direct)).max() < 1e-10
-    elsewhere = cga.point(5.0, 6.0, 7.0)
-    assert np.abs(values(elsewhere | standard)).max(axis=0).min() > 1e-3, "a point elsewhere is not on it"
-    assert np.abs(values(elsewhere ^ direct)).max(axis=0).min() > 1e-9, "a point elsewhere is not on it"
-
-
 def test_metric_of_points_and_parts_of_entities():
     """Distances, and entities built from a given centre, radius and direction."""
     p, q = RNG.normal(size=(2, 3, 20))
@@ -211,20 +163,3 @@ def test_geometry_gives_the_equations():
     close(cga.coefficient(plane, "einf"), 0, "the swivel plane goes through the shoulder", 1e-13)
     close(pair.e45, 0, "(12) has no e45: so does the pair's plane", 1e-13)
     close(w, 0, "a half turn", 1e-14)
-
-
-def test_entities_meet_where_they_should():
-    P_e, P_w, origin = GEOMETRY["P_e"], GEOMETRY["P_w"], cga.point(*np.zeros((3, len(TARGETS[0]))))
-    on_them = [
-        ("S_1 S_2 Z_e PP", P_e),
-        ("L_sw", origin, P_w),
-        ("L_se", origin, P_e),
-        ("L_ew", P_e, P_w),
-        ("pi_swivel", origin, P_w, P_e),
-        ("pi_e", origin, P_e, GEOMETRY["P_ze"]),
-        ("pi_m L_m", origin),
-    ]
-    for names, *points in on_them:
-        for name, point in ((name, point) for name in names.split() for point in points):
-            product, size = np.abs(values(point | GEOMETRY[name])), np.abs(values(GEOMETRY[name]))
-            assert (product.max(axis=0) < 1e-11 * size.max(axis=0)).all(), f"{name} contains its points"
