@@ -4,8 +4,8 @@
 // Folded datapath with AXI4-Stream ports: the lean dataflow as a program for one multiplier, bit for bit.
 //
 // A lap of the program takes PERIOD clocks. A target present when a lap begins is loaded in its first clocks; its
-// results leave in this lap or in the next one, overlapped with the first half of another target. Without a target the
-// datapath waits in the first clock. It stalls as a whole while a result that it would overwrite is waiting.
+// results leave in this lap or in the next one: its last steps overlap the first steps of another target. Without a
+// target the datapath waits in the first clock. It stalls as a whole while a result that it would overwrite is waiting.
 // A step's fields apply to one clock, not to one operation: `step` controls reads for one operation, the multiplication
 // of another and the write of a third.
 // Throughput: one target per PERIOD clocks.
