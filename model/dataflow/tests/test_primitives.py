@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Primitives of the bit-true model against independent arithmetic: APyTypes, Python integers, ``math``.
-
-Model and RTL could share an error; the references used here share nothing with either.
-"""
+"""Primitives of the bit-true model against fractions and integers of any size, which model and RTL do not use."""
 
 import math
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
-from apytypes import APyFixed, APyFixedArray, OverflowMode, QuantizationMode
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from model.dataflow.fixed import Bits, floor_div, floor_root, round_shift
-from model.dataflow.nodes import Format
+from model.dataflow.nodes import Format, Node
 from model.dataflow.operations import TILE, cuts, mul3, mul3_error, unseen
 
 ROOT_LIMIT = 1 << 63
@@ -24,12 +21,8 @@ def signed(width: int):
     return st.integers(-(1 << width - 1), (1 << width - 1) - 1)
 
 
-def to_signed(value: APyFixed) -> int:
-    half = 1 << value.bits - 1
-    return (value.to_bits() + half) % (2 * half) - half
-
-
-# ---- rounding --------------------------------------------------------------------------------------------------------
+def half_up(value: Fraction) -> int:
+    return math.floor(value + Fraction(1, 2))
 
 
 @given(signed(64), st.integers(0, 40))
@@ -38,79 +31,54 @@ def to_signed(value: APyFixed) -> int:
 @example(3, 1)
 @example(-3, 1)
 @example(-(1 << 63), 40)
-def test_round_shift_is_apytypes_round_half_up(value, shift):
-    word = APyFixed(value % (1 << 64), int_bits=64 - shift, frac_bits=shift)
-    rounded = word.cast(int_bits=66, frac_bits=0, quantization=QuantizationMode.RND)
-    assert round_shift(value, shift) == to_signed(rounded)
+def test_round_shift_rounds_half_up(value, shift):
+    assert round_shift(value, shift) == half_up(Fraction(value, 1 << shift))
 
 
 # ---- products and sums of the dataflow -------------------------------------------------------------------------------
 
 W = 16  # word length of these nodes; no operation depends on it
-
-
-def node(bits: Bits, name: str, words, fmt: Format):
-    return bits.make(name, "input", (), fmt, None, np.array(words, dtype=np.int64))
-
-
-def apy(words, fmt: Format) -> APyFixedArray:
-    mask = (1 << fmt.width) - 1
-    return APyFixedArray([w & mask for w in words], int_bits=fmt.width - fmt.frac, frac_bits=fmt.frac)
-
-
-def narrowed(value: APyFixedArray, fmt: Format) -> tuple[list[int], list[bool]]:
-    """Return the value rounded and saturated to ``fmt`` by APyTypes; and a mask of saturated elements."""
-    cast = {"int_bits": fmt.width - fmt.frac, "frac_bits": fmt.frac, "quantization": QuantizationMode.RND}
-    words = value.cast(**cast, overflow=OverflowMode.SAT)
-    wide = value.cast(**{**cast, "int_bits": value.int_bits + 2 + fmt.width})
-    half, wide_half = 1 << words.bits - 1, 1 << wide.bits - 1
-    saturated = [(int(v) + half) % (2 * half) - half for v in words.to_bits()]
-    exact = [(int(v) + wide_half) % (2 * wide_half) - wide_half for v in wide.to_bits()]
-    return saturated, [s != e for s, e in zip(saturated, exact, strict=True)]
-
-
-PAIRS = st.lists(st.tuples(signed(W), signed(W)), min_size=1, max_size=20)
-TRIPLES = st.lists(st.tuples(signed(W), signed(W), signed(W)), min_size=1, max_size=20)
 ENDS = [-(1 << W - 1), -1, 0, 1, (1 << W - 1) - 1]
 
 
-@given(PAIRS, st.integers(-1, 3), st.booleans(), st.integers(0, 1))
-@example([(a, b) for a in ENDS for b in ENDS], 0, True, 0)
-@example([(a, b) for a in ENDS for b in ENDS], -1, True, 1)
-def test_product_is_apytypes_product(pairs, integer_bits, narrow, scale):
-    a, b = zip(*pairs, strict=True)
+def node(bits: Bits, name: str, words, fmt: Format) -> Node:
+    return bits.make(name, "input", (), fmt, None, np.array(words, dtype=np.int64))
+
+
+def check(bits: Bits, result: Node, exact: list[Fraction]) -> None:
+    """Assert that a node's words are exact values, rounded half up and saturated, and that its mask has the latter."""
+    fmt = result.format
+    words = [half_up(value * 2**fmt.frac) for value in exact]
+    assert result.value.tolist() == [min(max(word, fmt.low), fmt.high) for word in words]
+    assert bits.overflow[result.name].tolist() == [not fmt.low <= word <= fmt.high for word in words]
+
+
+@given(st.lists(st.tuples(signed(W), signed(W)), min_size=1), st.integers(-1, 3), st.booleans(), st.integers(0, 1))
+@example(list(product(ENDS, repeat=2)), 0, True, 0)
+@example(list(product(ENDS, repeat=2)), -1, True, 1)
+def test_product_is_rounded_and_saturated(pairs, integer_bits, narrow, scale):
     bits = Bits(W)
+    one, two = zip(*pairs, strict=True)
+    a, b = node(bits, "a", one, bits.word(1)), node(bits, "b", two, bits.word(0))
     fmt = bits.word(integer_bits) if narrow else bits.wide(integer_bits)
-    result = bits.mul("q", node(bits, "a", a, bits.word(1)), node(bits, "b", b, bits.word(0)), fmt, scale=scale)
-    # times 2^scale: the same bits with the point moved
-    left = Format(W, bits.word(1).frac - scale, "")
-    words, saturated = narrowed(apy(a, left) * apy(b, bits.word(0)), fmt)
-    assert result.value.tolist() == words
-    assert bits.overflow["q"].tolist() == saturated
+    place = 2 ** (a.format.frac + b.format.frac - scale)
+    check(bits, bits.mul("q", a, b, fmt, scale=scale), [Fraction(p * q, place) for p, q in pairs])
 
 
-@given(TRIPLES, st.integers(-2, 3), st.booleans(), st.booleans(), st.booleans())
-@example([(a, b, c) for a in ENDS for b in ENDS for c in ENDS], 0, True, True, True)
-@example([(a, b, c) for a in ENDS for b in ENDS for c in ENDS], 2, False, True, True)
-def test_sum_is_apytypes_sum(triples, integer_bits, minus_b, minus_c, three):
+@given(
+    st.lists(st.tuples(*[signed(W)] * 3), min_size=1), st.integers(0, 3), *[st.sampled_from((-1, 1))] * 2, st.booleans()
+)
+@example(list(product(ENDS, repeat=3)), 0, -1, -1, True)
+@example(list(product(ENDS, repeat=3)), 2, 1, -1, True)
+def test_sum_is_rounded_and_saturated(triples, integer_bits, b_sign, c_sign, three):
     bits = Bits(W)
-    terms = [
-        node(bits, name, words, bits.word(0)) for name, words in zip("abc", zip(*triples, strict=True), strict=True)
-    ]
-    a, b, c = (apy(t.value.tolist(), t.format) for t in terms)
-    signs = [terms[0], -terms[1] if minus_b else terms[1], -terms[2] if minus_c else terms[2]]
-    total = a - b if minus_b else a + b
-    if three:
-        total = total - c if minus_c else total + c
-    fmt = bits.word(max(integer_bits, 0))  # a sum never gains fraction bits
-    result = bits.sum("q", *signs[: 3 if three else 2], fmt=fmt)
-    words, saturated = narrowed(total, fmt)
-    assert result.value.tolist() == words
-    assert bits.overflow["q"].tolist() == saturated
+    a, b, c = (node(bits, *pair, bits.word(0)) for pair in zip("abc", zip(*triples, strict=True), strict=True))
+    terms = [a, b if b_sign > 0 else -b, c if c_sign > 0 else -c]
+    result = bits.sum("q", *terms[: 2 + three], fmt=bits.word(integer_bits))
+    check(bits, result, [Fraction(i + b_sign * j + three * c_sign * k, 1 << W - 1) for i, j, k in triples])
 
 
-# ---- division --------------------------------------------------------------------------------------------------------
-
+# ---- division and square root ----------------------------------------------------------------------------------------
 
 NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(
     lambda drawn: ((drawn[0] * drawn[1] >> 22) + drawn[2], drawn[0])
@@ -133,8 +101,6 @@ def test_floor_div_is_the_floor_of_a_fraction(operands):
     expected = min(max(q, fmt.low), fmt.high)
     assert [int(v[0]) for v in floor_div(np.array([n]), np.array([d]), 22, fmt)] == [expected, q != expected]
 
-
-# ---- square root -----------------------------------------------------------------------------------------------------
 
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
     lambda drawn: (drawn[0] ** 2 + drawn[1], 0)
