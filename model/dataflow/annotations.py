@@ -128,23 +128,18 @@ class Within:
 
 @dataclass(frozen=True)
 class Rule:
-    """Range of a paper-datapath node, case by case: ``limit`` narrows the result of the operands' ranges, ``word`` is
-    the range of the rounded word, ``error`` limits the result of the operands' errors."""
+    """Range of a paper-datapath node, case by case, and the reason (``why``): ``limit`` narrows the result of the
+    operands' ranges, ``word`` is the range of the rounded word, ``error`` limits the result of the operands' errors."""
 
-    name: str
     why: str
     limit: Callable[[Case], Limits]
     word: Callable[[Case], Limits] = lambda case: ANYTHING
     error: Callable[[Case], float] = lambda case: math.inf
 
 
-@dataclass(frozen=True)
-class Given:
+class Given(Rule):
     """Range of an exact word that its operands' ranges do not bound, a count or a word that wraps where it is unused:
     the part of its format permitted by ``limit``."""
-
-    why: str
-    limit: Callable[[Case], Limits]
 
 
 @dataclass(frozen=True)
@@ -174,12 +169,12 @@ class Limited:
 class Facts:
     """Annotations of a node beyond its computation: its range with the reason, its error growth, its saturation."""
 
-    within: Within | Rule | Given | None = None
+    within: Within | Rule | None = None
     grows: Growth = Growth()
     limited: Limited | None = None
 
 
-COSINE = Rule("cosine", "a sine or cosine", lambda c: (-1.0, 1.0))
+COSINE = Rule("a sine or cosine", lambda c: (-1.0, 1.0))
 
 SAME = Growth(exact=True)
 """Growth of a selection: the result is one of the operands."""

@@ -237,14 +237,11 @@ class Domain:
         """Return the format of an unrounded product: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
         return Format(self.width + GUARD, self.width + GUARD - 1 - i, f"W + GUARD - {1 + i}")
 
-    def unsigned(self, width: int, frac: int, frac_expr: str) -> Format:
-        """Return an unsigned format: masks, shift counts and the radicands of half angles."""
-        return Format(width, frac, frac_expr, signed=False)
+    bit = Format(1, 0, "0", signed=False)
+    """Format of a mask."""
 
-    @property
-    def bit(self) -> Format:
-        """Format of a mask, one bit."""
-        return self.unsigned(1, 0, "0")
+    count = Format(6, 0, "0", signed=False)
+    """Format of a shift count."""
 
     # ---- making nodes --------------------------------------------------------------------------------------------
 
@@ -279,11 +276,15 @@ class Domain:
 
     # ``facts`` are the fields of :class:`Facts`.
 
-    def op(self, name: str, operands, fmt: Format, latency: str | None, words: Callable, error=EXACT, **facts) -> Node:
+    def op(self, name: str, operands, fmt: Format, words: Callable, latency="mux", error=EXACT, **facts) -> Node:
         """Create a selection, shift, sign change or comparison: ``words``, a function on words."""
         operands = tuple(self.nodes[n] if isinstance(n, str) else n for n in operands)
         self.facts[name] = Facts(**facts)
         return self.make(name, "choose", operands, fmt, latency, self.apply(name, operands, fmt, words), error=error)
+
+    def mask(self, name: str, operands, words: Callable, latency="mux", **facts) -> Node:
+        """Create a mask of one bit."""
+        return self.op(name, operands, self.bit, words, latency, **facts)
 
     def mul(self, name: str, a: Node, b: Node, fmt: Format, scale: int = 0, **facts) -> Node:
         """Create a * b * 2^scale, rounded half up; raises :class:`FormatError`."""
@@ -370,14 +371,11 @@ class Domain:
         Creates the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
         """
         width = words[0].format.width
-        counts = self.op(
-            count,
-            words,
-            self.unsigned(6, 0, "0"),
-            "norm",
-            lambda *v: np.where(np.any(v, axis=0), np.minimum.reduce([room(u, width) for u in v]), 0),
-            within=leading(width - 1),
-        )
+
+        def least(*v):
+            return np.where(np.any(v, axis=0), np.minimum.reduce([room(u, width) for u in v]), 0)
+
+        counts = self.op(count, words, self.count, least, "norm", within=leading(width - 1))
         for k, (name, word) in enumerate(zip(names, words, strict=True)):
             self.facts[name] = Facts(**facts)
             fill = 1 << (width - 2) if k == 0 else 0

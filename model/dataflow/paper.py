@@ -68,10 +68,10 @@ IN_REACH_SH = Given("in reach: |p| <= d1 + d2", used(lambda c: (c.ulp / 2 - 1, 1
 IN_REACH = Given("in reach: |p| <= d1 + d2", lambda c: (0, 0) if c.clamped else (-1, 1))
 NOT_NEAR_SH = Given("not too near", used(upto(lambda c: c.p[1])))
 NOT_NEAR = Rule(
-    "not too near",
     "|d1 - d2| <= |p|, in the target's unit <= |p_w| <= sqrt 3",
     lambda c: (0.0, 0.0) if c.clamped else (-c.p[1], c.p[1]),
 )
+UNITS = Given("target's unit", lambda c: c.j)
 ARM_SH = Given("arms' unit", used(lambda c: (c.ulp, c.d_high)))
 ARM = Given("arms' unit", lambda c: (0.25, 0.25) if c.clamped else (c.ulp, c.d_high - c.ulp * c.long))
 
@@ -87,96 +87,65 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     length = Format(w + 1, w - 2, "W - 2")
     exact = Format(2 * w + 2, 2 * w - 4, "2*W - 4")
 
-    d.op("bad_length", (d1, d2), d.bit, "mux", lambda a, b: (a <= 0) | (b <= 0), within=REACHABLE)
-    d.op("on_axis", (x, y), d.bit, "mux", lambda a, b: (a == 0) & (b == 0))
-    d.op("at_shoulder", (x, y, z), d.bit, "mux", lambda a, b, c: (a == 0) & (b == 0) & (c == 0), within=REACHABLE)
+    d.mask("bad_length", (d1, d2), lambda a, b: (a <= 0) | (b <= 0), within=REACHABLE)
+    d.mask("on_axis", (x, y), lambda a, b: (a == 0) & (b == 0))
+    d.mask("at_shoulder", (x, y, z), lambda a, b, c: (a == 0) & (b == 0) & (c == 0), within=REACHABLE)
 
-    r_raw = d.op("r_raw", (d1, d2), length, "mux", lambda a, b: a + b)
-    d_raw = d.op("d_raw", (d1, d2), length, "mux", lambda a, b: a - b)
+    r_raw = d.op("r_raw", (d1, d2), length, lambda a, b: a + b)
+    d_raw = d.op("d_raw", (d1, d2), length, lambda a, b: a - b)
     for name, word in (("x_sq", x), ("y_sq", y), ("z_sq", z), ("r_sq", r_raw), ("d_sq", d_raw)):
-        d.op(name, (word,), exact, "mul", lambda a: a.astype(object) ** 2)
-    d.op("xy_sq", ("x_sq", "y_sq"), exact, "mux", lambda a, b: a + b)
-    d.op("s_raw", ("xy_sq", "z_sq"), exact, "mux", lambda a, b: a + b)
+        d.op(name, (word,), exact, lambda a: a.astype(object) ** 2, "mul")
+    d.op("xy_sq", ("x_sq", "y_sq"), exact, lambda a, b: a + b)
+    d.op("s_raw", ("xy_sq", "z_sq"), exact, lambda a, b: a + b)
     far, near = ("s_raw", "r_sq", "bad_length"), ("s_raw", "d_sq", "bad_length")
-    d.op("too_far", far, d.bit, "mux", lambda s, r, bad: (s > r).astype(bool) & ~bad, within=REACHABLE)
-    d.op("too_near", near, d.bit, "mux", lambda s, q, bad: (s < q).astype(bool) & ~bad, within=REACHABLE)
+    d.mask("too_far", far, lambda s, r, bad: (s > r).astype(bool) & ~bad, within=REACHABLE)
+    d.mask("too_near", near, lambda s, q, bad: (s < q).astype(bool) & ~bad, within=REACHABLE)
 
     # A clamped target has no elbow in the sense of (13): the arm is straight or folded along the line to the target.
     # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three values are
     # overridden: p_e, c4 and the vector whose side decides the sign in (17).
-    d.op(
-        "clamp",
-        ("too_far", "too_near", "at_shoulder", "bad_length"),
-        d.bit,
-        "mux",
-        lambda f, n, s, b: f | n | s | b,
-        within=CLAMPED,
-    )
-    bad = ("too_near", "at_shoulder", "bad_length")
-    d.op("fold", bad, d.bit, "mux", lambda n, s, b: (n | s) & ~b, within=REACHABLE)
-    d.op("away", ("too_near", d_raw), d.bit, "mux", lambda n, q: n & (q < 0), within=REACHABLE)
+    no_fold = ("too_near", "at_shoulder", "bad_length")
+    d.mask("clamp", ("too_far", *no_fold), lambda f, n, s, b: f | n | s | b, within=CLAMPED)
+    d.mask("fold", no_fold, lambda n, s, b: (n | s) & ~b, within=REACHABLE)
+    d.mask("away", ("too_near", d_raw), lambda n, q: n & (q < 0), within=REACHABLE)
 
     # The target in its own unit of length; a target at the shoulder becomes "straight up".
     lz_p = d.normalize(("p_w_z", "p_w_x", "p_w_y"), (z, x, y), "lz_p", within=TARGET_UNIT)
     # The target's horizontal direction in its own unit; on the z axis the azimuth is 0.
     d.normalize(("b_x", "b_y"), (x, y), "lz_b", within=DIRECTION_UNIT)
     # The arms in a unit of length that brings d1 + d2 to [1/2, 1), and the target in the same unit.
-    lz_r = d.op(
-        "lz_r", (r_raw,), d.unsigned(6, 0, "0"), "lzc", lambda r: np.where(r == 0, 0, room(r, w + 1)), within=leading(w)
-    )
+    lz_r = d.op("lz_r", (r_raw,), d.count, lambda r: np.where(r == 0, 0, room(r, w + 1)), "lzc", within=leading(w))
     mantissa = Format(w + 1, w, "W")
     quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
-        d.op(f"{name}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=ARM_SH)
-        d.op(
-            name, (f"{name}_sh", "clamp"), d.word(0), "mux", lambda a, c: half_of(a, c, quarter), error=JAM, within=ARM
-        )
+        d.op(f"{name}_sh", (raw, lz_r), mantissa, lambda a, n: wrap(a << n, w + 1), "shift", within=ARM_SH)
+        d.op(name, (f"{name}_sh", "clamp"), d.word(0), lambda a, c: half_of(a, c, quarter), error=JAM, within=ARM)
     for axis, raw in (("x", x), ("y", y), ("z", z)):
-        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, "shift", lambda a, n: wrap(a << n, w + 1), within=IN_REACH_SH)
-        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), "mux", half_of, error=JAM, within=IN_REACH)
+        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, lambda a, n: wrap(a << n, w + 1), "shift", within=IN_REACH_SH)
+        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), half_of, error=JAM, within=IN_REACH)
     # d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder out
     # of reach.
     finer = Format(w + 1, w - 1, "W - 1")
-    d.op("d_dif_sh", (d_raw, lz_p), finer, "shift", lambda a, n: wrap(a << n, w + 1), within=NOT_NEAR_SH)
-    d.op(
-        "d_dif_j",
-        ("d_dif_sh", "clamp"),
-        d.word(1),
-        "mux",
-        lambda a, c: np.where(c, 0, a >> 1),
-        error=FLOOR,
-        within=NOT_NEAR,
-    )
+    d.op("d_dif_sh", (d_raw, lz_p), finer, lambda a, n: wrap(a << n, w + 1), "shift", within=NOT_NEAR_SH)
+    d.op("d_dif_j", ("d_dif_sh", "clamp"), d.word(1), lambda a, c: np.where(c, 0, a >> 1), error=FLOOR, within=NOT_NEAR)
     # Ratio of the two units: p_w = 2^j p_a.
-    d.op(
-        "scale_j",
-        (lz_p, lz_r, "clamp"),
-        d.unsigned(6, 0, "0"),
-        "mux",
-        lambda p, r, c: np.where(c, 2, p - r + 1),
-        within=Given("target's unit", lambda c: c.j),
-    )
+    d.op("scale_j", (lz_p, lz_r, "clamp"), d.count, lambda p, r, c: np.where(c, 2, p - r + 1), within=UNITS)
 
 
 UNIT_SQ = Rule(
-    "unit mantissa",
     "a vector shifted until its largest component fills the word has that component in [1/2, 1], so its squared "
     "length is in [1/4, 3] (with two components: at most 2)",
     lambda c: (c.p[0] ** 2, c.p[1] ** 2),
 )
-UNIT = Rule(
-    "unit mantissa, length", "the root of the squared length: |p_w| and |L_m| are in [1/2, sqrt 3]", lambda c: c.p
-)
-COSINE_SQ = Rule("cosine", "a squared cosine, doubled", lambda c: (0.0, 2.0))
+UNIT = Rule("the root of the squared length: |p_w| and |L_m| are in [1/2, sqrt 3]", lambda c: c.p)
+COSINE_SQ = Rule("a squared cosine, doubled", lambda c: (0.0, 2.0))
 SAME_DIRECTION = Rule(
-    "same direction",
     "p_w and b are the same target in two units, so each p_x b_x >= 0 and the sum is |p_xy| |b| <= 2",
     lambda c: (0.0, min(2.0, c.p[1] * c.b[1])),
     not_negative,
 )
-PLANE_NUM = Rule("|pi_swivel| = |b|", "before the division by |L_sw| <= sqrt 3", upto(lambda c: c.p[1] * c.b[1]))
+PLANE_NUM = Rule("|pi_swivel| = |b|, before the division by |L_sw| <= sqrt 3", upto(lambda c: c.p[1] * c.b[1]))
 PLANE = Rule(
-    "|pi_swivel| = |b|",
     "the two terms of (11) are orthogonal and of length |b| |sin phi| and |b| |cos phi|, and |b| <= sqrt 2",
     upto(lambda c: c.b[1]),
 )
@@ -227,42 +196,32 @@ def swivel(d: Domain, phi: Node) -> None:
 
 
 ARMS = Rule(
-    "arms' unit",
     "d1 + d2 is shifted to [1/2, 1); halving never makes 1 of it, since the largest length, all ones, is rounded down",
     lambda c: (0.5, 0.5) if c.clamped else (0.5 - c.ulp, 1 - c.ulp),
 )
 TARGET = Rule(
-    "target's unit",
     "2^j |p_a|^2 = |p_w| |p_a|, with |p_a| <= d1 + d2 <= 1",
     lambda c: (0.0, min(c.p[1] ** 2 * 2.0 ** -c.j[0], c.p[1])),
 )
-LAW = Rule(
-    "triangle", "|p_w^2 + d1^2 - d2^2| = 2 d1 |p_w| |cos a| <= 2 d1 |p_w| by the law of cosines", upto(lambda c: c.k_e)
-)
-LAW_PLANE = Rule("triangle", "times |pi_swivel| <= sqrt 2", upto(lambda c: c.k_e * c.b[1]))
-LAW_PLANE_SQ = Rule("triangle", "(k_e |pi_swivel|)^2", lambda c: (0.0, (c.b[1] * c.k_e) ** 2))
-CROSS = Rule(
-    "Cauchy-Schwarz", "2 p_w x pi_swivel is no longer than 2 |p_w| |pi_swivel| <= 2 sqrt 6", upto(lambda c: c.pp[1])
-)
+LAW = Rule("|p_w^2 + d1^2 - d2^2| = 2 d1 |p_w| |cos a| <= 2 d1 |p_w| by the law of cosines", upto(lambda c: c.k_e))
+LAW_PLANE = Rule("k_e times |pi_swivel| <= sqrt 2", upto(lambda c: c.k_e * c.b[1]))
+LAW_PLANE_SQ = Rule("(k_e |pi_swivel|)^2", lambda c: (0.0, (c.b[1] * c.k_e) ** 2))
+CROSS = Rule("2 p_w x pi_swivel is no longer than 2 |p_w| |pi_swivel| <= 2 sqrt 6", upto(lambda c: c.pp[1]))
 ORTHOGONAL = Rule(
-    "orthogonal",
     "p_w lies in the swivel plane, so |PP^-| = 2 |p_w| |pi_swivel| exactly; its square is in [1/4, 24]",
     lambda c: (c.pp[0] ** 2, c.pp[1] ** 2),
 )
-ORTHOGONAL_ARM = Rule("orthogonal", "d1^2 |PP^-|^2", lambda c: (0.0, (c.d_high * c.pp[1]) ** 2))
+ORTHOGONAL_ARM = Rule("d1^2 |PP^-|^2", lambda c: (0.0, (c.d_high * c.pp[1]) ** 2))
 HEIGHT_SQ = Rule(
-    "d1 sin a <= min(d1, d2)",
     "tmp1 = (d1 sin a)^2 |PP^-|^2, and the triangle's height over p_w is no longer than the shorter arm <= 1/2",
     lambda c: c.tmp1,
 )
-HEIGHT = Rule("d1 sin a <= min(d1, d2)", "its root", lambda c: (0.0, math.sqrt(c.tmp1[1])))
+HEIGHT = Rule("its root", lambda c: (0.0, math.sqrt(c.tmp1[1])))
 ELBOW_NUM = Rule(
-    "|p_e| <= d1",
     "the numerators of (13) are the components of p_e times |PP^-|^2",
     upto(lambda c: c.p_e * c.pp[1] ** 2),
 )
 ELBOW = Rule(
-    "|p_e| <= d1",
     "the elbow is d1 away from the shoulder (with rounded arms at most |k_e| / 2|p_w|)",
     upto(lambda c: c.p_e),
     upto(lambda c: c.p_e_words + c.elbow),
@@ -296,8 +255,8 @@ def elbow(d: Domain) -> None:
     n = d.nodes
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
-    d.op("d_sum", ("d_1", "d_2"), d.word(0), "mux", lambda a, b: a + b, within=ARMS, grows=SUM)
-    d.op("s_j", ("s", "scale_j"), d.word(2), "shift", lambda a, j: a >> j, FLOOR, within=TARGET)
+    d.op("d_sum", ("d_1", "d_2"), d.word(0), lambda a, b: a + b, within=ARMS, grows=SUM)
+    d.op("s_j", ("s", "scale_j"), d.word(2), lambda a, j: a >> j, "shift", FLOOR, within=TARGET)
     d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
     k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2), within=LAW)
 
@@ -325,8 +284,8 @@ def elbow(d: Domain) -> None:
     tmp1 = d.sum("tmp1", n["pp_pm"], -n["pp_sq"], fmt=d.word(3), within=HEIGHT_SQ)
     tmp_sqr = d.root("tmp_sqr", tmp1, d.word(2), within=HEIGHT)
     # Straight or folded within an ulp: the target lies on the line of the arm and gives no side in (17).
-    d.op("flat", ("clamp", "tmp1"), d.bit, "mux", lambda c, t: c | (t <= 0))
-    d.op("back", ("clamp", "away", "k_e"), d.bit, "mux", lambda c, a, k: np.where(c, a, k < 0))
+    d.mask("flat", ("clamp", "tmp1"), lambda c, t: c | (t <= 0))
+    d.mask("back", ("clamp", "away", "k_e"), lambda c, a, k: np.where(c, a, k < 0))
 
     for axis, m, (u, mu), (v, mv) in (
         ("x", "1", ("k", "2"), ("j", "3")),
@@ -341,13 +300,13 @@ def elbow(d: Domain) -> None:
         d.learn(lambda c: off_length(c, d))
         d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1), within=ELBOW)
         # A clamped arm's elbow lies on the line to the target, at half its distance here.
+        either = (f"e_{axis}_quo", p[axis], "clamp", "away")
         d.op(
             f"p_e_{axis}",
-            (f"e_{axis}_quo", p[axis], "clamp", "away"),
+            either,
             d.word(1),
-            "mux",
             lambda q, t, c, a: np.where(c, np.where(a, -1, 1) * (t >> 2), q),
-            JAM,
+            error=JAM,
         )
     # (15) needs the length of the upper arm in the scale of p_e.
-    d.op("d_e", ("d_1", "l_sw", "clamp"), d.word(1), "mux", lambda a, b, c: np.where(c, b >> 1, a >> 1), FLOOR)
+    d.op("d_e", ("d_1", "l_sw", "clamp"), d.word(1), lambda a, b, c: np.where(c, b >> 1, a >> 1), error=FLOOR)

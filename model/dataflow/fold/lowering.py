@@ -87,8 +87,8 @@ class Lowering(Domain):
 
     # ---- operations and their operands ---------------------------------------------------------------------------
 
-    def op(self, name, operands, fmt, latency, words, error=(0.0, 0.0), **facts):
-        node = super().op(name, operands, fmt, latency, words, error, **facts)
+    def op(self, name, operands, fmt, words, *rest, **named):
+        node = super().op(name, operands, fmt, words, *rest, **named)
         if fmt == self.bit:
             self.made_of[name] = set().union(*(self._roots(name, n) for n in node.operands))
         else:
