@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges: the dataflow run on intervals, over every input word, with geometry as named rules.
+"""Proved ranges: the dataflows run on intervals, over every input word, with geometry as rules.
 
 A node's :class:`Bound` is the interval of exact arithmetic (``low``, ``high``) and the largest rounding error of its
-word (``error``), propagated forward.  Plain intervals ignore geometry, so at single nodes a
-:class:`~model.dataflow.annotations.Rule` narrows the exact range; each rule states its reason in a sentence.  The
-rules, error growth and intended saturation are stated at the nodes, in :mod:`model.dataflow.paper`.
+word (``error``), propagated forward: the operation's own rounding plus the operands' errors, multiplied by the largest
+other operand.  The word lies within the sum of both, which must fit the format.  Geometry's ranges, error growth and
+intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`), each with its reason.
 
-The input words are split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
+* :class:`Ranges`, of the paper's dataflow: plain intervals, which a rule narrows at single nodes.  The input words are
+  split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
+* :class:`LeanRanges`, of the lean dataflow: every range is stated, and `make formal` proves ranges and errors
+  (``tb/formal/lean_proofs.py``).  Clamped targets are excluded: some of their words (K and its dependents) lose high
+  bits and are unused.
 """
 
 from __future__ import annotations
@@ -18,17 +22,17 @@ from functools import cache, reduce
 
 import numpy as np
 
-from ..dataflow.annotations import ANYTHING, Case, Given, Rule, cases
-from ..dataflow.nodes import CORDIC, Domain, Format, Node, real_value
+from ..dataflow.annotations import ANYTHING, Case, Given, Rule, Within, cases
+from ..dataflow.lean import lean
+from ..dataflow.nodes import CORDIC, EXACT, Domain, Format, Node, real_value
 from ..dataflow.paper import paper
 from ..io.words import ARMS
 
 SLACK = 2.0**-48
-"""Relative allowance for the double precision in which the bounds themselves are computed."""
+"""Relative allowance for the double precision in which the paper's bounds themselves are computed."""
 
-
-EITHER = Given("", lambda case: ANYTHING)
-"""Range of an unknown mask."""
+UP = 1 + 2.0**-50
+"""The same for the lean dataflow's errors, rounded upwards."""
 
 
 class RangeError(Exception):
@@ -38,12 +42,11 @@ class RangeError(Exception):
 @dataclass(frozen=True)
 class Bound:
     """Exact arithmetic gives [low, high]; the word is within ``error`` of it and within [floor, ceiling], the
-    operation's range on its operands' words.  ``rule`` is the rule that narrowed it, if any."""
+    operation's range on its operands' words."""
 
     low: float
     high: float
     error: float = 0.0
-    rule: str = ""
     floor: float = -math.inf
     ceiling: float = math.inf
 
@@ -58,25 +61,37 @@ class Bound:
         return max(abs(self.low), abs(self.high))
 
 
-class Ranges(Domain):
-    """Dataflow on intervals over one :class:`Case`.  ``failed`` collects the nodes that do not fit."""
+class Intervals(Domain):
+    """Dataflow on intervals.  ``failed`` collects the nodes that do not fit, each with a line that names it;
+    ``formats`` replaces the dataflow's formats for single nodes."""
 
-    def __init__(self, width: int, case: Case, formats: dict[str, Format] | None = None) -> None:
+    def __init__(self, width: int, formats: dict[str, Format] | None = None) -> None:
         super().__init__(width)
-        self.case = replace(case, elbow=self.word(1).ulp)
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
-        self.proved: dict[str, Bound] = {}
 
-    def run(self) -> Ranges:
-        """Run the whole datapath."""
+    def _fail(self, name: str, fmt: Format, low: float, high: float, where: str = "") -> None:
+        self.failed[name] = (
+            f"{name} {self._equation}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
+            f"[{fmt.low * fmt.ulp:.9g}, {fmt.high * fmt.ulp:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
+            f"(W = {self.width}{where})"
+        )
+
+
+class Ranges(Intervals):
+    """Paper's dataflow over one :class:`Case`.  ``saturated`` collects the nodes that saturate by design."""
+
+    def __init__(self, width: int, case: Case, formats: dict[str, Format] | None = None) -> None:
+        super().__init__(width, formats)
+        self.case = replace(case, elbow=self.word(1).ulp)
+        self.saturated: set[str] = set()
+        self.proved: dict[str, Bound] = {}
 
         def word(name, fmt):
             least = 1 if name in ARMS and not self.case.clamped else fmt.low
             return self._fit(name, Bound(least * fmt.ulp, fmt.high * fmt.ulp), fmt)
 
         paper(self, self.inputs(word))
-        return self
 
     def _fit(self, name: str, bound: Bound, fmt: Format) -> Bound:
         """Check a bound against the format; a bound that does not fit is recorded and limited to the format's range."""
@@ -88,18 +103,15 @@ class Ranges(Domain):
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
             limited = self.facts[name].limited
             if limited is None or limited.clamped and not self.case.clamped:
-                self.failed[name] = (
-                    f"{name} {self._equation}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
-                    f"[{floor:.9g}, {ceiling:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
-                    f"(W = {self.width}, case {self.case.name})"
-                )
+                self._fail(name, fmt, low, high, f", case {self.case.name}")
             else:
-                bound = Bound(bound.low, bound.high, bound.error, "saturates by design", floor, ceiling)
+                self.saturated.add(name)
+                bound = replace(bound, floor=floor, ceiling=ceiling)
         self.proved[name] = bound
         # Words outside the format saturate.  Saturation only moves a word closer to its exact value, unless the exact
         # value is itself outside.
         if bound.low < floor or bound.high > ceiling:
-            return Bound(max(bound.low, floor), min(bound.high, ceiling), bound.error, bound.rule, floor, ceiling)
+            return Bound(max(bound.low, floor), min(bound.high, ceiling), bound.error, floor, ceiling)
         return replace(bound, floor=max(bound.floor, floor), ceiling=min(bound.ceiling, ceiling))
 
     def learn(self, fact):
@@ -116,25 +128,21 @@ class Ranges(Domain):
         """Return the result of an operation, narrowed by the node's rule if it has one."""
         rule = self.facts[name].within
         if not isinstance(rule, Rule):
-            return self._fit(name, Bound(low, high, error, "", *word), fmt)
+            return self._fit(name, Bound(low, high, error, *word), fmt)
         least, most = rule.limit(self.case)
-        text = rule.name if least > low or most < high else ""
         low, high = max(low, least), min(high, most)
         if low > high and self.failed:
             low, high = least, most  # an operand saturated
         if low > high:
-            raise RangeError(f"{name}: rule '{rule.name}' contradicts the interval")
+            raise RangeError(f"{name}: its interval contradicts the rule '{rule.why}'")
         floor, ceiling = rule.word(self.case)
         error = min(error, rule.error(self.case))
-        return self._fit(name, Bound(low, high, error, text, max(word[0], floor), min(word[1], ceiling)), fmt)
+        return self._fit(name, Bound(low, high, error, max(word[0], floor), min(word[1], ceiling)), fmt)
 
     def _given(self, name: str, fmt: Format) -> Bound:
         given = self.facts[name].within
-        if not isinstance(given, Given):
-            given = EITHER
-        least, most = given.limit(self.case)
-        low, high = max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)
-        return self._fit(name, Bound(low, high, 0.0, given.why), fmt)
+        least, most = given.limit(self.case) if isinstance(given, Given) else ANYTHING
+        return self._fit(name, Bound(max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)), fmt)
 
     # ---- the operations ------------------------------------------------------------------------------------------
 
@@ -165,7 +173,8 @@ class Ranges(Domain):
     def quotient(self, name, n, d, fmt):
         p, q = n.value, d.value
         if self.facts[name].limited:
-            return self._fit(name, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp, 0.0, "saturates by design"), fmt)
+            self.saturated.add(name)
+            return self._fit(name, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp), fmt)
         least = q.word[0]
         if q.low <= 0 or least <= 0:
             raise RangeError(f"{name}: its divisor {d.name} may be 0: [{q.low:.9g}, {q.high:.9g}] +- {q.error:.3g}")
@@ -202,7 +211,7 @@ class Ranges(Domain):
         # operand) are fixed: the extremes lie at corners of the operands' ranges, 0 and -1 included.
         corners = [self._corners(n) for n in operands]
         grid = [np.array(c, dtype=object) for c in zip(*itertools.product(*corners), strict=True)]
-        grid = [g if _large(g) else g.astype(np.int64) for g in grid]
+        grid = [g if any(abs(v) >= 1 << 62 for v in g) else g.astype(np.int64) for g in grid]
         ends = [int(w) for w in np.atleast_1d(words(*grid))]
         word = min(ends) * fmt.ulp, max(ends) * fmt.ulp
         if self.decides(fmt):
@@ -227,22 +236,17 @@ def _on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
     return low * fmt.ulp, max(low, high) * fmt.ulp
 
 
-def _large(column) -> bool:
-    return any(abs(v) >= 1 << 62 for v in column)
-
-
 # -- over all cases --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Proved:
-    """Properties of a node over all inputs: the range of its word, the error bound in ulps, and the rules used."""
+    """Properties of a node of the paper's dataflow over all inputs: range of its word, error bound in ulps."""
 
     node: Node
     low: float
     high: float
     error_ulps: float
-    rules: tuple[str, ...]
 
     @property
     def bits_wasted(self) -> int:
@@ -253,38 +257,77 @@ class Proved:
         return max(0, fmt.width - (1 if fmt.signed else 0) - needed)
 
 
-def analyse(width: int, formats: dict[str, Format] | None = None) -> tuple[dict[str, Proved], dict[str, str]]:
+@cache
+def analyse(width: int, **formats: Format) -> tuple[dict[str, Proved], dict[str, str]]:
     """Return every node's proved range at word length ``width``, and the failures: node -> one line.
 
     ``formats`` replaces the dataflow's formats for single nodes.
     """
-    runs = [Ranges(width, case, formats).run() for case in cases(width)]
+    runs = [Ranges(width, case, formats) for case in cases(width)]
     failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # of the first case
     table = {}
     for name, node in runs[0].nodes.items():
-        ranges = [_on_grid(run.proved[name].word if name in run.proved else (0, 1), node.format) for run in runs]
-        rules = tuple(dict.fromkeys(r.proved[name].rule for r in runs if name in r.proved and r.proved[name].rule))
-        error = max(run.proved[name].error if name in run.proved else 0.0 for run in runs) / node.format.ulp
-        table[name] = Proved(node, min(r[0] for r in ranges), max(r[1] for r in ranges), error, rules)
+        ranges = [_on_grid(run.proved[name].word, node.format) for run in runs]
+        error = max(run.proved[name].error for run in runs) / node.format.ulp
+        table[name] = Proved(node, min(r[0] for r in ranges), max(r[1] for r in ranges), error)
     return table, failed
-
-
-@cache
-def _as_built(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
-    return analyse(width)
 
 
 def proved(width: int) -> dict[str, Proved]:
     """Return every node's proved range with the dataflow's own formats."""
-    return _as_built(width)[0]
-
-
-def failures(width: int) -> dict[str, str]:
-    """Return the nodes whose proved range does not fit, each with one line that names it."""
-    return _as_built(width)[1]
+    return analyse(width)[0]
 
 
 def check(width: int) -> None:
     """Raise :class:`RangeError` naming every node that does not fit."""
-    if found := failures(width):
-        raise RangeError("\n".join(found.values()))
+    if failed := analyse(width)[1]:
+        raise RangeError("\n".join(failed.values()))
+
+
+# -- lean dataflow -----------------------------------------------------------------------------------------------------
+
+
+class LeanRanges(Intervals):
+    """Lean dataflow on bounds."""
+
+    def __init__(self, width: int, formats: dict[str, Format] | None = None) -> None:
+        super().__init__(width, formats)
+        lean(self, self.inputs(lambda name, fmt: Bound((1 if name in ARMS else fmt.low) * fmt.ulp, fmt.high * fmt.ulp)))
+
+    def make(self, name, op, operands, fmt, latency, value, after=None, error=EXACT):
+        if op in ("rsqrt", "trig", "mul3"):  # the operation states its own rounding
+            value = replace(value, error=UP * (value.error + max(map(abs, error)) * fmt.ulp))
+        node = super().make(name, op, operands, fmt, latency, value, after, error)
+        held = self.formats.get(name, fmt)
+        least, most = value.word
+        if isinstance(node.facts.within, Within) and node.facts.within.below:
+            least, most = value.low, value.high - fmt.ulp
+        if fmt.frac and (least < held.low * held.ulp or most >= (held.high + 1) * held.ulp and not node.facts.limited):
+            self._fail(name, held, least, most)
+        return node
+
+    def _bound(self, name: str, error: float) -> Bound:
+        within = self.facts[name].within
+        if not isinstance(within, Within):
+            raise RangeError(f"{name}: the dataflow does not say what exact arithmetic gives")
+        return Bound(within.low, within.high, UP * error)
+
+    def apply(self, name, operands, fmt, words):
+        if self.decides(fmt):
+            decided = fmt.width == 1 or fmt.frac == 0
+            return Bound(0.0, float(fmt.high)) if decided else self._bound(name, 0.0)  # exact integers are not rounded
+        return self._bound(name, self.facts[name].grows([n.value.error for n in operands], fmt.ulp))
+
+    def product3(self, name, a, b, fmt, scale):
+        p, q = a.value, b.value
+        return self._bound(name, ((p.size + p.error) * q.error + (q.size + q.error) * p.error) * 2.0**scale)
+
+    def even_mantissa(self, count, name, value, width, fmt):
+        return Bound(0.0, width / 2 - 1), self._bound(name, fmt.ulp)
+
+    def reciprocal_root(self, name, m, fmt, twice):
+        # The slope of 1/(2 sqrt m) is at most 2 (m >= 1/4); "faithful" includes the truncated mantissa
+        return self._bound(name, 0.0 if m.op == "even" else (4 if twice else 2) * m.value.error)
+
+    def half_sincos(self, names, phi, fmt):
+        return tuple(self._bound(name, 0.0) for name in names)

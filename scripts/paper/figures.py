@@ -201,7 +201,7 @@ def page() -> str:
 
 def write() -> int:
     """Draw the figures and write the page; return 1 if a node does not fit its format."""
-    if wrong := ranges.failures(WIDTH):
+    if wrong := ranges.analyse(WIDTH)[1]:
         print(*wrong.values(), sep="\n", file=sys.stderr)
         return 1
     for name, text in figures().items():

@@ -18,7 +18,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from model.bounds.lean_ranges import LeanRanges
+from model.bounds.ranges import LeanRanges
 from model.dataflow import lean
 from model.dataflow.annotations import Within
 from model.dataflow.nodes import Domain, Format, Node

@@ -3,7 +3,7 @@
 
 The dataflow states a range of each node with the reason (``Within``). :class:`Rules` proves each range from the
 equations of :mod:`tb.formal.lean_exact` and the lemmas of :mod:`tb.formal.lean_lemmas`; :class:`Rounded` proves the
-errors of :mod:`model.bounds.lean_ranges`. A test checks that range and error together fit the node's format.
+errors of :mod:`model.bounds.ranges`. A test checks that range and error together fit the node's format.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class Rounded(Questions):
 
     A word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). Each operand's word
     is within its own error of its exact value, which lies in its range (:class:`Rules`). The node's error of
-    :mod:`model.bounds.lean_ranges` follows. ``n_w`` is the word of node n, ``n_f`` the word before rounding.
+    :mod:`model.bounds.ranges` follows. ``n_w`` is the word of node n, ``n_f`` the word before rounding.
     """
 
     def names(self) -> list[str]:

@@ -50,6 +50,6 @@ def test_command_writes_the_page(tmp_path, monkeypatch):
 @pytest.mark.parametrize("part", ["wordlengths", "operations"])
 def test_an_operand_with_too_few_fraction_bits_is_named(part, monkeypatch, command):
     monkeypatch.setattr(Domain, "word", lambda self, i: Format(self.width, self.width + 9, "W + 9"))
-    monkeypatch.setattr(ranges, "_as_built", ranges.analyse)  # without its cache
+    monkeypatch.setattr(ranges, "analyse", ranges.analyse.__wrapped__)  # without its cache
     status, _, (error,) = command(paper.main, "--only", part)
     assert status == 1 and re.match(r"\w+: \d+ fraction bits, .* only \d+$", error), error
