@@ -42,7 +42,7 @@ def browser(chromium):
     pages = []
 
     def browser(address, size=WIDE, **features):
-        pages.append(Page(chromium, *size, {name.replace("_", "-"): value for name, value in features.items()}))
+        pages.append(Page(chromium, *size, **features))
         return pages[-1].open(address)
 
     yield browser

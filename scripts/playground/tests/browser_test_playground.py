@@ -16,7 +16,7 @@ from scripts.playground import __main__ as playground
 from scripts.playground import machines
 from scripts.playground.machines import Machine
 from scripts.recording import read
-from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
+from scripts.report.tests.browser import FITS, NARROW, SET, STICKING_OUT, WIDE, Page
 from tb.sim.env import ROOT
 from tb.sim.native_run import nodes_of
 
@@ -27,9 +27,6 @@ FLOW = "document.querySelector('button[data-flow={}]').click()"
 MACHINE = "playground.ui.machines[0]"
 LEAN = fixed.latency("lean", 32)
 
-
-SET = """((name, value) => { const e = document.getElementById(name); e.value = value;
-             for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind)); })"""
 RESET = f"""(async () => {{
     const {{ ui, state, first }} = playground;
     {FLOW.format("step")};
@@ -59,16 +56,10 @@ def loaded(written, chromium):
     return page
 
 
-def resize(page, width, height, **media):
-    page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-    features = [{"name": name.replace("_", "-"), "value": value} for name, value in media.items()]
-    page.call("Emulation.setEmulatedMedia", features=features)
-
-
 @pytest.fixture
 def page(loaded):
     """Return the page with the lean core and all controls as at the start, stopped."""
-    resize(loaded, *WIDE)
+    loaded.resize(*WIDE)
     loaded.run(RESET)
     yield loaded
     assert loaded.problems == []
@@ -81,10 +72,6 @@ def step(page, clocks):
 def rows_of(name):
     """Return the targets of a trajectory, x to d2; the page scales each target separately."""
     return next(each["rows"] for each in playground.data([])["trajectories"] if each["name"] == name)
-
-
-def choose(page, name, value):
-    page.run(f"{SET}('{name}', '{value}')")
 
 
 def bits(node):
@@ -148,7 +135,7 @@ def test_every_axis_gives_the_hand_its_target(page):
     """In the user's frame the wrist is at the target for every axis, with different quaternions."""
     seen = set()
     for axis in playground.data([])["axes"]:
-        choose(page, "axis", axis)
+        page.choose("axis", axis)
         step(page, LEAN + 2)
         run = page.run("(({ wrist, qs, one }) => ({ wrist, qs, place: one.place }))(playground.state.runs[0].now)")
         assert np.allclose(run["wrist"], run["place"], atol=1e-8), axis
@@ -212,7 +199,7 @@ def test_flags_are_shown_with_a_reason(page):
     step(page, LEAN + 2)
     lit = "[...document.querySelectorAll('#flags .on')].map((e) => e.textContent)"
     assert page.run(lit) == ["too_far"]
-    assert "straight" in page.run("document.getElementById('plain').textContent")
+    assert "straight" in page.text("plain")
     page.run("Object.assign(playground.ui.target, { x: 0, y: 0, z: 0.4 })")
     step(page, LEAN + 2)
     assert page.run(lit) == ["on_axis"]
@@ -230,12 +217,12 @@ def test_a_step_is_a_clock(page):
     assert page.run(f"{MACHINE}.flying.length") == LEAN
     page.click("#lane-title")
     assert page.run(f"{MACHINE}.clock") == before[0] + 3 + LEAN, "no other click is"
-    assert page.run("document.getElementById('clock').textContent") == f"clock {before[0] + 3 + LEAN}"
+    assert page.text("clock") == f"clock {before[0] + 3 + LEAN}"
 
 
 def test_a_receiver_that_stalls_loses_nothing(page):
     """Credits run out and the input stalls; afterwards every result is correct and in order."""
-    choose(page, "trajectory", "reach")
+    page.choose("trajectory", "reach")
     start = page.run(f"{MACHINE}.sent")
     page.run("document.getElementById('ready').click()")
     step(page, 150)
@@ -287,9 +274,9 @@ def test_a_target_is_followed_through_its_nodes(page):
 @pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
 def test_the_vcd_holds_every_node(page, tmp_path, machine):
     """All nodes of all targets in the VCD, read as by `make follow`, equal the model's."""
-    choose(page, "machine", machine.name)
+    page.choose("machine", machine.name)
     page.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
-    choose(page, "trajectory", "overhead")
+    page.choose("trajectory", "overhead")
     page.run(f"{MACHINE}.frames.length = 0")
     step(page, 200)
     (tmp_path / "waves.vcd").write_text(page.run("playground.vcd()"))
@@ -310,11 +297,11 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
 def test_signals_are_shown_and_hidden(page):
     step(page, 5)
     for there in (True, False):
-        choose(page, "watch", "g_fifo.u_fifo.wr_ptr")
+        page.choose("watch", "g_fifo.u_fifo.wr_ptr")
         assert page.run("playground.ui.watched.includes('g_fifo.u_fifo.wr_ptr')") == there
-    wide = page.run("document.getElementById('waves').toDataURL()")
-    choose(page, "zoom", "20")
-    assert page.run("document.getElementById('waves').toDataURL()") != wide
+    wide = page.picture("waves")
+    page.choose("zoom", "20")
+    assert page.picture("waves") != wide
 
 
 # -- the page --------------------------------------------------------------------------------------
@@ -322,7 +309,7 @@ def test_signals_are_shown_and_hidden(page):
 
 def test_two_cores_side_by_side(page):
     """Both cores give the same words, each after its own latency."""
-    choose(page, "second", "fold-W32")
+    page.choose("second", "fold-W32")
     page.wait_for("document.documentElement.dataset.ready === 'lean-W32 fold-W32'")
     page.run(FLOW.format("run"))
     page.wait_for("playground.state.runs.length === 2 && playground.state.runs.every((run) => run.now)")
@@ -336,7 +323,7 @@ def test_two_cores_side_by_side(page):
 @pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_page_fits(page, size, scheme):
-    resize(page, *size, prefers_color_scheme=scheme)
+    page.resize(*size, prefers_color_scheme=scheme)
     step(page, 50)
     assert page.run(FITS)
     scrolls = STICKING_OUT.replace(".map(", ".filter((e) => !e.closest('.wide, .scrolls')).map(")
@@ -351,7 +338,7 @@ def test_without_webassembly_the_page_reports_it(written, browser):
     opened = browser("about:blank")
     opened.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.WebAssembly")
     opened.open(written.as_uri())
-    assert "no WebAssembly" in opened.run("document.getElementById('status').textContent")
+    assert "no WebAssembly" in opened.text("status")
 
 
 def test_page_is_one_file(written, page):
@@ -361,4 +348,4 @@ def test_page_is_one_file(written, page):
     for machine in BUILT:
         packed = machines.wasm(machine)  # gzipped
         assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)
-    assert "zig" in page.run("document.getElementById('tools').textContent")
+    assert "zig" in page.text("tools")

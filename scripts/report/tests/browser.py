@@ -24,6 +24,13 @@ STICKING_OUT = """[...document.body.querySelectorAll("*")]
         || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
     .map((e) => e.tagName + "#" + e.id)"""
 
+# Sets a control, as a user does.
+SET = """((name, value) => {
+    const e = document.getElementById(name);
+    e.value = value;
+    for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind));
+})"""
+
 LIMIT = 60  # seconds per reply; a loaded computer may start a browser slowly
 
 
@@ -89,7 +96,7 @@ class Page:
     """Window of `width` x `height` CSS pixels with a profile of its own; `problems` collects console messages and
     uncaught errors."""
 
-    def __init__(self, browser: Browser, width: int, height: int, features: dict[str, str] | None = None):
+    def __init__(self, browser: Browser, width: int, height: int, **media: str):
         self.problems: list[str] = []
         self.requests: list[str] = []
         self.loaded = False
@@ -101,8 +108,7 @@ class Page:
         browser.pages[self._session] = self
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        self.call("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in (features or {}).items()])
+        self.resize(width, height, **media)
 
     def close(self) -> None:
         """Close the window."""
@@ -112,6 +118,13 @@ class Page:
     def call(self, method: str, **parameters) -> dict:
         """Send a command to the page and wait for its reply."""
         return self._browser.call(method, self._session, **parameters)
+
+    def resize(self, width: int, height: int, scale: int = 1, **media: str) -> None:
+        """Set size, pixels per CSS pixel and media features, such as prefers_color_scheme."""
+        size = {"width": width, "height": height, "deviceScaleFactor": scale, "mobile": False}
+        self.call("Emulation.setDeviceMetricsOverride", **size)
+        features = [{"name": name.replace("_", "-"), "value": value} for name, value in media.items()]
+        self.call("Emulation.setEmulatedMedia", features=features)
 
     def record(self, event: str | None, about: dict) -> None:
         """Record an event of the page."""
@@ -149,6 +162,18 @@ class Page:
         while not self.run(script):
             assert time.monotonic() < end, f"never true: {script}"
             time.sleep(0.02)
+
+    def choose(self, name: str, value: object) -> None:
+        """Set the control with this id."""
+        self.run(f"{SET}('{name}', '{value}')")
+
+    def text(self, name: str) -> str:
+        """Return the text of the element with this id."""
+        return self.run(f"document.getElementById('{name}').textContent")
+
+    def picture(self, name: str = "scene") -> str:
+        """Return the picture of the canvas with this id."""
+        return self.run(f"document.getElementById('{name}').toDataURL()")
 
     def press(self, key: str) -> None:
         """Press and release a key."""
