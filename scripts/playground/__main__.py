@@ -14,12 +14,13 @@ from __future__ import annotations
 
 import base64
 import json
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+
+import numpy as np
 
 from model.io import trajectories
 from model.io.files import write_atomically
@@ -28,6 +29,7 @@ from model.io.words import FIELDS, HEADROOM_BITS
 from model.motion.pose import NAMED_AXES, to_z
 from model.reference.kinematics import matrix
 from scripts.console import WORD_LENGTH, command, option, output, some_of
+from scripts.generate.render import TEMPLATES
 from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
 
 HERE = Path(__file__).parent
@@ -48,18 +50,13 @@ PLAIN = {
 def data(machines: Sequence[Machine]) -> dict[str, Any]:
     """Return the page's data, except the WebAssembly of the cores."""
     made = {name: trajectories.make(name) for name in trajectories.TRAJECTORIES}
+    rows = {name: np.column_stack([getattr(one, field) for field in FIELDS]).tolist() for name, one in made.items()}
     return {
         "machines": [table(machine) for machine in machines],
         "headroom": HEADROOM_BITS,
         "flags": [{**flag._asdict(), "plain": PLAIN[flag.name]} for flag in FLAGS],
         "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
-        "trajectories": [
-            {
-                "name": name,
-                "rows": [list(row) for row in zip(*(getattr(one, f).tolist() for f in FIELDS), strict=True)],
-            }
-            for name, one in made.items()
-        ],
+        "trajectories": [{"name": name, "rows": own} for name, own in rows.items()],
         "tools": tools(),
     }
 
@@ -72,34 +69,31 @@ def page(machines: Sequence[Machine]) -> str:
         f"{base64.b64encode(wasm(machine)).decode()}</script>"
         for machine in machines
     ]
-    parts = {
-        "style": (REPORT / "report.css").read_text(encoding="utf-8"),
-        "script": "\n".join(path.read_text(encoding="utf-8") for path in code),
-        "data": json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
-        "machines": "\n".join(embedded),
-    }
-    template = (HERE / "playground.html").read_text(encoding="utf-8")
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
+    return TEMPLATES.from_string((HERE / "playground.html").read_text(encoding="utf-8")).render(
+        style=(REPORT / "report.css").read_text(encoding="utf-8"),
+        script="\n".join(path.read_text(encoding="utf-8") for path in code),
+        data=json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
+        machines="\n".join(embedded),
+    )
 
 
-_NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
-OPTIONS = [
-    option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
-    option("--datapath", f"only these of {', '.join(_NAMES)}", some_of(_NAMES, len(_NAMES)), metavar="NAME[,NAME]"),
-    option("--width", "only cores of this word length", WORD_LENGTH, metavar="BITS"),
-]
+NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 
 
 @command(
     "playground",
     "Write one page in which the Verilog runs.",
-    OPTIONS,
+    [
+        option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
+        option("--datapath", f"only these of {', '.join(NAMES)}", some_of(NAMES, len(NAMES)), metavar="NAME[,NAME]"),
+        option("--width", "only cores of this word length", WORD_LENGTH, metavar="BITS"),
+    ],
     passes="the page is written",
     fails="a tool failed",
 )
 def main(parsed: SimpleNamespace) -> int:
     """Run the command line and return the exit status."""
-    machines = chosen(parsed.datapath, parsed.width and [parsed.width])
+    machines = chosen(parsed.datapath, parsed.width)
     tools()
     path = parsed.out / "index.html"
     with output(parsed.out, [path]):

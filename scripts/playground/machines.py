@@ -65,13 +65,10 @@ MACHINES = [
 """All cores available to the page."""
 
 
-def chosen(datapaths: list[str] | None, widths: list[int] | None) -> list[Machine]:
-    """Return the cores with these datapaths and word lengths; None selects all. Raises InputError if none matches."""
-    found = [
-        machine
-        for machine in MACHINES
-        if machine.datapath in (datapaths or [machine.datapath]) and machine.width in (widths or [machine.width])
-    ]
+def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
+    """Return the cores with these datapaths and this width; None selects all. Raises InputError if none matches."""
+    named = [machine for machine in MACHINES if machine.datapath in (datapaths or [machine.datapath])]
+    found = [machine for machine in named if machine.width == (width or machine.width)]
     if not found:
         raise InputError(f"no such core; there are {', '.join(machine.name for machine in MACHINES)}")
     return found

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import html
 import json
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,6 +31,7 @@ from model.io.scoring import Score
 from model.io.words import from_words, result_values
 from model.reference.equations import swivel_normal
 from scripts.console import command, output
+from scripts.generate.render import TEMPLATES
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
 from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
@@ -42,6 +42,7 @@ from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
 SCRIPTS = ("arm", "figure", "paper", "plots", "report")
+"""Scripts of the page in dependency order."""
 
 DIGITS = 7
 """Significant digits of the numbers in the page."""
@@ -140,31 +141,20 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
     return links | {"": [*(name for name in names if name not in known), SCORES]}
 
 
-def _listed(names: Sequence[str]) -> str:
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last
-
-
-def script() -> str:
-    """Return the scripts of the page in dependency order."""
-    return "\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
-
-
 def page(
     shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, names: Sequence[str], width: int, simulator: str
 ) -> str:
     """Return the whole page. links: files to link to by trajectory name, or "" for all trajectories."""
     data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
-    parts = {
-        "title": html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
-        "run": html.escape(f"{_listed(names)} datapath{'s' * (len(names) > 1)}, {width} bits, {simulator}"),
-        "style": (HERE / "report.css").read_text(encoding="utf-8"),
-        "script": script(),
-        "data": data.replace("<", "\\u003c"),  # prevents a name from ending the script element
-    }
-    template = (HERE / "report.html").read_text(encoding="utf-8")
-    # A single pass, so that inserted text is not expanded again.
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], template)
+    *others, last = names
+    listed = f"{', '.join(others)} and {last} datapaths" if others else f"{last} datapath"
+    return TEMPLATES.from_string((HERE / "report.html").read_text(encoding="utf-8")).render(
+        title=html.escape(shown[0]["name"] if len(shown) == 1 else f"{len(shown)} trajectories"),
+        run=html.escape(f"{listed}, {width} bits, {simulator}"),
+        style=(HERE / "report.css").read_text(encoding="utf-8"),
+        script="\n".join((HERE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS),
+        data=data.replace("<", "\\u003c"),  # prevents a name from ending the script element
+    )
 
 
 @command(
