@@ -17,19 +17,19 @@ from .operations import TILE
 class Datapath:
     """A dataflow and the location of its Verilog.
 
-    ``flow(domain, target)`` is the whole dataflow, ``after_guard(domain, phi)`` the part after the exact decisions.
-    ``sections`` maps a section to its description, ``widths`` are the supported word lengths,
-    ``parameters`` the parameters of ``ik_axis`` that select the datapath.
+    ``number`` is the parameter ``DATAPATH`` of ``ik_axis``, ``flow(domain, target)`` the whole dataflow,
+    ``after_guard(domain, phi)`` the part after the exact decisions.
+    ``sections`` maps a section to its description, ``widths`` are the supported word lengths.
     ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.operations.mul3` is cut.
     ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
     ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
     """
 
     name: str
+    number: int
     flow: Callable
     after_guard: Callable
     sections: dict[str, str]
-    parameters: dict[str, int]
     widths: range = WIDTHS
     tile: int = TILE
     times: Callable[[int], Mapping[str, int]] | None = None
@@ -37,9 +37,14 @@ class Datapath:
     behind: int = 2
 
     @property
+    def parameters(self) -> dict[str, int]:
+        """Parameters of ``ik_axis`` that select the datapath."""
+        return {"DATAPATH": self.number} | ({"TILE": self.tile} if self.equations == "lean" else {})
+
+    @property
     def rtl(self) -> str:
         """RTL module prefix."""
-        return ("paper", "lean", "fold")[self.parameters["DATAPATH"]]
+        return ("paper", "lean", "fold")[self.number]
 
     @property
     def equations(self) -> str:
@@ -56,34 +61,21 @@ class Datapath:
         return f"ik_{section}" if self.rtl == "paper" else f"ik_{self.rtl}_{section}"
 
 
-DATAPATHS = {
-    "lean": Datapath("lean", lean.lean, lean.sections, lean.SECTIONS, {"DATAPATH": 1, "TILE": TILE}, lean.WIDTHS),
-    "paper": Datapath("paper", paper.paper, paper.sections, paper.SECTIONS, {"DATAPATH": 0}),
-}
+LEAN = Datapath("lean", 1, lean.lean, lean.sections, lean.SECTIONS, lean.WIDTHS)
+PAPER = Datapath("paper", 0, paper.paper, paper.sections, paper.SECTIONS)
+PERIOD = program.schedule().period
+FOLD = replace(LEAN, name="fold", number=2, widths=range(20, 33, 2), times=shown.times, period=PERIOD, behind=0)
+FOLD16 = replace(FOLD, name="fold16", tile=16, widths=range(18, 25, 2))
+
+DATAPATHS = {"lean": LEAN, "paper": PAPER}
 """Dataflows by name."""
 
 DEFAULT = "lean"
 """Default datapath."""
 
-LEAN25 = replace(DATAPATHS["lean"], name="lean25", parameters={"DATAPATH": 1, "TILE": 25}, tile=25)
+TILED = replace(LEAN, name="lean25", tile=25), replace(LEAN, name="lean16", tile=16, widths=range(16, 25))
 
-LEAN16 = replace(
-    DATAPATHS["lean"], name="lean16", parameters={"DATAPATH": 1, "TILE": 16}, tile=16, widths=range(16, 25)
-)
-
-FOLD = replace(
-    DATAPATHS["lean"],
-    name="fold",
-    parameters={"DATAPATH": 2, "TILE": TILE},
-    widths=range(20, 33, 2),
-    times=shown.times,
-    period=program.schedule().period,
-    behind=0,
-)
-
-FOLD16 = replace(FOLD, name="fold16", parameters={"DATAPATH": 2, "TILE": 16}, tile=16, widths=range(18, 25, 2))
-
-CONFIGURATIONS = DATAPATHS | {path.name: path for path in (LEAN25, LEAN16, FOLD, FOLD16)}
+CONFIGURATIONS = {path.name: path for path in (LEAN, PAPER, *TILED, FOLD, FOLD16)}
 """Everything that can be run, by its ``DATAPATH=`` name: the dataflows, the lean one with products cut for multipliers
 of 25x18 or 16x16 bits, the latter with small tables, and the lean one as a program for a single multiplier, with
 tiles of 18x18 or 16x16 bits."""
