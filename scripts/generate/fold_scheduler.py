@@ -18,9 +18,9 @@ from dataclasses import asdict
 from types import SimpleNamespace
 
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.lowering import Lowering, lower
+from model.dataflow.fold.lowering import Groups, Lowering, lower
 from model.dataflow.fold.program import INPUTS, SCHEDULE, WIDTH, Schedule, encode
-from model.dataflow.fold.steps import Group, Placed, Selector
+from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, command, option, whole
 
 try:
@@ -39,11 +39,12 @@ class NoScheduleError(Exception):
 class _Problem:
     """Schedule as variables and constraints: ``model`` and the start of each group."""
 
-    def __init__(self, lowering: Lowering, groups: list[Group], period: int) -> None:
+    def __init__(self, lowering: Lowering, groups: Groups, period: int) -> None:
         self.lowering, self.model, self.period = lowering, cp_model.CpModel(), period
         self.loads = {name: self.model.new_int_var(0, period - 1, name) for name in INPUTS}
-        self.starts = {group.name: self.model.new_int_var(1, LATENCY, group.name) for group in groups}
-        self.placed = [(self.starts[group.name], Placed(at, step)) for group in groups for at, step in group.steps]
+        self.starts = {name: self.model.new_int_var(1, LATENCY, name) for name in groups}
+        steps = ((name, Placed(at, step)) for name, group in groups.items() for at, step in group)
+        self.placed = [(self.starts[name], placed) for name, placed in steps]
         self._resources()
         self._words()
         self._flags()
@@ -127,7 +128,7 @@ class _Problem:
         self.model.minimize(last)
 
 
-def schedule(lowering: Lowering, groups: list[Group], period: int, seconds: float) -> Schedule | None:
+def schedule(lowering: Lowering, groups: Groups, period: int, seconds: float) -> Schedule | None:
     """Return the schedule of least latency found within the time, or None.
 
     Raises :class:`NoScheduleError` if there is none.
@@ -158,7 +159,7 @@ def main(parsed: SimpleNamespace) -> int:
     if cp_model is None:
         raise InputError("ortools is not installed: use make schedule")
     lowering, groups = lower(WIDTH)
-    print(f"{sum(len(group.steps) for group in groups)} steps, a target each {parsed.period} clocks", flush=True)
+    print(f"{sum(map(len, groups.values()))} steps, a target each {parsed.period} clocks", flush=True)
     try:
         found = schedule(lowering, groups, parsed.period, parsed.seconds)
     except NoScheduleError:

@@ -32,15 +32,12 @@ from .steps import (
     POWER,
     ZERO,
     Counted,
-    Group,
     Normal,
-    Operand,
     Pick,
     Row,
     Selector,
     Step,
     Write,
-    word_of,
 )
 
 EXACT_WEIGHT = 2
@@ -50,6 +47,10 @@ ONE_WEIGHT = 1
 """Weight of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
 
 POSITION = ("x", "y", "z")
+
+
+Groups = dict[str, list[tuple[int, Step]]]
+"""Name of a group's first step -> its steps, at fixed distances from the first."""
 
 
 @dataclass(frozen=True)
@@ -190,15 +191,9 @@ class Lowering(Domain):
         power = left + node.operands[0].format.frac - node.format.frac
         offset = self._shifted(node) - self.weight[value] - power
         window = PLAIN if offset + PLAIN >= 0 else DOUBLE
+        write, counted = Write(node.name, window), self._counted(count, offset + window)
         self.terms[node.name] = Step(
-            node.name,
-            value,
-            POWER,
-            "power",
-            minus=NO_COUNT,
-            carry="minus",
-            write=Write(node.name, window),
-            count=self._counted(count, offset + window),
+            node.name, value, POWER, "power", minus=NO_COUNT, carry="minus", write=write, count=counted
         )
 
     def _shifted(self, node: Node) -> int:
@@ -216,18 +211,11 @@ class Lowering(Domain):
     def _half_length(self, node: Node, cosine: str, mask: str = "", frac: int = 0) -> None:
         self.signs.add(cosine)
         self.weight[node.name] = 1
-        a: Operand = cosine
+        a: str | Pick = cosine
         if mask:
             a = self.picks[cosine] = Pick(cosine, Selector(mask))
-        self.terms[node.name] = Step(
-            node.name,
-            a,
-            HALF,
-            cut="word",
-            addend="length",
-            addend_by=Selector(mask),
-            minus=Selector(cosine, True, unless=mask),
-        )
+        minus = Selector(cosine, True, unless=mask)
+        self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(mask), minus=minus)
 
     def _half_part(
         self, node: Node, length: str, cosine: str, sine: str, *masks: str, large: Callable, none=None, frac: int = 0
@@ -236,7 +224,7 @@ class Lowering(Domain):
         both are created on the second call."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
-        length = next(name for name in lengths if cosine in map(word_of, self.terms[name].reads))
+        length = next(name for name in lengths if cosine in self.terms[name].reads)
         if length not in self.pairs:
             self.pairs[length] = (node.name, "")
             return
@@ -246,7 +234,7 @@ class Lowering(Domain):
         flag = Selector("arm_swap") if none else Selector(cosine, negative=True)
         self.picks[length] = Pick(first, flag, second_larger)
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
-        a: Operand = sine
+        a: str | Pick = sine
         if none:
             a = self.picks[sine] = Pick(sine, Selector(masks[0]))
         small = Step(f"{sine}/2", a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
@@ -298,50 +286,32 @@ class Lowering(Domain):
         self.weight[name] = 1
         falls = NEVER if row.function == "sine" else ALWAYS
         bends_down = NEVER if row.function == "cosine" else ALWAYS
-        slope = f"{name}'"
-        self.terms[slope] = Step(
-            slope,
-            None,
-            row.of,
-            addend="slope_less" if bends_down else "slope",
-            minus=bends_down,
-            carry="minus",
-            place="high",
-            write=Write(slope, last="slope"),
-            rows=(row,),
-        )
-        self.terms[name] = Step(
-            name,
-            slope,
-            row.of,
-            "root" if row.function == "root" else "sine",
-            "value",
-            minus=falls,
-            carry="minus",
-            place="all",
-            write=write,
-            rows=(replace(row, value=True),),
-        )
+        slope, addend = f"{name}'", "slope_less" if bends_down else "slope"
+        step = Step(slope, None, row.of, addend=addend, minus=bends_down, carry="minus", place="high", rows=(row,))
+        self.terms[slope] = replace(step, write=Write(slope, last="slope"))
+        cut, value = "root" if row.function == "root" else "sine", replace(row, value=True)
+        step = Step(name, slope, row.of, cut, "value", minus=falls, carry="minus", place="all", rows=(value,))
+        self.terms[name] = replace(step, write=write)
 
     def apply(self, name, operands, fmt, words):
         return None
 
     # ---- groups --------------------------------------------------------------------------------------------------
 
-    def groups(self) -> list[Group]:
+    def groups(self) -> Groups:
         """Return all steps; a step whose addend is the T of another is in its group."""
-        read = {name for step in self.terms.values() for name in map(word_of, step.reads)}
-        groups = []
+        read = {name for step in self.terms.values() for name in step.reads}
+        groups: Groups = {}
         for name, step in self.terms.items():
             paired = isinstance(step.write and step.write.to, Pick)
             wanted = step.result or name in self.norms or name in self.sums or paired
             if wanted or (step.write and step.write.to in read):
-                groups.append(Group())
-                kept = step if step.write is None or isinstance(step.write.to, Pick) or step.write.to in read else None
-                self._extend(groups[-1], 0, kept or replace(step, write=None))
+                if step.write and not paired and step.write.to not in read:
+                    step = replace(step, write=None)
+                self._extend(groups.setdefault(name, []), 0, step)
         return groups
 
-    def _picked(self, operand: Operand | None) -> Operand | None:
+    def _picked(self, operand: str | Pick | None) -> str | Pick | None:
         """Return a word of a pair, or one that a flag replaces by 0, as a :class:`Pick`; others unchanged."""
         if not isinstance(operand, str):
             return operand
@@ -350,18 +320,11 @@ class Lowering(Domain):
                 return Pick(pair[0], NEVER, operand == pair[1])
         return self.picks.get(operand, operand)
 
-    def _extend(self, group: Group, at: int, step: Step) -> None:
+    def _extend(self, group: list[tuple[int, Step]], at: int, step: Step) -> None:
         """Add a step, and the steps whose addend is its T."""
         normal, counted = self.norms.get(step.name, (None, step.count))
-        step = replace(
-            step,
-            a=self._picked(step.a),
-            b=self._picked(step.b) or ZERO,
-            norm=normal,
-            count=counted,
-            sign=step.name if step.name in self.signs else "",
-        )
-        group.add(at, step)
+        a, b, sign = self._picked(step.a), self._picked(step.b) or ZERO, step.name if step.name in self.signs else ""
+        group.append((at, replace(step, a=a, b=b, norm=normal, count=counted, sign=sign)))
         sums = sorted(self.sums.get(step.name, ()), key=lambda s: s.name in self.sums)
         for number, of in enumerate(sums):
             term = self.terms[of.term]
@@ -369,20 +332,12 @@ class Lowering(Domain):
             addend = "hold" if number else "T_half" if words else "T"
             carry = "minus" if of.minus and not words and not of.inverse else ""
             made = replace(
-                term,
-                name=of.name,
-                addend=addend,
-                addend_by=NEVER,
-                minus=of.minus,
-                carry=carry,
-                write=of.write,
-                norm=None,
-                term=of.term,
+                term, name=of.name, term=of.term, addend=addend, addend_by=NEVER, minus=of.minus, carry=carry
             )
-            self._extend(group, at + 2 + number, made)
+            self._extend(group, at + 2 + number, replace(made, write=of.write))
 
 
-def lower(width: int) -> tuple[Lowering, list[Group]]:
+def lower(width: int) -> tuple[Lowering, Groups]:
     """Lower the lean dataflow to steps at an even word length."""
     lowering = Lowering(width)
     lean.lean(lowering, lowering.inputs())

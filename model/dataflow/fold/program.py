@@ -14,30 +14,9 @@ from pathlib import Path
 
 from ...io.words import FIELDS as INPUTS
 from ...io.words import RESULT_FIELDS
-from .lowering import Lowering, lower
-from .steps import (
-    ADD,
-    ADDENDS,
-    ALWAYS,
-    CUTS,
-    HALF,
-    NEVER,
-    NO_COUNT,
-    NORM,
-    NORMS,
-    ONE,
-    POWER,
-    WRITE,
-    ZERO,
-    Group,
-    Pick,
-    Placed,
-    Selector,
-    first_count,
-    row_reads,
-    word_reads,
-    word_writes,
-)
+from . import steps as timing
+from .lowering import Groups, Lowering, lower
+from .steps import ADDENDS, ALWAYS, CUTS, HALF, NEVER, NO_COUNT, NORMS, ONE, POWER, ZERO, Pick, Placed, Selector
 
 
 @dataclass(frozen=True)
@@ -48,12 +27,6 @@ class Schedule:
     period: int
     loads: dict[str, int]
     starts: dict[str, int]
-
-
-def placed_steps(groups: list[Group], starts: dict[str, int]) -> list[Placed]:
-    """Return all steps with their clocks, in order."""
-    steps = [Placed(starts[group.name] + at, step) for group in groups for at, step in group.steps]
-    return sorted(steps, key=lambda placed: placed.at)
 
 
 WIDTH = 24
@@ -74,7 +47,7 @@ BASES = ("count", "1", "2", "4", "-2")
 def codes() -> dict[str, tuple]:
     """Return field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first."""
     lowering, groups = lower(WIDTH)
-    steps = [step for group in groups for _, step in group.steps]
+    steps = [step for group in groups.values() for _, step in group]
     fixed = (NEVER, ALWAYS, NO_COUNT)
     found = dict.fromkeys(s for step in steps for s in step.selectors if s not in fixed)
     order = sorted(found, key=lambda selector: selector.node not in INPUTS)
@@ -138,10 +111,10 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
     first: dict[str, int] = dict(loads)
     last: dict[str, int] = {}
     for placed in steps:
-        for use in word_writes(placed):
+        for use in timing.word_writes(placed):
             first[use.of] = min(first.get(use.of, use.at), use.at)
             last[use.of] = max(last.get(use.of, use.at), use.at)
-        for use in word_reads(placed):
+        for use in timing.word_reads(placed):
             last[use.of] = max(last.get(use.of, use.at), use.at)
     return {name: (clock, last.get(name, clock)) for name, clock in first.items()}
 
@@ -172,9 +145,10 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
     return places
 
 
-def encode(groups: list[Group], of: Schedule) -> Program:
+def encode(groups: Groups, of: Schedule) -> Program:
     """Return the program of a schedule."""
-    steps = placed_steps(groups, of.starts)
+    steps = [Placed(of.starts[name] + at, step) for name, group in groups.items() for at, step in group]
+    steps.sort(key=lambda placed: placed.at)
     loads, period = of.loads, of.period
     program = Program(period, [dict.fromkeys(FIELDS, 0) for _ in range(period)], {}, steps, loads)
     program.places = allocate(steps, loads, period)
@@ -200,7 +174,7 @@ def encode(groups: list[Group], of: Schedule) -> Program:
         put(clock, source="input", input=name, w=program.places[name], w_by=NEVER)
     put(max(loads.values()), last_input=1)
     results = sorted((p for p in steps if p.step.result), key=lambda p: p.at)
-    first, last = results[0].at + WRITE, results[-1].at + WRITE
+    first, last = results[0].at + timing.WRITE, results[-1].at + timing.WRITE
     put(first - 1, hold=1)
     put(first, first_result=1)
     put(last, last_result=1)
@@ -211,18 +185,18 @@ def encode(groups: list[Group], of: Schedule) -> Program:
             put(t, a=place, a_by=flag)
         place, flag = operand(step.b)
         put(t, b=place, b_by=flag, b_count=step.b == POWER)
-        for row, clock in zip(reversed(step.rows * 2), reversed(row_reads(placed)), strict=False):
+        for row, clock in zip(reversed(step.rows * 2), reversed(timing.row_reads(placed)), strict=False):
             put(clock, r=program.places[row.of])
             put(clock + 1, r_function=row.function)
         function = {"root": "root", "sine": "angle", "cosine": "angle"}[step.rows[0].function] if step.place else ""
         put(t + 1, a_bend=step.a is None, b_place=function, b_high=step.place == "high")
-        put(t + ADD, cut=step.cut, s=step.addend, s_by=step.addend_by, minus_by=step.minus, carry=step.carry)
+        put(t + timing.ADD, cut=step.cut, s=step.addend, s_by=step.addend_by, minus_by=step.minus, carry=step.carry)
         w = step.write
         window = (str(w.double_by) or {1: "plain", 2: "double"}[w.window]) if w else ""
         if step.result:
             window = "double" if step.cut == "double" else "plain"
         put(
-            t + WRITE,
+            t + timing.WRITE,
             window=window or "plain",
             limit=bool(w and w.limit),
             last=w.last if w else "inner",
@@ -232,11 +206,11 @@ def encode(groups: list[Group], of: Schedule) -> Program:
         )
         if w:
             place, flag = operand(w.to)
-            put(t + WRITE, source="sum", w=place, w_by=flag)
+            put(t + timing.WRITE, source="sum", w=place, w_by=flag)
         if step.norm:
-            put(t + NORM, source="normal", w=program.places[step.norm.to], w_by=NEVER, e_set=step.norm.count)
+            put(t + timing.NORM, source="normal", w=program.places[step.norm.to], w_by=NEVER, e_set=step.norm.count)
         if step.count:
-            begin = first_count(placed)
+            begin = timing.first_count(placed)
             for number, (factor, register) in enumerate(step.count.terms):
                 base = str(step.count.base) if number == 0 else "count"
                 put(begin + number, n_base=base, n_e=register, n_minus=factor < 0, n_twice=abs(factor) == 2)

@@ -2,8 +2,8 @@
 """Steps of the fold datapath, and the clocks in which a step reads, computes and writes, counted from its issue.
 
 A step reads two words, multiplies them, adds the product to the addend S or subtracts it, and writes the sum T.  This
-covers the whole dataflow, because a product with a power of two is a copy or a shift.  Steps of a :class:`Group` have
-a fixed distance: their addend is the T of an earlier step.
+covers the whole dataflow, because a product with a power of two is a copy or a shift.  Steps of a group have a fixed
+distance: their addend is the T of an earlier step.
 
 A program repeats with the period of a lap, and around the lap's end two targets are in flight.  Clocks here count from
 the start of the target's own lap: modulo the period they are places in the program.
@@ -11,7 +11,7 @@ the start of the target's own lap: modulo the period they are places in the prog
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 ZERO, ONE, HALF, POWER = "0", "1", "1/2", "2^-n"
@@ -137,32 +137,15 @@ class Step:
     term: str = ""  # the product, where it is not the node T
 
     @property
-    def reads(self) -> tuple[Operand, ...]:
-        """Memory words that it needs."""
-        operands = tuple(o for o in (self.a, self.b) if o is not None)
-        return operands + tuple(row.of for row in self.rows)
+    def reads(self) -> list[str]:
+        """Variables of the memory words that it needs."""
+        return [word_of(o) for o in (self.a, self.b) if o is not None] + [row.of for row in self.rows]
 
     @property
     def selectors(self) -> list[Selector]:
         """Its selectors, of which some may be :data:`NEVER`."""
         picks = [o.flag for o in (self.write and self.write.to, self.a, self.b) if isinstance(o, Pick)]
         return [self.minus, *picks, self.addend_by]
-
-
-@dataclass
-class Group:
-    """Steps at fixed distances."""
-
-    steps: list[tuple[int, Step]] = field(default_factory=list)
-
-    @property
-    def name(self) -> str:
-        """Name of the first step."""
-        return self.steps[0][1].name
-
-    def add(self, after: int, step: Step) -> None:
-        """Add a step ``after`` slots after the first."""
-        self.steps.append((after, step))
 
 
 # ---- clocks ----------------------------------------------------------------------------------------------------------
