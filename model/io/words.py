@@ -144,25 +144,21 @@ def scale_exponent(targets: Targets, width: int) -> int:
     longest = int(np.argmax(reach))
     if not np.isfinite(reach[longest]):
         raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
-    exponent = 1 - math.frexp(reach[longest])[1]
-
-    # -2 fits and +2 does not, hence two bounds.
+    largest = 1 - math.frexp(reach[longest])[1]
     position = targets.core_position
-    low, high = position.min(), position.max()
-    lowest = exponent - HEADROOM_BITS
-    while exponent > lowest and not (_ldexp(low, exponent) >= -2 and _ldexp(high, exponent) < 2):
-        exponent -= 1
-    scaled = _ldexp(position, exponent)
-    outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
-    if outside.any():
+    for exponent in range(largest, largest - HEADROOM_BITS - 1, -1):
+        scaled = _ldexp(position, exponent)
+        outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
+        if not outside.any():
+            break
+    else:
         size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
-        limit = math.ldexp(2.0, -exponent)
         raise targets.error(
             int(n),
             FIELDS[axis],
             f"is too far out: for the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
-            f"the format ends at {limit:.6g}",
+            f"the format ends at {math.ldexp(2.0, -exponent):.6g}",
         )
 
     for column in ARMS:

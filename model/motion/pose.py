@@ -77,11 +77,8 @@ class Pose:
         """Return shoulder and elbow as :class:`scipy.spatial.transform.Rotation` (matrices, Euler angles, slerp)."""
         from scipy.spatial.transform import Rotation
 
-        scalar_first = self.order == "wxyz"
-        return (
-            Rotation.from_quat(self.qs, scalar_first=scalar_first),
-            Rotation.from_quat(self.qe, scalar_first=scalar_first),
-        )
+        first = self.order == "wxyz"
+        return Rotation.from_quat(self.qs, scalar_first=first), Rotation.from_quat(self.qe, scalar_first=first)
 
 
 def solve(
@@ -137,7 +134,7 @@ def solve(
     qs = targets.from_core(words[:, :4])
     qe = np.column_stack((words[:, 4:], np.zeros((len(words), 2))))
     elbow, wrist = kinematics.forward(qs, words[:, 4:], targets.d1, targets.d2)
-    return Pose(_to(order, qs), _to(order, qe), np.asarray(flags), elbow, wrist, asked.phi, order)
+    return Pose(_rolled(order, qs, -1), _rolled(order, qe, -1), np.asarray(flags), elbow, wrist, asked.phi, order)
 
 
 def forward(
@@ -147,7 +144,11 @@ def forward(
 
     d1, d2: numbers or (N,).  Any reference axis: it is part of Qs.  Raises ValueError for shapes that do not match.
     """
-    return kinematics.forward(_from(order, qs), _from(order, qe), d1, d2)
+    shoulder, elbow = (np.atleast_2d(np.asarray(q, dtype=np.float64)) for q in (qs, qe))
+    for q in (shoulder, elbow):
+        if q.shape[-1] != 4:
+            raise ValueError(f"quaternions have the shape {q.shape}, not (N, 4)")
+    return kinematics.forward(_rolled(order, shoulder, 1), _rolled(order, elbow, 1), d1, d2)
 
 
 def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> np.ndarray:
@@ -178,17 +179,11 @@ def hanging(axis: Axis = "z") -> float:
     return float(swivel((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), reach, axis)[0])
 
 
-def _to(order: Order, q: np.ndarray) -> np.ndarray:
+def _rolled(order: Order, q: np.ndarray, places: int) -> np.ndarray:
+    """Return quaternions in another order: `places` is -1 from wxyz to `order`, 1 from `order` to wxyz."""
     if order not in ("wxyz", "xyzw"):
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
-    return q if order == "wxyz" else np.roll(q, -1, axis=-1)
-
-
-def _from(order: Order, q: ArrayLike) -> np.ndarray:
-    array = np.atleast_2d(np.asarray(q, dtype=np.float64))
-    if array.shape[-1] != 4:
-        raise ValueError(f"quaternions have the shape {array.shape}, not (N, 4)")
-    return array if _to(order, array) is array else np.roll(array, 1, axis=-1)
+    return q if order == "wxyz" else np.roll(q, places, axis=-1)
 
 
 # -- the reference axis ----------------------------------------------------------------------------

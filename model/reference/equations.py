@@ -179,18 +179,12 @@ def columns(**values):
     return arrays
 
 
-def _check_reachable(x, y, z, d1, d2):
+def check_lengths(d1, d2, rows=slice(None)):
+    """Raise ValueError unless the arm lengths of `rows`, targets in reach, lie in LENGTH_RANGE."""
     low, high = LENGTH_RANGE
-    for name, d in (("d1", d1), ("d2", d2)):
+    for name, d in (("d1", d1[rows]), ("d2", d2[rows])):
         if not ((d >= low) & (d <= high)).all():
-            raise ValueError(
-                f"{name} must lie in [{low:g}, {high:g}]; solve_clamped takes lengths that are not positive"
-            )
-    distance, reach = np.hypot(np.hypot(x, y), z), d1 + d2
-    tolerance = REACH_TOLERANCE * reach
-    missed = (distance > reach + tolerance) | (distance < np.abs(d1 - d2) - tolerance)
-    if missed.any():
-        raise ValueError(f"target {int(np.argmax(missed))} cannot be reached; solve_clamped takes such targets")
+            raise ValueError(f"{name} of a target in reach must lie in [{low:g}, {high:g}]")
 
 
 def swivel_normal(x, y, z, phi):
@@ -257,8 +251,13 @@ def solve(x, y, z, phi, d1, d2):
     LENGTH_RANGE, and for targets out of reach by more than REACH_TOLERANCE of d1+d2.
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
-    _check_reachable(x, y, z, d1, d2)
-    at_shoulder = np.hypot(np.hypot(x, y), z) <= _FUNCTIONS["TINY"] * (d1 + d2)
+    check_lengths(d1, d2)
+    distance, reach = np.hypot(np.hypot(x, y), z), d1 + d2
+    tolerance = REACH_TOLERANCE * reach
+    missed = (distance > reach + tolerance) | (distance < np.abs(d1 - d2) - tolerance)
+    if missed.any():
+        raise ValueError(f"target {int(np.argmax(missed))} cannot be reached; solve_clamped takes such targets")
+    at_shoulder = distance <= _FUNCTIONS["TINY"] * reach
     p = np.where(at_shoulder, 0.0, (x, y, z))
     normal = swivel_normal(p[0], p[1], p[2], phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from ..io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, UNREACHABLE
-from .equations import LENGTH_RANGE, columns, pose_flags
+from .equations import check_lengths, columns, pose_flags
 
 LEAN = {
     "Sums of the inputs": {
@@ -237,7 +237,7 @@ def solve_lean(x, y, z, phi, d1, d2):
     `equations.solve_clamped`. Returns a dict of arrays (N,): every line of `LEAN`, and flags (int64). Squares of the
     user's unit are 0 or inf beyond the range of doubles, without effect on the others. Never nan, provided that d1 + d2
     and d1 - d2 are finite. Raises ValueError for inputs that are not finite or do not broadcast, and for arm lengths
-    outside LENGTH_RANGE of a target in reach.
+    outside `equations.LENGTH_RANGE` of a target in reach.
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)
@@ -248,10 +248,7 @@ def solve_lean(x, y, z, phi, d1, d2):
         "straight": flags & (TOO_FAR | BAD_LENGTH) != 0,
         "away": (flags & TOO_NEAR != 0) & (d1 < d2),  # folded, with the upper arm away from the target
     }
-    low, high = LENGTH_RANGE
-    for name, d in (("d1", d1), ("d2", d2)):
-        if (~cases["clamped"] & ~((d >= low) & (d <= high))).any():
-            raise ValueError(f"{name} of a target in reach must lie in [{low:g}, {high:g}]")
+    check_lengths(d1, d2, ~cases["clamped"])
 
     values: dict[str, Any] = {name: _Exact([v]) for name, v in (("x", x), ("y", y), ("z", z), ("d1", d1), ("d2", d2))}
 
