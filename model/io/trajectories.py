@@ -8,13 +8,14 @@ a right elbow outward.
 Trajectories in `REGULAR` keep at least 0.2 rad from every singular pose of the paper's equations
 (`scoring.singular_distance`); the others approach such a pose on purpose. All but `out_of_reach` stay within reach.
 
-    python -m model.io.trajectories NAME > FILE.csv      write one as a target file; without NAME, list them
+    python -m model.io.trajectories NAME > FILE.csv      write one as a target file
 
 This command made the files of `EXAMPLES` in `examples/`; a test fails when they are out of date.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Callable, Sequence
 
@@ -236,18 +237,12 @@ def out_of_reach() -> tuple:
     return _spherical(position[:, 0], 0.1, -0.1), np.pi - 0.7
 
 
-def main(arguments: list[str]) -> int:
-    """Print the named trajectory as CSV, or list all. Returns the exit status: 2 for an unknown name."""
-    if not arguments:
-        for name in TRAJECTORIES:
-            print(f"{name:14} {describe(name)}")
-        return 0
-    if len(arguments) != 1 or arguments[0] not in TRAJECTORIES:
-        print(f"usage: python -m model.io.trajectories [{'|'.join(TRAJECTORIES)}]", file=sys.stderr)
-        return 2
-    sys.stdout.write(format_csv(make(arguments[0])))
-    return 0
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the named trajectory as CSV."""
+    parser = argparse.ArgumentParser("python -m model.io.trajectories", description=main.__doc__)
+    parser.add_argument("name", choices=TRAJECTORIES)
+    sys.stdout.write(format_csv(make(parser.parse_args(arguments).name)))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main()

@@ -65,8 +65,7 @@ class Clip:
     @cached_property
     def parents(self) -> list[int]:
         """Parent of each joint; -1 for the root."""
-        nodes = [node for node in self.bvh.nodes if not node.is_end_site()]
-        return [-1 if node.parent is None else self.bvh.joint_index[node.parent.name] for node in nodes]
+        return [-1, *(parent for _, parent in self.bvh.edges)]
 
     @cached_property
     def local(self) -> np.ndarray:
@@ -243,8 +242,7 @@ class Motion:
 
 def outward_and_up(clip: Clip, arm: Arm) -> np.ndarray:
     """Return the direction (3,) between the arm's side and up, of the body at rest, in the torso's frame."""
-    up = np.zeros(3)
-    up["xyz".index(clip.bvh.rest_up[1])] = -1.0 if clip.bvh.rest_up[0] == "-" else 1.0
+    up = clip.bvh.rest_up_axis.vector
     out = clip.rest[arm.upper] - clip.rest[arm.torso]
     out = out - (out @ up) * up
     if not np.linalg.norm(out) > 0:

@@ -17,8 +17,8 @@ POINTS = np.array(
 RING = ((1, 2), (2, 3), (3, 4), (4, 1))
 FACES = np.array([*((0, a, b) for a, b in RING), *((5, b, a) for a, b in RING)], dtype=np.uint8)
 
-TO_Y = {"x": (0.5, 0.5, 0.5, 0.5), "y": (1.0, 0.0, 0.0, 0.0), "z": (0.5, -0.5, -0.5, -0.5)}
-"""wxyz quaternions of the cyclic axis exchanges that take the clip's up axis to glTF's y."""
+TO_Y = ((0.5, 0.5, 0.5, 0.5), (1.0, 0.0, 0.0, 0.0), (0.5, -0.5, -0.5, -0.5))
+"""wxyz quaternions of the cyclic axis exchanges that take the clip's up axis, x, y or z, to glTF's y."""
 
 
 def animated(bvh: pybvh.Bvh, name: str) -> bytes:
@@ -30,10 +30,10 @@ def animated(bvh: pybvh.Bvh, name: str) -> bytes:
     shape = gltf.Primitive(attributes=gltf.Attributes(POSITION=corners), indices=faces)
     file.meshes = [gltf.Mesh(primitives=[shape], name="bone")]
 
-    up = bvh.world_up
-    turn = np.array(TO_Y[up[1]])
-    if up[0] == "-":  # first half a turn, about the next axis
-        turn = multiply(turn, np.eye(4)[1 + ("xyz".index(up[1]) + 1) % 3])
+    up = bvh.up_axis
+    turn = np.array(TO_Y[up.index])
+    if up.sign < 0:  # first half a turn, about the next axis
+        turn = multiply(turn, np.eye(4)[1 + (up.index + 1) % 3])
     file.nodes = [gltf.Node(name=name, rotation=np.roll(turn, -1).tolist(), children=[1])]
     file.scenes = [gltf.Scene(nodes=[0])]
     number = {node.name: 1 + k for k, node in enumerate(bvh.nodes)}
