@@ -29,8 +29,8 @@ from model.io.words import Targets, from_words
 from scripts.console import InputError, command, option, switch, whole
 from scripts.fpga.designs import load
 from scripts.paper.table6 import hardware
-from scripts.paper.table6.compiled import FLAGS, compiler_version, watched
-from scripts.paper.table6.contenders import Bound, Contender, columns, contenders, first
+from scripts.paper.table6.compiled import FLAGS, compiler_version
+from scripts.paper.table6.contenders import Contender, contenders, first
 from scripts.paper.table6.page import page
 from tb.sim.env import GENERATED
 
@@ -91,9 +91,8 @@ def figure(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-def accuracy(bound: Bound) -> tuple[float | None, int]:
+def accuracy(errors: np.ndarray) -> tuple[float | None, int]:
     """Return the largest hand error / reach of the answers and the number of targets without one."""
-    errors = bound.errors()
     answered = errors[np.isfinite(errors)]
     return (figure(answered.max()) if len(answered) else None), len(errors) - len(answered)
 
@@ -104,17 +103,11 @@ def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]
     if contender.lacks:
         return found | {"lacks": contender.lacks}
     for name, targets in (("reach", reach), ("random", first(random, contender.most))):
-        bound = contender.bind(targets)
-        error, unanswered = accuracy(bound)
-        ns = figure(1e9 * seconds(bound.again) / len(targets))
+        again, errors = contender.bind(targets)
+        error, unanswered = accuracy(errors())
+        ns = figure(1e9 * seconds(again) / len(targets))
         found[name] = {"targets": len(targets), "ns": ns, "error": error, "unanswered": unanswered}
     return found
-
-
-def jitter(random: Targets) -> dict[str, float]:
-    """Return the ns of single dependent solves of the lean equations in C: median, 99.9 % quantile, maximum."""
-    ns = watched(columns(random))
-    return {"median": figure(np.median(ns)), "999": figure(np.quantile(ns, 0.999)), "longest": figure(ns.max())}
 
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
@@ -129,21 +122,10 @@ def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
             yield {"datapath": datapath, "path": path, "width": hardware.WIDTH, "random_error": worst, **found}
 
 
-def written(figures: dict[str, Any]) -> str:
-    """Format the figures as JSON with one row per line, for readable diffs."""
-
-    def value(found: Any) -> str:
-        if isinstance(found, list):
-            return "[\n" + ",\n".join(f"  {json.dumps(one)}" for one in found) + "\n ]"
-        return json.dumps(found)
-
-    return "{\n" + ",\n".join(f' "{key}": {value(found)}' for key, found in figures.items()) + "\n}\n"
-
-
 def write(figures: dict[str, Any] | None = None) -> int:
     """Write table6.json, if there are new figures, and table6.md; return 0."""
     if figures:
-        FIGURES.write_text(written(figures), encoding="utf-8")
+        FIGURES.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(page(json.loads(FIGURES.read_text()), load()), encoding="utf-8")
     print(f"wrote {f'{FIGURES.name} and ' if figures else ''}{PAGE.name}")
     return 0
@@ -190,7 +172,6 @@ def main(options: SimpleNamespace) -> int:
             "targets": options.targets,
             "seed": options.seed,
             "machine": about,
-            "jitter": jitter(random),
             "software": software,
             "hardware": list(core(words)),
         }

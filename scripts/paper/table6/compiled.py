@@ -44,16 +44,12 @@ def compiler_version() -> str:
     return text.splitlines()[0] if text else "cc"
 
 
-def options(equations: str, real: str, extra: tuple[str, ...]) -> list[str]:
-    """Return the compiler's options for a set of equations and a type."""
-    return [*FLAGS, *extra, f"-DSOLVE={equations}", f"-DREAL={real}", str(SOURCE), "-lm"]
-
-
 @cache
 def library(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.CDLL:
     """Compile and load a set of equations for a type. Raises InputError if compilation fails."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
-        command = [compiler(), "-shared", "-fPIC", "-o", f"{folder}/equations.so", *options(equations, real, extra)]
+        command = [compiler(), "-shared", "-fPIC", "-o", f"{folder}/equations.so", *FLAGS, *extra]
+        command += [f"-DSOLVE={equations}", f"-DREAL={real}", str(SOURCE), "-lm"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             wrong = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["?"]
@@ -65,20 +61,13 @@ class Solver:
     """C function, bound to targets given as columns x, y, z, phi, d1, d2 and to arrays for the answers."""
 
     def __init__(self, columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"):
-        name, extra = WAYS.get(way, (way, SCALAR))
+        name, extra = WAYS[way]
         self._function = getattr(library(equations, real, extra), name)
         self._columns = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
         self._answers = np.full((len(columns), len(columns[0])), np.nan, dtype=self._columns[0].dtype)
 
-    def __call__(self, times: int = 1, *more: np.ndarray) -> np.ndarray:
-        """Solve all targets ``times`` times; return the answers (N, 6). more: arrays for further outputs."""
-        pointers = (ctypes.c_void_p(array.ctypes.data) for array in (*self._columns, *self._answers, *more))
+    def __call__(self, times: int = 1) -> np.ndarray:
+        """Solve all targets ``times`` times; return the answers (N, 6)."""
+        pointers = (ctypes.c_void_p(array.ctypes.data) for array in (*self._columns, *self._answers))
         self._function(ctypes.c_long(times), ctypes.c_long(len(self._columns[0])), *pointers)
         return self._answers.T
-
-
-def watched(columns: list[np.ndarray]) -> np.ndarray:
-    """Return the time of each solve in a chain of the lean equations (N,) in ns, including the clock reads."""
-    ns = np.zeros(len(columns[0]))
-    Solver(columns, way="watched")(1, ns)
-    return ns

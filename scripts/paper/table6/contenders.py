@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Software in table 6: C, numpy, numba, JAX, EAIK and ikpy. Each solves its targets repeatedly.
+"""Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-EAIK and ikpy solve different problems from ours, which is to find one pose from the hand's position and the swivel
-angle. EAIK solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the
-model's answer, which contains the swivel angle, and returns all sets of joint angles; the smallest hand error counts.
-ikpy searches from a fixed start, given only the hand's position, and finds some elbow.
+The lean equations for arrays are made from the table of :mod:`model.reference.lean_equations`. Like equations.c, they
+are for targets in reach: each sum is rounded and there are no flags. The model's `solve_lean`, with exact sums and
+rules for targets out of reach, has its own row.
+
+EAIK solves another problem than ours, which is to find one pose from the hand's position and the swivel angle. It
+solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the model's answer,
+which contains the swivel angle, and returns all sets of joint angles; the smallest hand error counts.
 """
 
 from __future__ import annotations
 
 import importlib
 import itertools
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,22 +21,20 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+import sympy
+from sympy.printing.pycode import PythonCodePrinter
 
 from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
 from model.reference import equations
 from model.reference.kinematics import forward, matrix, multiply
-from model.reference.lean_equations import solve_lean
-from scripts.paper.table6.arrays import lean, lean_of
+from model.reference.lean_equations import LEAN, solve_lean
+from model.reference.printed import symbol
+from scripts.paper.derivation.proofs import parse, rsqrt
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 
-
-@dataclass(frozen=True)
-class Bound:
-    """Contender bound to targets: ``again(times)`` solves them all ``times`` times, ``errors()`` returns hand error /
-    reach (N,), nan where there is no answer."""
-
-    again: Callable[[int], Any]
-    errors: Callable[[], np.ndarray]
+Bound = tuple[Callable[[int], Any], Callable[[], np.ndarray]]
+"""Software bound to targets: a function that solves them all a number of times, and one that returns hand error / reach
+(N,), nan where there is no answer."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,6 @@ def found(module: str) -> ModuleType | None:
         return None
 
 
-def _titled(module: str, title: str = "") -> str:
-    """Return the name of a package with its version, if installed."""
-    return f"{title or module} {getattr(found(module), '__version__', '')}".strip()
-
-
 def columns(targets: Targets) -> list[np.ndarray]:
     """Return the columns x, y, z, phi, d1, d2."""
     return [getattr(targets, name) for name in FIELDS]
@@ -83,11 +78,57 @@ def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
     """Bind a function that solves all targets once; ``errors`` takes its result."""
 
-    def again(times: int) -> None:
-        for _ in range(times):
-            solve()
+    def again(times: int = 1) -> Any:
+        with np.errstate(all="ignore"):
+            for _ in range(times):
+                answers = solve()
+        return answers
 
-    return Bound(again, lambda: errors(solve()))
+    return again, lambda: errors(again())
+
+
+# -- the lean equations on arrays ------------------------------------------------------------------
+
+CHEAPER = {
+    "root_far": "sqrt(where(a_far > zero, a_far, zero))",
+    "root_near": "sqrt(where(b_near > zero, b_near, zero))",
+    "inv_12": "half/sqrt(d1*d2)",
+    "inv_law": "half*inv_s/d1",
+    "az_c": "where(u_y <= zero, az_sq, half*u_x)",
+    "az_s": "where(u_y <= zero, half*u_x, az_sq)",
+    "inv_q": "where(k_1 < zero, -one, one)/sqrt(length_sq)",
+}
+"""Lines with other arithmetic: a library has roots, and computes a reciprocal root as 1/sqrt. `az_sq` is a part of the
+half angle quaternion, and the sign of Qs belongs to `inv_q`."""
+
+
+def lines() -> list[tuple[sympy.Symbol, sympy.Expr]]:
+    """Return the lines that the results need. Numbers are symbols, so that they can have the arrays' type."""
+    zero, half, one, where = *map(symbol, ("zero", "half", "one")), sympy.Function("where")
+    found, needed = [], {*map(symbol, RESULT_FIELDS)}
+    for name, text in reversed([line for group in LEAN.values() for line in group.items()]):
+        if symbol(name) not in needed:
+            continue
+        length_sq = symbol(name[:-1] + "sq")  # of half an angle's quaternion: half_c, half_s
+        halves = {part: partial(sympy.Function(part), length_sq) for part in ("half_c", "half_s")}
+        value = parse(CHEAPER.get(name, text), halves | {"where": where})
+        if name not in CHEAPER:
+            value = value.xreplace({sympy.S.Half: half}).replace(rsqrt, lambda v: one / sympy.sqrt(v))
+        value = value.replace(sympy.Function("half_c"), lambda large, c, s: where(c >= zero, large, half * s))
+        value = value.replace(sympy.Function("half_s"), lambda large, c, s: where(c >= zero, half * s, large))
+        found.append((symbol(name), value))
+        needed |= value.free_symbols
+    return found[::-1]
+
+
+def lean_of(library: Any, real: Any) -> Callable[..., tuple]:
+    """Return a solver (x, y, z, phi, d1, d2) -> (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i) for a library with numpy's
+    function names, all of type `real`; an integer among floats would promote them to double."""
+    functions = {name: getattr(library, name) for name in ("sqrt", "sin", "cos", "where")}
+    names = functions | {"zero": real(0), "half": real(0.5), "one": real(1)}
+    results = tuple(map(symbol, RESULT_FIELDS))
+    printer = PythonCodePrinter({"fully_qualified_modules": False, "allow_unknown_functions": True, "order": "none"})
+    return sympy.lambdify([*map(symbol, FIELDS)], results, [names], printer, cse=lambda _: (lines(), results))
 
 
 # -- functions from six arrays to six arrays -------------------------------------------------------
@@ -95,91 +136,36 @@ def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> 
 
 def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
     solve = Solver(columns(targets), equations_, real, way)
-    return Bound(solve, lambda: hand_errors(solve(1), targets))
+    return solve, lambda: hand_errors(solve(), targets)
 
 
-def _bind_arrays(make: Callable[[], Callable[..., Any]], kind: type, targets: Targets) -> Bound:
-    solve, given = make(), [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
+def _bind_model(solve: Callable[..., dict], targets: Targets) -> Bound:
+    given = columns(targets)
 
-    def once() -> Any:
-        with np.errstate(all="ignore"):
-            return solve(*given)
+    def errors(nodes: dict) -> np.ndarray:
+        return hand_errors(np.stack([nodes[name] for name in RESULT_FIELDS], axis=1), targets)
 
-    return _repeated(once, lambda answers: hand_errors(np.stack(answers, axis=1), targets))
-
-
-def _of_model(solve: Callable[..., dict], *given: np.ndarray) -> tuple:
-    nodes = solve(*given)
-    return tuple(nodes[name] for name in RESULT_FIELDS)
+    return _repeated(lambda: solve(*given), errors)
 
 
-def _choose(condition: Any, yes: Any, no: Any) -> Any:
-    return yes if condition else no
-
-
-def _numba_solve(kind: type) -> Callable[..., Any]:
-    """Return a function from six arrays to six, a loop compiled by numba."""
-    numba = found("numba")
-    inline = numba.njit(inline="always")
-    one = inline(lean(kind, sqrt=math.sqrt, sin=math.sin, cos=math.cos, where=inline(_choose)))
-
-    @numba.njit(error_model="numpy")
-    def loop(x, y, z, phi, d1, d2, out):
-        for k in range(len(x)):
-            q = one(x[k], y[k], z[k], phi[k], d1[k], d2[k])
-            out[0, k], out[1, k], out[2, k], out[3, k], out[4, k], out[5, k] = q
-
-    room: dict[int, np.ndarray] = {}
-
-    def solve(*given: np.ndarray) -> Any:
-        count = len(given[0])
-        loop(*given, room.setdefault(count, np.empty((6, count), dtype=kind)))
-        return room[count]
-
-    return solve
+def _bind_numpy(kind: type, targets: Targets) -> Bound:
+    solve, given = lean_of(np, kind), [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
+    return _repeated(lambda: solve(*given), lambda answers: hand_errors(np.stack(answers, axis=1), targets))
 
 
 def _bind_jax(device: Any, kind: type, targets: Targets) -> Bound:
     jax = found("jax")
     given = [jax.device_put(c.astype(kind), device) for c in columns(targets)]
     compiled = jax.jit(lean_of(found("jax.numpy"), kind))
-    jax.block_until_ready(compiled(*given))
     return _repeated(
         lambda: jax.block_until_ready(compiled(*given)),
         lambda answers: hand_errors(np.stack([np.asarray(c) for c in answers], axis=1), targets),
     )
 
 
-def in_c() -> Iterator[Contender]:
-    """Yield the single-threaded C variants."""
-    for names in itertools.product(EQUATIONS, REALS, WAYS):
-        yield Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
-
-
-def in_numpy() -> Iterator[Contender]:
-    """Yield the model's functions, which return flags and intermediate values, and the plain equations."""
-    for key, name, solve in (
-        ("numpy-model-lean", "lean, the model's `solve_lean`: exact sums, flags, every node", solve_lean),
-        ("numpy-model-paper", "paper, the model's `equations.solve`: every node", equations.solve),
-    ):
-        make = partial(partial, _of_model, solve)
-        yield Contender(key, "numpy", name, partial(_bind_arrays, make, np.float64))
-    for real, kind in REALS.items():
-        bind = partial(_bind_arrays, partial(lean_of, np, kind), kind)
-        yield Contender(f"numpy-{real}", "numpy", f"lean, {real}", bind)
-
-
-def in_numba() -> Iterator[Contender]:
-    """Yield the plain equations, one target at a time."""
-    lacks, group = "" if found("numba") else "not installed", _titled("numba")
-    for real, kind in REALS.items():
-        bind = partial(_bind_arrays, partial(_numba_solve, kind), kind)
-        yield Contender(f"numba-{real}", group, f"lean, {real}, a loop, one thread", bind, lacks)
-
-
-def in_jax() -> Iterator[Contender]:
-    """Yield the plain equations compiled by XLA; targets and answers stay on the device."""
-    jax, group = found("jax"), _titled("jax", "JAX")
+def _jax() -> Iterator[Contender]:
+    """Yield the lean equations compiled by XLA; targets and answers stay on the device."""
+    jax = found("jax")
     for platform, where, lacks in (("cpu", "CPU, all cores", "no CPU backend here"), ("gpu", "GPU", "no GPU here")):
         device = None
         if jax:
@@ -191,32 +177,12 @@ def in_jax() -> Iterator[Contender]:
         if device and platform == "gpu":
             where += f", {device.device_kind}"
         for real, kind in REALS.items():
-            bind = partial(_bind_jax, device, kind)
-            name = f"lean, {real}, {where}"
-            yield Contender(f"jax-{platform}-{real}", group, name, bind, lacks if jax else "not installed")
+            group, bind = f"JAX {jax.__version__}" if jax else "JAX", partial(_bind_jax, device, kind)
+            lacks = lacks if jax else "not installed"
+            yield Contender(f"jax-{platform}-{real}", group, f"lean, {real}, {where}", bind, lacks)
 
 
-# -- libraries that solve another problem ----------------------------------------------------------
-
-X, Y, Z = np.eye(3)
-NONE = np.zeros(3)
-
-
-def _of_reach_1(targets: Targets) -> Targets:
-    """Scale targets and arms to a reach of 1: both libraries have tolerances in units of length."""
-    return replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
-
-
-def _asked(make: Callable[[float, float], Any], targets: Targets, goals: np.ndarray) -> list[tuple[Any, np.ndarray]]:
-    """Return the robot and the goal of each target; robots are made once per arm, before the timing starts."""
-    arms = list(zip(targets.d1.tolist(), targets.d2.tolist(), strict=True))
-    made = {arm: make(*arm) for arm in set(arms)}
-    return [(made[arm], goal) for arm, goal in zip(arms, goals, strict=True)]
-
-
-def _error(hands: list[np.ndarray], position: np.ndarray) -> float:
-    """Return the smallest distance of some hands from a position, nan without a hand."""
-    return min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan)
+# -- EAIK ------------------------------------------------------------------------------------------
 
 
 def _hand_poses(targets: Targets) -> np.ndarray:
@@ -232,51 +198,40 @@ def _hand_poses(targets: Targets) -> np.ndarray:
 
 
 def _bind_eaik(targets: Targets) -> Bound:
-    targets = _of_reach_1(targets)
+    """Scale targets and arms to a reach of 1, since EAIK has tolerances in units of length, and make the robots, one an
+    arm, before the timing starts."""
+    targets = replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
+    x, y, z = np.eye(3)
+    none, robot_of = np.zeros(3), found("eaik.IK_HP").HPRobot
     # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 misclassifies the arm and
     # misses the pose by half the reach.
-    axes, robot_of = np.array([Z, X, Y, X]), found("eaik.IK_HP").HPRobot
-    asked = _asked(
-        lambda d1, d2: robot_of(axes, np.array([NONE, NONE, NONE, d1 * Z, -d2 * Z])), targets, _hand_poses(targets)
-    )
+    axes, arms = np.array([z, x, y, x]), list(zip(targets.d1.tolist(), targets.d2.tolist(), strict=True))
+    robots = {(d1, d2): robot_of(axes, np.array([none, none, none, d1 * z, -d2 * z])) for d1, d2 in set(arms)}
+    asked = [(robots[arm], pose) for arm, pose in zip(arms, _hand_poses(targets), strict=True)]
 
     def errors(solutions: list) -> np.ndarray:
-        hands = ([r.fwdKin(q)[:3, 3] for q in s.Q] for (r, _), s in zip(asked, solutions, strict=True))
-        return np.array([*map(_error, hands, targets.position)])
+        found = []
+        for (robot, _), solution, position in zip(asked, solutions, targets.position, strict=True):
+            hands = (robot.fwdKin(angles)[:3, 3] for angles in solution.Q)
+            found.append(min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan))
+        return np.array(found)
 
     return _repeated(lambda: [robot.IK(pose) for robot, pose in asked], errors)
 
 
-def _ikpy_chain(d1: float, d2: float) -> Any:
-    link, chain = found("ikpy.link"), found("ikpy.chain")
-    joints = [("azimuth", 0, Z), ("elevation", 0, X), ("upper arm", 0, Z), ("elbow", d1, X)]
-    links = [link.URDFLink(name, [0, 0, along], [0, 0, 0], rotation=axis) for name, along, axis in joints]
-    hand = link.URDFLink("hand", [0, 0, -d2], [0, 0, 0], joint_type="fixed")
-    moves = [False, *(True for _ in joints), False]
-    return chain.Chain([link.OriginLink(), *links, hand], active_links_mask=moves)
-
-
-def _bind_ikpy(targets: Targets) -> Bound:
-    targets = _of_reach_1(targets)
-    asked = _asked(_ikpy_chain, targets, targets.position)
-    start = [0, 0.1, 0.5, 0.1, 2, 0]  # a bent arm
-
-    def errors(angles: list) -> np.ndarray:
-        hands = ([c.forward_kinematics(q)[:3, 3]] for (c, _), q in zip(asked, angles, strict=True))
-        return np.array([*map(_error, hands, targets.position)])
-
-    return _repeated(lambda: [chain.inverse_kinematics(p, initial_position=start) for chain, p in asked], errors)
-
-
-def others() -> Iterator[Contender]:
-    """Yield EAIK and ikpy; both are slow."""
-    for key, group, module, name, bind, most in (
-        ("eaik", "EAIK", "eaik.IK_HP", "4 joints, the hand's whole pose given, all solutions", _bind_eaik, 1000),
-        ("ikpy", "ikpy", "ikpy.chain", "4 joints, the hand's place given, any elbow, by search", _bind_ikpy, 20),
-    ):
-        yield Contender(key, group, name, bind, "" if found(module) else "not installed", most)
-
-
 def contenders() -> list[Contender]:
     """Return all software in table order."""
-    return [*in_c(), *in_numpy(), *in_numba(), *in_jax(), *others()]
+    every = [
+        Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
+        for names in itertools.product(EQUATIONS, REALS, WAYS)
+    ]
+    for key, name, solve in (
+        ("numpy-model-lean", "lean, the model's `solve_lean`: exact sums, flags, every node", solve_lean),
+        ("numpy-model-paper", "paper, the model's `equations.solve`: every node", equations.solve),
+    ):
+        every.append(Contender(key, "numpy", name, partial(_bind_model, solve)))
+    for real, kind in REALS.items():
+        every.append(Contender(f"numpy-{real}", "numpy", f"lean, {real}", partial(_bind_numpy, kind)))
+    lacks = "" if found("eaik.IK_HP") else "not installed"
+    pose = "4 joints, the hand's whole pose given, all solutions"
+    return [*every, *_jax(), Contender("eaik", "EAIK", pose, _bind_eaik, lacks, 1000)]

@@ -4,9 +4,7 @@
 // solve many targets. Options of the compiler set REAL, the type, and SOLVE, the set of equations: lean or paper.
 // Equation numbers as in model/reference: (10)-(18) the paper's, (L1)-(L61) the lean ones. Branch-free, so that
 // a compiler can vectorize it. With long double, sine and cosine are accurate to 5e-17, the rest to 64 bits.
-#define _GNU_SOURCE
 #include <tgmath.h>
-#include <time.h>
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -131,21 +129,4 @@ void chain(ARGUMENTS) {
     }
     __asm__ volatile("" ::: "memory");
   }
-}
-
-// A chain that reads the clock before and after each target: ns[k], clock reads included. The maximum is the delay that
-// a control loop must tolerate.
-void watched(ARGUMENTS, REAL *restrict ns) {
-  struct timespec from, to;
-  REAL before = 0;
-  for (long t = 0; t < times; t++)
-    for (long k = 0; k < n; k++) {
-      clock_gettime(CLOCK_MONOTONIC, &from);
-      POSE q = SOLVE(x[k] + before, y[k] + before, z[k] + before, phi[k] + before, d1[k] + before, d2[k] + before);
-      STORE;
-      before = copysign((REAL)0, (q.qs_w + q.qs_i) + (q.qs_j + q.qs_k) + (q.qe_w + q.qe_i));
-      __asm__ volatile("" ::: "memory");
-      clock_gettime(CLOCK_MONOTONIC, &to);
-      ns[k] = (REAL)((to.tv_sec - from.tv_sec) * 1000000000L + (to.tv_nsec - from.tv_nsec));
-    }
 }

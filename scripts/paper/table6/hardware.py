@@ -6,9 +6,6 @@ A path is the logic around the datapath: `ik_axis` from stream to stream, `ik_ax
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 import numpy as np
 
 from model.dataflow import fixed
@@ -16,13 +13,14 @@ from model.io.trajectories import make
 from model.io.words import from_words, result_values, to_words
 from scripts.generate.pages import measured
 from scripts.paper.table6.contenders import hand_errors
-from tb.axi.ik_axi import LATENCIES
 from tb.sim.env import SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate
 
 WIDTH = 32
 DATAPATHS = ("paper", "lean")
 STREAMS = "stream to stream"
+BUS, LATENCY = 128, 34
+"""Bits of the bus and clocks of the memory in the path from memory to memory."""
 CHUNK = 20_000
 """Random targets per run of the bit-true model."""
 
@@ -38,10 +36,10 @@ def stream_to_stream(datapath: str) -> dict:
     return {"first": first, "last": last, "each": (last - first) / len(words), "reach_error": reach_error(run.results)}
 
 
-def memory_to_memory(datapath: str, bus: int, latency: int) -> dict:
-    """Return the same figures for jobs of `ik_axi` on a memory of this latency: register CLOCKS after a job of one
-    target and after a job of all, clocks of channel R per target in a long job, error of the results in memory."""
-    (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": bus}, latency)
+def memory_to_memory(datapath: str) -> dict:
+    """Return the same figures for jobs of `ik_axi`: register CLOCKS after a job of one target and after a job of all,
+    clocks of channel R per target in a long job, error of the results in memory."""
+    (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": BUS}, LATENCY)
     clocks = {name: row[name] for name in ("first", "last", "each")}
     return {**clocks, "reach_error": reach_error(np.array(row["results"]))}
 
@@ -52,14 +50,7 @@ def reach_error(results: np.ndarray) -> float:
     return float(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
 
 
-PATHS: dict[str, Callable[[str], dict]] = {
-    STREAMS: stream_to_stream,
-    **{
-        f"memory to memory, {bus} bits, latency {latency}": partial(memory_to_memory, bus=bus, latency=latency)
-        for bus in (64, 128)
-        for latency in (LATENCIES[0], LATENCIES[2])
-    },
-}
+PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LATENCY}": memory_to_memory}
 """Path -> function that measures its clocks and error."""
 
 

@@ -22,18 +22,10 @@ BUSY = 0.3
 """Load per processor core above which the page warns that the computer was busy."""
 
 
-def mhz(fpga: dict, datapath: str, width: int) -> float:
-    """Return the clock of a datapath (MHz) from the figures of `make fpga`."""
-    found = clock(fpga, datapath, width)
-    if found is None:
-        raise ValueError(f"fpga.json has no clock of {datapath}, W = {width}")
-    return found
-
-
 def clock_of(fpga: dict, row: dict) -> float:
     """Return the clock of a hardware row (MHz); memory to memory: the slower of datapath and ``ik_axi``."""
-    datapath = mhz(fpga, row["datapath"], row["width"])
-    return datapath if row["path"] == STREAMS else min(datapath, clock(fpga, "echo", 32) or datapath)
+    datapath = clock(fpga, row["datapath"], row["width"])
+    return datapath if row["path"] == STREAMS else min(datapath, clock(fpga, "echo", 32))
 
 
 def number(value: float) -> str:

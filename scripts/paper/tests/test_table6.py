@@ -2,10 +2,7 @@
 """Table 6: the software agrees with the model and the page with its figures. No test asserts a time."""
 
 import json
-import platform
 import shutil
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,9 +16,8 @@ from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6 import compiled, hardware
-from scripts.paper.table6.arrays import lean_of
-from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
-from scripts.paper.table6.contenders import Bound, Contender, columns, contenders, first, hand_errors
+from scripts.paper.table6.compiled import REALS, WAYS, Solver
+from scripts.paper.table6.contenders import Contender, columns, contenders, first, hand_errors, lean_of
 from scripts.paper.table6.page import page
 
 needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
@@ -46,7 +42,7 @@ def difference(answers, expected):
 
 @needs_cc
 @pytest.mark.parametrize("real", REALS)
-@pytest.mark.parametrize("way", [*WAYS, "watched"])
+@pytest.mark.parametrize("way", WAYS)
 def test_c_gives_the_models_answers(way, real):
     """The paper's equations are compared away from singular poses: the model computes three sums in another form."""
     for name, solve, targets in (
@@ -54,30 +50,10 @@ def test_c_gives_the_models_answers(way, real):
         ("paper", equations.solve, REACH),
         ("lean", solve_lean, RANDOM),
     ):
-        ns = np.zeros(len(targets), dtype=REALS[real])
-        answers = Solver(columns(targets), name, real, way)(2, ns)
+        answers = Solver(columns(targets), name, real, way)(2)
         if real == "double" or targets is REACH:
             assert difference(answers, by_model(targets, solve)) < (1e-12 if real == "double" else 2e-5)
         assert hand_errors(answers, targets).max() < 1e-5
-        assert (ns >= 0).all() and ns.any() == (way == "watched")
-
-
-@needs_cc
-@pytest.mark.parametrize(("way", "vectorized"), [("batch", False), ("vector", True)])
-def test_only_vectors_are_vectors(tmp_path, way, vectorized):
-    """gcc reports the loop over targets as vectorized only in the vector build."""
-    if "gcc" not in Path(compiled.compiler()).resolve().name or platform.machine() not in ("x86_64", "aarch64"):
-        pytest.skip("needs gcc")
-    body = compiled.SOURCE.read_text().splitlines()
-    start = body.index("void batch(ARGUMENTS) {") + 1
-    end = body.index("}", start)
-    for name in EQUATIONS:
-        for real in REALS:
-            words = compiled.options(name, real, WAYS[way][1])
-            command = [compiled.compiler(), "-fopt-info-vec", "-c", "-o", str(tmp_path / "out.o"), *words]
-            text = subprocess.run(command, capture_output=True, text=True, check=True).stderr
-            lines = [int(line.split(":")[1]) for line in text.splitlines() if "loop vectorized" in line]
-            assert any(start < line < end for line in lines) == vectorized and bool(lines) == vectorized, text
 
 
 def test_single_precision_arrays_stay_single():
@@ -85,7 +61,7 @@ def test_single_precision_arrays_stay_single():
     assert {c.dtype for c in single} == {np.dtype(np.float32)}
 
 
-@pytest.mark.parametrize("key", ["numpy", "numba", "jax", "eaik", "ikpy"])
+@pytest.mark.parametrize("key", ["numpy", "jax", "eaik"])
 def test_software_reaches_the_hand(key):
     for contender in (one for one in contenders() if one.key.startswith(key)):
         if contender.lacks == "not installed":
@@ -93,7 +69,7 @@ def test_software_reaches_the_hand(key):
         if not contender.lacks:
             targets = first(REACH, 5) if contender.most else REACH if "paper" in contender.key else RANDOM
             exact = contender.most is None and "float" not in contender.key
-            assert contender.bind(targets).errors().max() < (1e-12 if exact else 1e-5)
+            assert contender.bind(targets)[1]().max() < (1e-12 if exact else 1e-5)
 
 
 # -- hardware --------------------------------------------------------------------------------------
@@ -117,7 +93,6 @@ def figures():
 
 def test_the_page_shows_its_figures():
     assert table6.PAGE.read_text() == page(figures(), load()), "run: python -m scripts.paper.table6 --page"
-    assert table6.FIGURES.read_text() == table6.written(figures())
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
@@ -132,7 +107,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
 @pytest.mark.sim
 @pytest.mark.cost(20)
 def test_clocks_from_memory_are_those_of_the_present_core():
-    path = next(path for path in hardware.PATHS if path.startswith("memory"))
+    path = list(hardware.PATHS)[1]
     kept = next(row for row in figures()["hardware"] if (row["datapath"], row["path"]) == ("lean", path))
     found = hardware.PATHS[path]("lean")
     stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
@@ -148,11 +123,7 @@ def test_missing_software_has_a_row():
 
 
 def test_a_target_without_an_answer_is_counted_and_is_no_error():
-    few = first(RANDOM, 4)
-    answers = by_model(few)
-    answers[1] = np.nan
-    error, unanswered = table6.accuracy(Bound(lambda times: None, lambda: hand_errors(answers, few)))
-    assert unanswered == 1 and error < 1e-12
+    assert table6.accuracy(np.array([1e-13, np.nan, 1e-15])) == (1e-13, 1)
 
 
 @needs_cc
