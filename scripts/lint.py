@@ -21,53 +21,22 @@ from scripts.console import InputError, command
 from tb.sim.env import ROOT, environment
 from tb.sim.sources import RULES, includes, sources
 
-# engines of memory: narrow and wide buses, addresses and bursts
-BUSES = [{"ADDR_W": a, "DATA_W": d, "LOG2_BURST": b} for a, d, b in ((32, 64, 3), (64, 32, 5), (12, 128, 1))]
-# module -> its parameter sets; another module is linted at W = 32 and 18 if it has a W
 MODULE_SETS = {
     "ik_axi": [
         {"W": 32},
         {"W": 18, "DATA_W": 32, "ADDR_W": 64, "LOG2_BURST": 5},
         {"W": 18, "DATAPATH": 0, "DIGIT": 1, "DATA_W": 128, "ADDR_W": 12, "LOG2_BURST": 1},
     ],
-    "ik_axi_job": [{"ADDR_W": a, "DATA_W": d} for a, d in ((32, 64), (64, 32), (12, 128))],
-    "ik_axi_read": BUSES,
-    "ik_axi_write": BUSES,
-    "ik_axi_result": [{"W": w, "DATA_W": d} for w, d in ((32, 64), (18, 32), (16, 128))],
-    "ik_axi_target": [{"W": w} for w in (32, 31, 18, 16)],
-    "ik_axis": [
-        {"W": 32},
-        {"W": 18},
-        {"W": 18, "DATAPATH": 0, "DIGIT": 1},
-        {"W": 18, "TILE": 25},
-        {"W": 24, "DATAPATH": 2},
-    ],
-    "ik_div": [{"DIGIT": 0}, {"DIGIT": 1}],
-    "ik_div_digit": [
-        {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 34},
-        {"NW": 40, "DW": 32, "SH": 22, "QW": 32, "LAT": 18},
-        {"NW": 18, "DW": 18, "SH": 16, "QW": 18, "LAT": 20},
-    ],
-    "ik_sincos": [{"W": 32}, {"W": 18}],
-    "ik_root": [{"DIGIT": 0}, {"DIGIT": 1}],
-    "ik_root_digit": [
-        {"NW": 32, "SH": 30, "QW": 32, "LAT": 32},
-        {"NW": 33, "SH": 29, "QW": 32, "LAT": 17},
-        {"NW": 18, "SH": 17, "QW": 18, "LAT": 18},
-    ],
-    "ik_root_row": [{"K": 0}, {"K": 15}, {"K": 30}],
-    "ik_even": [{"VW": 64, "MW": 34}, {"VW": 36, "MW": 24}, {"VW": 18, "MW": 24}],
-    "ik_fold": [{"W": 24}, {"W": 32}, {"W": 20}],
+    "ik_axi_target": [{"W": width} for width in (32, 31, 18, 16)],
+    "ik_axis": [*({"W": width} for width in (32, 24, 18, 16)), {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
+    "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
+    "ik_fold": [{"W": width} for width in (32, 24, 20)],
     "ik_fold_norm": [{}],
     "icebreaker": [{}, {"BAUD": 115200}],
-    "ik_fold_word": [{}],
     **{f"ik_lean_{part}": [{"W": 32, "N": 35}, {"W": 18, "N": 25}] for part in ("direction", "triangle", "turn")},
-    "ik_paper": [{"W": w, "DIGIT": digit} for w in (32, 18) for digit in (0, 1)],
-    "ik_mul3": [{"AW": 35, "BW": 35, "SH": 33, "OW": 35}, {"AW": 23, "BW": 24, "SH": 20, "OW": 30}],
-    "ik_rsqrt": [{"F": 31}, {"F": 22}, {"F": 21}, {"F": 19}],
-    "ik_quadratic": [{}],
-    "ik_trig": [{"W": 32, "F": 31}, {"W": 24, "F": 27}, {"W": 18, "F": 23}, {"W": 16, "F": 19}],  # F goes with W
 }
+"""Module -> its parameter sets; another one is linted at W = 32 and 18, or with its defaults if it has no W. A set also
+lints all modules below with the parameters that they get there."""
 
 FOLDERS = ("examples/icebreaker", "tb/rules")
 """Folders of modules that are linted with rtl/."""
