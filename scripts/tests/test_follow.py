@@ -10,7 +10,6 @@ from vcd.gtkw import GTKWColor, GTKWFlag
 from vcd.reader import TokenKind, tokenize
 from vcd.writer import VCDWriter
 
-from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
 from model.io.stimuli import random_reachable
@@ -18,19 +17,13 @@ from model.io.words import to_words
 from model.reference.lean_equations import LEAN
 from scripts import follow, recording, run, waves
 from scripts.save_file import place, signals
-from tb.sim.env import SIMULATORS, simulator
+from scripts.tests.conftest import admissions, nodes_of
+from tb.sim.env import SIMULATORS
+from tb.sim.env import simulator as simulator_of_tests
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
 
-FIRST, GAP = 6, 3
-"""Clock in which the simulator below admits target 0; idle clocks between targets 1 and 2."""
-
-TOP = ("ik_axis",)
 WIDTH = 18
-
-
-def nodes_of(words, datapath="lean", width=32):
-    return list(fixed.run(words, width, datapath).bits.nodes.values())
 
 
 def reach(width=32):
@@ -39,47 +32,6 @@ def reach(width=32):
 
 TIMES = {node.name: node.time for node in nodes_of(reach())}
 """Clock of each node of the lean datapath."""
-
-
-class Simulator:
-    """Replacement for the simulator: writes a VCD with the model's words, wrong at each (node, target) of `wrong`."""
-
-    def __init__(self, monkeypatch, wrong=()):
-        self.wrong = wrong
-        monkeypatch.setattr(run, "simulate", self)
-
-    def __call__(self, jobs, *, datapath, width, waves, **_):
-        (job,) = jobs
-        nodes = nodes_of(job.words, datapath, width)
-        admitted = [FIRST + k + GAP * (k > 1) for k in range(len(job.words))]
-        core = (*TOP, f"g_{datapath}", "u_core")
-        with open(waves, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
-
-            def line(path, bits):
-                *scopes, name = path
-                return writer.register_var(scopes, f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits)
-
-            plain = {name: line((*TOP, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
-            for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 6 * width)):
-                for side in "sm" if bits > 1 else "m":
-                    line((*TOP, f"{side}_axis_{name}"), bits)
-            for name in ("in_valid", "out_valid"):
-                line((*core, name), 1)
-            lines = {node.name: line((*TOP, *place(datapath, node)), node.format.width) for node in nodes}
-            for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
-                rise = 10_000 * clock - 5_000
-                bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
-                for name, bit in bits.items():
-                    writer.change(plain[name], rise, int(bit))
-                for node in nodes:
-                    bits = "x"
-                    if clock - node.time in admitted:
-                        target = admitted.index(clock - node.time)
-                        bits = recording.model_bits(node, target)
-                        if (node.name, target) in self.wrong:
-                            bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
-                    writer.change(lines[node.name], rise, bits)
-                writer.change(plain["clk"], 10_000 * clock, 0)
 
 
 def columns(vcd):
@@ -148,13 +100,12 @@ def marker(save_file):
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
-def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
+def test_every_node_stands_in_its_line(command, files, simulator, datapath):
     """Lines are in dataflow order: clock, equation, both words, both values, operands. No file is written."""
-    Simulator(monkeypatch)
     status, out, err = command(follow.main, "--target", "42", "--datapath", datapath)
     nodes = nodes_of(reach(), datapath)
     assert (status, err, files()) == (0, [], [])
-    admitted = FIRST + 42 + GAP
+    admitted = admissions(100)[42]
     assert f"admitted in clock {admitted}" in out[0] and f"all {len(nodes)} nodes" in out[-1]
     sections = dict.fromkeys(node.section for node in nodes if node.op != "input")
     titles = [f"{section}: {DATAPATHS[datapath].sections[section]}" for section in sections]
@@ -169,16 +120,16 @@ def test_every_node_stands_in_its_line(command, files, monkeypatch, datapath):
         assert all(operand.name in " ".join(row) for operand in node.operands if operand.op != "constant")
 
 
-def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
+def test_a_node_that_differs_is_marked_and_explained(command, simulator):
     """The first difference in dataflow order is shown with its operands; for another target one line names it."""
-    Simulator(monkeypatch, wrong=[("qs_w", 3), ("w_1", 3), ("wi_c", 3)])
+    simulator.wrong = [("qs_w", 3), ("w_1", 3), ("wi_c", 3)]
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
     marked = [line for line in out if line.startswith("!")]
     assert [line.split()[4] for line in marked] == ["wi_c", "w_1", "qs_w"]
     assert marked[1].endswith(f"choose wi_c, i_dif, triangle.arm_swap: w_1 = {LEAN['Product']['w_1']}")
     shown = out[[line.startswith("first difference") for line in out].index(True) :]
-    admitted = FIRST + 3 + GAP
+    admitted = admissions(100)[3]
     assert f"turn.wi_c (L52) of target 3 at clock {admitted + TIMES['wi_c']}: RTL " in shown[0]
     assert "mul3 wi_0, triangle.arm_c" in shown[1]
     for line, name in zip(shown[2:4], ("wi_0", "triangle.arm_c"), strict=True):
@@ -190,15 +141,14 @@ def test_a_node_that_differs_is_marked_and_explained(command, monkeypatch):
     assert status == 0 and "target that differs is 3" in err and f"all {len(TIMES)} nodes" in out[-1]
 
 
-def test_aligned_vcd(command, monkeypatch):
+def test_aligned_vcd(command, simulator):
     """Each target has a column, with X between them; the first difference is marked."""
-    wrong = [("w_1", 3), ("u_x", 5)]
-    Simulator(monkeypatch, wrong)
+    simulator.wrong = [("w_1", 3), ("u_x", 5)]
     status, out, _ = command(follow.main, "--target", "3", "--waves", "--out", "o")
     written = [f"o/{name}" for name in ("waves.vcd", "waves.gtkw", "aligned.vcd", "aligned.gtkw")]
     assert status == 1 and out[-4:] == [f"wrote {name}" for name in written]
-    admitted = [FIRST + k + GAP * (k > 1) for k in range(100)]
-    check_aligned(Path("o/aligned.vcd"), nodes_of(reach()), admitted, wrong)
+    admitted = admissions(100)
+    check_aligned(Path("o/aligned.vcd"), nodes_of(reach()), admitted, simulator.wrong)
     label = f"w_1 (L52) +{TIMES['w_1']}"
     assert marker(Path("o/waves.gtkw")) == ((admitted[3] + TIMES["w_1"]) * 10_000, [label])
     assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + max(TIMES.values())) * 10_000, [label])
@@ -206,9 +156,9 @@ def test_aligned_vcd(command, monkeypatch):
     assert {name for _, name, *_ in traces(Path("o/aligned.gtkw"))} == known
 
 
+@pytest.mark.usefixtures("simulator")
 def test_a_full_disk(command, files, monkeypatch):
     """Earlier files stay, and no half-written one."""
-    Simulator(monkeypatch)
     Path("o").mkdir()
     Path("o/aligned.vcd").write_text("old")
 
@@ -222,13 +172,12 @@ def test_a_full_disk(command, files, monkeypatch):
     assert files() == ["o/aligned.vcd", "o/waves.vcd"] and Path("o/aligned.vcd").read_text() == "old"
 
 
-def test_x_is_a_difference(tmp_path, monkeypatch):
+def test_x_is_a_difference(tmp_path, simulator):
     """A VCD omits leading digits, so a short X value is extended; after the end of a recording all is X."""
     words = np.stack([reach()[0]] * 3)
     nodes = nodes_of(words)
-    Simulator(monkeypatch)
     vcd = tmp_path / "x.vcd"
-    run.simulate([Job("x", words)], simulator="icarus", datapath="lean", width=32, waves=vcd)
+    simulator.record(vcd, [Job("x", words)], "lean", 32)
     code = re.search(r"\$var wire 35 (\S+) w_1", vcd.read_text())[1]
     vcd.write_text(re.sub(rf"^b[01]+ {re.escape(code)}$", f"bx01 {code}", vcd.read_text(), flags=re.M))
     read = recording.read(vcd, "lean", nodes)
@@ -254,7 +203,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
         return runs
 
     monkeypatch.setattr(run, "simulate", simulated)
-    words = "--target", "7", "--waves", "--out", "o", "--sim", simulator(), "--width", str(WIDTH)
+    words = "--target", "7", "--waves", "--out", "o", "--sim", simulator_of_tests(), "--width", str(WIDTH)
     status, out, _ = command(follow.main, *words)
     assert status == 1
     nodes = nodes_of(reach(WIDTH), width=WIDTH)
@@ -278,7 +227,7 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     lines and operators are not recorded."""
     words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
     nodes = nodes_of(words, "paper")
-    (ran,) = simulate([Job("waves", words)], simulator=simulator(), datapath="paper", width=32, waves=vcd)
+    (ran,) = simulate([Job("waves", words)], simulator=simulator_of_tests(), datapath="paper", width=32, waves=vcd)
     assert ran.bit_mismatches == 0
     read = recording.read(vcd, "paper", nodes)
     assert len(read.admitted) == 3 and not list(recording.differences(read, nodes))
@@ -309,7 +258,7 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
         recording.read(vcd, "lean", nodes_of(words))
 
 
-if simulator() == "verilator":
+if simulator_of_tests() == "verilator":
 
     @pytest.mark.sim
     @pytest.mark.cost(20)

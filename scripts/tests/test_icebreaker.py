@@ -7,10 +7,8 @@ import json
 import os
 import pty
 import re
-import subprocess
 import sys
 import threading
-import time
 import tty
 
 import numpy as np
@@ -21,14 +19,7 @@ from examples.icebreaker.frames import ANSWER, Answers, frame
 from model.dataflow import fixed
 from scripts import run
 from tb.icebreaker.example import run as simulated
-from tb.sim.env import ROOT, environment
-from tb.sim.simulate import Run
-
-
-def model(words):
-    answer = fixed.run(words, 24, "fold16")
-    return Run(answer.results, answer.flags, None, None, 0, None)
-
+from tb.sim.env import ROOT
 
 HOST = [sys.executable, "-m", "examples.icebreaker.host", "PORT"]
 
@@ -42,11 +33,11 @@ def csv(place, targets):
 
 @pytest.mark.sim
 @pytest.mark.cost(15)
-def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command, monkeypatch):
+@pytest.mark.usefixtures("simulator")
+def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
     """A byte of a middle and of the last target is lost, and of two answers."""
     trajectory, lost = csv(tmp_path, 12), [[22 * 5 + 3, 22 * 11 + 21], [0, 23 * 6 + 22]]
     core = ["--datapath", "fold16", "--width", "24", "--out", "run"]
-    monkeypatch.setattr(run, "simulate", lambda jobs, **_: [model(jobs[0].words)])
     assert command(run.main, "--trajectory", trajectory, *core)[0] == 0
     program = [*HOST, "--trajectory", trajectory, "--out", str(tmp_path / "board"), "--timeout", "4"]
     variables = {"IK_PROGRAM": json.dumps(program), "IK_LOST": json.dumps(lost), "IK_SAID": str(tmp_path / "printed")}
@@ -80,7 +71,7 @@ class Board(threading.Thread):
             except OSError:
                 return
             frames, had = [had[k : k + 22] for k in range(0, len(had) - 21, 22)], had[len(had) // 22 * 22 :]
-            answers = model(np.array([words_in(one[2:]) for one in frames])) if frames else None
+            answers = frames and fixed.run(np.array([words_in(one[2:]) for one in frames]), 24, "fold16")
             for k, one in enumerate(frames):
                 answer = self.spoil(self.count, answered(one[1], int(answers.flags[k]), answers.results[k]))
                 self.count += 1
@@ -117,7 +108,7 @@ def test_frames():
 
 def test_all_trajectories(command, files, monkeypatch):
     monkeypatch.setattr(run, "hand_bar", lambda words, *_: np.ones(len(words)))
-    status, out, err = command(host.main, Board().port, "--trajectory", "all")
+    status, out, err = command(host.main, Board().port, "--trajectory", "all", "--timeout", "5")
     assert (status, err) == (0, []) and any(", 0 sent again" in line for line in out)
     assert sum(name.endswith("results.csv") for name in files()) == len(run.trajectories.TRAJECTORIES)
     assert not [line for line in out if "latency" in line]
@@ -192,18 +183,3 @@ def test_a_board_that_talks(command, few):
     assert status == 1 and err == [
         f"icebreaker: {os.ttyname(theirs)} sends without being asked: is the right board there?"
     ]
-
-
-def test_a_signal_leaves_earlier_results_intact(tmp_path, few, interruptible):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "results.csv").write_text("before")
-    board = Board(lambda n, answer: b"")
-    words = [*HOST[:3], board.port, "--trajectory", few, "--out", str(tmp_path / "out"), "--timeout", "60"]
-    process = subprocess.Popen(words, cwd=ROOT, env=environment(), stderr=subprocess.PIPE, text=True)
-    while not board.count:
-        time.sleep(0.05)
-    process.terminate()
-    printed = process.communicate(timeout=30)[1]
-    assert (process.returncode, printed) == (143, "icebreaker: terminated\n")
-    assert os.listdir(tmp_path / "out") == ["results.csv"]
-    assert (tmp_path / "out" / "results.csv").read_text() == "before"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `make run`: files, tables, failures and clips with the double-precision model as simulator; the RTL."""
+"""Tests of `make run`: files, tables, failures and clips with the bit-true model as simulator; the RTL."""
 
 import csv
 import json
@@ -16,57 +16,21 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
-from model.io.flags import expected_flags
-from model.io.words import FIELDS, RESULT_FIELDS, from_words
 from model.motion import clip as clips
 from model.motion.pose import solve
 from model.motion.tests import figure
-from model.reference.equations import solve_clamped
-from scripts import results, run
+from scripts import run
 from scripts.fpga.designs import clock, load
 from scripts.generate import pages
-from scripts.recording import WAVES
 from tb.sim import simulate
 from tb.sim.env import cores
 from tb.sim.env import simulator as simulator_of_tests
-from tb.sim.simulate import Run, SimulationError
-
-
-class FakeSimulator:
-    """Replacement for `tb.sim.simulate`: `spoil` may change its runs, `calls` records its arguments."""
-
-    def __init__(self):
-        self.calls = []
-        self.spoil = lambda runs: None
-
-    def simulate(self, jobs, *, width, waves, **given):
-        self.calls.append({"jobs": jobs, "width": width, **given})
-        if waves:
-            assert waves.is_absolute(), "the simulator runs in another folder"
-            waves.touch()
-        runs = []
-        for job in jobs:
-            targets = from_words(job.words, 0, width, job.name)
-            pose = solve_clamped(*(getattr(targets, field) for field in FIELDS))
-            exact = np.column_stack([pose[field] for field in RESULT_FIELDS])
-            words = np.rint(np.ldexp(exact, width - 2)).astype(np.int64)
-            runs.append(Run(words, expected_flags(job.words, width), 363, 363 + len(job.words), 0, None))
-        self.spoil(runs)
-        return runs
+from tb.sim.simulate import SimulationError
 
 
 @pytest.fixture
-def simulator(monkeypatch):
-    fake = FakeSimulator()
-    monkeypatch.setattr(run, "simulate", fake.simulate)
-    monkeypatch.setattr(run, "write_save_file", lambda vcd, datapath, width, path: path.touch())
-    monkeypatch.setattr(run, "align", lambda vcd, *_: [vcd.with_name(name.name).touch() for name in WAVES])
+def cli(simulator, command, monkeypatch):
     monkeypatch.setattr(run, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
-    return fake
-
-
-@pytest.fixture
-def cli(simulator, command):
     return partial(command, run.main)
 
 
@@ -153,7 +117,7 @@ def test_other_units_give_a_warning(cli, content, warning):
 
 
 def test_failures_name_trajectory_bar_and_node(cli, simulator):
-    def spoil(runs):
+    def spoil(*runs):
         runs[1].results[30, 0] += 2**20  # circle
         runs[2].bit_mismatches, runs[2].first_mismatch = 5, "target 3, node c4"
 
@@ -172,15 +136,6 @@ def test_a_bar_is_applied(cli):
     assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
 
 
-def test_a_full_disk(cli, monkeypatch):
-    def full(path, *args):
-        raise OSError(28, "No space left on device", str(path))
-
-    monkeypatch.setattr(results, "write_score_json", full)
-    status, _, err = cli()
-    assert (status, err) == (2, ["run: cannot read or write 'build/run/score.json': No space left on device"])
-
-
 @pytest.mark.parametrize(
     ("end", "status", "message"),
     [
@@ -193,7 +148,7 @@ def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files, 
     Path("o").mkdir()
     Path("o/waves.vcd").write_text("old", encoding="utf-8")
 
-    def spoil(runs):
+    def spoil(_):
         assert sorted(path.name for path in Path("o").iterdir()) == [f".{os.getpid()}.waves.vcd", "waves.vcd"]
         if isinstance(end, Exception):
             raise end
@@ -208,8 +163,8 @@ def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files, 
 
 
 @pytest.fixture
-def clip_cli(simulator, command):
-    return partial(command, run.main, "--trajectory", "t.bvh", "--out", "o")
+def clip_cli(cli):
+    return partial(cli, "--trajectory", "t.bvh", "--out", "o")
 
 
 def rows():
@@ -220,7 +175,7 @@ def rows():
 @pytest.mark.parametrize("axis", ["torso", "y", "0.3,1,0"])
 def test_both_arms(clip_cli, files, axis):
     clip = clips.read(figure.write(Path("t.bvh").absolute(), frames=40))
-    status, out, err = clip_cli(f"--axis={axis}", "--datapath", "paper")
+    status, out, err = clip_cli(f"--axis={axis}")
     assert (status, err) == (0, [])
     names = ["clip.bvh", "clip.glb", "results.csv", "results.npz", "score.json"]
     assert files() == [*(f"o/{name}" for name in names), "t.bvh"]

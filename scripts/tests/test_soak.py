@@ -17,8 +17,7 @@ from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
 from tb.core import random_targets, worst_targets
 from tb.core.random_targets import chunk, judge
-from tb.sim import native_run
-from tb.sim.simulate import Run, SimulationError
+from tb.sim.simulate import SimulationError
 
 MISMATCH = (
     "first difference: turn.c_plus (L44) of target 7 at clock 40: RTL 1 (1), model 0 (0)\n"
@@ -26,38 +25,14 @@ MISMATCH = (
 )
 
 
-class FakeCore:
-    """The bit-true model as simulation; `spoil` may change its run, `calls` records its words."""
-
-    def __init__(self):
-        self.calls, self.sims = [], []
-        self.spoil = lambda run: None
-
-    def run(self, core, words):
-        self.calls.append(words)
-        self.sims.append(core.sim)
-        answer = fixed.run(words, core.width, core.datapath)
-        run = Run(answer.results.copy(), answer.flags.copy(), 80, 80 + len(words), 0, None)
-        self.spoil(run)
-        return run, answer.results, answer.flags
-
-
 @pytest.fixture
-def simulator(monkeypatch, tmp_path):
-    """Install the fake simulation, chunks of 400 targets and a private regression list."""
-    fake = FakeCore()
-    monkeypatch.setattr(random_targets.Core, "run", lambda core, words: fake.run(core, words))
-    monkeypatch.setattr(native_run, "program", lambda datapath, width: None)
+def cli(simulator, command, monkeypatch, tmp_path):
+    """Run the soak with chunks of 400 targets and a private regression list."""
     monkeypatch.setattr(soak, "CHUNK", 400)
-    monkeypatch.setattr(random_targets.chunk, "__defaults__", (400,))
+    monkeypatch.setattr(chunk, "__defaults__", (400,))
     monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
     monkeypatch.setattr(soak, "FIGURES", tmp_path / "soak.json")
     monkeypatch.setattr(soak, "PAGE", tmp_path / "soak.md")
-    return fake
-
-
-@pytest.fixture
-def cli(simulator, command):
     return partial(command, soak.main, "--jobs", "1")
 
 
@@ -69,7 +44,7 @@ def test_targets_depend_on_seed_and_number_alone(cli, simulator):
     whole = []
     for words in (["1200"], ["500"], ["700", "--from", "1", "--out", "later"]):
         assert cli("--targets", *words)[0] == 0
-        whole.append(np.concatenate(simulator.calls))
+        whole.append(np.concatenate(simulator.words))
         simulator.calls.clear()
     assert np.array_equal(whole[1], whole[0][:500]) and np.array_equal(whole[2], whole[0][400:1100])
     numbers = [int(row.found.split()[-1]) for row in worst_targets.read(Path("later/hardest.csv"))]
@@ -79,7 +54,7 @@ def test_targets_depend_on_seed_and_number_alone(cli, simulator):
 def test_special_words(cli, simulator):
     last = stimuli.SPECIAL // 400
     status, out, err = cli("--special", "--from", str(last), "--width", "18")
-    (words,) = simulator.calls
+    (words,) = simulator.words
     assert status == 0, err
     assert words.tolist() == stimuli.of_special(last * 400, 400, 18).tolist() and len(words) == 384
     assert "all targets of special words" in out[0]
@@ -87,21 +62,13 @@ def test_special_words(cli, simulator):
 
 def test_the_hardest_targets_are_written(cli, simulator, files):
     assert cli("--targets", "900")[::2] == (0, []) and files() == ["build/soak/hardest.csv"]
-    words = np.unique(np.concatenate(simulator.calls), axis=0)
+    words = np.unique(np.concatenate(simulator.words), axis=0)
     hand, norm = worst_targets.errors(words, fixed.run(words, 32, "lean").results, 32)
     reachable = np.flatnonzero(~np.isnan(hand))
     rows = {row.words for row in worst_targets.read(Path("build/soak/hardest.csv"))}
     for error in (hand, norm):
         worst = reachable[np.argsort(-error[reachable], kind="stable")[:5]]
         assert {tuple(target) for target in words[worst].tolist()} <= rows
-
-
-def test_hardest_targets_of_other_kinds_are_kept_apart(cli, files):
-    for extra in ([], ["--width", "18"], ["--seed", "7"], ["--datapath", "lean25"]):
-        assert cli("--targets", "400", *extra)[0] == 0
-    groups = worst_targets.groups(worst_targets.read(Path("build/soak/hardest.csv")))
-    assert set(groups) == {("lean", 18), ("lean", 32), ("lean25", 32)}
-    assert {row.found.split()[1] for row in groups["lean", 32]} == {"1", "7"}, "of both seeds"
 
 
 @pytest.mark.usefixtures("interruptible")
@@ -130,7 +97,7 @@ def test_a_node_that_differs(cli, simulator):
         run.bit_mismatches, run.first_mismatch = 2, MISMATCH
 
     messages, rows = fails(cli, simulator, spoil)
-    words = simulator.calls[1][7].tolist()
+    words = simulator.words[1][7].tolist()
     assert messages == [
         "soak: target 407 in chunk 1 of seed 1: 2 bits differ from the bit-true model, results of 0 targets",
         "soak: its words: " + " ".join(f"{k}={v}" for k, v in zip("x y z phi d1 d2".split(), words, strict=True)),
@@ -152,7 +119,7 @@ def test_failing_targets_run_again(cli, simulator):
     assert [row.found for row in rows] == ["seed 1 target 405", "seed 1 target 409"]
     status, out, err = cli("--again", "build/soak/failing.csv")
     assert (status, err) == (0, []) and "lean" in out[0] and "2 targets" in out[0]
-    assert np.array_equal(simulator.calls[-1], [row.words for row in rows])
+    assert np.array_equal(simulator.words[-1], [row.words for row in rows])
 
     def spoil_first(run):
         run.results[0, 0] ^= 1
@@ -160,7 +127,7 @@ def test_failing_targets_run_again(cli, simulator):
     simulator.spoil = spoil_first
     status, out, err = cli("--again", "build/soak/failing.csv", "--sim", "icarus")
     assert status == 1 and out[0].endswith("FAIL") and err[0].startswith("soak: seed 1 target 405: ")
-    assert simulator.sims[-1] == "icarus"
+    assert simulator.calls[-1]["simulator"] == "icarus"
 
 
 def wrong_flag(answer, words, width):
@@ -246,7 +213,7 @@ def test_keep(cli, simulator):
         assert 5 < len(group) <= 20 and errors == sorted(errors, reverse=True)
     rows = soak.recorded()
     assert [*rows] == ["lean, 18 bits, seed 1", "lean, 18 bits, seed 2", "lean, 24 bits, seed 1"]
-    row, words = rows["lean, 18 bits, seed 1"], simulator.calls[-1]
+    row, words = rows["lean, 18 bits, seed 1"], simulator.words[-1]
     owed = expected_flags(words, 18)
     assert row["targets"] == 400 == len(words)
     assert row["flags"] == {flag.name: n for flag in FLAGS if (n := int((owed & flag.bit > 0).sum()))}
@@ -267,16 +234,9 @@ def test_an_unusable_file_is_not_overwritten(cli, simulator, file):
     assert (status, out, len(err), simulator.calls, kept.read_text()) == (2, [], 1, [], "old")
 
 
-def test_a_full_disk(cli, monkeypatch):
-    def full(path, text):
-        raise OSError(28, "No space left on device", str(path))
-
-    monkeypatch.setattr(soak, "write_atomically", full)
-    status, _, (err,) = cli("--targets", "400")
-    assert status == 2 and "'build/soak/hardest.csv': No space left" in err
-
-
 def test_later_rounds_find_worse_targets(cli, monkeypatch):
+    monkeypatch.setattr(soak, "KEPT", 100)
+    monkeypatch.setattr(soak, "REGIONS", ())
     first, out, _ = cli("--worst", "1", "--width", "16")
     monkeypatch.setattr(tolerances, "sought", lambda width: 1e-5)
     later, more, _ = cli("--worst", "4", "--width", "16")
@@ -287,28 +247,19 @@ def test_later_rounds_find_worse_targets(cli, monkeypatch):
 # -- the C in long double ----------------------------------------------------------------------------------------------
 
 needs_c = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
-
-
-class Model:
-    """The bit-true model as core, plus `over`."""
-
-    datapath = "lean"
-
-    def __init__(self, width, over=0):
-        self.width, self.over = width, over
-
-    def run(self, words):
-        answer = fixed.run(words, self.width, self.datapath)
-        results = answer.results + self.over
-        return Run(results, answer.flags, 0, 0, 0, None), results, answer.flags
+CORE_24 = random_targets.Core("icarus", "lean", 24)
 
 
 @needs_c
+@pytest.mark.usefixtures("simulator")
 @pytest.mark.parametrize("width", [16, 18, 24, 32])
 def test_the_model_agrees_with_c(width):
     """The difference is little more than half an LSB; counts of parts of a set of targets add up."""
     words = chunk(0, width, 3)[:4000]
-    parts = [judge(Model(width), part, range(2000), soak.opinions) for part in np.split(words, 2)]
+    parts = [
+        judge(random_targets.Core("icarus", "lean", width), part, range(2000), soak.opinions)
+        for part in np.split(words, 2)
+    ]
     found = parts[0][0] + parts[1][0]
     assert not parts[0][1] and not parts[1][1]
     (lean_n, lean), (paper_n, paper) = found.apart.values()
@@ -318,17 +269,21 @@ def test_the_model_agrees_with_c(width):
 
 @needs_c
 @pytest.mark.parametrize("field", range(6))
-def test_c_finds_a_wrong_field_by_both_sets_of_equations(field):
-    words = chunk(0, 24, 3)[:500]
-    failures = judge(Model(24, np.where(np.arange(6) == field, 6, 0)), words, range(500), soak.opinions)[1]
+def test_c_finds_a_wrong_field_by_both_sets_of_equations(simulator, field):
+    def spoil(run):
+        run.results[:, field] += 6
+
+    simulator.spoil = spoil
+    failures = judge(CORE_24, chunk(0, 24, 3)[:500], range(500), soak.opinions)[1]
     lines = [line for failure in failures for line in failure.lines]
     assert all(any(f"{name} equations: a result differs" in line for line in lines) for name in soak.EQUATIONS)
 
 
+@pytest.mark.usefixtures("simulator")
 def test_a_missing_answer_of_c_is_a_failure():
     words = chunk(0, 24, 3)[:500]
     silent = soak.Opinion("silent", np.full(words.shape, np.nan), np.ones(len(words), bool))
-    failures = judge(Model(24), words, range(500), lambda words, width: [silent])[1]
+    failures = judge(CORE_24, words, range(500), lambda words, width: [silent])[1]
     assert any("silent: a result differs by inf" in line for failure in failures for line in failure.lines)
 
 

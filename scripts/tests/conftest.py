@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The bit-true model in place of the simulators, for tests of commands."""
+
+import pytest
+from vcd.writer import VCDWriter
+
+from model.dataflow import fixed
+from scripts import run
+from scripts.recording import model_bits
+from scripts.save_file import place
+from tb.core import random_targets
+from tb.sim import native_run
+from tb.sim.job import Run
+
+TOP = ("ik_axis",)
+FIRST, GAP = 6, 3
+"""Clock in which the simulator admits target 0; idle clocks between targets 1 and 2."""
+
+
+def admissions(count):
+    """Return the admission clock of each target."""
+    return [FIRST + k + GAP * (k > 1) for k in range(count)]
+
+
+def nodes_of(words, datapath="lean", width=32):
+    return list(fixed.run(words, width, datapath).bits.nodes.values())
+
+
+class FakeSimulator:
+    """Replacement for `tb.sim.simulate`: `calls` records its arguments, `spoil` may change its runs, `wrong` holds the
+    (node, target) pairs with a wrong bit in its recording."""
+
+    def __init__(self):
+        self.calls, self.wrong = [], []
+        self.spoil = lambda *runs: None
+
+    @property
+    def words(self):
+        """Words of the first job of each call."""
+        return [call["jobs"][0].words for call in self.calls]
+
+    def __call__(self, jobs, *, datapath, width, waves=None, **others):
+        self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, **others})
+        if waves:
+            assert waves.is_absolute(), "the simulator runs in another folder"
+            self.record(waves, jobs, datapath, width)
+        runs = []
+        for job in jobs:
+            answer = fixed.run(job.words, width, datapath)
+            runs.append(Run(answer.results.copy(), answer.flags.copy(), 363, 363 + len(job.words), 0, None))
+        self.spoil(*runs)
+        return runs
+
+    def record(self, path, jobs, datapath, width):
+        """Write a VCD, for a single job with its words."""
+        nodes = nodes_of(jobs[0].words, datapath, width)
+        admitted = admissions(len(jobs[0].words)) if len(jobs) == 1 else [0]
+        core = (*TOP, f"g_{datapath}", "u_core")
+        with open(path, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
+
+            def line(path, bits):
+                *scopes, name = path
+                return writer.register_var(scopes, f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits)
+
+            plain = {name: line((*TOP, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
+            for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 6 * width)):
+                for side in "sm" if bits > 1 else "m":
+                    line((*TOP, f"{side}_axis_{name}"), bits)
+            for name in ("in_valid", "out_valid"):
+                line((*core, name), 1)
+            lines = {node.name: line((*TOP, *place(datapath, node)), node.format.width) for node in nodes}
+            for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
+                rise = 10_000 * clock - 5_000
+                bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
+                for name, bit in bits.items():
+                    writer.change(plain[name], rise, int(bit))
+                for node in nodes:
+                    bits = "x"
+                    if clock - node.time in admitted:
+                        target = admitted.index(clock - node.time)
+                        bits = model_bits(node, target)
+                        if (node.name, target) in self.wrong:
+                            bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
+                    writer.change(lines[node.name], rise, bits)
+                writer.change(plain["clk"], 10_000 * clock, 0)
+
+
+@pytest.fixture
+def simulator(monkeypatch):
+    fake = FakeSimulator()
+    for module in (run, random_targets):
+        monkeypatch.setattr(module, "simulate", fake)
+    monkeypatch.setattr(native_run, "program", lambda datapath, width: None)
+    return fake
