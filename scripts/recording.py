@@ -18,7 +18,7 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from model.dataflow.nodes import Node
 from scripts.console import whole_file
-from scripts.save_file import TOP, Mark, place, signals, write_save_file
+from scripts.waves import TOP, Mark, Signals, place, write_save_file
 from tb.sim.job import Difference
 
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
@@ -55,12 +55,9 @@ class Recording:
 
 def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
     """Read the VCD of a run of one trajectory. Raises ValueError for a VCD of another design."""
-    found, places = signals(vcd), [place(datapath, node) for node in nodes]
-    for path in (("clk",), *HANDSHAKE, *places):
-        if path not in found:
-            raise ValueError(f"{vcd}: no {'.'.join((TOP, *path))} in this VCD")
+    found = Signals(vcd)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
-    shown = [(words[node.name], found[path].code, node.format.width) for node, path in zip(nodes, places, strict=True)]
+    shown = [(words[node.name], found[place(datapath, node)].code, node.format.width) for node in nodes]
     clk, handshake = found[("clk",)].code, [found[path].code for path in HANDSHAKE]
     value: dict[str, int | str] = {}
     edges: list[int] = []

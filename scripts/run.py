@@ -23,9 +23,9 @@ from scripts.console import command, output, progress, show, switch, whole_file
 from scripts.paper.tables import table_of_datapaths
 from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.results import SCORES, of_datapath, write_results, written
-from scripts.save_file import write_save_file
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
+from scripts.waves import write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 OPTIONS = [

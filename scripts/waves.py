@@ -1,26 +1,193 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A GTKWave save file for a VCD of ``ik_axis`` that a simulator of your own recorded.
+"""A GTKWave save file for a VCD of ``ik_axis``: signals in groups, fixed-point words shown as real numbers.
 
-python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
+    python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
+
+writes one for a VCD that a simulator of your own recorded.
+The groups are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`). A node's label carries
+its equation and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after its admission.
+
+GTKWave shows a fixed-point word through its "fixed point shift", correct for words of more than 31 fraction bits since
+3.3.107. It cannot show a decimal word of more than 64 bits; only the first 64 bits of longer words are shown.
 """
 
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
 import click
-from vcd.reader import VCDParseError
+import numpy as np
+from vcd.gtkw import GTKWColor, GTKWFlag, GTKWSave
+from vcd.reader import TokenKind, VCDParseError, tokenize
 
+from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.nodes import Format, Node
+from model.io.words import FIELDS, RESULT_FIELDS
 from scripts.console import WORD_LENGTH, InputError, command, whole_file
-from scripts.save_file import write_save_file
+
+TOP = "ik_axis"
+SHOWN_BITS = 64
+"""Longest word that GTKWave shows as a decimal number."""
+
+STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A signal of a VCD: name in GTKWave, with all scopes, and identifier in the file."""
+
+    name: str
+    code: str
+
+
+class Signals(dict[tuple[str, ...], Signal]):
+    """The signals below ``ik_axis`` in a VCD by their path from there. Raises ValueError for one that it lacks."""
+
+    def __init__(self, vcd: Path) -> None:
+        super().__init__()
+        self.vcd = vcd
+        scopes: list[str] = []
+        with open(vcd, "rb") as stream:
+            for token in tokenize(stream):
+                if token.kind is TokenKind.SCOPE:
+                    scopes.append(token.scope.ident)
+                elif token.kind is TokenKind.UPSCOPE:
+                    scopes.pop()
+                elif token.kind is TokenKind.VAR and TOP in scopes:
+                    below = scopes[scopes.index(TOP) + 1 :]
+                    name = ".".join([*scopes, token.var.ref_str])
+                    self[(*below, token.var.reference)] = Signal(name, token.var.id_code)
+                elif token.kind is TokenKind.ENDDEFINITIONS:
+                    break
+        if not self:
+            raise ValueError(f"{vcd}: no module {TOP} in this VCD")
+
+    def __missing__(self, path: tuple[str, ...]) -> Signal:
+        raise ValueError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
+
+
+def place(datapath: str, node: Node) -> tuple[str, ...]:
+    """Return the path of a node's signal below ``ik_axis``."""
+    return (f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", *([node.instance] if node.instance else []), node.name)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """First difference in a save file: message, node, time and clock period (VCD units)."""
+
+    message: str
+    node: str
+    time: int
+    period: int
+
+
+def write_save_file(
+    vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None, aligned: bool = False
+) -> None:
+    """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
+
+    Raises ValueError for a VCD of another design, OSError if a file cannot be read or written.
+    With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
+    ``aligned``: the VCD is one by :func:`scripts.recording.write_aligned`, which has no streams.
+    """
+    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
+    core = f"g_{CONFIGURATIONS[datapath].rtl}", "u_core"
+    how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
+    with open(path, "w", encoding="utf-8", newline="\n") as stream:
+        save = _Save(stream, vcd)
+        save.open(f"{TOP}, {datapath} datapath, words of {width} bits: {how}", mark)
+        with save.writer.group("target" if aligned else "streams"):
+            for name in ("target", "differs") if aligned else ("clk", "rst", *STREAMS[:3], "s_axis_tdata"):
+                save.plain((name,), "dec" if aligned else "hex")
+            for name in FIELDS:
+                save.word(place(datapath, nodes[name]), nodes[name].format, name + " (half turns)" * (name == "phi"))
+            if not aligned:
+                for name in (*STREAMS[3:], "m_axis_tdata"):
+                    save.plain((name,))
+                for k, name in enumerate(RESULT_FIELDS):
+                    bits = {"lowest": k * width, "of": len(RESULT_FIELDS) * width}
+                    save.word(("m_axis_tdata",), nodes[name].format, name, **bits)
+                for name in ("in_valid", "out_valid") if CONFIGURATIONS[datapath].period == 1 else ("clock", "go"):
+                    save.plain((*core, name))
+        save.sections(datapath, nodes, mark)
+
+
+class _Save:
+    """Adds traces to a save file by their path below ``ik_axis``."""
+
+    def __init__(self, stream, vcd: Path) -> None:
+        self.stream = stream
+        self.writer = GTKWSave(stream)
+        self.signals = Signals(vcd)
+
+    def open(self, comment: str, mark: Mark | None) -> None:
+        """Write the window's settings and its initial position."""
+        self.writer.comment(comment)
+        if mark:
+            self.writer.comment(f"first difference: {mark.message}")
+            self.writer.timestart(max(0, mark.time - 7 * mark.period))
+        self.writer.size(1600, 1000)
+        self.writer.sst_expanded(False)
+        self.writer.signals_width(640)
+        # about 15 clocks of 10 ns in sight
+        self.writer.zoom_markers(zoom=-15.0, marker=mark.time if mark else -1)
+
+    def sections(self, datapath: str, nodes: dict[str, Node], mark: Mark | None) -> None:
+        """Write a closed group for each section; the group of the marked node, in red, is open."""
+        for section, what in CONFIGURATIONS[datapath].sections.items():
+            closed = not mark or nodes[mark.node].section != section
+            with self.writer.group(f"{section}: {what}", closed=closed):
+                for node in nodes.values():
+                    if node.section == section and node.op != "input":
+                        equation = f" {node.equation}" if node.equation else ""
+                        color = GTKWColor.red if mark and mark.node == node.name else None
+                        label = f"{node.name}{equation} +{node.time}"
+                        self.word(place(datapath, node), node.format, label, color=color)
+
+    def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
+        """Add a signal: binary if it is a single bit, else in the format ``shown``."""
+        name = self.signals[path].name
+        self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
+
+    def word(
+        self,
+        path: tuple[str, ...],
+        fmt: Format,
+        label: str,
+        lowest: int = 0,
+        of: int | None = None,
+        color: GTKWColor | None = None,
+    ) -> None:
+        """Add a word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
+        if fmt.width == 1:
+            self.writer.trace(self.signals[path].name, alias=label, datafmt="bin", color=color)
+            return
+        shown = min(fmt.width, SHOWN_BITS)
+        frac = fmt.frac - (fmt.width - shown)
+        options = {
+            "datafmt": "signed" if fmt.signed else "dec",
+            "extraflags": GTKWFlag.fpdecshift if frac else GTKWFlag.none,
+            "color": color,
+        }
+        if frac:  # pyvcd does not write this line
+            self.stream.write(f"[fpshift_count] {frac}\n")
+        if of is None and shown == fmt.width:
+            self.writer.trace(self.signals[path].name, alias=label, **options)
+            return
+        # Some bits of a signal: GTKWave counts them from the left.
+        first = (of or fmt.width) - lowest - fmt.width
+        bits = [(first + k, self.signals[path].name) for k in range(shown)]
+        self.writer.trace_combined(label, bits, **options)
 
 
 @command(
     "waves",
-    f"{__doc__.splitlines()[0]} DATAPATH is one of {', '.join(CONFIGURATIONS)}; WIDTH is the word length.",
+    "A GTKWave save file for a VCD of ik_axis that a simulator of your own recorded. "
+    f"DATAPATH is one of {', '.join(CONFIGURATIONS)}; WIDTH is the word length.",
     [
         click.Argument(["vcd"], type=Path, metavar="WAVES.vcd"),
         click.Argument(["datapath"], type=click.Choice(list(CONFIGURATIONS)), metavar="DATAPATH"),

@@ -17,7 +17,7 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format
 from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
-from scripts.save_file import place
+from scripts.waves import place
 from tb.sim.env import CORES, ROOT
 from tb.sim.native_run import nodes_of
 from tb.sim.runner import alone

@@ -7,7 +7,7 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from scripts import run
 from scripts.recording import model_bits
-from scripts.save_file import place
+from scripts.waves import place
 from tb.core import random_targets
 from tb.sim import native_run
 from tb.sim.job import Run

@@ -16,8 +16,8 @@ from model.io.stimuli import random_reachable
 from model.io.words import to_words
 from model.reference.lean_equations import LEAN
 from scripts import follow, recording, run, waves
-from scripts.save_file import place, signals
 from scripts.tests.conftest import admissions, nodes_of
+from scripts.waves import Signals, place
 from tb.sim.env import SIMULATORS
 from tb.sim.env import simulator as simulator_of_tests
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -36,7 +36,7 @@ TIMES = {node.name: node.time for node in nodes_of(reach())}
 
 def columns(vcd):
     """Return the content of an aligned VCD: time of a change -> path -> bits or X."""
-    paths = {signal.code: path for path, signal in signals(vcd).items()}
+    paths = {signal.code: path for path, signal in Signals(vcd).items()}
     sizes, now, shown, time = {}, {}, {}, 0
     with open(vcd, "rb") as stream:
         for token in tokenize(stream):
@@ -152,7 +152,7 @@ def test_aligned_vcd(command, simulator):
     label = f"w_1 (L52) +{TIMES['w_1']}"
     assert marker(Path("o/waves.gtkw")) == ((admitted[3] + TIMES["w_1"]) * 10_000, [label])
     assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + max(TIMES.values())) * 10_000, [label])
-    known = {signal.name for signal in signals(Path("o/aligned.vcd")).values()}
+    known = {signal.name for signal in Signals(Path("o/aligned.vcd")).values()}
     assert {name for _, name, *_ in traces(Path("o/aligned.gtkw"))} == known
 
 
@@ -231,7 +231,7 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     assert ran.bit_mismatches == 0
     read = recording.read(vcd, "paper", nodes)
     assert len(read.admitted) == 3 and not list(recording.differences(read, nodes))
-    known = signals(vcd)
+    known = Signals(vcd)
     assert vcd.stat().st_size < 30e6 and not {"line", "mem"} & {path[-1] for path in known}
     recording.align(vcd, words, 32, "paper")
     check_aligned(tmp_path / "aligned.vcd", nodes, read.admitted, datapath="paper")

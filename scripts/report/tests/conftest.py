@@ -11,16 +11,16 @@ import pytest
 from model.motion.tests import figure
 from scripts import run
 from scripts.report import __main__ as report
-from scripts.tests.test_run import FakeSimulator
+from scripts.tests.conftest import FakeSimulator
 from tb.sim.env import simulator as simulator_name
 
 LATENCY = 44
 
 
 def without_rtl(patch):
-    """Replace the simulator by the double-precision model, and the predicted errors by a ramp; return the fake."""
+    """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake."""
     fake = FakeSimulator()
-    patch.setattr(run, "simulate", fake.simulate)
+    patch.setattr(run, "simulate", fake)
     patch.setattr(run, "hand_bar", lambda words, width, _: np.linspace(1, 2, len(words)) * 2.0 ** (8 - width))
     return fake
 
@@ -33,7 +33,7 @@ def write(folder, *options):
 def write_without_rtl(folder, *options):
     """Write a page into a folder; return its address."""
 
-    def faster(runs):
+    def faster(*runs):
         for each in runs:
             each.latency_cycles, each.total_cycles = LATENCY, LATENCY + len(each.results)
 
