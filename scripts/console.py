@@ -48,16 +48,16 @@ class InputError(click.ClickException):
     """Bad input; the text is one line for the user."""
 
 
+SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
+"""Signals that end a command and the simulators it has started."""
+
 # -- the command line ------------------------------------------------------------------------------
 
 CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_content_width": PLAIN_COLUMNS}
 
 
-def parse(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
-    """Return the values of all options by name, and as `given` the names of those on the command line.
-
-    Raises click's exceptions and InputError.
-    """
+def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
+    """Return the values of all options by name, and as `given` the names of those on the command line."""
     with parser.make_context(program, list(arguments)) as context:
         given = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
         options = SimpleNamespace(**context.params, given=given)
@@ -81,50 +81,42 @@ def command(
 ) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
     """Turn a function of options into a `main` that takes command-line words and returns an exit status.
 
-    passes, fails: meanings of exit status 0 and 1; module: the module of the command, by default scripts.`name`.
+    After an error it prints one line, `name` first. passes, fails: meanings of exit status 0 and 1; module: the module
+    of the command, by default scripts.`name`.
     """
+    program = f"python -m {module or f'scripts.{name}'}"
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
     parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
 
     def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
+        @stoppable()
         def main(arguments: Sequence[str] | None = None) -> int:
-            words = sys.argv[1:] if arguments is None else arguments
-            with stoppable():
-                return _status(name, lambda: work(parse(parser, f"python -m {module or f'scripts.{name}'}", words)))
+            try:
+                return work(_parsed(parser, program, sys.argv[1:] if arguments is None else arguments))
+            except click.exceptions.Exit as exc:  # after --help
+                return exc.exit_code
+            except KeyboardInterrupt as exc:
+                number = exc.args[0] if exc.args else signal.SIGINT
+                status, line = 128 + number, SIGNALS[number]
+            except OSError as exc:
+                where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
+                status, line = 2, f"cannot read or write {where}: {exc.strerror or exc}"
+            except click.ClickException as exc:
+                param = None if isinstance(exc, click.MissingParameter) else getattr(exc, "param", None)
+                status, line = 2, f"argument {param.opts[0]}: {exc}" if param else exc.format_message()
+            except (TargetError, SimulationError) as exc:
+                status, line = 1 if isinstance(exc, SimulationError) else 2, str(exc)
+            print(f"{name}: {line}", file=sys.stderr)
+            return status
 
         return main
 
     return main_of
 
 
-def _status(name: str, work: Callable[[], int]) -> int:
-    """Return the status of `work`; after an error print one line, `name` first, and return 1, 2 or 128 + signal."""
-    try:
-        return work()
-    except click.exceptions.Exit as exc:  # after --help
-        return exc.exit_code
-    except KeyboardInterrupt as exc:
-        number = exc.args[0] if exc.args else signal.SIGINT
-        status, line = 128 + number, SIGNALS[number]
-    except OSError as exc:
-        where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
-        status, line = 2, f"cannot read or write {where}: {exc.strerror or exc}"
-    except click.ClickException as exc:
-        param = None if isinstance(exc, click.MissingParameter) else getattr(exc, "param", None)
-        status, line = 2, f"argument {param.opts[0]}: {exc}" if param else exc.format_message()
-    except (TargetError, SimulationError) as exc:
-        status, line = 1 if isinstance(exc, SimulationError) else 2, str(exc)
-    print(f"{name}: {line}", file=sys.stderr)
-    return status
-
-
 class Stopped(KeyboardInterrupt):
     """A signal ended the command; the argument is its number."""
-
-
-SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
-"""Signals that end a command and the simulators it has started."""
 
 
 @contextlib.contextmanager
@@ -278,21 +270,21 @@ def show(*tables: Table) -> None:
 # -- progress --------------------------------------------------------------------------------------
 
 
-class Meter:
+class Meter(Progress):
     """Progress of `total` items on stderr: a bar on a terminal, otherwise lines that begin with `name`."""
 
     def __init__(self, name: str, total: int):
         console = Console(stderr=True)
         columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
         more = {"console": console, "transient": True, "disable": not console.is_terminal}
-        self.bar = Progress(*columns, TimeRemainingColumn(), speed_estimate_period=RECENT, **more)
-        self.bar.add_task(name, total=total)
-        (self.task,) = self.bar.tasks
+        super().__init__(*columns, TimeRemainingColumn(), speed_estimate_period=RECENT, **more)
+        self.add_task(name, total=total)
+        (self.task,) = self.tasks
         self.name = name
 
     def __call__(self, done: int, what: str = "") -> None:
         """Report the number of items done and the present activity."""
-        self.bar.update(self.task.id, completed=done, description=what or self.name)
+        self.update(self.task.id, completed=done, description=what or self.name)
 
     def line(self) -> str:
         """Return the line of a log."""
@@ -305,14 +297,14 @@ class Meter:
 @contextlib.contextmanager
 def progress(name: str, total: int) -> Iterator[Meter]:
     """Yield a `Meter`, which also prints while nothing is reported, during a compilation for example."""
-    meter, over = Meter(name, total), threading.Event()
+    over = threading.Event()
 
     def repeat() -> None:
         while not over.wait(EVERY):
             print(meter.line(), file=sys.stderr, flush=True)
 
-    with meter.bar:
-        if meter.bar.disable:
+    with Meter(name, total) as meter:
+        if meter.disable:
             threading.Thread(target=repeat, daemon=True).start()
         try:
             yield meter

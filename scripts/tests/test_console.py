@@ -80,7 +80,7 @@ def test_a_bar_on_a_terminal(monkeypatch):
     monkeypatch.setattr(console, "Console", lambda **_: Console(file=out, force_terminal=True))
     with console.progress("some", 100) as meter:
         meter(50, "half")
-        meter.bar.refresh()
+        meter.refresh()
     assert "half" in out.getvalue() and "50/100" in out.getvalue()
 
 
