@@ -53,16 +53,6 @@ FARM = option(
 )
 
 
-def shared(jobs: int, farm: str | None = None) -> contextlib.AbstractContextManager[Callable]:
-    """Return a context manager for an ordered `map`, on a farm or on `jobs` processes."""
-    if farm:
-        return _farm(farm)
-    return contextlib.nullcontext(map) if jobs == 1 else _pool(jobs)
-
-
-# -- processes of this machine -----------------------------------------------------------------------------------------
-
-
 def _start() -> None:
     """Ignore the terminal's signals, which the parent handles; end at SIGTERM and with the parent."""
 
@@ -83,7 +73,15 @@ def _call(work: Callable, *items):
 
 
 @contextlib.contextmanager
-def _pool(jobs: int) -> Iterator[Callable]:
+def shared(jobs: int, farm: str | None = None) -> Iterator[Callable]:
+    """Yield an ordered `map`, on a farm or on `jobs` processes of this machine."""
+    if farm:
+        with _farm(farm) as each:
+            yield each
+        return
+    if jobs == 1:
+        yield map
+        return
     # Processes are spawned: a progress bar has a thread, and fork copies its locks.
     with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _start) as pool:
         try:
@@ -96,9 +94,6 @@ def _pool(jobs: int) -> Iterator[Callable]:
             raise
         finally:
             pool.shutdown(cancel_futures=True)
-
-
-# -- workers on other machines -----------------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
