@@ -15,8 +15,8 @@ module ik_axis #(
     parameter integer TAG_W    = 8,   // tag width, at least 1
     parameter integer DATAPATH = 1,   // 0 paper, 1 lean, 2 fold (lean on one multiplier): W even, 20 or more
     parameter integer DIGIT    = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
-    // width of the longer operand of the multiplier blocks, lean and fold: 18; 25 for 25x18, lean only; 16 for 16x16,
-    // with smaller tables, and fold then from W = 18
+    // longer operand of the multiplier blocks of lean and fold, bits: 18; 25 for 25x18, lean only; 16 for 16x16, with
+    // smaller tables and fold from W = 18
     parameter integer TILE     = 18
 ) (
     // Clock

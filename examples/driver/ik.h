@@ -43,7 +43,7 @@ enum {
     IK_NOT_FINITE,  // here and in the next three, ik_core.bad is the target
     IK_NOT_AN_ARM,  // d1 or d2 is not positive
     IK_TOO_FAR_OUT, // for the longest arm, or the reach overflows a double
-    IK_TOO_SHORT,   // at the longest arm's scaling, the word of d1 or d2 is 0
+    IK_TOO_SHORT,   // the scaled word of d1 or d2 is 0
     // job results
     IK_BUSY,    // another job is running
     IK_TIMEOUT, // bus.wait returned false or bus.polls ran out; the job was aborted

@@ -1,10 +1,10 @@
 // Bytes to a target frame; words unchanged, no rounding.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A frame is START, BYTES of payload and their CRC-16, high byte first.  A valid frame is offered until taken; a frame
-// that begins earlier is lost.  Between frames all bytes except START are ignored.
+// A frame is START, BYTES of payload and their CRC-16, high byte first.  A valid frame is offered until taken.  Between
+// frames all bytes except START are ignored.
 // A frame is dropped, with a pulse on `dropped`, on a missing stop bit, a wrong CRC, a pause of 2^LOG2_QUIET clocks, or
-// while the previous frame is still offered; the host sends it again.
+// if it begins while the previous frame is offered; the host sends it again.
 // Latency: 1 clock from the last byte.
 `default_nettype none
 

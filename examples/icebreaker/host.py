@@ -36,8 +36,8 @@ from scripts.trajectory import Prepared, prepare, trajectory_options
 from tb.sim.simulate import LONG, Run, SimulationError
 
 WINDOW = 64
-"""Targets in flight. With two stop bits a target takes longer than its answer, so the board imposes no limit; 8-bit
-tags stay unique far below 256."""
+"""Targets in flight. With two stop bits a target takes longer than its answer, so the board imposes no limit; a
+window far below 256 keeps 8-bit tags unique."""
 TRIES = 4
 """Transmissions of a target before the board counts as silent."""
 
@@ -60,7 +60,7 @@ class Board:
         self.port.close()
 
     def quiet(self) -> None:
-        """Discard input until the line is quiet: answers to an earlier host."""
+        """Discard answers to an earlier host until the line is quiet."""
         end = time.monotonic() + self.timeout
         while self.port.read(4096):
             if time.monotonic() > end:

@@ -8,11 +8,11 @@ package ik_axis_pkg is
 
   component ik_axis is
     generic (
-      W        : integer := 32;  -- word length, 16 to 32
-      TAG_W    : integer := 8;   -- width of the tag, 1 or more
-      DATAPATH : integer := 1;   -- 0 paper, 1 lean, 2 lean folded onto one multiplier
-      DIGIT    : integer := 0;   -- the paper's dividers and roots: 1 made of rows, for synthesis
-      TILE     : integer := 18   -- the lean products: bits of the multipliers' longer operand, 25 for 25x18
+      W        : integer := 32;  -- word length, 16 to 32; limits in ik_axis.v
+      TAG_W    : integer := 8;   -- tag width, at least 1
+      DATAPATH : integer := 1;   -- 0 paper, 1 lean, 2 fold (lean on one multiplier)
+      DIGIT    : integer := 0;   -- paper dividers and roots: 1 digit recurrence, for synthesis; 0 behavioural
+      TILE     : integer := 18   -- lean and fold: longer operand of the multiplier blocks, bits: 18, 25 or 16
     );
     port (
       clk           : in  std_logic;

@@ -24,14 +24,14 @@ module ik_axi_job #(
     output reg               error,
     output reg  [       3:0] code,
     output reg  [      63:0] error_address,
-    output reg               told_done,      // interrupt pulses
+    output reg               told_done,      // interrupt pulses: done, error, start while busy
     output reg               told_error,
     output reg               told_refused,
-    output reg  [      31:0] clocks,         // since start, modulo 2^32
+    output reg  [      31:0] clocks,         // duration of the job, modulo 2^32
     output reg  [      31:0] read_stalls,
     output reg  [      31:0] write_stalls,
     // Read and write engines
-    output wire              clear,          // resets ik_axis: discards an aborted job's targets
+    output wire              clear,          // resets ik_axis at start: a stopped job leaves targets
     output wire              go,
     output wire              stop,
     output wire [ADDR_W-1:5] job_source,       // address / 32 of the job

@@ -3,9 +3,9 @@
 //
 // Folded datapath with AXI4-Stream ports: the lean dataflow as a program for one multiplier, bit for bit.
 //
-// A lap of the program takes PERIOD clocks. A target present when a lap begins is loaded in its first clocks; its
-// results leave in this lap or in the next one: its last steps overlap the first steps of another target. Without a
-// target the datapath waits in the first clock. It stalls as a whole while a result that it would overwrite is waiting.
+// A lap of the program takes PERIOD clocks. A target present when a lap begins is loaded in the lap's first clocks. Its
+// results leave in this lap or in the next, where its last steps overlap the first steps of another target. Without a
+// target the datapath waits in the first clock. It stalls as a whole rather than overwrite a waiting result.
 // A step's fields apply to one clock, not to one operation: `step` controls reads for one operation, the multiplication
 // of another and the write of a third.
 // Throughput: one target per PERIOD clocks.
@@ -56,14 +56,14 @@ module ik_fold #(
   // ---- the lap ----
 
   reg go;
-  reg [6:0] fetched, read, clock;  // steps: next memory address, memory output, present step
+  reg [6:0] fetched, read, clock;  // steps: next memory address, memory output, current step
   reg [STEP_W-1:0] step_read, step;
-  // Accept and write nothing before the first step arrives: part of the memory is constant.
+  // Accept no target and write no word before the first step arrives: some words must stay 0.
   initial {go, step_read, step} = 0;
   `include "ik_fold_program.vh"
   `include "ik_fold_fields.vh"
 
-  reg current, previous;  // this lap, the previous lap has a target
+  reg current, previous;  // this lap's, the previous lap's target is in progress
   wire begins = clock == 7'd0;
   wire here = begins ? s_axis_tvalid : current;
   wire last = clock == END;
@@ -240,7 +240,7 @@ module ik_fold #(
 
   // ---- dataflow nodes, for waves and testbenches only ----
 
-  wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // a product rounded as its node is
+  wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // the product, rounded like its node
   wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
   wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum};
   `include "ik_fold_nodes.vh"

@@ -7,7 +7,7 @@
 `default_nettype none
 
 module ik_fold_count #(
-    parameter integer D = 33  // width of a multiplied word
+    parameter integer D = 33  // width of a multiplier operand
 ) (
     input  wire       clk,
     input  wire       go,

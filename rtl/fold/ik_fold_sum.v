@@ -1,8 +1,9 @@
 // The addend supplies the rounding constant: half an LSB, or the constant in a table's c0.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T = S + Y or S - Y. Y is a product, or 2^-DOWN of it for table functions. S is a constant, a table word, or derived
-// from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an exact square.
+// T = S + Y or S - Y. Y is a product, times 2^-DOWN for table functions and small powers of two. S is a constant, a
+// table word, or derived from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an
+// exact square.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock to S, 1 clock from S and the product to T.
 `default_nettype none
@@ -18,7 +19,7 @@ module ik_fold_sum #(
     parameter integer C0_AT = 11,  // and positions of their LSBs
     parameter integer C1_AT = 23,
     parameter integer SLOPE = 21,  // position of a slope's LSB
-    parameter integer DOWN  = 12   // right shift of Y for table functions
+    parameter integer DOWN  = 12   // right shift of Y with `down`
 ) (
     input  wire           clk,
     input  wire           go,

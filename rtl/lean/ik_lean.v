@@ -1,20 +1,20 @@
 // Results Q2.(W-2), half up; inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_lean_nodes.vh.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The lean dataflow: solves the same problem as ik_paper, with the same ports, from two levels of reciprocal square
+// The lean dataflow: solves the same problem as ik_paper, on the same ports, with two levels of reciprocal square
 // roots. A node's declaration carries the number (L1), (L2), ... of its equation in docs/generated/lean.md; signals
-// without a number are flags or aligned copies. The pipeline has no enable, and only the valid bits are reset; valid
-// and tag travel with the data.
+// without a number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits
+// are reset; valid and tag travel with the data.
 // Throughput: one target per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
-// clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in the
-// clock of node y, or of the first node whose name begins with y.
+// clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in clock
+// T_<Y>.
 // Latency: T_OUT clocks.
 `default_nettype none
 
 module ik_lean #(
-    parameter integer W     = 32,  // word length, 16 to 32, with TILE = 16 to 24; otherwise from 3 for exhaustive tests
+    parameter integer W     = 32,  // word length, 3 to 32, or 16 to 24 with TILE = 16; below 16 for tests only
     parameter integer TAG_W = 8,   // tag width, at least 1
     parameter integer TILE  = 18   // width of the multipliers' longer operand: 18, 25 or 16
 ) (

@@ -60,7 +60,7 @@ module ik_lean_direction #(
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
   wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares are below 2^2W; m_s is for waves only
 
-  // ---- (L14)-(L16) (u_x, u_y) = (x, y)/rho and z/|p|: the target is shifted like its root ----
+  // ---- (L14)-(L16) (u_x, u_y) = (x, y)/rho and z/|p|: coordinates are shifted by the root's count ----
 
   localparam integer CW = F_X_N + 1;  // width of a coordinate; short words are padded with zeros below
   wire signed [CW-1:0] x_w = {{(CW - W) {x[W-1]}}, x};

@@ -4,7 +4,7 @@
 // Reciprocal square root with full relative precision for any v: v 4^e = m 2^VW with m in [1/4, 1), so
 // 1/sqrt v = 2 inv 2^(e - VW/2).
 // Throughput: one result per clock.
-// Latency: LAT_EVEN for e and m, LAT_RSQRT_FAR more for inv: here ik_rsqrt's table address is m itself, a register.
+// Latency: LAT_EVEN for e and m, LAT_RSQRT_FAR more for inv: m, already registered, drives ik_rsqrt's m_next.
 `default_nettype none
 
 module ik_lean_root #(

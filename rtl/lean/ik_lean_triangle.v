@@ -103,7 +103,7 @@ module ik_lean_triangle #(
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1), .TILE(TILE)) u_inv_12 (
       .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12_raw)
   );
-  // Powers of two can give 2, or 1 with one more fraction bit; both saturate to the largest word.
+  // Powers of two can give inv_12 = 1 and inv_law = 2, which saturate to the largest word.
   localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
   reg signed [N-1:0] inv_12;  // (L21)
   always @(posedge clk) inv_12 <= (|inv_12_raw[N:N-1]) ? TOP : inv_12_raw[N-1:0];

@@ -171,7 +171,7 @@ module ik_lean_turn #(
     k_1 <= k_x[N:1];
   end
 
-  // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its root; below 1/4, of four times the length ----
+  // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its reciprocal root; below 1/4, of 4 times it ----
 
   wire signed [N-1:0] az_tilt_sq;  // (L56)
   wire signed [N-1:0] length_sq;  // (L56)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take clocks.
 
-Target words in memory and result values equal the model's. Each hardware error returns its code, and the next call
+Target words in memory and result values equal the model's. Each bus error returns its code, and the next call
 succeeds.
 """
 
@@ -288,7 +288,7 @@ async def aborted(dut, interrupt):
 @cocotb.test()
 @MODES
 async def memory_hangs(dut, interrupt):
-    """A hanging memory times the call out; further calls report busy until the memory responds."""
+    """A call times out when the memory hangs; further calls return busy until the memory responds."""
     platform = await ready(dut, interrupt, polls=30)
     bench = platform.bench
     bench.channel("r").pause = True

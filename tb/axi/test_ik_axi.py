@@ -11,7 +11,7 @@ MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers"
 FEW = "one_record|stalled=(none|all)"
 ICARUS = simulator() == "icarus"
 LONG = "long_job|pages|neighbours|rates|stalled=(ar|r|aw|w|b)$"
-"""Tests with many records: Verilator runs them in a tenth of the time, and X shows in the others."""
+"""Tests with many records, which Verilator runs ten times faster; Icarus covers X in the others."""
 SAME = "every_field|pulses|strobes|unmapped_address"
 """Tests that no parameter affects; one instance runs them."""
 

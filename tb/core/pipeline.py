@@ -27,7 +27,7 @@ from tb.sim.job import KEPT, Difference, report
 
 
 class Scoreboard:
-    """Compares every named node of every target with the bit-true model, in the clock where the node is valid.
+    """Comparison of every named node of every target with the bit-true model, in the clock where the node is valid.
 
     ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission; ``admitted`` and
     ``sample`` are called once per clock.

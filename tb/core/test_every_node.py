@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every node of the whole core equals the bit-true model's, at several word lengths of every datapath.
 
-Targets are the hardest found so far, random ones of every kind, corners, and all combinations of 3-bit words.
+Targets are the hardest found so far and random ones of every kind; under Verilator also corners and all combinations
+of 3-bit words.
 """
 
 import itertools

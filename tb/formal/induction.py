@@ -39,7 +39,7 @@ COVER = "chformal -assert -remove; opt_clean; memory_map; opt -full; async2sync"
 
 
 class ProofError(Exception):
-    """A formula cannot be made; the text gives the reason."""
+    """Formula that cannot be written; the text gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -165,8 +165,8 @@ class Design:
 class Steps:
     """Questions about the formula of a design.
 
-    Names of the properties that a question uses may end in a sign: for a sliced property, `name` means the same slice
-    and its neighbours, `name*` all slices and `name$` the last.
+    Names of the properties that a question uses may end in a sign: for a property of a slice, `name` means the
+    same slice and its neighbours, `name*` all slices and `name$` the last.
     """
 
     def __init__(self, path: Path) -> None:

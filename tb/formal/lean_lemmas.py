@@ -26,7 +26,7 @@ SQUARES: dict[str, str] = {
     "wi_1_len": _norm("w_1", "i_1"),
     "kj_1_len": _norm("k_1", "j_1"),
 }
-"""Names of sums of squares, which a question treats as one number."""
+"""Sums of squares by name; a question treats each as one number."""
 
 GEOMETRY: dict[str, tuple[str, list[str]]] = {
     # lemma -> (formula, facts used)

@@ -43,7 +43,7 @@ MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ B
 
 
 class StageError(LookupError):
-    """Yosys cannot write the formula of the core."""
+    """Formula of ik_rsqrt that Yosys cannot write; the text gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ def _number(value: int, width: int) -> str:
 
 
 def model(form: Form, frac: int, row, m):
-    """Return the model's row, u and undoubled result of a mantissa from 1/4 on, as numbers or terms; c0 includes the
-    rounding constant."""
+    """Return the model's row, u and undoubled result of a mantissa of at least 1/4, as numbers or terms; c0 includes
+    the rounding constant."""
     number, u = place(form, m, frac)
     y = polynomial(form, row, u, rises=False, bends_up=False)
     return number, u, y >> form.sum_frac - frac
@@ -140,7 +140,7 @@ class Stages:
     # ---- the Verilog ----
 
     def at(self, name: str, clock: int, signed: bool = True) -> str:
-        """Return a Verilog word as an integer of the model's length."""
+        """Return a Verilog word extended to the :data:`WIDE` bits of the model."""
         width = self.unrolled.widths[name]
         return f"((_ {'sign' if signed else 'zero'}_extend {WIDE - width}) {self.unrolled.at(name, clock)})"
 
@@ -168,7 +168,7 @@ class Stages:
         return whole, *others
 
     def words(self) -> Answer:
-        """Check that every word of the table is the model's, and that slopes are positive and fit."""
+        """Check that every word of the table is the model's, and that slopes fit and are not negative."""
         form, spare = self.form, self.form.sum_frac - self.form.c_frac[0]
         slope_bits = form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1
         wrong = [] if len(self.rom) == form.rows else ["length"]
@@ -213,7 +213,7 @@ class Stages:
             yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Check that a product fits for all factors of these lengths; the first (c2, part of a slope) is >= 0."""
+        """Check that each product fits for all factors of its widths; the first (c2, part of a slope) is >= 0."""
         widths = self.unrolled.widths
         for product, _ in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)

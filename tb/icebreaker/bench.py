@@ -32,7 +32,7 @@ TARGETS = int(os.environ.get("IK_TARGETS", "40"))
 
 
 class Board:
-    """Pins of the board, out of reset. stop_bits: of bytes sent to the board; skew: of the sender's clock."""
+    """Pins of the board. stop_bits: of bytes sent to the board; skew: relative error of the sender's clock."""
 
     def __init__(self, dut, stop_bits: int = 2, skew: float = 0.0):
         for name in ("RX", "TX"):
@@ -108,7 +108,7 @@ async def still_works(at: Board, seed: int = 5) -> None:
 
 @cocotb.test()
 async def out_of_reset(dut):
-    """Outputs are idle until the PLL locks; then the green LED is on, and nothing is sent before a target arrives."""
+    """The green LED is off until the PLL locks, then on; nothing is sent before a target arrives."""
     dut.BTN_N.value = 1
     at = Board(dut)
     await at.clocks(2)
@@ -135,7 +135,7 @@ async def every_bit(dut, skew):
 
 @cocotb.test()
 async def answer_at_once(dut):
-    """A single target is answered within the datapath latency and a few clocks, and the answer has no gaps."""
+    """A single target is answered after its last byte; the answer has no gaps."""
     at = await board(dut)
     words, expected = targets(1)
     cocotb.start_soon(at.source.write(frames(words, expected)[0]))
@@ -169,7 +169,7 @@ async def wrong_bits(dut):
 
 @cocotb.test()
 async def cut_frames(dut):
-    """A truncated frame of any length is dropped after a pause; bytes between frames are ignored."""
+    """A truncated frame is dropped after a pause; bytes between frames are ignored."""
     at = await board(dut)
     words, expected = targets(1, seed=11)
     (sent,) = frames(words, expected)

@@ -171,7 +171,7 @@ def compare(
     progress: Callable[[int], None] | None = None,
     root: Path = ROOT,
 ) -> Run:
-    """Run the targets of all frames in order, one per clock.
+    """Run and compare the targets of all frames in order, without stalls.
 
     ``progress(done)`` is called after each frame. ``root`` is the RTL copy that the program was built from. Raises
     :class:`SimulationError` for lost or reordered results, a changing latency, or a program that stops early.

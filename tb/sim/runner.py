@@ -40,9 +40,9 @@ VERILATOR_ARGS = [
 RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
-"""Compiling takes a third less time; nine tenths of such a simulation are Python's anyway."""
+"""Compiling takes a third less time; Python takes nine tenths of the simulation time anyway."""
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
-"""Scopes that a Verilator waveform leaves out; for Icarus, ``ik_waves.v`` selects them."""
+"""Scopes omitted from a Verilator waveform; for Icarus, ``ik_waves.v`` limits the depth."""
 
 
 def with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path = ROOT) -> dict[str, int]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Framework for the unit testbenches of ``rtl/lib``.
+"""Framework for the unit testbenches of ``rtl/lib`` and ``rtl/fold``.
 
 A bench is a function that maps a module's parameters to the cocotb tests of an instance; most are one call of
 :func:`checks`. All benches of a file share a simulation (:func:`runs`). References do not share the arithmetic of RTL
@@ -81,7 +81,7 @@ def runs(*cases: Case) -> Callable:
 
 
 def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
-    """Return one parameter set per row, the values of the parameters in ``names``; all sets include ``others``."""
+    """Return one parameter set per row of values of the parameters in ``names``; all sets include ``others``."""
     return [dict(zip(names.split(), row, strict=True)) | others for row in rows]
 
 
@@ -103,10 +103,10 @@ def checks(
     """Return the tests of a module without handshake; in each, a vector enters in every clock (:func:`stream`).
 
     ``inputs`` and ``outputs`` map ports to the range of their words; ``expected`` is the reference, from one sequence
-    of words per input to one per output. A vector of one word may be written as the word.
+    of words per input to one per output. A vector of one word may be given as the word.
 
-    - *named*: each of ``corners``, vector and outputs, between ``good`` vectors; omitted if a word does not fit its
-      port.
+    - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors; omitted if a word does not fit
+      its port.
     - *extremes*: all combinations of the corners of each operand.
     - *every_vector* if there are at most :data:`EVERY`, otherwise *random_vectors*.
     - each of ``streams``, by its name.
