@@ -35,6 +35,11 @@ def _functions(value):
     return sympy if isinstance(value, sympy.Expr) else np
 
 
+def symbol(name):
+    """Return the real symbol for an input or a line of the paper, the same in all expressions."""
+    return sympy.Symbol(name, real=True)
+
+
 def scalar(value):
     """Return the multivector of grade 0 with this value."""
     return ALGEBRA.multivector(keys=(0,), values=[value])

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 4 of the paper: operation counts of equations (10)-(19), of the datapaths and of the RTL; operations.md.
 
-Expressions come from model/reference/printed.py, the operations of a datapath from its dataflow. For the operators that
-work at once, Verilator elaborates the RTL (``--json-only``). Nothing is simulated or compiled.
+Expressions are parsed from model/reference/equations.py, the operations of a datapath come from its dataflow. For the
+operators that work at once, Verilator elaborates the RTL (``--json-only``). Nothing is simulated or compiled.
 """
 
 from __future__ import annotations
 
 import json
 import operator
+import re
 import subprocess
 import tempfile
 import textwrap
@@ -18,11 +19,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import sympy
+from sympy.parsing.sympy_parser import parse_expr
 
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import latency
 from model.dataflow.paper import SECTIONS
-from model.reference.printed import PRINTED, symbol
+from model.reference.cga import symbol
+from model.reference.equations import TEXT
 from scripts.generate.flow import WIDTH, operations
 from scripts.generate.render import render
 from tb.sim.env import GENERATED, environment
@@ -47,6 +50,18 @@ class Ops(NamedTuple):
 
 UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
 """Table 4 as printed."""
+
+
+def _parse(text: str) -> sympy.Expr:
+    """Return an unevaluated expression: its tree matches the print, so that operations can be counted."""
+    names = {name: symbol(name) for name in re.findall(r"[A-Za-z_]\w*", text)}
+    return parse_expr(
+        text, names | {name: getattr(sympy, name) for name in ("sqrt", "cos", "sin", "Abs")}, evaluate=False
+    )
+
+
+PRINTED = {number: {name: _parse(text) for name, text in lines.items()} for number, lines in TEXT.items()}
+"""Equation -> line -> right-hand side as printed."""
 
 
 # -- expressions -----------------------------------------------------------------------------------------------------

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Mapping
 import sympy as sp
 
 from model.reference import cga
+from model.reference.cga import symbol
 from model.reference.lean_equations import HALF, LEAN
-from model.reference.printed import symbol
 from scripts.paper.derivation.paper import normal, of_axes
 from scripts.paper.derivation.proofs import (
     COS_H,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 from model.reference import cga, geometry
-from model.reference.printed import symbol
+from model.reference.cga import symbol
 from scripts.paper.derivation.proofs import HALF_CIRCLE, PRINTED, Step, symbols, vector
 
 P_W, P_E, PI = vector("p_w"), vector("p_e"), vector("pi_swivel")

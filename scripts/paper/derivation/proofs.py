@@ -15,8 +15,8 @@ from typing import Any
 import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
+from model.reference.cga import symbol
 from model.reference.equations import C4, TEXT
-from model.reference.printed import symbol
 
 PRINTED = {number: dict(lines) for number, lines in TEXT.items()}
 """Equation -> row -> right side as printed. The fraction in both roots of (14) is c4 of the text before it."""

@@ -26,9 +26,9 @@ from sympy.printing.pycode import PythonCodePrinter
 
 from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
 from model.reference import equations
+from model.reference.cga import symbol
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import LEAN, solve_lean
-from model.reference.printed import symbol
 from scripts.paper.derivation.proofs import parse, rsqrt
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 

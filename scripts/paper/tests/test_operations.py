@@ -4,9 +4,9 @@
 import pytest
 import sympy
 
-from model.reference.printed import PRINTED, symbol
+from model.reference.cga import symbol
 from scripts.paper import operations as table4
-from scripts.paper.operations import Ops, count
+from scripts.paper.operations import PRINTED, Ops, count
 
 a, b, c = sympy.symbols("a b c", real=True)
 
