@@ -23,7 +23,6 @@ from scripts.paper.derivation.proofs import (
     SIN_H,
     Step,
     corrected,
-    name_tex,
     parse,
     symbols,
 )
@@ -279,41 +278,6 @@ def length(step: Step) -> None:
     step.prove("q_s = q/length", label="Q_s = q/|q|", q_s=q_s, q=sp.Matrix(symbols("w_1 i_1 j_1 k_1")))
 
 
-def shifts(step: Step) -> None:
-    k, v = sp.Symbol("k", integer=True), sp.Symbol("v", positive=True)
-    ratio = sp.powdenest(sp.powsimp(2**k / sp.sqrt(4**k * v) * sp.sqrt(v)), force=True)
-    step.true(r"$1/\sqrt v = 2^k / \sqrt{4^k v}$ for any integer $k$", sp.simplify(ratio) == 1)
-    given = {name: symbol(name) for group in ("Sums of the inputs", "Roots, first level") for name in LEAN[group]}
-    plain = run(LEAN["Directions"] | LEAN["Triangle"], given)
-    # root -> 2^k root of the mantissa, argument -> 4^-k mantissa
-    arguments = {name: text[6:-1] for name, text in LEAN["Roots, first level"].items()}
-    two = {name: sp.Symbol(f"two_{name}", positive=True) for name in arguments}
-    scaled = {symbol(name): two[name] * symbol(name) for name in arguments}
-    scaled |= {symbol(argument): symbol(argument) / two[name] ** 2 for name, argument in arguments.items()}
-    for name in ("u_x", "u_y", "sin_el", "cos_el", "qe_w", "qe_i", HALVES["arm"][0], HALVES["arm"][1]):
-        powers = sp.cancel(plain[name].subs(scaled, simultaneous=True) / plain[name]).as_powers_dict()
-        right = powers.keys() <= {*two.values(), sp.Integer(1)}
-        tail = {two[n]: sp.Symbol(f"k_{{{name_tex(a).removesuffix('^2')}}}") for n, a in arguments.items()}
-        exponent = sp.latex(sum(powers[v] * k for v, k in tail.items()))
-        step.true(f"${name_tex(name)}$: $2^{{{exponent}}}$", right)
-
-
-def near_singular(step: Step) -> None:
-    sums = run(LEAN["Sums of the inputs"], {})
-    whole = all(sp.Poly(value).domain == sp.ZZ for value in sums.values())
-    names = ", ".join(f"${name_tex(name)}$" for name in sums)
-    step.true(f"{names} are polynomials in the inputs with integer coefficients", whole)
-    terms = [term for name in ("rho_sq", "s") for term in sp.Poly(sums[name]).terms()]
-    positive = all(c > 0 and all(n % 2 == 0 for n in powers) for powers, c in terms)
-    step.true(r"$\rho^2$ and $s$ have no negative term", positive)
-    products = LEAN["Directions"] | LEAN["Triangle"]
-    none = not any(parse(text, evaluate=False).has(sp.Add) for text in products.values())
-    step.true("no line of the directions and the triangle has a sum", none)
-    pairs = [PARTS[0:2], PARTS[2:4], PARTS[4:6], (COS_H, SIN_H)]
-    linear = all(sum(m) == 1 for part in product_lines() for pair in pairs for m in sp.Poly(part, *pair).monoms())
-    step.true(r"$q$ is linear in each of $\mathrm{az}$, $\mathrm{tilt}$, $\mathrm{arm}$ and $h_\phi$", linear)
-
-
 STEPS = (
     directions,
     swivel,
@@ -324,6 +288,4 @@ STEPS = (
     half,
     product,
     length,
-    shifts,
-    near_singular,
 )

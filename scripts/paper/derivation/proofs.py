@@ -98,10 +98,10 @@ FUNCTIONS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def parse(text: str, values: Mapping[str, Any] | None = None, evaluate: bool = True) -> Any:
+def parse(text: str, values: Mapping[str, Any] | None = None) -> Any:
     """Return the value of a formula; names without a value are symbols. `values` may also replace functions."""
     names = {name: symbol(name) for name in re.findall(r"[A-Za-z_]\w*", text)} | FUNCTIONS | dict(values or {})
-    return parse_expr(text, local_dict=names, evaluate=evaluate)
+    return parse_expr(text, local_dict=names)
 
 
 def tex(text: str) -> str:
@@ -250,10 +250,6 @@ class Step:
             rests = [rest for other in others for part in parts(first, other) if (rest := self.rest(part)) != 0]
             wrong = f"{text}: does not hold; left minus right: {rests}" if rests else ""
             self._add(f"${label or tex(text)}$", wrong)
-
-    def true(self, statement: str, holds: bool) -> None:
-        """Add a statement (Markdown) that has been decided in another way."""
-        self._add(statement, "" if holds else f"{statement}: does not hold")
 
     def refute(self, text: str, point: Mapping[str, Any], label: str = "", **values: Any) -> None:
         """Refute a statement by an exact point that satisfies all relations, which give its remaining coordinates."""

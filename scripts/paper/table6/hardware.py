@@ -56,9 +56,7 @@ PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LAT
 
 def random_error(words: np.ndarray, datapath: str) -> float:
     """Return the largest hand error / reach over input words, from the bit-true model (the RTL is bit-identical)."""
-    worst = 0.0
-    for start in range(0, len(words), CHUNK):
-        part = words[start : start + CHUNK]
-        values = result_values(fixed.run(part, WIDTH, datapath).results, WIDTH)
-        worst = max(worst, float(hand_errors(values, from_words(part, 0, WIDTH, "random")).max()))
-    return worst
+    parts = np.array_split(words, -(-len(words) // CHUNK))
+    answers = (result_values(fixed.run(part, WIDTH, datapath).results, WIDTH) for part in parts)
+    errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))
+    return float(max(error.max() for error in errors))

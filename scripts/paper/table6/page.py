@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from scripts.fpga.designs import clock
 from scripts.generate.render import error, render
@@ -40,45 +41,35 @@ def ratio(value: float) -> str:
     return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
-def _quoted() -> Iterator[list[str]]:
-    for name, total, _ in QUOTED:
-        yield ["quoted", name, number(total), ratio(tables.SOFTWARE_US / total), "-", "-", "-", "-"]
+def _times(group: str, name: str, us: float, *others: Any) -> tuple:
+    """Return a row: time for the targets of `reach`, the paper's software relative to it, other cells."""
+    return group, name, number(us), ratio(tables.SOFTWARE_US / us), *(others or "----")
 
 
-def _software(figures: dict) -> Iterator[list[str]]:
+def _software(figures: dict) -> Iterator[tuple]:
     for row in figures["software"]:
         if "lacks" in row:
-            yield [row["group"], row["name"], row["lacks"], "-", "-", "-", "-", "-"]
+            yield row["group"], row["name"], row["lacks"], *"-----"
             continue
         reach, random = row["reach"], row["random"]
-        total = reach["ns"] * tables.TARGETS / 1000
         ns = number(random["ns"])
-        yield [
+        yield _times(
             row["group"],
             row["name"],
-            number(total),
-            ratio(tables.SOFTWARE_US / total),
+            reach["ns"] * tables.TARGETS / 1000,
             ns if random["targets"] == figures["targets"] else f"{ns} ({random['targets']} targets)",
             error(reach["error"]),
             error(random["error"]),
             reach["unanswered"] + random["unanswered"],
-        ]
+        )
 
 
-def _hardware(figures: dict, fpga: dict) -> Iterator[list[str]]:
+def _hardware(figures: dict, fpga: dict) -> Iterator[tuple]:
     for row in figures["hardware"]:
-        clock = clock_of(fpga, row)
-        total = row["last"] / clock
-        yield [
-            "this core",
-            f"`{row['datapath']}`, W = {row['width']}, {clock:.0f} MHz, {row['path']}",
-            number(total),
-            ratio(tables.SOFTWARE_US / total),
-            number(1000 * row["each"] / clock),
-            error(row["reach_error"]),
-            error(row["random_error"]),
-            0,
-        ]
+        mhz = clock_of(fpga, row)
+        name = f"`{row['datapath']}`, W = {row['width']}, {mhz:.0f} MHz, {row['path']}"
+        errors = error(row["reach_error"]), error(row["random_error"])
+        yield _times("this core", name, row["last"] / mhz, number(1000 * row["each"] / mhz), *errors, 0)
 
 
 def _waits(figures: dict, fpga: dict) -> Iterator[list[str]]:
@@ -90,8 +81,7 @@ def _waits(figures: dict, fpga: dict) -> Iterator[list[str]]:
         if row["key"].startswith("c-") and row["key"].endswith("-chain"):
             yield [f"C, {row['name']}", number(row["reach"]["ns"])]
     for row in figures["hardware"]:
-        clock = clock_of(fpga, row)
-        yield [f"this core, `{row['datapath']}`, {row['path']}", number(1000 * row["first"] / clock)]
+        yield [f"this core, `{row['datapath']}`, {row['path']}", number(1000 * row["first"] / clock_of(fpga, row))]
 
 
 def page(figures: dict, fpga: dict) -> str:
@@ -101,7 +91,7 @@ def page(figures: dict, fpga: dict) -> str:
         figures=figures,
         machine=figures["machine"],
         busy=figures["machine"]["load"] > BUSY * figures["machine"]["cores"],
-        rows=[*_quoted(), *_software(figures), *_hardware(figures, fpga)],
+        rows=[*(_times("quoted", name, us) for name, us, _ in QUOTED), *_software(figures), *_hardware(figures, fpga)],
         waits=list(_waits(figures, fpga)),
         memory_mhz=clock(fpga, "echo", 32),
         batch=tables.TARGETS,

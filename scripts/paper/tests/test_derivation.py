@@ -76,21 +76,6 @@ def test_an_error_in_half_is_found(monkeypatch, branch):
     assert failures(derive([lean.half])) and failures(derive([lean.product]))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name, line, wrong",
-    [
-        ("Sums of the inputs", "a_far", "d_sum**2/3 - s"),
-        ("Sums of the inputs", "s", "rho_sq - z**2"),
-        ("Directions", "u_x", "x*inv_rho + y"),
-        ("Product", "k_1", "k_0*arm_c + j_0*arm_s*arm_s"),
-    ],
-)
-def test_a_line_that_loses_digits_is_found(monkeypatch, name, line, wrong):
-    monkeypatch.setitem(LEAN[name], line, wrong)
-    assert failures(derive([lean.near_singular]))
-
-
 def test_reversed_turns_are_found(monkeypatch):
     turn = lean.turn
     monkeypatch.setattr(lean, "turn", lambda axis, c, s: turn(axis, c, -s))
