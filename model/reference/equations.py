@@ -313,16 +313,11 @@ def solve_clamped(x, y, z, phi, d1, d2):
     at_shoulder = distance == 0
     divisor = np.where(at_shoulder, 1.0, distance) * np.where(~straight & (d1 < d2), -1.0, 1.0)
     e = np.stack((x / divisor, y / divisor, np.where(at_shoulder, 1.0, z) / divisor), axis=-1)
-    poses = {
-        **dict(
-            zip(("qs_w", "qs_i", "qs_j", "qs_k"), shoulder_quaternion(swivel_normal(x, y, z, phi), e).T, strict=True)
-        ),
-        "qe_w": np.where(straight, 0.0, 1.0),
-        "qe_i": np.where(straight, -1.0, 0.0),
-        **dict(zip(("p_e_x", "p_e_y", "p_e_z"), d1 * e.T, strict=True)),
-    }
+    qs = shoulder_quaternion(swivel_normal(x, y, z, phi), e)
+    poses = np.column_stack((qs, np.where(straight, 0.0, 1.0), np.where(straight, -1.0, 0.0), d1[:, None] * e))
     result = {"flags": flags}
-    for name, values in poses.items():
+    names = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i", "p_e_x", "p_e_y", "p_e_z")
+    for name, values in zip(names, poses.T, strict=True):
         result[name] = np.empty(len(flags))
         result[name][clamped], result[name][~clamped] = values, reached[name]
     return result
