@@ -53,14 +53,3 @@ def test_keep_writes_the_page(command, judged, monkeypatch, tmp_path):
     command(mutants.main, "--count", "4", "--jobs", "1", "--keep")
     assert "| all | 4 | 3 | 0 | 0 | 0 | 1 |" in mutants.PAGE.read_text()
     assert Path("build/mutants/1.jsonl").exists()
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("--only nothing", "mutants: argument --only: no file of rtl/ has 'nothing' in its name"),
-        ("--only lean --keep", "mutants: argument --keep: not allowed with --only"),
-    ],
-)
-def test_invalid_options(command, options, message):
-    assert command(mutants.main, *options.split()) == (2, [], [message])
