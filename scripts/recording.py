@@ -54,7 +54,7 @@ class Recording:
 
 
 def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
-    """Read the VCD of a run of one trajectory. Raises ValueError for a VCD of another design."""
+    """Read the VCD of a run of one trajectory. Raises TargetError for a VCD of another design."""
     found = Signals(vcd)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
     shown = [(words[node.name], found[place(datapath, node)].code, node.format.width) for node in nodes]

@@ -213,13 +213,6 @@ def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> wor
     return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
 
 
-def _read_rows(path: Path) -> list[worst_targets.Row]:
-    try:
-        return worst_targets.read(path)
-    except ValueError as error:
-        raise InputError(str(error)) from None
-
-
 def recorded() -> dict[str, dict]:
     """Return the figures of the page by row."""
     try:
@@ -304,7 +297,7 @@ def _soak(arguments: SimpleNamespace) -> int:
     hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
     with output(arguments.out, [hardest_path, failing]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
-        earlier = {file: _read_rows(file) if file.exists() else [] for file in lists}
+        earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
         if arguments.keep:
             recorded()  # fail on an unusable file before the run, not hours later
         if arguments.against:
@@ -355,7 +348,7 @@ def _soak(arguments: SimpleNamespace) -> int:
 
 
 def _again(arguments: SimpleNamespace) -> int:
-    rows = _read_rows(arguments.again)
+    rows = worst_targets.read(arguments.again)
     if not rows:
         raise InputError(f"{arguments.again}: no targets")
     status = 0

@@ -26,8 +26,8 @@ from vcd.reader import TokenKind, VCDParseError, tokenize
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format, Node
-from model.io.words import FIELDS, RESULT_FIELDS
-from scripts.console import WORD_LENGTH, InputError, command, whole_file
+from model.io.words import FIELDS, RESULT_FIELDS, TargetError
+from scripts.console import WORD_LENGTH, command, whole_file
 
 TOP = "ik_axis"
 SHOWN_BITS = 64
@@ -45,29 +45,32 @@ class Signal:
 
 
 class Signals(dict[tuple[str, ...], Signal]):
-    """The signals below ``ik_axis`` in a VCD by their path from there. Raises ValueError for one that it lacks."""
+    """The signals below ``ik_axis`` in a VCD by their path from there. Raises TargetError for one that it lacks."""
 
     def __init__(self, vcd: Path) -> None:
         super().__init__()
         self.vcd = vcd
         scopes: list[str] = []
-        with open(vcd, "rb") as stream:
-            for token in tokenize(stream):
-                if token.kind is TokenKind.SCOPE:
-                    scopes.append(token.scope.ident)
-                elif token.kind is TokenKind.UPSCOPE:
-                    scopes.pop()
-                elif token.kind is TokenKind.VAR and TOP in scopes:
-                    below = scopes[scopes.index(TOP) + 1 :]
-                    name = ".".join([*scopes, token.var.ref_str])
-                    self[(*below, token.var.reference)] = Signal(name, token.var.id_code)
-                elif token.kind is TokenKind.ENDDEFINITIONS:
-                    break
+        try:
+            with open(vcd, "rb") as stream:
+                for token in tokenize(stream):
+                    if token.kind is TokenKind.SCOPE:
+                        scopes.append(token.scope.ident)
+                    elif token.kind is TokenKind.UPSCOPE:
+                        scopes.pop()
+                    elif token.kind is TokenKind.VAR and TOP in scopes:
+                        below = scopes[scopes.index(TOP) + 1 :]
+                        name = ".".join([*scopes, token.var.ref_str])
+                        self[(*below, token.var.reference)] = Signal(name, token.var.id_code)
+                    elif token.kind is TokenKind.ENDDEFINITIONS:
+                        break
+        except VCDParseError as error:
+            raise TargetError(f"{vcd}: {error}") from None
         if not self:
-            raise ValueError(f"{vcd}: no module {TOP} in this VCD")
+            raise TargetError(f"{vcd}: no module {TOP} in this VCD")
 
     def __missing__(self, path: tuple[str, ...]) -> Signal:
-        raise ValueError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
+        raise TargetError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
 
 
 def place(datapath: str, node: Node) -> tuple[str, ...]:
@@ -90,7 +93,7 @@ def write_save_file(
 ) -> None:
     """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
 
-    Raises ValueError for a VCD of another design, OSError if a file cannot be read or written.
+    Raises TargetError for a VCD of another design, OSError if a file cannot be read or written.
     With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
     ``aligned``: the VCD is one by :func:`scripts.recording.write_aligned`, which has no streams.
     """
@@ -198,13 +201,8 @@ class _Save:
     fails="never",
 )
 def main(options: SimpleNamespace) -> int:
-    try:
-        with whole_file(options.save) as path:
-            write_save_file(options.vcd, options.datapath, options.width, path)
-    except ValueError as error:
-        raise InputError(str(error)) from None
-    except VCDParseError as error:
-        raise InputError(f"{options.vcd}: {error}") from None
+    with whole_file(options.save) as path:
+        write_save_file(options.vcd, options.datapath, options.width, path)
     return 0
 
 

@@ -23,7 +23,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.words import FIELDS, result_values
+from model.io.words import FIELDS, TargetError, result_values
 from model.reference.kinematics import forward
 from tb.sim.env import ROOT
 
@@ -76,20 +76,20 @@ def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
 
 
 def read(path: Path) -> list[Row]:
-    """Read the rows of a list file. Raises ValueError with a one-line message, and OSError."""
+    """Read the rows of a list file. Raises TargetError and OSError."""
     with open(path, encoding="utf-8", newline="") as stream:
         try:
             lines = list(csv.reader(stream, strict=True))
         except (UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"{path}: not a CSV file: {error}") from None
+            raise TargetError(f"{path}: not a CSV file: {error}") from None
     if not lines or tuple(lines[0]) != COLUMNS:
-        raise ValueError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
+        raise TargetError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
     rows = []
     for number, cells in enumerate(lines[1:], 2):
         try:
             rows.append(_row(cells))
         except ValueError as error:
-            raise ValueError(f"{path}: row {number}: {error}") from None
+            raise TargetError(f"{path}: row {number}: {error}") from None
     return rows
 
 
