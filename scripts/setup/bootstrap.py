@@ -83,15 +83,18 @@ def choose_python(arguments):
 
 
 def run_logged(command, env=None):
-    """Run a command with its output appended to build/setup.log; return status and output."""
+    """Run a command with its output appended to build/setup.log; return its error message, "" after success."""
     os.makedirs("build", exist_ok=True)
     with open("build/setup.log", "a+b") as log:
         log.write(("$ " + " ".join(command) + "\n").encode())
         log.flush()
         start = log.tell()
-        status = subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=env)
+        if subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=env) == 0:
+            return ""
         log.seek(start)
-        return status, log.read().decode("utf-8", "replace")
+        lines = [line.strip() for line in log.read().decode("utf-8", "replace").splitlines() if line.strip()]
+    wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
+    return wrong[-1] + " (more in build/setup.log)"
 
 
 def apt_prefix():
@@ -115,9 +118,9 @@ def install_packages(packages):
     get = prefix + ["env", "DEBIAN_FRONTEND=noninteractive", "NEEDRESTART_MODE=a", "LC_ALL=C", "apt-get"]
     get += ["-q", "-y", "-o", "DPkg::Lock::Timeout=300", "-o", "Dpkg::Use-Pty=0"]
     install = get + ["install", "--no-install-recommends"] + packages
-    if run_logged(install)[0]:  # no package lists, or old ones
+    if run_logged(install):  # no package lists, or old ones
         run_logged(get + ["update"])
-        if run_logged(install)[0]:
+        if run_logged(install):
             die("apt-get failed, see build/setup.log; please install as root: " + by_hand)
 
 
@@ -186,18 +189,12 @@ def is_ready(needs):
 
 
 def pip_install(name):
-    """Install a lock file into .venv; return status and output of pip."""
+    """Install a lock file into .venv; return the error message."""
     pip = [PYTHON, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
     unwanted = ["PIP_" + variable for variable in NOT_FOR_PIP]
     env = {variable: value for variable, value in os.environ.items() if variable not in unwanted}
     return run_logged(pip + ["--require-hashes", "-r", LOCK.format(name)], env)
-
-
-def give_up(what, printed):
-    lines = [line.strip() for line in printed.splitlines() if line.strip()]
-    wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
-    die(f"could not {what}: {wrong[-1]} (more in build/setup.log)")
 
 
 def make_venv():
@@ -207,11 +204,9 @@ def make_venv():
     say(f"making .venv with Python {VERSION} from requirements/checkout.lock (a minute or so) ...")
     if os.path.exists(STAMP):
         os.remove(STAMP)
-    status, printed = run_logged([sys.executable, "-I", "-m", "venv", "--clear", ".venv"])
-    if status == 0:
-        status, printed = pip_install("checkout")
-    if status:
-        give_up("make .venv", printed)
+    error = run_logged([sys.executable, "-I", "-m", "venv", "--clear", ".venv"]) or pip_install("checkout")
+    if error:
+        die("could not make .venv: " + error)
     ask = [PYTHON, "-I", "-c", "import find_libpython as f; print(f.find_libPYTHON or '')"]
     libpython = subprocess.check_output(ask).decode().strip()
     if not libpython:
@@ -233,14 +228,14 @@ def set_up(needs):
     for extra in extras:  # the stamp is written before each as well: .venv is usable without extras
         what = f"the packages of requirements/{extra}.lock"
         say(f"adding {what} to .venv (a minute or so) ...")
-        status, printed = pip_install(extra)
-        if status == 0:
+        error = pip_install(extra)
+        if not error:
             ready.add(extra)
             write_stamp(libpython, ready)
         elif extra == "table6":  # its users work without packages that fail to install
             say(f"could not add {what}, continuing without them (more in build/setup.log)")
         else:
-            give_up(f"add {what}", printed)
+            die(f"could not add {what}: {error}")
     if extras or stamp is None:
         say("ready")
 
