@@ -11,22 +11,33 @@ and prints them next to tables 5 and 6 of the paper.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
+import pybvh
+
 from model.bounds.predict import hand_bar
 from model.io import trajectories
-from model.io.scoring import Score, score
+from model.io.files import write_atomically
+from model.io.scoring import Score, score, write_score_json, write_tables
+from model.io.words import result_values
+from model.motion import clip as clips
+from model.motion import gltf
 from scripts.console import command, output, progress, show, switch, whole_file
 from scripts.paper.tables import table_of_datapaths
 from scripts.recording import ALIGNED, VCD, WAVES, align
-from scripts.results import SCORES, of_datapath, write_results, written
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from scripts.waves import write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
+
+SCORES = "score.json"
+CLIP_KINDS = ("bvh", "glb")
 
 OPTIONS = [
     *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
@@ -39,21 +50,12 @@ def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
-    scores = [
-        score(
-            item.targets,
-            item.words,
-            item.exponent,
-            run,
-            width=arguments.width,
-            datapath=datapath,
-            simulator=arguments.sim,
-            predicted=hand_bar(item.words, arguments.width, datapath) if predict else None,
-            bar=arguments.bar,
-        )
-        for item, run in zip(prepared, runs, strict=True)
-    ]
-    return list(zip(runs, scores, strict=True))
+    settings = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
+    scored = []
+    for item, run in zip(prepared, runs, strict=True):
+        predicted = hand_bar(item.words, arguments.width, datapath) if predict else None
+        scored.append((run, score(item.targets, item.words, item.exponent, run, predicted=predicted, **settings)))
+    return scored
 
 
 def run_jobs(arguments: SimpleNamespace, datapath: str, jobs: list[Job], waves: Path | None = None) -> list[Run]:
@@ -83,6 +85,70 @@ def run_and_score(
     jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
     runs = run_jobs(arguments, datapath, jobs, waves)
     return score_runs(arguments, datapath, prepared, runs, predict)
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Return the paths of the results.csv of each trajectory."""
+    many = len(prepared) > 1
+    return [folder / item.targets.name / "results.csv" if many else folder / "results.csv" for item in prepared]
+
+
+def of_datapath(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Return the paths that `write_results` writes for one datapath."""
+    tables = result_paths(folder, prepared)
+    clip = [folder / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
+
+
+def written(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared]) -> list[Path]:
+    """Return all paths that `write_results` writes."""
+    return [*(path for folder in folders for path in of_datapath(folder, prepared)), out / SCORES]
+
+
+def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
+    """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
+    elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
+    ours = np.ldexp(result.each.elbow, -result.scale_exponent)
+    return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
+
+
+def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
+    """Return the clip with its arms turned by the core's quaternions."""
+    values = result_values(ran.results, width)
+    qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
+    arms = len(item.moves)
+    return clips.turned(item.clip, [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)])
+
+
+def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
+    """Return the turned clip as the content of a file for each of CLIP_KINDS."""
+    bvh = turned(item, ran, width)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "clip.bvh"
+        bvh.write(path)
+        return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
+
+
+def write_results(
+    out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Sequence[Sequence[tuple[Run, Score]]]
+) -> None:
+    """Write the files of each datapath to its folder, and one score.json."""
+    for folder, scored in zip(folders, done, strict=True):
+        for path, item, (ran, result) in zip(result_paths(folder, prepared), prepared, scored, strict=True):
+            targets = item.targets
+            if item.clip:
+                errors = {"elbow_error": elbow_errors(item, result).tolist()}
+                targets = replace(targets, others=targets.others | errors)
+                for kind, content in turned_clip(item, ran, result.width).items():
+                    write_atomically(path.with_name(f"clip.{kind}"), content)
+            write_tables(path, targets, ran, result)
+    write_score_json(out / SCORES, [result for scored in done for _, result in scored])
+
+
+# -- the command -----------------------------------------------------------------------------------
 
 
 def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:

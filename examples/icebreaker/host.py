@@ -29,8 +29,7 @@ from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
 from scripts.console import POSITIVE, InputError, command, option, output, progress, show, whole
-from scripts.results import SCORES, result_paths, write_results, written
-from scripts.run import score_runs
+from scripts.run import SCORES, result_paths, score_runs, write_results, written
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import Prepared, prepare, trajectory_options
 from tb.sim.simulate import LONG, Run, SimulationError

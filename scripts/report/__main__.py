@@ -34,8 +34,7 @@ from scripts.console import command, output
 from scripts.generate.render import TEMPLATES
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
-from scripts.results import SCORES, elbow_errors, of_datapath, result_paths, write_results, written
-from scripts.run import run_and_score
+from scripts.run import SCORES, elbow_errors, of_datapath, result_paths, run_and_score, write_results, written
 from scripts.tables import figures, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run

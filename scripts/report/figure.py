@@ -14,7 +14,7 @@ import numpy as np
 from model.io.words import result_values
 from model.motion.clip import Arm, Clip, Motion, outward_and_up
 from model.reference.kinematics import rotate
-from scripts.results import turned
+from scripts.run import turned
 from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
