@@ -8,6 +8,8 @@ conditioning of the equations at the pose, and measured errors can be compared w
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..dataflow import fixed
@@ -30,7 +32,7 @@ class Real(Domain):
         for name, node in bits.nodes.items():
             if node.section == "guard":
                 value = np.asarray(node.value * node.format.ulp, float) if node.format.signed else node.value
-                self.nodes[name] = Node(**{**node.__dict__, "value": self._moved(name, value, node.format)})
+                self.nodes[name] = replace(node, value=self._moved(name, value, node.format))
         CONFIGURATIONS[bits.datapath].after_guard(self, self.nodes["phi"])
 
     def _moved(self, name, value, fmt):
@@ -63,9 +65,7 @@ class Real(Domain):
         return self._moved(name, np.where(empty, 0.5 if fill else 0.0, scaled), self.word(0))
 
     def cordic(self, names, phi):
-        # phi's word has its sign in the MSB: half a turn is 1
-        half = phi.value * (np.pi / 2)
-        return tuple(self._moved(n, v, self.word(1)) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
+        return self.half_sincos(names, phi, self.word(1))
 
     # lean datapath; operations with several results move their nodes where they create them
 
@@ -83,7 +83,7 @@ class Real(Domain):
         return self._moved(name, inverse, fmt)
 
     def half_sincos(self, names, phi, fmt):
-        half = phi.value * (np.pi / 2)
+        half = phi.value * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
         return tuple(self._moved(n, v, fmt) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
 
     def points(self, d1, d2) -> tuple[np.ndarray, np.ndarray]:
