@@ -314,7 +314,7 @@ def turn(d: Domain, f: Lean, phi: Node) -> None:
 
 def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
     """Build e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
-    d.even(f"e_{name}", f"m_{name}", value, width, d.count, f.mantissa, within=MANTISSA)
+    d.even(f"e_{name}", f"m_{name}", value, width, f.mantissa, within=MANTISSA)
     d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
 
 

@@ -333,11 +333,11 @@ class Domain:
         first, second = (n.format.width + (not n.format.signed) for n in (a, b))
         return a.format.frac + b.format.frac - scale - fmt.frac, (first, second)
 
-    def even(self, count: str, name: str, value: Node, width: int, count_fmt: Format, fmt: Format, **facts) -> None:
+    def even(self, count: str, name: str, value: Node, width: int, fmt: Format, **facts) -> None:
         """Shift the low ``width`` bits left by pairs until the first pair is not 0; create shift count and mantissa."""
         self.facts[name] = Facts(**facts)
         shift, mantissa = self.even_mantissa(count, name, value, width, fmt)
-        self.make(count, "even", (value,), count_fmt, "even", shift)
+        self.make(count, "even", (value,), self.count, "even", shift)
         self.make(name, "even", (value,), fmt, "even", mantissa, error=FLOOR)
 
     def rsqrt(self, name: str, m: Node, fmt: Format, far: bool = False, twice: Node | None = None, **facts) -> Node:
