@@ -23,9 +23,9 @@ from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
 from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole, whole_file
-from scripts.recording import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from scripts.run import run_jobs
 from scripts.trajectory import Prepared, prepare, trajectory_options
+from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, hexadecimal, value
 from tb.sim.simulate import Job, SimulationError
 

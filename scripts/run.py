@@ -30,10 +30,9 @@ from model.motion import clip as clips
 from model.motion import gltf
 from scripts.console import command, output, progress, show, switch, whole_file
 from scripts.paper.tables import table_of_datapaths
-from scripts.recording import ALIGNED, VCD, WAVES, align
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
-from scripts.waves import write_save_file
+from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
 
 SCORES = "score.json"

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bit-true model in place of the simulators, for tests of commands."""
 
+from functools import partial
+
 import pytest
 from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
 from scripts import run
-from scripts.recording import model_bits
-from scripts.waves import place
+from scripts.waves import model_bits, place, variable
 from tb.core import random_targets
 from tb.sim import native_run
 from tb.sim.job import Run
@@ -57,11 +58,7 @@ class FakeSimulator:
         admitted = admissions(len(jobs[0].words)) if len(jobs) == 1 else [0]
         core = (*TOP, f"g_{datapath}", "u_core")
         with open(path, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
-
-            def line(path, bits):
-                *scopes, name = path
-                return writer.register_var(scopes, f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits)
-
+            line = partial(variable, writer)
             plain = {name: line((*TOP, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
             for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 6 * width)):
                 for side in "sm" if bits > 1 else "m":

@@ -15,7 +15,7 @@ from model.io import trajectories
 from model.io.stimuli import random_reachable
 from model.io.words import to_words
 from model.reference.lean_equations import LEAN
-from scripts import follow, recording, run, waves
+from scripts import follow, run, waves
 from scripts.tests.conftest import admissions, nodes_of
 from scripts.waves import Signals, place
 from tb.sim.env import SIMULATORS
@@ -67,7 +67,7 @@ def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
         assert time == (first[target] + last) * 10_000 - 5_000
         for node in nodes:
             differs = (node.name, target) in wrong
-            assert (column[paths[node.name]] != recording.model_bits(node, target)) == differs, (node.name, target)
+            assert (column[paths[node.name]] != waves.model_bits(node, target)) == differs, (node.name, target)
         assert int(column["differs",]) == (target in {each for _, each in wrong})
     assert seen == list(range(len(first)))
     # X from the beginning, and in the clock after a target that has no neighbour
@@ -112,7 +112,7 @@ def test_every_node_stands_in_its_line(command, files, simulator, datapath):
     assert [line for line in out if line[0] != " "][1:-1] == ["inputs", *titles]
     rows = [line.split() for line in out if re.match(r"  +\d+ +\+\d", line)]
     for row, node in zip(rows, nodes, strict=True):
-        bits = recording.model_bits(node, 42)
+        bits = waves.model_bits(node, 42)
         word = f"{int(bits, 2):0{-(-len(bits) // 4)}x}"
         value = f"{int(node.value[42]) / 2**node.format.frac:.10g}"
         given = [str(admitted + node.time), f"+{node.time}", *([node.equation] if node.equation else []), node.name]
@@ -134,7 +134,7 @@ def test_a_node_that_differs_is_marked_and_explained(command, simulator):
     assert "mul3 wi_0, triangle.arm_c" in shown[1]
     for line, name in zip(shown[2:4], ("wi_0", "triangle.arm_c"), strict=True):
         (node,) = (node for node in nodes_of(reach()) if node.name == name.split(".")[-1])
-        bits = recording.model_bits(node, 3)
+        bits = waves.model_bits(node, 3)
         assert line.split()[:-1] == [*f"{name} at clock {admitted + node.time}:".split(), f"{int(bits, 2):09x}"]
     assert "2 more nodes" in shown[4]
     status, out, (err,) = command(follow.main, "--target", "4")
@@ -166,7 +166,7 @@ def test_a_full_disk(command, files, monkeypatch):
         def close(self, timestamp=None):
             raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(recording, "VCDWriter", Full)
+    monkeypatch.setattr(waves, "VCDWriter", Full)
     status, out, (err,) = command(follow.main, "--target", "3", "--waves", "--out", "o")
     assert (status, out) == (2, []) and "No space left on device" in err
     assert files() == ["o/aligned.vcd", "o/waves.vcd"] and Path("o/aligned.vcd").read_text() == "old"
@@ -180,8 +180,8 @@ def test_x_is_a_difference(tmp_path, simulator):
     simulator.record(vcd, [Job("x", words)], "lean", 32)
     code = re.search(r"\$var wire 35 (\S+) w_1", vcd.read_text())[1]
     vcd.write_text(re.sub(rf"^b[01]+ {re.escape(code)}$", f"bx01 {code}", vcd.read_text(), flags=re.M))
-    read = recording.read(vcd, "lean", nodes)
-    found = [(each.node.name, each.target, each.rtl) for each in recording.differences(read, nodes)]
+    read = waves.read(vcd, "lean", nodes)
+    found = [(each.node.name, each.target, each.rtl) for each in waves.differences(read, nodes)]
     assert found == [("w_1", k, "x" * 33 + "01") for k in range(3)]
     read.admitted.append(len(read.words["w_1"]))
     assert read.word(nodes[-1], 3) == "x" * nodes[-1].format.width
@@ -209,8 +209,8 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     nodes = nodes_of(reach(WIDTH), width=WIDTH)
     marked = [line.split()[4] for line in out if line.startswith("!")]
     assert marked[0] == "i_1" and set(marked) <= {"i_1", "i_q", "qs_i"}
-    read = recording.read(Path("o/waves.vcd"), "lean", nodes)
-    found = list(recording.differences(read, nodes))
+    read = waves.read(Path("o/waves.vcd"), "lean", nodes)
+    found = list(waves.differences(read, nodes))
     (ran,) = runs
     assert ran.bit_mismatches == sum(each.bits() for each in found)
     assert ran.first_mismatch.splitlines()[0] == f"first difference: {found[0]}"
@@ -229,11 +229,11 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     nodes = nodes_of(words, "paper")
     (ran,) = simulate([Job("waves", words)], simulator=simulator_of_tests(), datapath="paper", width=32, waves=vcd)
     assert ran.bit_mismatches == 0
-    read = recording.read(vcd, "paper", nodes)
-    assert len(read.admitted) == 3 and not list(recording.differences(read, nodes))
+    read = waves.read(vcd, "paper", nodes)
+    assert len(read.admitted) == 3 and not list(waves.differences(read, nodes))
     known = Signals(vcd)
     assert vcd.stat().st_size < 30e6 and not {"line", "mem"} & {path[-1] for path in known}
-    recording.align(vcd, words, 32, "paper")
+    waves.align(vcd, words, 32, "paper")
     check_aligned(tmp_path / "aligned.vcd", nodes, read.admitted, datapath="paper")
     assert marker(tmp_path / "waves.gtkw") == (-1, [])
     save_file = tmp_path / "own.gtkw"
@@ -255,7 +255,7 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     ):
         assert shown[name] == (flags | GTKWFlag.rjustify, frac), name
     with pytest.raises(ValueError, match="no ik_axis.g_lean.u_core.x in this VCD"):
-        recording.read(vcd, "lean", nodes_of(words))
+        waves.read(vcd, "lean", nodes_of(words))
 
 
 if simulator_of_tests() == "verilator":

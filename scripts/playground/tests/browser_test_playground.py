@@ -15,8 +15,8 @@ from model.reference.lean_equations import solve_lean
 from scripts.playground import __main__ as playground
 from scripts.playground import machines
 from scripts.playground.machines import Machine
-from scripts.recording import read
 from scripts.report.tests.browser import FITS, NARROW, SET, STICKING_OUT, WIDE, Page
+from scripts.waves import read
 from tb.sim.env import ROOT
 from tb.sim.native_run import nodes_of
 
