@@ -14,10 +14,12 @@ import datetime
 import json
 import os
 import platform
+import re
 import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -37,9 +39,8 @@ from tb.sim.env import GENERATED
 FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
 
-REPEATS, FEW_REPEATS = 7, 3
-"""Measurements per median; the second number applies where each takes longer than `LONG`."""
-LONG = 1.0  # s
+REPEATS = 7
+"""Measurements per median."""
 SHORT = 0.02
 """Minimum duration of a measurement (s); faster functions are repeated within it."""
 
@@ -51,11 +52,8 @@ def report(text: str) -> None:
 
 def machine() -> dict[str, Any]:
     """Describe the computer that runs the timings."""
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as stream:
-            about = {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in stream)}
-    except OSError:
-        about = {}
+    described = Path("/proc/cpuinfo")
+    about = dict(re.findall(r"^(.*?)\s*: (.*)$", described.read_text() if described.exists() else "", re.M))
     flags = about.get("flags", about.get("Features", "")).split()
     vectors = (name for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2"), ("asimd", "NEON")) if flag in flags)
     return {
@@ -83,7 +81,7 @@ def seconds(again: Callable[[int], Any]) -> float:
     while once * times < SHORT:
         times = max(2 * times, min(100 * times, round(1.2 * SHORT / once)))
         once = measured(times)
-    return statistics.median(measured(times) for _ in range(FEW_REPEATS if once * times > LONG else REPEATS))
+    return statistics.median(measured(times) for _ in range(REPEATS))
 
 
 def figure(value: float) -> float:

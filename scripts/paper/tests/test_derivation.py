@@ -62,7 +62,7 @@ STEPS_OF = {
 CHOICES = {*LEAN["Half angle quaternions"], *LEAN["Half the swivel angle"]}
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.parametrize("name", [name for name in NUMBER if name not in CHOICES])
 def test_a_doubled_lean_line_is_found(monkeypatch, name):
     group = next(group for group, lines in LEAN.items() if name in lines)
