@@ -15,8 +15,8 @@ module ik_axis #(
     parameter integer TAG_W    = 8,   // tag width, at least 1
     parameter integer DATAPATH = 1,   // 0 paper, 1 lean, 2 fold (lean on one multiplier): W even, 20 or more
     parameter integer DIGIT    = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
-    // longer operand of the multiplier blocks of lean and fold, bits: 18; 25 for 25x18, lean only; 16 for 16x16, with
-    // smaller tables and fold from W = 18
+    // multiplier blocks of lean and fold: 18 for 18x18 bits; 25 for 25x18, lean only; 16 for 16x16, with smaller tables
+    // and fold from W = 18
     parameter integer TILE     = 18
 ) (
     // Clock
@@ -46,7 +46,7 @@ module ik_axis #(
 
   // ---- reject unsupported parameters at elaboration ----
 
-  // An illegal parameter instantiates a module that does not exist; its name ends with that parameter:
+  // An illegal parameter value instantiates an undefined module, named after the parameter:
   //   ik_axis_illegal_TAG_W     1 or more
   //   ik_axis_illegal_DATAPATH  0, 1 or 2
   //   ik_axis_illegal_DIGIT     0 or 1

@@ -1,10 +1,10 @@
 // No rounding, no data: job control of ik_axi, from the area checks to done or error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The parameters are copied at start. The checks take 3 clocks, before any access. After an R error, the records before
-// it are still written. After a B error or a soft reset, no new burst starts and the outstanding ones complete. The
-// first error is reported. Codes: 0 none, 1 source and 2 destination not a multiple of 32, 3 source and 4 destination
-// beyond the address space, 5 areas overlap, 6 SLVERR and 7 DECERR on R, 8 SLVERR and 9 DECERR on B.
+// Source, destination and count are copied at start. The checks take 3 clocks, before any access. After an R error, the
+// records before it are still written. After a B error or a soft reset, no new burst starts and the outstanding ones
+// complete. The first error is reported. Codes: 0 none, 1 source and 2 destination not a multiple of 32, 3 source and 4
+// destination beyond the address space, 5 areas overlap, 6 SLVERR and 7 DECERR on R, 8 SLVERR and 9 DECERR on B.
 `default_nettype none
 
 module ik_axi_job #(
@@ -31,10 +31,10 @@ module ik_axi_job #(
     output reg  [      31:0] read_stalls,
     output reg  [      31:0] write_stalls,
     // Read and write engines
-    output wire              clear,          // resets ik_axis at start: a stopped job leaves targets
+    output wire              clear,          // resets ik_axis at start: an earlier job may have left targets in it
     output wire              go,
     output wire              stop,
-    output wire [ADDR_W-1:5] job_source,       // address / 32 of the job
+    output wire [ADDR_W-1:5] job_source,       // addresses of the job / 32
     output wire [ADDR_W-1:5] job_destination,
     output reg  [      31:0] job_count,
     input  wire              read_idle,

@@ -6,10 +6,10 @@
 // A lap of the program takes PERIOD clocks. A target present when a lap begins is loaded in the lap's first clocks. Its
 // results leave in this lap or in the next, where its last steps overlap the first steps of another target. Without a
 // target the datapath waits in the first clock. It stalls as a whole rather than overwrite a waiting result.
-// A step's fields apply to one clock, not to one operation: `step` controls reads for one operation, the multiplication
-// of another and the write of a third.
+// A program word, `step`, belongs to a clock, not to an operation: it controls the reads of one operation, the
+// multiplication of another and the write of a third.
 // Throughput: one target per PERIOD clocks.
-// Latency: set by the program (ik_fold_program.vh), counted from the first clock of a lap.
+// Latency: set by the program (ik_fold_program.vh), counted from the clock that accepts the target.
 `default_nettype none
 
 module ik_fold #(
@@ -56,14 +56,14 @@ module ik_fold #(
   // ---- the lap ----
 
   reg go;
-  reg [6:0] fetched, read, clock;  // steps: next memory address, memory output, current step
+  reg [6:0] fetched, read, clock;  // step numbers: ROM address, ROM output, current step
   reg [STEP_W-1:0] step_read, step;
   // Accept no target and write no word before the first step arrives: some words must stay 0.
   initial {go, step_read, step} = 0;
   `include "ik_fold_program.vh"
   `include "ik_fold_fields.vh"
 
-  reg current, previous;  // this lap's, the previous lap's target is in progress
+  reg current, previous;  // this lap's target is in progress; the previous lap's is
   wire begins = clock == 7'd0;
   wire here = begins ? s_axis_tvalid : current;
   wire last = clock == END;

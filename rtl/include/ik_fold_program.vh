@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/fold/schedule.json and model/dataflow/lean.py; do not edit.
 
-// For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, its own or the next
-// where the machine may wait before the first result, gives it, and gives the last.
+// For the body of ik_fold: the program. The lap, 0 a target's own, 1 the next, in which the datapath may
+// stall before the target's first result (HOLD_LAP), writes it (FIRST_LAP) and writes the last (LAST_LAP).
 
 localparam integer PERIOD = 88;  // clocks of a lap
 localparam [6:0] END = 7'd87;  // the last of them

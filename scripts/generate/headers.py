@@ -292,8 +292,8 @@ def fold_program() -> str:
     digits = -(-STEP_BITS // 4)
     words = (f"{STEP_BITS}'h{made.word(n):0{digits}x};  // {'; '.join(notes[n]) or '-'}" for n in range(period))
     lines = [
-        "// For the body of ik_fold: the program. HOLD_, FIRST_ and LAST_LAP: the lap of a target, its own or the next",
-        "// where the machine may wait before the first result, gives it, and gives the last.",
+        "// For the body of ik_fold: the program. The lap, 0 a target's own, 1 the next, in which the datapath may",
+        "// stall before the target's first result (HOLD_LAP), writes it (FIRST_LAP) and writes the last (LAST_LAP).",
         "",
         f"localparam integer PERIOD = {period};  // clocks of a lap",
         f"localparam [6:0] END = 7'd{period - 1};  // the last of them",

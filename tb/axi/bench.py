@@ -113,7 +113,7 @@ class Writer(Responder, AxiSlaveWrite):
 class Monitor:
     """Checks of the memory port beyond the AXI rules (tb/rules), sampled at every falling edge.
 
-    A test checks `errors` at its end. A reset clears only the counts of open bursts and beats.
+    A test checks `errors` at its end. A reset clears only the state of open transactions.
     """
 
     def __init__(self, dut, record_beats: int) -> None:
@@ -202,13 +202,13 @@ def random_words(count: int, seed: int) -> np.ndarray:
     """Return 32-bit targets of all kinds, (N, 6)."""
     words = mixed(count, 32, seed)
     numbers = np.random.default_rng(seed)
-    words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # bits that are rounded
+    words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # low bits, rounded at W < 32
     words[5] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # saturation and wrap-around
     return np.clip(words, -(2**31), 2**31 - 1)
 
 
 class Bench:
-    """Bench of one ``ik_axi``; it owns the clock, so a test creates one. Its pool holds targets and their results."""
+    """Bench of one ``ik_axi``; it drives the clock: one per test. Its pool holds targets and their results."""
 
     def __init__(self, dut, seed: int = 1, latency: int = 0, words: np.ndarray | None = None) -> None:
         self.dut = dut

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take clocks.
+"""Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take simulated time.
 
 Target words in memory and result values equal the model's. Each bus error returns its code, and the next call
 succeeds.
@@ -24,7 +24,7 @@ from tb.axi.binding import REGISTER, Driver
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
 RECORDS = 24
-"""Capacity of each buffer."""
+"""Capacity of each buffer in records."""
 
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
@@ -227,7 +227,7 @@ async def solves(dut, interrupt, stalled):
 @cocotb.parametrize(on=["read", "write"])
 @cocotb.parametrize(answer=["slverr", "decerr"])
 async def bus_error(dut, on, answer):
-    """A bus error in the second job of a call keeps the results written before it."""
+    """A call whose second job has a bus error returns the results written before it."""
     platform = await ready(dut, interrupt=True)
     bench = platform.bench
     for bad in (0, RECORDS - 2):
@@ -244,7 +244,7 @@ async def bus_error(dut, on, answer):
 
 @cocotb.test()
 async def busy(dut):
-    """A call returns busy, writes nothing and leaves another host's job undisturbed, even one that just started."""
+    """During another host's job, even one that just started, a call returns busy and leaves the job undisturbed."""
     platform = await ready(dut, interrupt=True)
     bench = platform.bench
     bench.stall("r", "w")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fault tests of ``ik_axi``: refused areas, bus errors, starts while busy, resets.
 
-After each fault the bus is quiet, only the areas have been accessed, and the next job succeeds.
+After each fault the bus is quiet, only the job's areas have been accessed, and the next job succeeds.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ async def refused_areas(dut):
 
 @cocotb.test()
 async def no_records(dut):
-    """A job of count 0 is done at once, also with illegal areas."""
+    """A job of count 0 is done at once, even with illegal areas."""
     bench = await started(dut)
     for source, destination in ((0x1000, 0x2000), (0x1000, 0x1000), (3, 5), (1 << 63, 1 << 63)):
         await bench.start(source, destination, 0)
@@ -133,7 +133,7 @@ async def bus_errors(dut):
 
 @cocotb.test()
 async def errors_on_both(dut):
-    """One error on each side: the first to arrive is reported, and WRITTEN records are in memory."""
+    """One error on each side: the first to arrive is reported, and the first WRITTEN results are in memory."""
     bench = await started(dut, seed=7)
     numbers = bench.random
     for k in range(ROUNDS):
@@ -184,7 +184,7 @@ async def start_while_busy(dut):
 @cocotb.test()
 @cocotb.parametrize(paused=[False, True])
 async def soft_reset(dut, paused):
-    """A soft reset in any clock of a job completes open bus transactions and clears all status."""
+    """A soft reset in any clock of a job completes open bus transactions and clears STATUS and IRQ_STATUS."""
     bench = await started(dut, seed=8, latency=12)
     numbers = bench.random
     if paused:
@@ -240,7 +240,7 @@ async def soft_reset_after_an_error(dut):
 
 @cocotb.test()
 async def reset_during_a_job(dut):
-    """The next job succeeds after a reset of core and memory."""
+    """The next job succeeds after a reset of the core and the memory's ports."""
     bench = await started(dut, seed=9)
     for k in range(4):
         bench.place(SOURCE, k, 50)

@@ -29,8 +29,8 @@ from tb.sim.job import KEPT, Difference, report
 class Scoreboard:
     """Comparison of every named node of every target with the bit-true model, in the clock where the node is valid.
 
-    ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission; ``admitted`` and
-    ``sample`` are called once per clock.
+    ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission. Call ``admitted`` once
+    per admitted target and ``sample`` once per clock.
     """
 
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
@@ -45,7 +45,7 @@ class Scoreboard:
         self.differences: list[Difference] = []
 
     def expect(self, answer: fixed.Answer) -> None:
-        """Append the model's node values of further targets."""
+        """Append the model's node values for further targets."""
         for name, values in self.expected.items():
             node = answer.bits.nodes[name]
             mask = (1 << node.format.width) - 1
@@ -56,7 +56,7 @@ class Scoreboard:
         self.in_clock[clock] = target
 
     def forget(self) -> None:
-        """Drop all targets in flight after a reset."""
+        """Drop all targets in flight on reset."""
         self.in_clock.clear()
 
     def sample(self, clock: int, now: int) -> None:
@@ -76,7 +76,7 @@ class Scoreboard:
                         self.differences.append(difference)
 
     def report(self, since: int = 0) -> str:
-        """Return a message about the first differing target, counted from ``since``; empty if nothing differs."""
+        """Return a message about the first differing target, numbered from ``since``; empty if nothing differs."""
         return report(self.differences, self.nodes, since=since)
 
 
@@ -195,7 +195,7 @@ class Pipeline:
             await FallingEdge(self.dut.clk)
 
     def check(self) -> None:
-        """Check everything that must hold after a drain: results, order, tags, flags, streams, every node."""
+        """Check everything that must hold after a drain: results, order, tags, flags and all compared nodes."""
         assert not self.errors, f"{len(self.errors)} errors, the first: {self.errors[0]}"
         board = self.scoreboard
         assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"

@@ -39,7 +39,7 @@ def places(bench: Pipeline) -> int:
     """Return the number of targets admitted while m_axis_tready is low.
 
     A pipeline has a FIFO whose depth is its latency plus 3, rounded up to a power of two. The folded core holds one
-    result at its output, a second target that stalls before its first result, and a third if loaded before the stall.
+    result at its output, a second target that stalls before its first result, and a third if it is loaded before that.
     """
     if bench.period == 1:
         return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
@@ -79,7 +79,7 @@ async def recurrences(dut):
 @cocotb.test()
 @cocotb.parametrize(idle=PATTERNS, stall=PATTERNS)
 async def stalls(dut, idle, stall):
-    """Input gaps crossed with output stalls; 'long' holds ready low until the FIFO is full."""
+    """Input gaps crossed with output stalls; without gaps, a 'long' stall fills the FIFO."""
     bench = await started(dut)
     for port, pattern, seed in ((bench.source, idle, 1), (bench.sink, stall, 2)):
         generator = pause(pattern, seed)
@@ -97,7 +97,8 @@ async def stalls(dut, idle, stall):
 async def every_flag_in_every_region(dut, idle, stall):
     """Targets near each singular pose and far from all, with and without gaps and waiting results.
 
-    Pauses are random: targets whose coverage bin is empty are sent again, after another target, up to 9 times.
+    Pauses are random: targets whose coverage bin is empty are sent again, up to 9 times. An extra target goes first,
+    since the first one always follows idle clocks.
     """
     bench = await started(dut, nodes=not idle and not stall)
     random = np.random.default_rng(7)
@@ -162,8 +163,7 @@ async def reset_in_traffic(dut, after):
 async def reset_in_any_clock(dut):
     """Reset for one clock, after 1 to 200 clocks of traffic with gaps and stalls; later results are right.
 
-    All 200 clocks are tested for the folded core, to reset it in every program step, and for the shortest words; every
-    37th clock otherwise.
+    All 200 are tested for the folded core, to reset it in every program step, and at W <= 18; otherwise every 37th.
     """
     bench = await started(dut)
     every = bench.period > 1 or bench.width <= 18

@@ -33,7 +33,7 @@ else:
 
 
 def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
-    """Run targets, natively under Verilator; check every node, result and flag."""
+    """Run targets, under Verilator without cocotb; check every node, result and flag."""
     options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
     (done,) = simulate([Job("nodes", words)], **options, native=not ICARUS)
     assert done.bit_mismatches == 0, done.first_mismatch
@@ -76,7 +76,7 @@ if ICARUS:  # Verilator takes minutes to compile digit recurrences
 else:
     signed = np.concatenate([np.arange(4), np.arange(-4, 0)])
     EVERY = np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
-    """All targets of 3-bit words; the bits of number n are the words of target n, x lowest."""
+    """All targets of 3-bit words; the octal digits of n are the words of target n, x lowest."""
 
     @pytest.mark.sim
     def test_every_target_of_3_bits():

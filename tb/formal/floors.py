@@ -4,8 +4,8 @@ ik_root_digit.vh.
 
 Those files prove one linear relation per row with bit vectors: P + R, or S + R, equals the operand's bits so far,
 modulo a power of two. The questions here add the products P = Q d and S = Q^2; after the last row, Q is the floor. Row
-equations are read from the .vh (:func:`integer`), so changing one changes the question. Widths appear only as integers
-X >= 2 D, D = 2^(DW-1) and B = 2^ROWS of any size, so a question holds at all widths.
+equations are read from the .vh (:func:`integer`), so changing one changes the question. Widths appear only in the
+integers D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS, at least 8 for roots, so a proof holds at all widths.
 """
 
 from __future__ import annotations

@@ -46,9 +46,9 @@ class ProofError(Exception):
 class Proof:
     """A proof of the properties of module ``top``, with parameters ``sets``.
 
-    * ``others``: other modules to read, RTL or stand-ins of this folder; with ``part``, instances of the rest are cut.
+    * ``others``: other modules to read, RTL or stand-ins of this folder; ``part`` deletes the instances of the rest.
     * ``properties``: module -> property file, by default the top's.
-    * ``script``: further commands of Yosys; ``claims``: commands of the proof, not of its covers.
+    * ``script``: further Yosys commands; ``claims``: more of them, for the proof but not its covers.
     * ``depth``: clocks in which the covers are reached, 0 without covers.
     * ``uses``: property -> properties that it needs in the previous clock, if not all of them.
     * ``after``: property -> properties of the same clock from which it follows.
@@ -165,8 +165,8 @@ class Design:
 class Steps:
     """Questions about the formula of a design.
 
-    Names of the properties that a question uses may end in a sign: for a property of a slice, `name` means the
-    same slice and its neighbours, `name*` all slices and `name$` the last.
+    Names of the properties that a question uses may have a suffix: for a property of a slice (`g_slice[k]`), `name`
+    means the same slice and its neighbours, `name*` all slices and `name$` the last.
     """
 
     def __init__(self, path: Path) -> None:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lemmas that prove the lean dataflow's exact ranges, and the facts that each question uses.
 
-``=node`` is a node's equation, ``node`` its range, ``#node`` states that an exact word is a whole number of ulps; other
-names are lemmas of :data:`GEOMETRY`, which are proved as well. Without an entry in :data:`USES`, a node's range follows
-from its equation and its operands' ranges.
+``=node`` is a node's equation, ``node`` its range, ``#node`` states that an exact word is 0, one ulp, or at least two.
+Other names are lemmas of :data:`GEOMETRY`: proved as well, or assumed if they list no facts. Without an entry in
+:data:`USES`, a node's range follows from its equation and its operands' ranges.
 """
 
 REACH = ["reach", "=clamp", "=too_far", "=too_near", "=bad_length", "=at_shoulder"]
@@ -32,7 +32,7 @@ GEOMETRY: dict[str, tuple[str, list[str]]] = {
     # lemma -> (formula, facts used)
     "reach": ("(not clamp)", []),  # by assumption: clamped targets are left out
     "e_far of d1": (
-        # d1, and 1/e_far if at least one ulp, are whole ulps: 1/e_far is not between d1 and the next word
+        # assumed: d1 and, if at least an ulp, 1/e_far are whole ulps, so 1/e_far is not between d1 and d1 + ulp
         "(or (< 1.0 (* ulp e_far)) (<= 1.0 (* e_far d1)) (<= (* e_far (+ d1 ulp)) 1.0))",
         [],
     ),

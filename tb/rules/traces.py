@@ -110,11 +110,12 @@ CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, 
     ("axi4", "r."): ("r", 9, {"rdata": 8, "rresp": 2, "rlast": 1, "rid": 1}),
 }
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
-"""Burst rule that a change of this payload also breaks; none for AW, which is evaluated when first offered."""
+"""Burst rule that a change of this payload also breaks. None for AW, which is recorded when first offered, and none for
+AR, as the trace ends before its data."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:
-    """Return a break of each rule of a channel, for each part of its payload."""
+    """Return breaks of all rules of a channel, of the payload rules for each part of the payload."""
     prefix, stall, payload = CHANNELS[port, name]
     valid, ready = f"{prefix}valid", f"{prefix}ready"
     found = [

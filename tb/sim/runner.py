@@ -112,7 +112,7 @@ def simulate(
     """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
 
     ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
-    ``waves`` is a VCD file to write; ``root`` is another copy of ``rtl/``, and ``name`` distinguishes its build;
+    ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` distinguishes its build;
     ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
     behavioural); ``top`` is the text of a toplevel outside ``rtl/``; ``start`` is the seed of initial register values
     under Verilator; ``built`` reuses the build of an earlier call that differs only in env and seeds; ``build`` is
@@ -188,7 +188,7 @@ class Built(Verilator):
 
 @contextmanager
 def _whole(program: Path):
-    """Remove a program whose compilation fails: a partial one would pass for a new one."""
+    """Remove the output of a failed compilation: a partial file would look up to date."""
     try:
         yield
     except BaseException:

@@ -146,7 +146,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
     """Drive one vector per clock without gaps, compare every output ``latency`` clocks later, and return the outputs.
 
     Inputs change after the rising edge; outputs are sampled at the falling edge, when both have settled in both
-    simulators, and compared as bits, so that X is a difference. Parameter DA delays port ``a`` in the module, and so
+    simulators, and compared as bits, so that X is a difference. A module's parameter DA delays its port ``a``, and so
     on: this port gets its word DA clocks before the ports without delay, from which ``latency`` counts.
     """
     assert vectors, "no vectors to check"
@@ -227,7 +227,7 @@ def size(words: range) -> int:
 
 
 def corners(words: range) -> list[int]:
-    """Return both ends, the middle and three quarters of a range, and neighbours."""
+    """Return both ends and the middle of a range with their neighbours, and its three-quarter point."""
     low, high = words[0], words[-1]
     mid = (low + high + 1) // 2
     near = {low, low + 1, mid - 1, mid, mid + 1, (mid + high + 1) // 2, high - 1, high}
