@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/fold/program.py; do not edit.
 
-// For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.
+// For the body of each module that reads a field of the step: the codes of the fields. _BY_: selecting flags.
 
-/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
+/* verilator lint_off UNUSEDPARAM */  // each module uses some of them
 localparam integer STEP_W = 88;  // bits of a step
 
 localparam [1:0] A_BY_NONE = 2'd0;

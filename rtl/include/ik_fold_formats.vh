@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/nodes.py; do not edit.
 
-// For the body of a module with parameters W and TILE: fraction bits of words and of a table's row, the bits of its
-// words and of its number, and what the sum of a polynomial leaves of the product of the
-// high parts.
+// For the body of a module with parameters W and TILE: fraction bits of the words and of a table row, widths of the
+// words of a row and of its index, and the bits that a polynomial sum drops from the product of the high parts.
 
-/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
+/* verilator lint_off UNUSEDPARAM */  // each module uses some of them
 `include "ik_lean_formats.vh"
 localparam integer SINE_FRAC = (FRAC < 31) ? FRAC : 31;
 localparam [0:0] SMALL = TILE < 18;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/fold/shown.py; do not edit.
 
-// For the body of ik_fold: every node of the dataflow, in a register that nothing reads.
+// For the body of ik_fold: every node of the dataflow, in an unread register, for the testbench.
 
 reg signed [W - 1:0] x;
 reg signed [W - 1:0] y;

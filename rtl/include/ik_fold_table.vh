@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/quadratic.py; do not edit.
 
-// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned
-// alike, c0 with what rounds the result.
+// For the body of ik_fold_table: {c0, c1, c2} of ik_rsqrt_table.vh and ik_trig_table.vh, complete and
+// equally aligned. c0 includes the rounding constant.
 
 localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 localparam integer ROOT_ROUNDING = ((3 << (ROOT_SUM_FRAC - ROOT_FRAC - 3)) - 2) >> (ROOT_SUM_FRAC - C0_FRAC);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/quadratic.py; do not edit.
 
-// For the body of ik_trig: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {c0, c1, c2} of each
-// segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.
+// For the body of ik_trig: the parameters of ik_quadratic (model/dataflow/quadratic.py, Form) and {c0, c1, c2} of each
+// segment. c0 includes the rounding constant, except for the bits below its last place, LOWEST.
 
 localparam [0:0] SMALL = TILE < 18;
 localparam [0:0] LONG = F > 23;

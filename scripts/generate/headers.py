@@ -197,8 +197,8 @@ def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     forms = {"small": table.small, "long": table.long, "short": table.short}
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return f"""\
-// For the body of {name}: the words of ik_quadratic (model/dataflow/quadratic.py, Form), and {{c0, c1, c2}} of each
-// segment, c0 with what rounds the result. What its words have no places for, LOWEST, stands below them.
+// For the body of {name}: the parameters of ik_quadratic (model/dataflow/quadratic.py, Form) and {{c0, c1, c2}} of each
+// segment. c0 includes the rounding constant, except for the bits below its last place, LOWEST.
 
 localparam [0:0] SMALL = TILE < 18;
 localparam [0:0] LONG = F > {table.short_frac};
@@ -245,9 +245,9 @@ FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size 
 def fold_codes() -> str:
     """Return the text of ``ik_fold_codes.vh``."""
     lines = [
-        "// For the body of every module that a field of the step goes to: the codes. _BY_: flags that choose.",
+        "// For the body of each module that reads a field of the step: the codes of the fields. _BY_: selecting flags.",
         "",
-        "/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own",
+        "/* verilator lint_off UNUSEDPARAM */  // each module uses some of them",
         f"localparam integer STEP_W = {STEP_BITS};  // bits of a step",
     ]
     for name, values in CODES.items():
@@ -318,11 +318,10 @@ def fold_formats() -> str:
     """Return the text of ``ik_fold_formats.vh``."""
     most = ROOT_FRACS[1]
     return f"""\
-// For the body of a module with parameters W and TILE: fraction bits of words and of a table's row, the bits of its
-// words and of its number, and what the sum of a polynomial leaves of the product of the
-// high parts.
+// For the body of a module with parameters W and TILE: fraction bits of the words and of a table row, widths of the
+// words of a row and of its index, and the bits that a polynomial sum drops from the product of the high parts.
 
-/* verilator lint_off UNUSEDPARAM */  // a module uses those of its own
+/* verilator lint_off UNUSEDPARAM */  // each module uses some of them
 `include "ik_lean_formats.vh"
 localparam integer SINE_FRAC = (FRAC < {most}) ? FRAC : {most};
 localparam [0:0] SMALL = TILE < 18;
@@ -360,8 +359,8 @@ def _fold_rows(root: Form, sine: Form) -> list[str]:
 def fold_table() -> str:
     """Return the text of ``ik_fold_table.vh``."""
     return f"""\
-// For the body of ik_fold_table: {{c0, c1, c2}} of ik_rsqrt_table.vh and ik_trig_table.vh, whole and aligned
-// alike, c0 with what rounds the result.
+// For the body of ik_fold_table: {{c0, c1, c2}} of ik_rsqrt_table.vh and ik_trig_table.vh, complete and
+// equally aligned. c0 includes the rounding constant.
 
 localparam integer ROW_BITS = C0_BITS + C1_BITS + C2_BITS;
 localparam integer ROOT_ROUNDING = ((3 << (ROOT_SUM_FRAC - ROOT_FRAC - 3)) - 2) >> (ROOT_SUM_FRAC - C0_FRAC);
@@ -378,7 +377,7 @@ def fold_nodes() -> str:
     blocks: dict[str, list[Shown]] = {}
     for of in shown(lowering, made).values():
         blocks.setdefault(of.node.instance, []).append(of)
-    lines = ["// For the body of ik_fold: every node of the dataflow, in a register that nothing reads.", ""]
+    lines = ["// For the body of ik_fold: every node of the dataflow, in an unread register, for the testbench.", ""]
     for block, found in blocks.items():
         pad = "    " if block else ""
         lines += ["generate", f"  if (1) begin : {block}"] if block else []
