@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/fold/program.py; do not edit.
 
-// For the body of each module that reads a field of the step: the codes of the fields. _BY_: selecting flags.
+// For the body of each module that reads a field of the step: codes of the fields. _BY_: selecting flags.
 
 /* verilator lint_off UNUSEDPARAM */  // each module uses some of them
 localparam integer STEP_W = 88;  // bits of a step

@@ -245,7 +245,7 @@ FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size 
 def fold_codes() -> str:
     """Return the text of ``ik_fold_codes.vh``."""
     lines = [
-        "// For the body of each module that reads a field of the step: the codes of the fields. _BY_: selecting flags.",
+        "// For the body of each module that reads a field of the step: codes of the fields. _BY_: selecting flags.",
         "",
         "/* verilator lint_off UNUSEDPARAM */  // each module uses some of them",
         f"localparam integer STEP_W = {STEP_BITS};  // bits of a step",
