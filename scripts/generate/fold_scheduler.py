@@ -32,10 +32,6 @@ LATENCY = 140
 """Largest latency of a target, in clocks."""
 
 
-class NoScheduleError(Exception):
-    """No schedule exists."""
-
-
 class _Problem:
     """Schedule as variables and constraints: ``model`` and the start of each group."""
 
@@ -47,8 +43,7 @@ class _Problem:
         self.placed = [(self.starts[name], placed) for name, placed in steps]
         self._resources()
         self._words()
-        self._flags()
-        self._results()
+        self._results(self._registers())
 
     def _clocks(self, of: Callable[[Placed], Iterable[int]]) -> list:
         return [start + clock for start, placed in self.placed for clock in of(placed)]
@@ -80,38 +75,40 @@ class _Problem:
                 intervals.append(self.model.new_fixed_size_interval_var(begin + lap, clocks, "count"))
         self.model.add_no_overlap(intervals)
 
+    def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
+        """Return word or register -> the clocks in which it is written. by: the writes of a step."""
+        found = {name: [self.loads[name]] for name in loaded}
+        for start, placed in self.placed:
+            for use in by(placed):
+                found.setdefault(use.of, []).append(start + use.at)
+        return found
+
     def _words(self) -> None:
         """Constrain reads of a word to lie between its write and the next target's write."""
-        written = {name: [clock] for name, clock in self.loads.items()}
-        for start, placed in self.placed:
-            for use in timing.word_writes(placed):
-                written.setdefault(use.of, []).append(start + use.at)
+        written = self._written(timing.word_writes, self.loads)
         for start, placed in self.placed:
             for use in timing.word_reads(placed):
                 for write in written[use.of]:
                     self.model.add(start + use.at > write)
                     self.model.add(start + use.at < write + self.period)
 
-    def _flags(self) -> None:
-        """Constrain flags and counts, which are registers, in the same way."""
-        self.set_at: dict[str, list] = {"phi": [self.loads["phi"]]}
-        for start, placed in self.placed:
-            for use in timing.registers_set(placed):
-                self.set_at.setdefault(use.of, []).append(start + use.at)
+    def _registers(self) -> dict[str, list]:
+        """Constrain flags and counts, which are registers, in the same way; return the clocks that set them."""
+        written = self._written(timing.registers_set, ["phi"])
         for start, placed in self.placed:
             for selector, at in timing.selections(placed):
-                self._needs(self.lowering.registers(selector), start + at)
+                self._needs(written, self.lowering.registers(selector), start + at)
             if placed.step.count:
                 for number, (_, register) in enumerate(placed.step.count.terms):
-                    self._needs({register}, start + timing.first_count(placed) + number)
+                    self._needs(written, {register}, start + timing.first_count(placed) + number)
+        return written
 
-    def _needs(self, roots: set[str], clock) -> None:
-        for root in roots:
-            for at in self.set_at[root]:
-                self.model.add(clock > at)
-                self.model.add(clock <= at + self.period)
+    def _needs(self, written: dict[str, list], registers: set[str], clock) -> None:
+        for at in (at for register in registers for at in written[register]):
+            self.model.add(clock > at)
+            self.model.add(clock <= at + self.period)
 
-    def _results(self) -> None:
+    def _results(self, registers: dict[str, list]) -> None:
         """Flags and tag leave with the first result. The last result precedes the next target's first one and stays
         clear of the last clocks of a lap, in which the core would begin another lap."""
         results = [start + placed.at + timing.WRITE for start, placed in self.placed if placed.step.result]
@@ -120,28 +117,12 @@ class _Problem:
         self.model.add_max_equality(last, results)
         self.model.add_max_equality(taken, list(self.loads.values()))
         for name in ("clamp", "away", "on_axis"):  # they give the flags
-            self._needs(self.lowering.registers(Selector(name)), first)
+            self._needs(registers, self.lowering.registers(Selector(name)), first)
         self.model.add(first <= taken + self.period)
         self.model.add(last < first + self.period)
         (place,) = self._in_lap([last], "last result")
         self.model.add(place < self.period - timing.FETCH)
         self.model.minimize(last)
-
-
-def schedule(lowering: Lowering, groups: Groups, period: int, seconds: float) -> Schedule | None:
-    """Return the schedule of least latency found within the time, or None.
-
-    Raises :class:`NoScheduleError` if there is none.
-    """
-    problem, solver = _Problem(lowering, groups, period), cp_model.CpSolver()
-    solver.parameters.max_time_in_seconds = seconds
-    status = solver.solve(problem.model)
-    if status == cp_model.INFEASIBLE:
-        raise NoScheduleError
-    if status == cp_model.UNKNOWN:
-        return None
-    found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
-    return Schedule(period, *found)
 
 
 @command(
@@ -160,16 +141,17 @@ def main(parsed: SimpleNamespace) -> int:
         raise InputError("ortools is not installed: use make schedule")
     lowering, groups = lower(WIDTH)
     print(f"{sum(map(len, groups.values()))} steps, a target each {parsed.period} clocks", flush=True)
-    try:
-        found = schedule(lowering, groups, parsed.period, parsed.seconds)
-    except NoScheduleError:
-        print(f"there is none within a latency of {LATENCY} clocks")
+    problem, solver = _Problem(lowering, groups, parsed.period), cp_model.CpSolver()
+    solver.parameters.max_time_in_seconds = parsed.seconds
+    status = solver.solve(problem.model)
+    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+        none = status == cp_model.INFEASIBLE
+        print(f"there is none within a latency of {LATENCY} clocks" if none else f"none found in {parsed.seconds} s")
         return 1
-    if found is None:
-        print(f"none found in {parsed.seconds} s")
-        return 1
-    encode(groups, found)  # raises where two steps need a field or a place
-    SCHEDULE.write_text(json.dumps(asdict(found), indent=1) + "\n", encoding="utf-8")
+    found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
+    made = Schedule(parsed.period, *found)
+    encode(groups, made)  # raises where two steps need a field or a place
+    SCHEDULE.write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULE.name}")
     return 0
 
