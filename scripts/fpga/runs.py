@@ -239,9 +239,6 @@ def attempts(first: Run, cached: bool = False) -> list[dict]:
     return found
 
 
-# -- wrapper of a module that is placed alone ----------------------------------------------------------------------
-
-
 HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re.M | re.S)
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
 

@@ -400,9 +400,6 @@ def _range(node: Node) -> str:
     return f"[{name}{f' {more:+d}'.replace('+', '+ ').replace('-', '- ') if more else ''}:0] "
 
 
-# -- files ---------------------------------------------------------------------------------------------------------
-
-
 def texts() -> dict[Path, str]:
     """Return file -> its text."""
     folder, model = ROOT / "rtl" / "include", "model/dataflow"

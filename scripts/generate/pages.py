@@ -92,9 +92,6 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
         return [json.loads(line) for line in path.read_text().splitlines()]
 
 
-# -- pictures of the pipelines ---------------------------------------------------------------------
-
-
 def lanes(nodes: Iterable[Node], width: int) -> list[list[tuple[str, int, int, list[str]]]]:
     """Group operations by kind and clocks into bars (kind, from, to, names), in lanes without overlap.
 
@@ -108,11 +105,10 @@ def lanes(nodes: Iterable[Node], width: int) -> list[list[tuple[str, int, int, l
     working = sorted((node for node in nodes if node.time > start(node, width)), key=key)
     for (of, begin, end), own in groupby(working, key):
         bar = (list(COLOURS)[of], begin, end, [node.name for node in own])
-        free = [lane for lane in found if all(begin >= last or end <= first for _, first, last, _ in lane)]
-        if free:
-            free[0].append(bar)
-        else:
-            found.append([bar])
+        free = (lane for lane in found if all(begin >= last or end <= first for _, first, last, _ in lane))
+        if (lane := next(free, None)) is None:
+            found.append(lane := [])
+        lane.append(bar)
     return found
 
 
@@ -143,9 +139,6 @@ def pipeline_svg(datapath: str, width: int = WIDTH) -> str:
         left=LEFT, drawn=DRAWN, lane_height=LANE, gap=GAP, colours=COLOURS, kinds=NAMES,
         step=next(step for step in (1, 2, 5, 10, 20, 50) if scale * step >= 40),
     )  # fmt: skip
-
-
-# -- files -----------------------------------------------------------------------------------------
 
 
 def pages() -> dict[Path, str]:

@@ -86,9 +86,6 @@ def test_clock_and_critical_path_of_a_report():
     assert netlist.placed(quick)["mhz"] == round(1000 / netlist.MULTIPLIER_NS, 1), "the limit of a multiplier"
 
 
-# -- packing of registers ------------------------------------------------------------------------------------------
-
-
 def cell(kind, parameters=None, out="Q", **nets):
     """Return a cell of a netlist; ports whose names begin with ``out`` are outputs."""
     ways = {port: "output" if port.startswith(out) else "input" for port in nets}
@@ -172,9 +169,6 @@ def test_registers_behind_a_memory_go_into_it():
         assert counts["flip_flops"] == 0
 
 
-# -- runs ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "module", ["ik_lean", "ik_paper", "ik_axis", "ik_axi", "ik_mul3", *designs.LEAN, *designs.PAPER]
 )
@@ -198,9 +192,6 @@ def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):
     with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
         runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
-
-
-# -- figures and page ----------------------------------------------------------------------------------------------
 
 
 def test_page_is_made_from_the_figures():

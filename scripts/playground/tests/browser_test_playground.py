@@ -78,9 +78,6 @@ def bits(node):
     return [int(word) & ((1 << node.format.width) - 1) for word in node.value.tolist()]
 
 
-# -- results ---------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("machine", EVERY, ids=lambda machine: machine.name)
 def test_every_core_equals_the_model(page, browser, tmp_path, machine):
     """Words, flags, clocks and all named nodes equal the model for 200 targets from trajectories and hard cases."""
@@ -143,9 +140,6 @@ def test_every_axis_gives_the_hand_its_target(page):
     assert len(seen) == 6
 
 
-# -- the wrist -------------------------------------------------------------------------------------
-
-
 WRIST = """(() => {
     const { state, ui, camera } = playground;
     const part = state.parts[0];
@@ -204,9 +198,6 @@ def test_flags_are_shown_with_a_reason(page):
     step(page, LEAN + 2)
     assert page.run(lit) == ["on_axis"]
     assert page.run("playground.state.runs[0].now.flags === playground.state.runs[0].now.owed")
-
-
-# -- the pipeline ----------------------------------------------------------------------------------
 
 
 def test_a_step_is_a_clock(page):
@@ -268,9 +259,6 @@ def test_a_target_is_followed_through_its_nodes(page):
     assert [word] == bits(node)
 
 
-# -- the waveform ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
 def test_the_vcd_holds_every_node(page, tmp_path, machine):
     """All nodes of all targets in the VCD, read as by `make follow`, equal the model's."""
@@ -302,9 +290,6 @@ def test_signals_are_shown_and_hidden(page):
     wide = page.picture("waves")
     page.choose("zoom", "20")
     assert page.picture("waves") != wide
-
-
-# -- the page --------------------------------------------------------------------------------------
 
 
 def test_two_cores_side_by_side(page):

@@ -117,9 +117,6 @@ def assert_figure_is_whole(page, what):
     return len(boxes)
 
 
-# -- one page of all trajectories ------------------------------------------------------------------
-
-
 def test_playback(written, browser):
     page = browser(written)
     assert page.requests == [written], "nothing but the file itself is loaded"
@@ -223,9 +220,6 @@ def test_window_and_colours_change(written, browser):
     assert page.run(FITS)
 
 
-# -- a clip ----------------------------------------------------------------------------------------
-
-
 def test_a_clip_is_played_by_frames(clip, browser):
     page = browser(clip + "#frame=0")
     assert page.run("document.getElementById('scrub').max") == "60"
@@ -272,9 +266,6 @@ def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
     assert len(pictures) == 10
 
 
-# -- several datapaths -----------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)
 def test_datapaths_side_by_side(three, browser, size, scheme):
     """Each datapath has its colour, plots, verdict, files; axes are common."""
@@ -301,8 +292,6 @@ def test_datapaths_side_by_side(three, browser, size, scheme):
     assert_plots_move_to_the_pointer(page, ("#hand2", "#angles3"), 19)
     assert_files(page, three, (*(f"{d}/results.{k}" for d in names for k in ("csv", "npz")), "score.json"))
 
-
-# -- other input -----------------------------------------------------------------------------------
 
 SINGULAR = "0,0,0.5,1\n0.6,0,0,1\n0.59999,0,0,1\n0.000001,0,0.5,1\n0.27,0,0.33,0.0001\n0.6,0.6,0.1,1\n0,0,0,1\n"
 

@@ -43,9 +43,6 @@ def shown(cli, trajectories_in):
     return shown
 
 
-# -- scores and files ------------------------------------------------------------------------------
-
-
 def test_data_agree_with_the_score(cli, command, simulator, files, trajectories_in):
     """Plots have the maxima written by `make run`; arms are at their targets, in the swivel plane; one run for all."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
@@ -125,9 +122,6 @@ def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
     assert text.count("<script") == 2 and text.count("</script>") == 2 and "<!--" not in text
     assert str(ROOT) not in text and str(tmp_path) not in text
     assert cli("--trajectory", name)[0] == 0 and PAGE.read_text(encoding="utf-8") == text
-
-
-# -- the figure of a clip --------------------------------------------------------------------------
 
 
 def points(clip):
@@ -212,8 +206,6 @@ def test_joint_angles(shown, axis):
         np.testing.assert_allclose(ours.T, seen, atol=2e-4)
         np.testing.assert_allclose(phi, np.array(data["phi"])[n::2], atol=1e-3)
 
-
-# -- figures 1 to 5 --------------------------------------------------------------------------------
 
 TURNS = ("folded", "rest", "half", "middle", "yz2", "theta4", "theta3")
 
