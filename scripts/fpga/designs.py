@@ -48,14 +48,12 @@ class Design:
         return Run(kind, family, module or self.top, values, aim, echo=self.datapath == "echo")
 
 
-def _fold(datapath: str, width: int, families: tuple[str, ...], aims: dict[str, float]) -> Design:
-    parameters = {key: CONFIGURATIONS[datapath].parameters[key] for key in ("DATAPATH", "TILE")}
-    return Design(datapath, width, "ik_axis", families, aims, parameters)
-
-
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 LEAN = ("ik_lean_guard", "ik_lean_direction", "ik_lean_triangle", "ik_lean_turn")
 PAPER = ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist")
+FOLD, FOLD16 = (
+    {key: CONFIGURATIONS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16")
+)
 SMALL = ("ecp5-12k", "xc7", "gowin")
 
 DESIGNS = (
@@ -64,8 +62,8 @@ DESIGNS = (
     Design("paper", 32, "ik_paper", FAMILIES, {"ecp5": 150}, {"DIGIT": 1}, PAPER),
     Design("echo", 32, "ik_axi", FAMILIES, {"ecp5": 200}),
     *(Design("memory", width, "ik_axi", FAMILIES, {"ecp5": 200}) for width in (18, 32)),
-    *(_fold("fold16", width, ("up5k",), {"up5k": 33}) for width in (18, 24)),
-    *(_fold("fold", width, SMALL, {"ecp5-12k": 100}) for width in (24, 32)),
+    *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
+    *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
 )
 """Default designs. lean25: only the gain of larger tiles is measured. paper: dividers and roots built from logic.
 memory: ``ik_axi`` with the lean datapath. echo: ``ik_axi`` with a stand-in for the datapath."""
@@ -97,9 +95,9 @@ def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
 
 
 def measured(data: dict, *datapaths: str) -> list[Design]:
-    """Return the measured designs of datapaths, with the figures of fpga.json."""
+    """Return the measured designs of datapaths, by default of all."""
     names = (name.split("-") for name in data["designs"])
-    return [find(datapath, int(width)) for datapath, width in names if datapath in datapaths]
+    return [find(datapath, int(width)) for datapath, width in names if datapath in (datapaths or [datapath])]
 
 
 def load() -> dict:
@@ -115,14 +113,14 @@ def run_of(data: dict, run: Run) -> dict:
 def slowest(data: dict, design: Design) -> float | None:
     """Return the lowest clock of the sections (MHz), None unless all were placed."""
     clocks = [run_of(data, design.run("ecp5", "place", module)).get("mhz") for module in design.sections]
-    return min(clocks) if clocks and all(clocks) else None
+    return min(clocks, default=None) if all(clocks) else None
 
 
 def clock(data: dict, datapath: str, width: int) -> float | None:
     """Return the clock of a design (MHz): placed whole if it fits the device, otherwise of its slowest section."""
     design = find(datapath, width)
     whole = (run_of(data, design.run(family, "place")).get("mhz") for family in design.aims)
-    return next(filter(None, whole), None) or slowest(data, design)
+    return next(filter(None, whole), slowest(data, design))
 
 
 def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
@@ -144,5 +142,4 @@ def recorded() -> dict[str, str]:
 
 def present() -> dict[str, str]:
     """Return design -> digest of the present code."""
-    names = (name.rsplit("-", 1) for name in load()["designs"])
-    return {f"RTL of {datapath}-{width}": code(find(datapath, int(width))) for datapath, width in names}
+    return {f"RTL of {design.name}": code(design) for design in measured(load())}

@@ -75,26 +75,21 @@ def operations(flow: Callable) -> dict[str, Counter]:
     """Return for each section the number of each unit, a kind of `Latency.TABLE`, and of ``additions``.
 
     Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
-    or a shift count, are not. ``exact`` counts products of the flags, which also count under their own unit.
+    or a shift count, are not. A unit with several results counts once.
     """
     run = _Counting(WIDTH, flow)
     counts: dict[str, Counter] = {}
-    vectors = set()
+    counted = set()
     for node in run.nodes.values():
         mine, unit = counts.setdefault(node.section, Counter()), node.latency
         if unit in ("sum2", "sum3"):
             mine["additions"] += max(int(unit[-1]), len(node.operands)) - 1
         elif unit in ("mux", "wide"):
             mine["additions"] += run.additions[node.name]
-        elif unit in VECTORS and (key := (unit, tuple(o.name for o in node.operands))) in vectors:
-            continue
-        elif unit in Latency.TABLE:
-            mine[unit.removesuffix("_far")] += 1
-            mine["exact"] += node.op == "choose" and unit in ("mul", "square", "product")
-            if unit in VECTORS:
-                vectors.add(key)
         elif unit:
-            raise RuntimeError(f"node {node.name}: no rule for the operation {unit}")
+            key = (unit, *(o.name for o in node.operands)) if unit in VECTORS else node.name
+            mine[unit.removesuffix("_far")] += key not in counted
+            counted.add(key)
     return counts
 
 

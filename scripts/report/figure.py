@@ -31,21 +31,13 @@ def place(up: str) -> np.ndarray:
     return turn if up[0] != "-" else np.diag((1.0, -1.0, -1.0)) @ turn
 
 
-def _nodes(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return the parent of every node, including end sites, and the node of every joint."""
-    index = clip.bvh.node_index
-    parents = [-1 if node.parent is None else index[node.parent.name] for node in clip.bvh.nodes]
-    return parents, [index[name] for name in clip.bvh.joint_names]
-
-
 def _parts(clip: Clip, moves: tuple[Motion, ...], node_of: list[int]) -> list[int]:
     """Return the body part of the bone that ends at each node; an end site below a joint named head is HEAD."""
     nodes = clip.bvh.nodes
     parts = [HEAD if node.is_end_site() and "head" in node.parent.name.lower() else BODY for node in nodes]
     for move in moves:
         arm = move.arm
-        for part, low, high in ((UPPER, arm.fore, arm.upper), (FORE, arm.hand, arm.fore)):
-            joint = low
+        for part, joint, high in ((UPPER, arm.fore, arm.upper), (FORE, arm.hand, arm.fore)):
             while joint != high:
                 parts[node_of[joint]] = part
                 joint = clip.parents[joint]
@@ -72,7 +64,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     """
     clip, moves = item.clip, item.moves
     turn = place(clip.bvh.world_up)
-    parents, node_of = _nodes(clip)
+    index = clip.bvh.node_index
+    node_of = [index[name] for name in clip.bvh.joint_names]
     nodes = turned(item, ran, width).node_positions() @ turn.T
     root = nodes[:, :1].copy()
     own = clip.positions[:, [joint for move in moves for joint in (move.arm.fore, move.arm.hand)]] @ turn.T - root
@@ -94,7 +87,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
             {"side": move.arm.side} | {part: node_of[getattr(move.arm, part)] for part in ("upper", "fore", "hand")}
             for move in moves
         ],
-        "parents": parents,
+        "parents": [-1 if node.parent is None else index[node.parent.name] for node in clip.bvh.nodes],
         "parts": _parts(clip, moves, node_of),
         "unit": unit,
         "nodes": whole(np.concatenate((root, (nodes - root)[:, 1:]), axis=1)),
