@@ -120,7 +120,6 @@ class Measurement:
         self.write()
 
     def write(self) -> None:
-        """Write the figures and the page."""
         self.data["tools"] = {tool: version(tool) for tool in TOOLS}
         self.data["commands"] = commands()
         for part in ("tools", "commands", "designs", "runs"):

@@ -101,7 +101,6 @@ def measured(data: dict, *datapaths: str) -> list[Design]:
 
 
 def load() -> dict:
-    """Return the figures."""
     return json.loads(FIGURES.read_text())
 
 
@@ -131,7 +130,6 @@ def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
 
 
 def code(design: Design) -> str:
-    """Return the digest of a design's code."""
     return digest(closure(design.top))
 
 

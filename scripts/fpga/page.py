@@ -165,7 +165,6 @@ def sources(data: dict, designs: Sequence[Design]) -> str:
 
 
 def page(data: dict) -> str:
-    """Return fpga.md."""
     dates = sorted(run["date"] for run in data["runs"].values())
     broken = [one for width in BROKEN_DOWN for name in ("lean", "paper") if (one := find(name, width))]
     return render(

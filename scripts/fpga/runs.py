@@ -125,7 +125,6 @@ class Run:
         return closure(self.top, instead=ECHO if self.echo else ())
 
     def script(self) -> str:
-        """Return the Yosys script."""
         files = [path.name for path in self.files() if path.suffix == ".v"]
         top = self.top
         if self.kind == "place":
@@ -161,7 +160,6 @@ class Run:
         return json.loads(self._file().read_text()) if self._file().exists() else None
 
     def cache(self, figures: dict) -> None:
-        """Keep figures for later calls."""
         self._file().parent.mkdir(parents=True, exist_ok=True)
         self._file().write_text(json.dumps(figures, indent=1) + "\n")
 

@@ -126,12 +126,10 @@ class Delay(NamedTuple):
 
     @property
     def clocks(self) -> int:
-        """Length of the delay in clocks."""
         return self.end - self.begin
 
     @property
     def flip_flops(self) -> int:
-        """Flip-flops of the delay."""
         return self.clocks * self.bits
 
 

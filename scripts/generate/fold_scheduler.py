@@ -136,7 +136,6 @@ class _Problem:
     module="scripts.generate.fold_scheduler",
 )
 def main(parsed: SimpleNamespace) -> int:
-    """Run the command line and return the exit status."""
     if cp_model is None:
         raise InputError("ortools is not installed: use make schedule")
     lowering, groups = lower(WIDTH)

@@ -57,7 +57,6 @@ def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
 
 
 def lean_formats() -> str:
-    """Return the text of ``ik_lean_formats.vh``."""
     least, (short, long) = WIDTHS[0], ROOT_FRACS
     more = inner_frac(24) - 24
     return f"""\
@@ -134,7 +133,6 @@ endfunction"""
 
 
 def sincos_table() -> str:
-    """Return the text of ``ik_sincos_table.vh``."""
     entries = "\n".join(f"      {i:2d}: atan_turn = {TABLE_BITS}'d{a};" for i, a in enumerate(atan_table()))
     return f"""// For the body of ik_sincos: atan(2^-i)/pi and the CORDIC's gain as fractions with TABLE_BITS bits.
 
@@ -243,7 +241,6 @@ FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size 
 
 
 def fold_codes() -> str:
-    """Return the text of ``ik_fold_codes.vh``."""
     lines = [
         "// For the body of each module that reads a field of the step: codes of the fields. _BY_: selecting flags.",
         "",
@@ -262,7 +259,6 @@ def _name(code: str | Selector) -> str:
 
 
 def fold_fields() -> str:
-    """Return the text of ``ik_fold_fields.vh``."""
     lines, at = ["// For the body of ik_fold: the fields of the step.", ""], 0
     for name, bits in FIELDS.items():
         word, place = (f"[{bits - 1}:0] ", f"{at + bits - 1}:{at}") if bits > 1 else ("", f"{at}")
@@ -272,7 +268,6 @@ def fold_fields() -> str:
 
 
 def fold_program() -> str:
-    """Return the text of ``ik_fold_program.vh``."""
     _, made = program(WIDTH)
     period = made.period
     notes: list[list[str]] = [[] for _ in range(period)]
@@ -315,7 +310,6 @@ def _operand(of: Operand | None) -> str:
 
 
 def fold_formats() -> str:
-    """Return the text of ``ik_fold_formats.vh``."""
     most = ROOT_FRACS[1]
     return f"""\
 // For the body of a module with parameters W and TILE: fraction bits of the words and of a table row, widths of the
@@ -357,7 +351,6 @@ def _fold_rows(root: Form, sine: Form) -> list[str]:
 
 
 def fold_table() -> str:
-    """Return the text of ``ik_fold_table.vh``."""
     return f"""\
 // For the body of ik_fold_table: {{c0, c1, c2}} of ik_rsqrt_table.vh and ik_trig_table.vh, complete and
 // equally aligned. c0 includes the rounding constant.
@@ -372,7 +365,6 @@ localparam [ROW_BITS-1:0] SINE = {{{{(ROW_BITS - 32) {{1'b0}}}}, SINE_ROUNDING}}
 
 
 def fold_nodes() -> str:
-    """Return the text of ``ik_fold_nodes.vh``."""
     lowering, made = program(WIDTH)
     blocks: dict[str, list[Shown]] = {}
     for of in shown(lowering, made).values():

@@ -70,7 +70,6 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def latency_page() -> str:
-    """Return latency.md."""
     paths = []
     for datapath in ("lean", "paper"):
         rows = []

@@ -44,7 +44,6 @@ TEMPLATES.filters |= {
 
 
 def description() -> AddrmapNode:
-    """Return the registers."""
     compiler = RDLCompiler()
     compiler.compile_file(str(SOURCE))
     return compiler.elaborate().top

@@ -23,7 +23,6 @@ TEMPLATES = Environment(
 
 
 def row(cells: Iterable[Any]) -> str:
-    """Format a row of a table."""
     return f"| {' | '.join(map(str, cells))} |"
 
 

@@ -92,7 +92,6 @@ NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
     fails="a tool failed",
 )
 def main(parsed: SimpleNamespace) -> int:
-    """Run the command line and return the exit status."""
     machines = chosen(parsed.datapath, parsed.width)
     tools()
     path = parsed.out / "index.html"

@@ -164,7 +164,6 @@ def page(
     fails="one fails",
 )
 def main(parsed: SimpleNamespace) -> int:
-    """Run, score and write the page; return the exit status."""
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
     folders = datapaths(parsed)

@@ -111,7 +111,6 @@ class Page:
         self.resize(width, height, **media)
 
     def close(self) -> None:
-        """Close the window."""
         self._browser.call("Target.disposeBrowserContext", browserContextId=self._context)
         del self._browser.pages[self._session]
 
@@ -127,7 +126,6 @@ class Page:
         self.call("Emulation.setEmulatedMedia", features=features)
 
     def record(self, event: str | None, about: dict) -> None:
-        """Record an event of the page."""
         if event == "Runtime.exceptionThrown":
             details = about["exceptionDetails"]
             self.problems.append(details.get("exception", {}).get("description", details["text"]))
@@ -151,13 +149,11 @@ class Page:
         return self
 
     def run(self, script: str):
-        """Return the value of a JavaScript expression."""
         answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in answer, f"{script}: {answer['exceptionDetails']}"
         return answer["result"].get("value")
 
     def wait_for(self, script: str, seconds: float = LIMIT) -> None:
-        """Wait until a JavaScript expression is true."""
         end = time.monotonic() + seconds
         while not self.run(script):
             assert time.monotonic() < end, f"never true: {script}"
@@ -176,7 +172,6 @@ class Page:
         return self.run(f"document.getElementById('{name}').toDataURL()")
 
     def press(self, key: str) -> None:
-        """Press and release a key."""
         code = "Space" if key == " " else key
         for kind in ("rawKeyDown", "keyUp"):
             number = {" ": 32, "ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35}.get(key, 0)

@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of the report's tests: pages and their data."""
 
-import json
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -66,15 +62,3 @@ def three(tmp_path_factory):
 @pytest.fixture
 def simulator(monkeypatch):
     return without_rtl(monkeypatch)
-
-
-@pytest.fixture
-def trajectories_in():
-    """Return a function that reads the data of a page, delimited as a browser does."""
-
-    def trajectories_in(path, key="trajectories"):
-        text = Path(path).read_text(encoding="utf-8")
-        (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
-        return json.loads(found)[key]
-
-    return trajectories_in

@@ -7,6 +7,7 @@ The bit-true model replaces the simulator. browser_test_report.py tests the open
 import base64
 import html
 import json
+import re
 from functools import partial
 from pathlib import Path
 
@@ -31,26 +32,33 @@ def cli(simulator, command):
     return partial(command, report.main)
 
 
+def data_in(path, key="trajectories"):
+    """Return data of a page, delimited as a browser does."""
+    text = Path(path).read_text(encoding="utf-8")
+    (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
+    return json.loads(found)[key]
+
+
 @pytest.fixture
-def shown(cli, trajectories_in):
+def shown(cli):
     """Write a page and return the data of its only trajectory."""
 
     def shown(*options, status=0):
         assert cli(*options)[0] == status
-        (one,) = trajectories_in(PAGE)
+        (one,) = data_in(PAGE)
         return one
 
     return shown
 
 
-def test_data_agree_with_the_score(cli, command, simulator, files, trajectories_in):
+def test_data_agree_with_the_score(cli, command, simulator, files):
     """Plots have the maxima written by `make run`; arms are at their targets, in the swivel plane; one run for all."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
     assert len(simulator.calls) == 1 and len(files()) == 2 * len(trajectories.TRAJECTORIES) + 2
     assert PAGE.stat().st_size < 2_000_000
     command(run.main, "--trajectory", "all", "--datapath", "lean")
     scores = json.loads(Path("build/run/score.json").read_text())
-    for shown, score in zip(trajectories_in(PAGE), scores, strict=True):
+    for shown, score in zip(data_in(PAGE), scores, strict=True):
         assert shown["name"] == score["trajectory"]
         clamped = np.array(shown["clamped"])
         for key, where, figure_of in [
@@ -73,7 +81,7 @@ def test_data_agree_with_the_score(cli, command, simulator, files, trajectories_
     assert sum(shown["clamped"]) == 48 and {*shown["flags"]} == {"too_far", "-"}, "out_of_reach is the last"
 
 
-def test_several_datapaths(cli, command, simulator, trajectories_in):
+def test_several_datapaths(cli, command, simulator):
     """Each datapath has its own simulation, results and files, equal to those of `make run`."""
 
     def spoil(run):
@@ -85,7 +93,7 @@ def test_several_datapaths(cli, command, simulator, trajectories_in):
     assert status == 1 and len(errors) == 1 and errors[0].startswith("report, paper datapath: reach fails: ")
     assert [call["datapath"] for call in simulator.calls] == ["lean", "paper"]
     assert (simulator.calls[0]["jobs"][0].words == simulator.calls[1]["jobs"][0].words).all()
-    (first,) = trajectories_in(PAGE)
+    (first,) = data_in(PAGE)
     (second,) = first["beside"]
     assert (first["bar"], second["bar"]) == (tolerances.LEAN[32], tolerances.REGULAR)
     assert (first["passed"], second["passed"]) == (True, False)
@@ -95,7 +103,7 @@ def test_several_datapaths(cli, command, simulator, trajectories_in):
         command(run.main, "--datapath", datapath, "--out", datapath)
         assert (PAGE.parent / datapath / "results.csv").read_bytes() == Path(datapath, "results.csv").read_bytes()
     names = [f"{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")]
-    assert trajectories_in(PAGE, "files") == {"reach": names, "": ["score.json"]}
+    assert data_in(PAGE, "files") == {"reach": names, "": ["score.json"]}
 
 
 def test_arms_and_units_of_a_file(shown):
