@@ -39,9 +39,7 @@ MODULE_SETS = {
 lints all modules below with the parameters that they get there."""
 
 FOLDERS = ("examples/icebreaker", "tb/rules")
-"""Folders of modules that are linted with rtl/."""
-MODELS = "tb/icebreaker"
-"""Models of vendor primitives; not linted themselves."""
+"""Folders of modules that are linted with rtl/; models of vendor primitives are in tb/icebreaker."""
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
 LICENSED = re.compile(r"(.*\.(py|v|vh|vlt|f|c|h|cpp|js|css|html|j2|toml)|(.*/)?(Makefile|run))")
@@ -74,7 +72,10 @@ def lint_module(source: Path) -> tuple[str, str]:
     modules = re.findall(r"^module +(\w+)", text, re.MULTILINE) if source.parent == RULES else [name]
     has_width = re.search(r"\bparameter +(integer +)?W *=", text)
     sets = MODULE_SETS.get(name) or ([{"W": 32}, {"W": 18}] if has_width else [{}])
-    folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / name for name in (*FOLDERS, MODELS))]
+    folders = [
+        *dict.fromkeys(path.parent for path in sources()),
+        *(ROOT / name for name in (*FOLDERS, "tb/icebreaker")),
+    ]
     where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
     found = {}  # several parameter sets may give the same message

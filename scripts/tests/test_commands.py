@@ -1,44 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of all commands: bad input gives one line and status 2; --help."""
 
+import importlib
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from examples.icebreaker import host
-from scripts import check_proofs, coverage, follow, formal, lint, mutants, parallel, run, soak, soak_memory, waves
-from scripts.fpga import __main__ as fpga
-from scripts.generate import fold_scheduler, pages
-from scripts.paper import __main__ as paper
-from scripts.playground import __main__ as playground
-from scripts.report import __main__ as report
+from scripts import run
 from tb.core import worst_targets
 from tb.sim.env import ROOT
 
-MAINS = {
-    "run": run.main,
-    "follow": follow.main,
-    "report": report.main,
-    "soak": soak.main,
-    "soak_memory": soak_memory.main,
-    "formal": formal.main,
-    "mutants": mutants.main,
-    "coverage": coverage.main,
-    "check_proofs": check_proofs.main,
-    "lint": lint.main,
-    "waves": waves.main,
-    "parallel": parallel.main,
-    "paper": paper.main,
-    "fpga": fpga.main,
-    "schedule": fold_scheduler.main,
-    "playground": playground.main,
-    "icebreaker": host.main,
-    "generate.pages": pages.main,
+COMMANDS = {
+    found[1]: ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    for path in sorted([*ROOT.glob("scripts/**/*.py"), *ROOT.glob("examples/**/*.py")])
+    if "tests" not in path.parts and (found := re.search(r'^@command\(\s*"([\w.]+)"', path.read_text(), re.MULTILINE))
 }
-"""Command -> its main()."""
+"""Command -> its module."""
+
+
+def main_of(name):
+    return importlib.import_module(COMMANDS[name]).main
+
 
 HEAD = ",".join(worst_targets.COLUMNS)
 VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n"
@@ -160,7 +146,7 @@ def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row)
     if "locked" in words:
         os.seteuid(user or 65534)  # root's rights override permissions
     try:
-        status, out, err = command(MAINS[name], *options)
+        status, out, err = command(main_of(name), *options)
     finally:
         os.seteuid(user)
     assert (status, out, len(err)) == (2, [], 1), err
@@ -168,9 +154,9 @@ def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row)
     assert sorted(Path().rglob("*")) == before
 
 
-@pytest.mark.parametrize("name", MAINS)
+@pytest.mark.parametrize("name", COMMANDS)
 def test_help(command, name):
-    status, out, err = command(MAINS[name], "--help")
+    status, out, err = command(main_of(name), "--help")
     assert (status, err) == (0, []) and any("Exit status: 0 " in line for line in out)
 
 

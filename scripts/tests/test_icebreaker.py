@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from examples.icebreaker import host
-from examples.icebreaker.frames import ANSWER, Answers, frame
+from examples.icebreaker.frames import ANSWER
 from model.dataflow import fixed
 from scripts import run
 from tb.icebreaker.example import run as simulated
@@ -95,15 +95,6 @@ def answered(tag, flags, results):
 @pytest.fixture
 def few(tmp_path):
     return csv(tmp_path, 3)
-
-
-def test_frames():
-    assert frame(7, [1, -1, 0, 0x7FFFFF, -0x800000, 0x123456]).hex() == ("a507010000ffffff000000ffff7f000080563412fefc")
-    good = answered(3, 1, [5, -5, 0, 0, 0, 0])
-    bad = good[:-1] + bytes([good[-1] ^ 1])
-    answers = Answers()
-    assert answers(b"Z\x00" + bad + good[:9]) == []
-    assert answers(good[9:] + good) == 2 * [(3, 1, [5, -5, 0, 0, 0, 0])]
 
 
 def test_all_trajectories(command, files, monkeypatch):
