@@ -16,8 +16,6 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Format, Latency, Node
-from model.io.flags import FLAGS
-from model.io.words import RESULT_FIELDS
 
 WIDTH = 32
 
@@ -133,14 +131,12 @@ class Delay(NamedTuple):
         return self.clocks * self.bits
 
 
-def delays(nodes: Mapping[str, Node], out: int | None = None) -> dict[str, Delay]:
-    """Return the balancing delay of every node that has one; all results leave in clock ``out``."""
+def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
+    """Return the balancing delay of every node that has one."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for name in operands(node):
             last[name] = max(last[name], start(node))
-    if out is not None:
-        last |= {name: out for name in (*RESULT_FIELDS, *(flag.name for flag in FLAGS)) if name in nodes}
     found = {n: Delay(v.time, last[n], v.format.width) for n, v in nodes.items()}
     return {n: d for n, d in found.items() if d.flip_flops}
 

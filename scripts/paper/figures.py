@@ -16,7 +16,6 @@ from collections.abc import Mapping
 from html import escape
 
 from model.bounds import ranges
-from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
@@ -178,27 +177,6 @@ def figures() -> dict[str, str]:
     return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 
-def page() -> str:
-    """Return docs/generated/figures.md."""
-    datapaths = []
-    for path in DATAPATHS:
-        nodes = design(path)
-        clocks = max(node.time for node in nodes.values())
-        waits = delays(nodes, out=clocks)
-        largest = sorted(waits.items(), key=lambda item: (-item[1].flip_flops, item[0]))[:5]
-        datapaths.append(
-            {
-                "name": path,
-                "nodes": len(nodes),
-                "clocks": clocks,
-                "waits": len(waits),
-                "bits": sum(d.flip_flops for d in waits.values()),
-                "largest": ", ".join(f"`{n}` ({d.clocks} × {d.bits})" for n, d in largest),
-            }
-        )
-    return render("figures", datapaths=datapaths)
-
-
 def write() -> int:
     """Draw the figures and write the page; return 1 if a node does not fit its format."""
     if wrong := ranges.analyse(WIDTH)[1]:
@@ -206,6 +184,6 @@ def write() -> int:
         return 1
     for name, text in figures().items():
         (SHOWN / name).write_text(svg(text) if text.startswith("digraph") else text, encoding="utf-8")
-    PAGE.write_text(page(), encoding="utf-8")
+    PAGE.write_text(render("figures"), encoding="utf-8")
     print(f"wrote {PAGE.name}")
     return 0

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import operator
-import re
 import subprocess
 import tempfile
 import textwrap
@@ -19,7 +18,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import sympy
-from sympy.parsing.sympy_parser import parse_expr
 
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import latency
@@ -28,6 +26,7 @@ from model.reference.cga import symbol
 from model.reference.equations import TEXT
 from scripts.generate.flow import WIDTH, operations
 from scripts.generate.render import render
+from scripts.paper.derivation.proofs import parse
 from tb.sim.env import GENERATED, environment
 from tb.sim.sources import includes, sources
 
@@ -52,16 +51,10 @@ UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
 """Table 4 as printed."""
 
 
-def _parse(text: str) -> sympy.Expr:
-    """Return an unevaluated expression: its tree matches the print, so that operations can be counted."""
-    names = {name: symbol(name) for name in re.findall(r"[A-Za-z_]\w*", text)}
-    return parse_expr(
-        text, names | {name: getattr(sympy, name) for name in ("sqrt", "cos", "sin", "Abs")}, evaluate=False
-    )
-
-
-PRINTED = {number: {name: _parse(text) for name, text in lines.items()} for number, lines in TEXT.items()}
-"""Equation -> line -> right-hand side as printed."""
+PRINTED = {
+    number: {name: parse(text, evaluate=False) for name, text in lines.items()} for number, lines in TEXT.items()
+}
+"""Equation -> line -> right side as printed, unevaluated, so that operations can be counted."""
 
 
 # -- expressions -----------------------------------------------------------------------------------------------------

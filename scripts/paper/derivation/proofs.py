@@ -98,10 +98,10 @@ FUNCTIONS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def parse(text: str, values: Mapping[str, Any] | None = None) -> Any:
+def parse(text: str, values: Mapping[str, Any] | None = None, evaluate: bool = True) -> Any:
     """Return the value of a formula; names without a value are symbols. `values` may also replace functions."""
     names = {name: symbol(name) for name in re.findall(r"[A-Za-z_]\w*", text)} | FUNCTIONS | dict(values or {})
-    return parse_expr(text, local_dict=names)
+    return parse_expr(text, local_dict=names, evaluate=evaluate)
 
 
 def tex(text: str) -> str:

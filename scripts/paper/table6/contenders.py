@@ -2,8 +2,7 @@
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
 The lean equations for arrays are made from the table of :mod:`model.reference.lean_equations`. Like equations.c, they
-are for targets in reach: each sum is rounded and there are no flags. The model's `solve_lean`, with exact sums and
-rules for targets out of reach, has its own row.
+are for targets in reach: each sum is rounded and there are no flags.
 
 EAIK solves another problem than ours, which is to find one pose from the hand's position and the swivel angle. It
 solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the model's answer,
@@ -25,7 +24,6 @@ import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
 from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
-from model.reference import equations
 from model.reference.cga import symbol
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import LEAN, solve_lean
@@ -139,15 +137,6 @@ def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
     return solve, lambda: hand_errors(solve(), targets)
 
 
-def _bind_model(solve: Callable[..., dict], targets: Targets) -> Bound:
-    given = columns(targets)
-
-    def errors(nodes: dict) -> np.ndarray:
-        return hand_errors(np.stack([nodes[name] for name in RESULT_FIELDS], axis=1), targets)
-
-    return _repeated(lambda: solve(*given), errors)
-
-
 def _bind_numpy(kind: type, targets: Targets) -> Bound:
     solve, given = lean_of(np, kind), [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
     return _repeated(lambda: solve(*given), lambda answers: hand_errors(np.stack(answers, axis=1), targets))
@@ -225,11 +214,6 @@ def contenders() -> list[Contender]:
         Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
         for names in itertools.product(EQUATIONS, REALS, WAYS)
     ]
-    for key, name, solve in (
-        ("numpy-model-lean", "lean, the model's `solve_lean`: exact sums, flags, every node", solve_lean),
-        ("numpy-model-paper", "paper, the model's `equations.solve`: every node", equations.solve),
-    ):
-        every.append(Contender(key, "numpy", name, partial(_bind_model, solve)))
     for real, kind in REALS.items():
         every.append(Contender(f"numpy-{real}", "numpy", f"lean, {real}", partial(_bind_numpy, kind)))
     lacks = "" if found("eaik.IK_HP") else "not installed"

@@ -67,7 +67,7 @@ def test_software_reaches_the_hand(key):
         if contender.lacks == "not installed":
             pytest.skip(f"{key} is not installed")
         if not contender.lacks:
-            targets = first(REACH, 5) if contender.most else REACH if "paper" in contender.key else RANDOM
+            targets = first(REACH, 5) if contender.most else RANDOM
             exact = contender.most is None and "float" not in contender.key
             assert contender.bind(targets)[1]().max() < (1e-12 if exact else 1e-5)
 
