@@ -77,19 +77,19 @@ def command(
     *,
     passes: str = "all is well",
     fails: str = "a check fails",
-    module: str | None = None,
 ) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
     """Turn a function of options into a `main` that takes command-line words and returns an exit status.
 
-    After an error it prints one line, `name` first. passes, fails: meanings of exit status 0 and 1; module: the module
-    of the command, by default scripts.`name`.
+    After an error it prints one line, `name` first. passes, fails: meanings of exit status 0 and 1.
     """
-    program = f"python -m {module or f'scripts.{name}'}"
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
     parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
 
     def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
+        module = work.__globals__["__spec__"]
+        program = f"python -m {module.name.removesuffix('.__main__')}" if module else name
+
         @stoppable()
         def main(arguments: Sequence[str] | None = None) -> int:
             try:

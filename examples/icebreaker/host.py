@@ -146,7 +146,6 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
     ],
     passes="all trajectories pass",
     fails="one fails or the board does not answer",
-    module="examples.icebreaker.host",
 )
 def main(parsed: SimpleNamespace) -> int:
     """Run the command line and return the exit status."""

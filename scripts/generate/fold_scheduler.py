@@ -133,7 +133,6 @@ class _Problem:
         option("--seconds", "seconds to search", whole(1), default=240, metavar="N"),
     ],
     fails="no schedule was found",
-    module="scripts.generate.fold_scheduler",
 )
 def main(parsed: SimpleNamespace) -> int:
     if cp_model is None:

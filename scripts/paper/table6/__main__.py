@@ -141,7 +141,6 @@ def write(figures: dict[str, Any] | None = None) -> int:
     ],
     passes="all is measured",
     fails="the RTL differs from its model",
-    module="scripts.paper.table6",
 )
 def main(options: SimpleNamespace) -> int:
     if options.page:
