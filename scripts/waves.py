@@ -56,10 +56,11 @@ STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m
 
 @dataclass(frozen=True)
 class Signal:
-    """A signal of a VCD: name in GTKWave, with all scopes, and identifier in the file."""
+    """A signal of a VCD: name in GTKWave, with all scopes, identifier in the file, and bits."""
 
     name: str
     code: str
+    size: int
 
 
 class Signals(dict[tuple[str, ...], Signal]):
@@ -79,7 +80,9 @@ class Signals(dict[tuple[str, ...], Signal]):
                     elif token.kind is TokenKind.VAR and TOP in scopes:
                         below = scopes[scopes.index(TOP) + 1 :]
                         name = ".".join([*scopes, token.var.ref_str])
-                        self[(*below, token.var.reference)] = Signal(name, token.var.id_code)
+                        self[(*below, token.var.reference)] = Signal(name, token.var.id_code, token.var.size)
+                    elif token.kind is TokenKind.TIMESCALE:
+                        self.timescale = f"{int(token.timescale.magnitude)} {token.timescale.unit.value}"
                     elif token.kind is TokenKind.ENDDEFINITIONS:
                         break
         except VCDParseError as error:
@@ -89,6 +92,22 @@ class Signals(dict[tuple[str, ...], Signal]):
 
     def __missing__(self, path: tuple[str, ...]) -> Signal:
         raise TargetError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
+
+    def changes(self) -> Iterator[tuple[int, dict[str, str]]]:
+        """Yield each time of a change, and the bits of all signals from then on by identifier, in one dictionary."""
+        sizes = {signal.code: signal.size for signal in self.values()}
+        now, bits, changed = 0, dict.fromkeys(sizes, "x"), False
+        with open(self.vcd, "rb") as stream:
+            for token in tokenize(stream):
+                if token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR) and token.data.id_code in sizes:
+                    bits[token.data.id_code] = _bits(token.data.value, sizes[token.data.id_code])
+                    changed = True
+                elif token.kind is TokenKind.CHANGE_TIME:
+                    if changed:
+                        yield now, bits
+                    now, changed = token.time_change, False
+        if changed:
+            yield now, bits
 
 
 def place(datapath: str, node: Node) -> tuple[str, ...]:
@@ -231,39 +250,24 @@ class Recording:
 
 def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
     """Read the VCD of a run of one trajectory. Raises TargetError for a VCD of another design."""
-    found = Signals(vcd)
+    signals = Signals(vcd)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
-    shown = [(words[node.name], found[place(datapath, node)].code, node.format.width) for node in nodes]
-    clk, handshake = found[("clk",)].code, [found[path].code for path in HANDSHAKE]
-    value: dict[str, int | str] = {}
+    shown = [(words[node.name], signals[place(datapath, node)].code) for node in nodes]
+    clk, handshake = signals[("clk",)].code, [signals[path].code for path in HANDSHAKE]
     edges: list[int] = []
     admitted: list[int] = []
-    timescale, now, fell = "", 0, False
-
-    def sample() -> None:
-        edges.append(now)
-        for column, code, bits in shown:
-            column.append(_bits(value.get(code, "x"), bits))
-        if [_bits(value.get(code, "x"), 1) for code in handshake] == ["0", "1", "1"]:
-            admitted.append(len(edges))
-
-    with open(vcd, "rb") as stream:
-        for token in tokenize(stream):
-            if token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR):
-                change = token.data
-                value[change.id_code] = change.value
-                fell |= change.id_code == clk and change.value in (0, "0") and now > 0  # not the initial value
-            elif token.kind is TokenKind.CHANGE_TIME:
-                if fell:
-                    sample()
-                now, fell = token.time_change, False
-            elif token.kind is TokenKind.TIMESCALE:
-                timescale = f"{int(token.timescale.magnitude)} {token.timescale.unit.value}"
-    if fell:
-        sample()
+    before = "x"
+    for now, bits in signals.changes():
+        if (before, bits[clk]) == ("1", "0"):
+            edges.append(now)
+            for column, code in shown:
+                column.append(bits[code])
+            if [bits[code] for code in handshake] == ["0", "1", "1"]:
+                admitted.append(len(edges))
+        before = bits[clk]
     if len(edges) < 2:
-        raise ValueError(f"{vcd}: no clock in this VCD")
-    return Recording(words, admitted, timescale, edges[0], edges[1] - edges[0])
+        raise TargetError(f"{vcd}: no clock in this VCD")
+    return Recording(words, admitted, signals.timescale, edges[0], edges[1] - edges[0])
 
 
 def _bits(value: int | str, width: int) -> str:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from vcd.gtkw import GTKWColor, GTKWFlag
-from vcd.reader import TokenKind, tokenize
 from vcd.writer import VCDWriter
 
 from model.dataflow.datapaths import DATAPATHS
@@ -34,30 +33,14 @@ TIMES = {node.name: node.time for node in nodes_of(reach())}
 """Clock of each node of the lean datapath."""
 
 
-def columns(vcd):
-    """Return the content of an aligned VCD: time of a change -> path -> bits or X."""
-    paths = {signal.code: path for path, signal in Signals(vcd).items()}
-    sizes, now, shown, time = {}, {}, {}, 0
-    with open(vcd, "rb") as stream:
-        for token in tokenize(stream):
-            if token.kind is TokenKind.VAR:
-                sizes[token.var.id_code] = token.var.size
-            elif token.kind is TokenKind.CHANGE_TIME:
-                time = token.time_change
-            elif token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR):
-                code, value = token.data.id_code, token.data.value
-                now[paths[code]] = f"{value:0{sizes[code]}b}" if isinstance(value, int) else str(value)
-                shown[time] = dict(now)
-    return shown
-
-
 def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
     """Check each column against the model's words, and names and scopes against the design."""
     paths = {node.name: place(datapath, node) for node in nodes}
     last = max(node.time for node in nodes)
-    seen, gaps = [], []
-    for time, column in columns(vcd).items():
-        assert set(column) == {*paths.values(), ("target",), ("differs",)}
+    seen, gaps, signals = [], [], Signals(vcd)
+    assert set(signals) == {*paths.values(), ("target",), ("differs",)}
+    for time, bits in signals.changes():
+        column = {path: bits[signal.code] for path, signal in signals.items()}
         if "x" in column["target",]:
             assert all(set(bits) == {"x"} for bits in column.values())
             gaps.append(time)
