@@ -62,10 +62,8 @@ AXIS = """((id) => {
 })"""
 
 
-def across(page, plot):
-    """Return the position of a plot's middle along its axis, between the margins: 0 to 1."""
-    width = page.run(f"document.querySelector('{plot}').clientWidth")
-    return (width / 2 - 66) / (width - 80)
+# The position of a plot's middle along its axis, between the margins: 0 to 1.
+MIDDLE = "((plot) => (plot.clientWidth / 2 - 66) / (plot.clientWidth - 80))(document.querySelector('{}'))"
 
 
 def stays(page, seconds=0.1):
@@ -88,7 +86,7 @@ def assert_plots_move_to_the_pointer(page, plots, last, script=AT):
     for plot in plots:
         page.press("Home")
         page.click(plot)
-        assert abs(page.run(script) - last * across(page, plot)) < 2, plot
+        assert abs(page.run(script) - last * page.run(MIDDLE.format(plot))) < 2, plot
 
 
 def assert_files(page, address, names):
@@ -164,7 +162,7 @@ def test_controls(written, browser):
     assert 50 < stays(page) < 99
     assert_plots_move_to_the_pointer(page, ("#hand", "#angles"), 99)
     page.click("#pipeline")  # the target that leaves at that clock
-    assert abs(page.run(AT) - (across(page, "#pipeline") * (100 + LATENCY) - LATENCY)) < 2
+    assert abs(page.run(AT) - (page.run(MIDDLE.format("#pipeline")) * (100 + LATENCY) - LATENCY)) < 2
 
     cards = "[...document.querySelectorAll('#cards button')]"
     assert page.run(f"{cards}.map((b) => b.dataset.name)") == NAMES
@@ -296,14 +294,12 @@ def test_datapaths_side_by_side(three, browser, size, scheme):
 SINGULAR = "0,0,0.5,1\n0.6,0,0,1\n0.59999,0,0,1\n0.000001,0,0.5,1\n0.27,0,0.33,0.0001\n0.6,0.6,0.1,1\n0,0,0,1\n"
 
 
+THOUSANDS = "".join(f"0.3,{k / 15_000},-0.2,3\n" for k in range(3000))
+
+
 @pytest.mark.parametrize(
     "rows",
-    [
-        "0.3,0.1,-0.2,3\n",
-        "0.3,0.1,-0.2,3\n" * 2,
-        SINGULAR,
-        "".join(f"0.3,{k / 15_000},-0.2,3\n" for k in range(3000)),
-    ],
+    ["0.3,0.1,-0.2,3\n", "0.3,0.1,-0.2,3\n" * 2, SINGULAR, THOUSANDS],
     ids=["one", "two that rest", "singular", "thousands"],
 )
 def test_other_targets(simulator, browser, rows, tmp_path):
@@ -322,7 +318,7 @@ def test_other_targets(simulator, browser, rows, tmp_path):
     assert_fits(page)
     for n, number in ((n, number) for n in range(min(count, 7)) for number in (1, 2, 4)):
         page.choose("scrub", n)
-        page.run(f"document.querySelectorAll('#paper-choice button')[{number - 1}].click()")
+        page.click(f"#paper-choice button:nth-child({number})")
         assert page.run(f"{PIXELS}('paper', [null])")[0][1] >= 2, (n, number)
 
 

@@ -155,7 +155,6 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
     clip = data["clip"]
     nodes, own = points(clip)
     turn, unit = np.array(clip["place"]), clip["unit"]
-    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-15)
     assert np.linalg.det(turn) == pytest.approx(1) and turn[2]["xyz".index(FORWARD[up][0])] == 1
     turned = clips.read(PAGE.parent / "clip.bvh")
     index = [turned.bvh.node_index[name] for name in turned.bvh.joint_names]
@@ -240,16 +239,15 @@ def assert_near(a, b, what):
     assert np.abs(a - b).max() < 3e-4, what
 
 
-CASES = [(name, "--axis=z") for name in trajectories.TRAJECTORIES]
-CASES += [("circle", axis) for axis in ("--axis=-z", "--axis=x", "--axis=0.3,1,0")]
-CASES += [("t.bvh", axis) for axis in ("--axis=torso", "--axis=0.2,1,0.1")]
-
-
-@pytest.mark.parametrize(("name", "axis"), CASES)
+@pytest.mark.parametrize(
+    ("name", "axis"),
+    [(name, "z") for name in trajectories.TRAJECTORIES]
+    + [("circle", "-z"), ("circle", "x"), ("circle", "0.3,1,0"), ("t.bvh", "torso"), ("t.bvh", "0.2,1,0.1")],
+)
 def test_each_figure_leads_to_the_next(shown, name, axis):
     """Each entity, rotated by the drawn angle, gives the next one; the elbow is the core's."""
     figure.write(Path("t.bvh"), frames=40)
-    data = shown("--trajectory", name, axis)
+    data = shown("--trajectory", name, f"--axis={axis}")
     e, lengths = unpack(data["paper"]), np.array(data["lengths"])
     reach = lengths.sum(axis=1, keepdims=True)
     wrist, (upper, fore) = np.array(data["target"]) / reach, (lengths / reach).T
