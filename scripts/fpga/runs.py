@@ -64,9 +64,8 @@ class TimeOutError(ToolError):
 
 def commands() -> dict[str, str]:
     """Return family or tool -> its command, without file names."""
-    synthesis = {
-        family: text.format(top="TOP", family=family, flatten=" -flatten") for family, text in SYNTHESIZE.items()
-    }
+    own = {"top": "TOP", "flatten": " -flatten"}
+    synthesis = {family: text.format(family=family, **own) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
     return synthesis | place
 

@@ -14,7 +14,6 @@ from typing import Any
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.dataflow.nodes import Format
 from scripts.console import InputError, progress, whole_file
 from scripts.follow import made_of
 from scripts.waves import place
@@ -133,10 +132,6 @@ def _compiled(machine: Machine, source: Path, steps: str) -> bytes:
     return result.read_bytes()
 
 
-def _format(of: Format) -> str:
-    return f"Q{of.width - of.frac}.{of.frac}" + ("" if of.signed else ", unsigned")
-
-
 def table(machine: Machine) -> dict[str, Any]:
     """Return the page's data of a core: nodes in dataflow order with their signal paths, and clocks."""
     path = CONFIGURATIONS[machine.datapath]
@@ -151,17 +146,17 @@ def table(machine: Machine) -> dict[str, Any]:
             "width": node.format.width,
             "frac": node.format.frac,
             "signed": node.format.signed,
-            "format": _format(node.format),
+            "format": f"Q{node.format.width - node.format.frac}.{node.format.frac}"
+            + ", unsigned" * (not node.format.signed),
             "time": node.time,
         }
         for node in nodes_of(machine.datapath, machine.width)
     ]
-    latency = fixed.latency(machine.datapath, machine.width)
     return {
         "name": machine.name,
         "datapath": machine.datapath,
         "width": machine.width,
-        "latency": latency,
+        "latency": fixed.latency(machine.datapath, machine.width),
         "period": path.period,
         "folded": path.times is not None,
         "sections": [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)],

@@ -129,15 +129,13 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
     """Return the files to link to for each trajectory and, under "", for all. folders: one per datapath."""
-    links: dict[str, list[str]] = {item.targets.name: [] for item in prepared}
-    names = []
+    names = [item.targets.name for item in prepared]
+    links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:
-        names += [path.relative_to(out).as_posix() for path in of_datapath(folder, prepared)]
-        for name, path in zip(links, result_paths(folder, prepared), strict=True):
-            table = path.relative_to(out).as_posix()
-            links[name] += [table, f"{table.removesuffix('csv')}npz"]
-    known = {name for each in links.values() for name in each}
-    return links | {"": [*(name for name in names if name not in known), SCORES]}
+        tables = dict(zip(result_paths(folder, prepared), names, strict=True))
+        for path in of_datapath(folder, prepared):
+            links[tables.get(path.with_suffix(".csv"), "")].append(path.relative_to(out).as_posix())
+    return links | {"": [*links[""], SCORES]}
 
 
 def page(
