@@ -12,7 +12,7 @@ import textwrap
 from pathlib import Path
 
 from systemrdl import RDLCompiler
-from systemrdl.node import AddrmapNode, FieldNode
+from systemrdl.node import FieldNode
 
 from scripts.generate.render import TEMPLATES, update
 from tb.sim.env import GENERATED, ROOT
@@ -43,15 +43,11 @@ TEMPLATES.filters |= {
 }
 
 
-def description() -> AddrmapNode:
-    compiler = RDLCompiler()
-    compiler.compile_file(str(SOURCE))
-    return compiler.elaborate().top
-
-
 def texts() -> dict[Path, str]:
     """Return file -> its text."""
-    top = description()
+    compiler = RDLCompiler()
+    compiler.compile_file(str(SOURCE))
+    top = compiler.elaborate().top
     registers = list(top.registers())
     encodings = [field.get_property("encode") for register in registers for field in register.fields()]
     codes = [(code.name, code.value, code.rdl_desc) for encoding in encodings if encoding for code in encoding]

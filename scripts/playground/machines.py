@@ -56,10 +56,9 @@ class Machine:
 
 
 MACHINES = [
-    *(Machine("lean", width) for width in (32, 24, 18)),
-    *(Machine("fold", width) for width in (32, 24)),
-    Machine("fold16", 18),
-    *(Machine("paper", width) for width in (32, 24, 18)),
+    Machine(datapath, width)
+    for datapath, widths in (("lean", (32, 24, 18)), ("fold", (32, 24)), ("fold16", (18,)), ("paper", (32, 24, 18)))
+    for width in widths
 ]
 """All cores available to the page."""
 

@@ -119,8 +119,7 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
 
 def _from_torso(clip: Clip, arm: Arm, directions: np.ndarray) -> np.ndarray:
     """Convert directions (F, 3) from a clip's frame to the torso's axes: forward, left, up."""
-    up = np.zeros(3)
-    up["xyz".index(clip.bvh.rest_up[1])] = -1.0 if clip.bvh.rest_up[0] == "-" else 1.0
+    up = clip.bvh.rest_up_axis.vector
     left = outward_and_up(clip, arm) - up
     left = left if arm.side == "left" else -left
     axes = np.stack((np.cross(left, up), left, up), axis=1)

@@ -50,8 +50,8 @@ def test_pipeline_shows_every_operation_once_at_its_clocks(datapath, width):
     drawn, lanes = {}, {}
     for x, y, wide, _, begin, end, names in RECT.findall(text):
         at = int(begin), int(end)
-        assert float(x) == pytest.approx(pages.LEFT + pages.DRAWN * at[0] / total, abs=0.06)
-        assert float(wide) == pytest.approx(pages.DRAWN * (at[1] - at[0]) / total, abs=0.06)
+        place = pages.LEFT + pages.DRAWN * at[0] / total, pages.DRAWN * (at[1] - at[0]) / total
+        assert (float(x), float(wide)) == pytest.approx(place, abs=0.06)
         assert not drawn.keys() & names.split(", ")
         drawn |= dict.fromkeys(names.split(", "), at)
         lanes.setdefault(y, []).append(at)
