@@ -9,6 +9,7 @@ import pty
 import re
 import sys
 import threading
+import time
 import tty
 
 import numpy as np
@@ -156,21 +157,12 @@ def test_a_board_that_does_not_answer(command, few, files, spoil, message):
 
 
 def test_a_board_that_talks(command, few):
-    ours, theirs = pty.openpty()
-    tty.setraw(theirs)
-    over = threading.Event()
+    class Talking(Board):
+        def run(self):
+            while True:
+                os.write(self.ours, b"hello ")
+                time.sleep(0.005)
 
-    def talk():
-        while not over.wait(0.005):
-            os.write(ours, b"hello ")
-
-    thread = threading.Thread(target=talk)
-    thread.start()
-    try:
-        status, _, err = command(host.main, os.ttyname(theirs), "--trajectory", few, "--timeout", "0.2")
-    finally:
-        over.set()
-        thread.join()
-    assert status == 1 and err == [
-        f"icebreaker: {os.ttyname(theirs)} sends without being asked: is the right board there?"
-    ]
+    port = Talking().port
+    status, _, err = command(host.main, port, "--trajectory", few, "--timeout", "0.2")
+    assert (status, err) == (1, [f"icebreaker: {port} sends without being asked: is the right board there?"])

@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -85,16 +84,6 @@ class Farm:
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 
-    def later(self, when, *calls):
-        """Call functions once a condition holds."""
-
-        def follow():
-            until(when)
-            for call in calls:
-                call()
-
-        threading.Thread(target=follow, daemon=True).start()
-
 
 @pytest.fixture
 def farm(tmp_path):
@@ -109,10 +98,12 @@ def farm(tmp_path):
 def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
     first = farm.worker()
     begun = functools.partial(noted_in, tmp_path, "begun")
-    several = lambda: len(begun()) > max(3, len(noted_in(tmp_path, "done")))  # noqa: E731
-    farm.later(several, lambda: farm.kill(first), farm.worker)
     with parallel.shared(1, farm.address) as each:
-        assert list(each(functools.partial(noted, tmp_path, 0.3), range(12))) == [n * n for n in range(12)]
+        results = each(functools.partial(noted, tmp_path, 0.3), range(12))
+        until(lambda: len(begun()) > max(3, len(noted_in(tmp_path, "done"))))
+        farm.kill(first)
+        farm.worker()
+        assert list(results) == [n * n for n in range(12)]
     assert len(begun()) > 12
 
 
@@ -136,10 +127,12 @@ def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, me
 @pytest.mark.release
 def test_a_scheduler_that_dies(farm, tmp_path):
     worker = farm.worker()
-    farm.later(lambda: noted_in(tmp_path, "begun"), lambda: farm.kill(farm.scheduler))
     with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
         with parallel.shared(1, farm.address) as each:
-            list(each(functools.partial(noted, tmp_path, 20), range(2)))
+            results = each(functools.partial(noted, tmp_path, 20), range(2))
+            until(lambda: noted_in(tmp_path, "begun"))
+            farm.kill(farm.scheduler)
+            list(results)
     assert worker.wait(90) is not None
 
 
