@@ -91,17 +91,17 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
         return [json.loads(line) for line in path.read_text().splitlines()]
 
 
-def lanes(nodes: Iterable[Node], width: int) -> list[list[tuple[str, int, int, list[str]]]]:
+def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
     """Group operations by kind and clocks into bars (kind, from, to, names), in lanes without overlap.
 
     Kinds are in the order of ``COLOURS``. A selection without a clock is wiring and is omitted.
     """
 
     def key(node: Node) -> tuple[int, int, int]:
-        return list(COLOURS).index(kind(node)), start(node, width), node.time
+        return list(COLOURS).index(kind(node)), start(node), node.time
 
     found: list[list] = []
-    working = sorted((node for node in nodes if node.time > start(node, width)), key=key)
+    working = sorted((node for node in nodes if node.time > start(node)), key=key)
     for (of, begin, end), own in groupby(working, key):
         bar = (list(COLOURS)[of], begin, end, [node.name for node in own])
         free = (lane for lane in found if all(begin >= last or end <= first for _, first, last, _ in lane))
@@ -111,14 +111,14 @@ def lanes(nodes: Iterable[Node], width: int) -> list[list[tuple[str, int, int, l
     return found
 
 
-def pipeline_svg(datapath: str, width: int = WIDTH) -> str:
+def pipeline_svg(datapath: str) -> str:
     """Return pipeline-<datapath>.svg: every clock from a target's admission to its result at `ik_axis`."""
-    nodes = design(datapath, width).values()
+    nodes = design(datapath).values()
     ready = max(node.time for node in nodes)
     total = ready + FIFO_CLOCKS
     scale = DRAWN / total
     drawn = [
-        (title, lanes((node for node in nodes if node.section == name), width))
+        (title, lanes(node for node in nodes if node.section == name))
         for name, title in DATAPATHS[datapath].sections.items()
         if name != "results"
     ]
@@ -133,7 +133,7 @@ def pipeline_svg(datapath: str, width: int = WIDTH) -> str:
         legend.append((at, COLOURS[what], NAMES[what]))
         at += 44 + 7 * len(NAMES[what])
     return render(
-        "pipeline.svg", datapath=datapath, width=width, total=total, scale=scale, rows=rows, legend=legend,
+        "pipeline.svg", datapath=datapath, width=WIDTH, total=total, scale=scale, rows=rows, legend=legend,
         x=lambda clock: round(LEFT + scale * clock, 1), wide=LEFT + DRAWN + RIGHT, high=y + 30, bottom=y, top=TOP,
         left=LEFT, drawn=DRAWN, lane_height=LANE, gap=GAP, colours=COLOURS, kinds=NAMES,
         step=next(step for step in (1, 2, 5, 10, 20, 50) if scale * step >= 40),
