@@ -14,6 +14,7 @@ from tb.sim import native_run
 from tb.sim.job import Run
 
 TOP = ("ik_axis",)
+LATENCY = 44
 FIRST, GAP = 6, 3
 """Clock in which the simulator admits target 0; idle clocks between targets 1 and 2."""
 
@@ -48,7 +49,7 @@ class FakeSimulator:
         runs = []
         for job in jobs:
             answer = fixed.run(job.words, width, datapath)
-            runs.append(Run(answer.results.copy(), answer.flags.copy(), 363, 363 + len(job.words), 0, None))
+            runs.append(Run(answer.results.copy(), answer.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
         self.spoil(*runs)
         return runs
 

@@ -11,7 +11,7 @@ import pytest
 from model.io import trajectories
 from scripts.report import __main__ as report
 from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
-from scripts.report.tests.conftest import LATENCY
+from scripts.tests.conftest import LATENCY
 
 NAMES = list(trajectories.TRAJECTORIES)
 SIZES = [(WIDE, "light"), ((900, 700), "light"), (NARROW, "dark"), ((320, 600), "dark")]

@@ -10,8 +10,6 @@ from scripts.report import __main__ as report
 from scripts.tests.conftest import FakeSimulator
 from tb.sim.env import simulator as simulator_name
 
-LATENCY = 44
-
 
 def without_rtl(patch):
     """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake."""
@@ -28,13 +26,8 @@ def write(folder, *options):
 
 def write_without_rtl(folder, *options):
     """Write a page into a folder; return its address."""
-
-    def faster(*runs):
-        for each in runs:
-            each.latency_cycles, each.total_cycles = LATENCY, LATENCY + len(each.results)
-
     with pytest.MonkeyPatch.context() as patch:
-        without_rtl(patch).spoil = faster
+        without_rtl(patch)
         return write(folder, *options)
 
 
