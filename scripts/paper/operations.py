@@ -138,24 +138,6 @@ def lines_with_19() -> dict[str, sympy.Expr]:
     return result
 
 
-def savings() -> dict[str, tuple[Ops, Ops, str]]:
-    """Return, for each part of (12) and (13) changed by (19): operations before and after, claim of section 4.2."""
-    before, after, pair = printed_lines(), lines_with_19(), PRINTED["(19)"]
-    six = {name: e for name, e in PRINTED["(12)"].items() if name[-1] in "45"}
-    parts = {
-        "inf_pp": (["inf_pp"], "an addition fewer each time"),
-        "tmp_1": (["tmp1"], "3 + and 3 x fewer"),
-        "p_e": (["p_e_x", "p_e_y", "p_e_z"], "an addition fewer each time"),
-    }
-    return {
-        "PP_m4, PP_m5 to PP_m^+, PP_m^-": (total(six.values()), total(pair.values()), "the same number"),
-        "the same, common subexpressions": (shared(six), shared(pair), "1 + and 2 x fewer"),
-    } | {
-        part: (total(before[n].doit() for n in names), total(after[n].doit() for n in names), claim)
-        for part, (names, claim) in parts.items()
-    }
-
-
 # -- the elaborated RTL ----------------------------------------------------------------------------------------------
 
 
@@ -253,7 +235,6 @@ def page() -> str:
         sections={SECTIONS[section]: ops for section, ops in sections.items()},
         equations={k: total(PRINTED[k].values()) for k in PRINTED},
         bullet=_bullet,
-        savings=savings(),
         at_once=(at_once := operators_at_once()),
         together={datapath: found["add"] + found["mul"] for datapath, found in at_once.items()},
         width=WIDTH,

@@ -42,13 +42,6 @@ def test_an_operation_without_a_rule_is_refused():
         count(a ** sympy.Rational(1, 3))
 
 
-def test_printed_lines_by_hand():
-    """(10) and (18) match counts by hand; roots match table 4."""
-    assert table4.total(PRINTED["(10)"].values()) == Ops(add=2, mul=3, root=1)
-    assert table4.total(PRINTED["(18)"].values()) == Ops(add=2, mul=6)
-    assert table4.total(table4.printed_lines().values()).root == table4.UNOPTIMIZED.root
-
-
 def test_substituting_19_changes_no_value():
     plain, with_19 = table4.printed_lines(), table4.lines_with_19()
     sums = {}
@@ -57,21 +50,6 @@ def test_substituting_19_changes_no_value():
         sums |= {symbol(f"pp_{m}_plus"): plus + minus, symbol(f"pp_{m}_minus"): plus - minus}
     for name in PRINTED["(13)"]:
         assert sympy.simplify(with_19[name].doit().subs(sums) - plain[name].doit()) == 0, name
-
-
-def test_datapath_sections_by_hand():
-    """The sections of `ik_paper` have the roots of their equations; (18) is in the last one."""
-    sections = table4.by_section("paper")
-    assert sections["swivel"] == Ops(add=7, mul=16, root=1, div=3, trig=2)
-    assert [ops.root for ops in sections.values()] == [0, 1, 1, 2, 1, 3]
-
-
-@pytest.mark.parametrize(
-    ("top", "expected"), [("ik_div_row", {"add": 1}), ("ik_lzc", {"add": 3}), ("ik_exact", {"add": 2, "mul": 4})]
-)
-def test_operators_at_once(top, expected):
-    """An operator assigned to several words counts once; tables and indices count none; every row counts."""
-    assert table4.operators(top) == expected
 
 
 def test_page_is_up_to_date():
