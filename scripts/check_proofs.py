@@ -21,8 +21,8 @@ PAGES = {
     "fpga.md": ("make fpga", designs.recorded, designs.present),
     "soak.md": (
         "make soak KEEP=1",
-        lambda: {name: row["code"] for name, row in soak.recorded().items()},
-        lambda: {name: soak.code(row["datapath"]) for name, row in soak.recorded().items()},
+        lambda: {", ".join(row[:3]): row[-1] for row in soak.page_rows("datapath")},
+        lambda: {", ".join(row[:3]): soak.code(row[0]) for row in soak.page_rows("datapath")},
     ),
 }
 """Page -> the command that writes it, and the digests by name: on the page and of the present code."""

@@ -19,7 +19,6 @@ targets of the round before in one to six words.
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import sys
@@ -56,7 +55,7 @@ from scripts.console import (
     switch,
     whole,
 )
-from scripts.generate.render import render
+from scripts.generate.render import read_table, render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, library
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import worst_targets
@@ -64,7 +63,7 @@ from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, 
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
 
-PAGE, FIGURES = GENERATED / "soak.md", GENERATED / "soak.json"
+PAGE = GENERATED / "soak.md"
 EXCLUDED = {
     "again": {"targets", "seed", "from_", "datapath", "width", "keep", "special", "farm", "against"},
     "special": {"targets", "seed"},
@@ -213,12 +212,9 @@ def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> wor
     return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
 
 
-def recorded() -> dict[str, dict]:
-    """Return the figures of the page by row."""
-    try:
-        return json.loads(FIGURES.read_text(encoding="utf-8")) if FIGURES.exists() else {}
-    except ValueError as error:
-        raise InputError(f"{FIGURES}: {error}") from None
+def page_rows(heading: str) -> list[list[str]]:
+    """Return the rows of a table of the page."""
+    return read_table(PAGE.read_text(encoding="utf-8"), heading) if PAGE.exists() else []
 
 
 def code(datapath: str) -> str:
@@ -226,48 +222,26 @@ def code(datapath: str) -> str:
     return digest({*closure(f"ik_{CONFIGURATIONS[datapath].rtl}"), *closure("ik_axis")[:1]})
 
 
-def _keep(core: Core, of: str, found: Found, first: int) -> None:
-    """Add a row to the figures, and write the page."""
-    row = {
-        "datapath": core.datapath,
-        "width": core.width,
-        "of": of,
-        "simulator": core.sim,
-        "from": first,
-        "date": date.today().isoformat(),
-        "code": code(core.datapath),
-        "targets": found.targets,
-        "reachable": found.reachable,
-        "hand": found.hand_error_max,
-        "tolerance": tolerances.hand(core.width, core.datapath),
-        "norm": found.norm_error_max,
-        "flags": dict(found.flags),
-        "apart": found.apart,
-    }
-    rows = dict(sorted((recorded() | {f"{core.datapath}, {core.width} bits, {of}": row}).items()))
-    write_atomically(FIGURES, json.dumps(rows, indent=1) + "\n")
-    write_atomically(PAGE, _page(list(rows.values())))
+def _keep(core: Core, of: str, found: Found) -> None:
+    """Replace the rows of these targets on the page."""
+    key = [core.datapath, str(core.width), of]
+    flags = [flag.name for flag in FLAGS if flag.bit != SATURATED]
+    errors = found.hand_error_max, tolerances.hand(core.width, core.datapath), found.norm_error_max
+    measured = [
+        [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *map(_number, errors)]
+        + [*(str(found.flags[name]) for name in flags), code(core.datapath)]
+    ]
+    apart = [
+        [of, *key, str(n), _number(most), f"{most * 2.0 ** (core.width - 2):.2f}", _number(tolerances.lean(core.width))]
+        for of, (n, most) in found.apart.items()
+    ]
+    measured += [row for row in page_rows("datapath") if row[:3] != key]
+    apart += [row for row in page_rows("equations") if row[1:4] != key]
+    write_atomically(PAGE, render("soak", flags=flags, rows=sorted(measured), apart=sorted(apart)))
 
 
-def _page(rows: list[dict]) -> str:
-    names = [flag.name for flag in FLAGS if flag.bit != SATURATED]
-
-    def number(value: float | None) -> str:
-        return "-" if value is None else f"{value:.2e}"
-
-    return render(
-        "soak", names=names,
-        targets=[
-            (r["datapath"], r["width"], r["of"], r["date"], r["targets"], r["reachable"], number(r["hand"]),
-             number(r["tolerance"]), number(r["norm"])) for r in rows
-        ],
-        flags=[(r["datapath"], r["width"], r["of"], *(r["flags"].get(name, 0) for name in names)) for r in rows],
-        apart=[
-            (r["datapath"], r["width"], r["of"], of, count, number(most), f"{most * 2.0 ** (r['width'] - 2):.2f}",
-             number(tolerances.lean(r["width"])))
-            for r in rows for of, (count, most) in r["apart"].items()
-        ],
-    )  # fmt: skip
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2e}"
 
 
 # -- the run -----------------------------------------------------------------------------------------------------------
@@ -298,8 +272,6 @@ def _soak(arguments: SimpleNamespace) -> int:
     with output(arguments.out, [hardest_path, failing]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
-        if arguments.keep:
-            recorded()  # fail on an unusable file before the run, not hours later
         if arguments.against:
             for name in EQUATIONS:
                 library(name, "long double", SCALAR)  # fail without a compiler before the run
@@ -342,7 +314,7 @@ def _soak(arguments: SimpleNamespace) -> int:
             write_atomically(file, worst_targets.text(worst_targets.merge(before + rows)))
             print(f"wrote {file}")
         if arguments.keep:
-            _keep(core, name, found, arguments.from_)
+            _keep(core, name, found)
             print(f"wrote {PAGE.name}")
         return 0
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """scripts/console.py: exit status, signals to make and to a command, folders, progress."""
 
-import io
 import os
 import signal
 import subprocess
@@ -9,7 +8,6 @@ import sys
 import time
 
 import pytest
-from rich.console import Console
 
 from scripts import console
 from scripts.console import InputError
@@ -73,15 +71,6 @@ def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):
         time.sleep(0.5)
     lines = capsys.readouterr().err.splitlines()
     assert lines and lines[-1].startswith("some: half [3/4]: 1000 of 5000 done after ")
-
-
-def test_a_bar_on_a_terminal(monkeypatch):
-    out = io.StringIO()
-    monkeypatch.setattr(console, "Console", lambda **_: Console(file=out, force_terminal=True))
-    with console.progress("some", 100) as meter:
-        meter(50, "half")
-        meter.refresh()
-    assert "half" in out.getvalue() and "50/100" in out.getvalue()
 
 
 # -- signals: make, a command and its simulator end within seconds and leave no temporary files ----

@@ -17,7 +17,6 @@ from model.reference.lean_equations import LEAN
 from scripts import follow, run, waves
 from scripts.tests.conftest import admissions, nodes_of
 from scripts.waves import Signals, place
-from tb.sim.env import SIMULATORS
 from tb.sim.env import simulator as simulator_of_tests
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
@@ -239,21 +238,3 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
         assert shown[name] == (flags | GTKWFlag.rjustify, frac), name
     with pytest.raises(ValueError, match="no ik_axis.g_lean.u_core.x in this VCD"):
         waves.read(vcd, "lean", nodes_of(words))
-
-
-if simulator_of_tests() == "verilator":
-
-    @pytest.mark.sim
-    @pytest.mark.cost(20)
-    def test_both_simulators_give_the_same(command):
-        """Listing, aligned VCD and save files are byte-identical."""
-        outs = []
-        for sim in SIMULATORS:
-            options = "--target", "42", "--waves", "--width", str(WIDTH), "--sim", sim, "--out", sim
-            status, out, err = command(follow.main, *options)
-            assert (status, err) == (0, [])
-            outs.append([line.replace(sim, "SIM") for line in out])
-        assert outs[0] == outs[1]
-        for name in ("aligned.vcd", "aligned.gtkw", "waves.gtkw"):
-            one, other = (Path(sim, name).read_bytes() for sim in SIMULATORS)
-            assert one == other, name

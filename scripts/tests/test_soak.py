@@ -12,7 +12,7 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.io import stimuli
-from model.io.flags import FLAGS, UNREACHABLE, expected_flags
+from model.io.flags import FLAGS, SATURATED, UNREACHABLE, expected_flags
 from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
 from tb.core import random_targets, worst_targets
@@ -31,7 +31,6 @@ def cli(simulator, command, monkeypatch, tmp_path):
     monkeypatch.setattr(soak, "CHUNK", 400)
     monkeypatch.setattr(chunk, "__defaults__", (400,))
     monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
-    monkeypatch.setattr(soak, "FIGURES", tmp_path / "soak.json")
     monkeypatch.setattr(soak, "PAGE", tmp_path / "soak.md")
     return partial(command, soak.main, "--jobs", "1")
 
@@ -211,27 +210,24 @@ def test_keep(cli, simulator):
     for group in worst_targets.groups(worst_targets.read(worst_targets.LIST)).values():
         errors = [row.hand_error for row in group]
         assert 5 < len(group) <= 20 and errors == sorted(errors, reverse=True)
-    rows = soak.recorded()
-    assert [*rows] == ["lean, 18 bits, seed 1", "lean, 18 bits, seed 2", "lean, 24 bits, seed 1"]
-    row, words = rows["lean, 18 bits, seed 1"], simulator.words[-1]
+    rows = soak.page_rows("datapath")
+    assert [row[:3] for row in rows] == [["lean", "18", "seed 1"], ["lean", "18", "seed 2"], ["lean", "24", "seed 1"]]
+    row, words = rows[0], simulator.words[-1]
     owed = expected_flags(words, 18)
-    assert row["targets"] == 400 == len(words)
-    assert row["flags"] == {flag.name: n for flag in FLAGS if (n := int((owed & flag.bit > 0).sum()))}
-    assert all(f" {count} |" in soak.PAGE.read_text() for count in row["flags"].values())
+    assert int(row[4]) == 400 == len(words)
+    assert [*map(int, row[9:-1])] == [(owed & flag.bit > 0).sum() for flag in FLAGS if flag.bit != SATURATED]
     before = worst_targets.LIST.read_bytes()
     assert cli("--targets", "400", "--width", "18", "--keep")[0] == 0 == cli("--targets", "800")[0]
     assert worst_targets.LIST.read_bytes() == before, "repeated, or not kept"
     assert check_proofs.stale("soak.md") == []
-    soak.FIGURES.write_text(soak.FIGURES.read_text().replace(row["code"], "0" * 16, 1))
+    soak.PAGE.write_text(soak.PAGE.read_text().replace(row[-1], "0" * 16, 1))
     assert len(check_proofs.stale("soak.md")) == 1
 
 
-@pytest.mark.parametrize("file", ["hardest", "figures"])
-def test_an_unusable_file_is_not_overwritten(cli, simulator, file):
-    kept = worst_targets.LIST if file == "hardest" else soak.FIGURES
-    kept.write_text("old")
+def test_an_unusable_list_is_not_overwritten(cli, simulator):
+    worst_targets.LIST.write_text("old")
     status, out, err = cli("--targets", "400", "--keep")
-    assert (status, out, len(err), simulator.calls, kept.read_text()) == (2, [], 1, [], "old")
+    assert (status, out, len(err), simulator.calls, worst_targets.LIST.read_text()) == (2, [], 1, [], "old")
 
 
 def test_later_rounds_find_worse_targets(cli, monkeypatch):
