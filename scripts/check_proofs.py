@@ -15,14 +15,15 @@ from types import SimpleNamespace
 from scripts import formal, soak
 from scripts.console import command, switch
 from scripts.fpga import designs
+from scripts.generate.render import read_table
 
 PAGES = {
     "proofs.md": ("make formal", lambda: {name: row[-1] for name, row in formal.rows().items()}, formal.digests),
     "fpga.md": ("make fpga", designs.recorded, designs.present),
     "soak.md": (
         "make soak KEEP=1",
-        lambda: {", ".join(row[:3]): row[-1] for row in soak.page_rows("datapath")},
-        lambda: {", ".join(row[:3]): soak.code(row[0]) for row in soak.page_rows("datapath")},
+        lambda: {", ".join(row[:3]): row[-1] for row in read_table(soak.PAGE, "datapath")},
+        lambda: {", ".join(row[:3]): soak.code(row[0]) for row in read_table(soak.PAGE, "datapath")},
     ),
 }
 """Page -> the command that writes it, and the digests by name: on the page and of the present code."""

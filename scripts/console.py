@@ -286,13 +286,6 @@ class Meter(Progress):
         """Report the number of items done and the present activity."""
         self.update(self.task.id, completed=done, description=what or self.name)
 
-    def line(self) -> str:
-        """Return the line of a log."""
-        task = self.task
-        left = f", {task.time_remaining:.0f} s left" if task.time_remaining else ""
-        what = f"{task.description}: " if task.description != self.name else ""
-        return f"{self.name}: {what}{task.completed} of {task.total} done after {task.elapsed:.0f} s{left}"
-
 
 @contextlib.contextmanager
 def progress(name: str, total: int) -> Iterator[Meter]:
@@ -301,7 +294,11 @@ def progress(name: str, total: int) -> Iterator[Meter]:
 
     def repeat() -> None:
         while not over.wait(EVERY):
-            print(meter.line(), file=sys.stderr, flush=True)
+            task = meter.task
+            left = f", {task.time_remaining:.0f} s left" if task.time_remaining else ""
+            what = f"{task.description}: " if task.description != name else ""
+            line = f"{name}: {what}{task.completed} of {task.total} done after {task.elapsed:.0f} s{left}"
+            print(line, file=sys.stderr, flush=True)
 
     with Meter(name, total) as meter:
         if meter.disable:

@@ -68,33 +68,21 @@ def made_of(node: Node) -> str:
 
 
 HEADINGS = ("clock", "after", "equation", "node", "RTL word", "model word", "RTL value", "model value", "made of")
-LEFT = "equation", "node", "made of"
-
-
-def _cells(recording: Recording, node: Node, target: int) -> tuple[str, ...]:
-    """Return the cells of a node's line."""
-    words = recording.word(node, target), model_bits(node, target)
-    return (
-        str(recording.admitted[target] + node.time),
-        f"+{node.time}",
-        node.equation,
-        node.name,
-        *(hexadecimal(word) for word in words),
-        *(value(word, node.format, 10) for word in words),
-        made_of(node),
-    )
 
 
 def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:
     """Yield a line for each node of a target in dataflow order, below a line for each section."""
-    rows = [_cells(recording, node, target) for node in nodes]
+    rows = []
+    for node in nodes:
+        words = recording.word(node, target), model_bits(node, target)
+        shown = (*map(hexadecimal, words), *(value(word, node.format, 10) for word in words))
+        clock = str(recording.admitted[target] + node.time)
+        rows.append((clock, f"+{node.time}", node.equation, node.name, *shown, made_of(node)))
     widths = [max(map(len, column)) for column in zip(HEADINGS, *rows, strict=True)]
+    sides = [str.ljust if heading in ("equation", "node", "made of") else str.rjust for heading in HEADINGS]
 
     def line(mark: str, cells: Sequence[str]) -> str:
-        placed = [
-            cell.ljust(width) if heading in LEFT else cell.rjust(width)
-            for cell, width, heading in zip(cells, widths, HEADINGS, strict=True)
-        ]
+        placed = (side(cell, width) for side, cell, width in zip(sides, cells, widths, strict=True))
         return f"{mark} {'  '.join(placed)}".rstrip()
 
     yield line(" ", HEADINGS)

@@ -37,7 +37,7 @@ def digests() -> dict[str, str]:
 
 def rows() -> dict[str, list[str]]:
     """Return proof -> row of the page."""
-    return {row[0]: row for row in read_table(PAGE.read_text(encoding="utf-8"), "proof")} if PAGE.exists() else {}
+    return {row[0]: row for row in read_table(PAGE, "proof")}
 
 
 def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:

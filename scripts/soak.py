@@ -212,11 +212,6 @@ def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> wor
     return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
 
 
-def page_rows(heading: str) -> list[list[str]]:
-    """Return the rows of a table of the page."""
-    return read_table(PAGE.read_text(encoding="utf-8"), heading) if PAGE.exists() else []
-
-
 def code(datapath: str) -> str:
     """Return a digest of the Verilog of a datapath, and of ik_axis.v."""
     return digest({*closure(f"ik_{CONFIGURATIONS[datapath].rtl}"), *closure("ik_axis")[:1]})
@@ -235,8 +230,8 @@ def _keep(core: Core, of: str, found: Found) -> None:
         [of, *key, str(n), _number(most), f"{most * 2.0 ** (core.width - 2):.2f}", _number(tolerances.lean(core.width))]
         for of, (n, most) in found.apart.items()
     ]
-    measured += [row for row in page_rows("datapath") if row[:3] != key]
-    apart += [row for row in page_rows("equations") if row[1:4] != key]
+    measured += [row for row in read_table(PAGE, "datapath") if row[:3] != key]
+    apart += [row for row in read_table(PAGE, "equations") if row[1:4] != key]
     write_atomically(PAGE, render("soak", flags=flags, rows=sorted(measured), apart=sorted(apart)))
 
 

@@ -17,8 +17,6 @@ from model.io.scoring import Score
 from model.io.words import FIELDS
 from tb.core.random_targets import Core, Found
 
-NOT_ASKED = "not asked"
-
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 
 EXPLAINED = (
@@ -40,7 +38,7 @@ def _number(value: float | None) -> str:
 
 
 def _asked(bar: float | None) -> str:
-    return NOT_ASKED if bar is None else f"{bar:.3g}"
+    return "not asked" if bar is None else f"{bar:.3g}"
 
 
 def _verdict(result: Score) -> str:
@@ -142,6 +140,7 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
     """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
+    limit = f"{tolerances.lean(core.width):.2e}"
     table = _table(f"soak: {what}", ("figure", "measured", "tolerance"))
     for row in (
         ("targets", str(found.targets)),
@@ -152,12 +151,8 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
         *([] if most else [("targets seen above their prediction", str(found.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),
         *(
-            (
-                f"{of}, {n} targets: largest difference of a result",
-                f"{most_apart:.2e}",
-                f"{tolerances.lean(core.width):.2e}",
-            )
-            for of, (n, most_apart) in found.apart.items()
+            (f"{of}, {n} targets: largest difference of a result", f"{apart:.2e}", limit)
+            for of, (n, apart) in found.apart.items()
         ),
         ("targets a second, build excluded", f"{rate:.0f}"),
     ):

@@ -23,8 +23,6 @@ from model.motion.pose import hanging, to_z
 from scripts.console import POSITIVE, InputError, core_options, option, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
-ALL = "all"
-
 MOST_DATAPATHS = 3
 """Number of datapaths that a command can compare."""
 
@@ -111,13 +109,13 @@ OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
 
 def _kind(name: str) -> str:
     """Return the kind of --trajectory. Raises InputError."""
-    if name == ALL or name in trajectories.TRAJECTORIES:
+    if name in ("all", *trajectories.TRAJECTORIES):
         return BUILT_IN
     if name.lower().endswith(".bvh"):
         return CLIP
     if name.lower().endswith(".csv") or os.sep in name or os.path.exists(name):
         return CSV
-    valid = ", ".join((ALL, *trajectories.TRAJECTORIES))
+    valid = ", ".join(("all", *trajectories.TRAJECTORIES))
     raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
 
 
@@ -138,7 +136,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         phi = hanging(axis) if arguments.phi is None else arguments.phi
         found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
     else:
-        found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == ALL else [name])]
+        found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
     return [Prepared(each, *to_words(each, width)) for each in (replace(one, frame=frame) for one in found)]
 
@@ -158,15 +156,14 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     """Load the trajectories and print warnings. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:
-        for doubt in doubts(item.targets):
-            print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
+        if item.targets.path is not None:  # not built-in
+            for doubt in doubts(item.targets):
+                print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
     return prepared
 
 
 def doubts(targets: Targets) -> Iterator[str]:
     """Yield a warning for each sign of a wrong unit."""
-    if targets.path is None:  # built-in
-        return
     distance = np.linalg.norm(targets.position, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):

@@ -32,9 +32,12 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
     return "\n".join(map(row, (head, line, *rows)))
 
 
-def read_table(text: str, heading: str) -> list[list[str]]:
-    """Return the rows of the table whose first column is headed ``heading``; a code cell loses its marks."""
-    lines = text.splitlines()
+def read_table(page: Path, heading: str) -> list[list[str]]:
+    """Return the rows of the table whose first column is headed ``heading``, none without the page; a code cell loses
+    its marks."""
+    if not page.exists():
+        return []
+    lines = page.read_text(encoding="utf-8").splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
     rows = itertools.takewhile(lambda line: line.startswith("|"), lines[start + 2 :])
     cells = ([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in rows)

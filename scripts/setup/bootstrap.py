@@ -135,15 +135,10 @@ def missing_packages(needs):
 
 def missing_for_venv():
     """Return the Debian packages that a virtual environment for cocotb lacks."""
-    packages = []
-    try:
-        import ensurepip  # noqa: F401
-        import venv  # noqa: F401
-    except ImportError:
-        packages.append(f"python{VERSION}-venv")
-    if not shared_library():
-        packages.append(f"libpython{VERSION}")
-    return packages
+    from importlib.util import find_spec
+
+    packages = [] if find_spec("ensurepip") and find_spec("venv") else [f"python{VERSION}-venv"]
+    return packages if shared_library() else [*packages, f"libpython{VERSION}"]
 
 
 # -- the virtual environment -----------------------------------------------------------------------

@@ -210,7 +210,7 @@ def test_keep(cli, simulator):
     for group in worst_targets.groups(worst_targets.read(worst_targets.LIST)).values():
         errors = [row.hand_error for row in group]
         assert 5 < len(group) <= 20 and errors == sorted(errors, reverse=True)
-    rows = soak.page_rows("datapath")
+    rows = soak.read_table(soak.PAGE, "datapath")
     assert [row[:3] for row in rows] == [["lean", "18", "seed 1"], ["lean", "18", "seed 2"], ["lean", "24", "seed 1"]]
     row, words = rows[0], simulator.words[-1]
     owed = expected_flags(words, 18)

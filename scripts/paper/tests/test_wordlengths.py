@@ -17,7 +17,7 @@ from scripts.paper import wordlengths
 
 def proofs(page):
     """Return the proved columns of the page by node."""
-    return {row[0]: row[1:4] for row in read_table(page.read_text(encoding="utf-8"), "node name")}
+    return {row[0]: row[1:4] for row in read_table(page, "node name")}
 
 
 def test_proofs_of_the_page_are_up_to_date():
