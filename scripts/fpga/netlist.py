@@ -89,14 +89,6 @@ def counted(stat: dict, family: str) -> dict[str, int]:
     return _kinds(stat, _instances(stat, _top(stat)), family)
 
 
-def by_module(stat: dict, family: str) -> dict[str, dict]:
-    """Return module -> its instances and its own cells in all of them, without cells of inner modules."""
-    found = defaultdict(Counter)
-    for key, times in _instances(stat, _top(stat)).items():
-        found[_plain(key)][key] = times
-    return {name: {"instances": of.total(), **_kinds(stat, of, family)} for name, of in found.items()}
-
-
 def by_section(stat: dict, family: str) -> dict[str, dict]:
     """Return module that the top instantiates -> all cells inside, summed over its instances."""
     top = _top(stat)

@@ -14,7 +14,7 @@ from scripts.paper import tables
 DEVICE = "ECP5-85k, speed grade 8"
 
 BROKEN_DOWN = (32, 18)
-"""Widths whose logic is counted module by module."""
+"""Widths whose logic is counted by section."""
 
 CELLS = {
     "xc2vp": ("LUT4 on xc2vp", "of them SRL16", "flip-flops", "carry bits (MUXCY)", "MULT18X18", "RAMB16"),
@@ -115,29 +115,20 @@ def folded(data: dict) -> str:
 
 
 def breakdown(data: dict, design: Design) -> dict:
-    """Return tables of a datapath's logic by section and by module."""
+    """Return the table of a datapath's logic by section."""
     tree = run_of(data, design.run("xc2vp", "tree"))
     names = ["LUT4", "of them SRL16", "flip-flops", "carry", "MUXF", "MULT18X18", "RAMB16"]
 
-    def row(name: str, *cells: dict) -> list:
-        return [name, *(sum(one[kind] for one in cells) for kind in KINDS)]
+    def row(name: str, cells: dict) -> list:
+        return [name, *(cells[kind] for kind in KINDS)]
 
     sections = [row(f"`{name}`", cells) for name, cells in tree["sections"].items() if name != "itself"]
     sections.sort(key=lambda cells: -cells[1])
-    modules = sorted(tree["modules"].items(), key=lambda item: -item[1]["LUT"])
-    total = sum(cells["LUT"] for _, cells in modules)
-
-    def shown(cells: dict) -> bool:
-        return bool(cells["LUT"] >= 0.02 * total or cells["multipliers"] or cells["RAM"])
-
-    rows = [row(f"{cells['instances']} `{name}`", cells) for name, cells in modules if shown(cells)]
-    rows.append(row("the others", *(cells for _, cells in modules if not shown(cells))))
     return {
         "datapath": design.datapath,
         "width": design.width,
         "flat": run_of(data, design.run("xc2vp"))["cells"],
         "sections": table(["section", *names], [*sections, row("outside them", tree["sections"]["itself"])]),
-        "modules": table(["modules, without inner modules", *names], rows),
     }
 
 

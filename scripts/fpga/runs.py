@@ -95,7 +95,7 @@ def call(command: list[str], folder: Path, log: str, label: str, limit: float = 
 
 @dataclass(frozen=True)
 class Run:
-    """One or two tool runs: ``kind`` is synth (flat), tree (hierarchy kept, for counts by module) or place.
+    """One or two tool runs: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
 
     aim: the MHz at which no further seed of a placement is tried.
     """
@@ -173,7 +173,6 @@ class Run:
         stat = json.loads((synthesized / "stat.json").read_text())
         figures = {"rtl": digest(self.files()), "synthesis_s": seconds, "cells": netlist.counted(stat, self.family)}
         if self.kind == "tree":
-            figures["modules"] = netlist.by_module(stat, self.family)
             figures["sections"] = netlist.by_section(stat, self.family)
         if self.kind == "place":
             design = json.loads((synthesized / "netlist.json").read_text())

@@ -36,16 +36,6 @@ HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
 SCRIPTS = ("machine", "solve", "lane", "waves", "playground")
 
-PLAIN = {
-    "too_far": "Too far: the arm is straight and points to the target.",
-    "too_near": "Too near: the arm is folded and points to the target.",
-    "on_axis": "On the reference axis: no azimuth, 0 is taken.",
-    "at_shoulder": "At the shoulder: the target has no direction, that of the axis is taken.",
-    "bad_length": "An arm length is not positive.",
-    "saturated": "Reserved, always 0.",
-}
-"""Flag -> its explanation in the page."""
-
 
 def data(machines: Sequence[Machine]) -> dict[str, Any]:
     """Return the page's data, except the WebAssembly of the cores."""
@@ -54,7 +44,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
     return {
         "machines": [table(machine) for machine in machines],
         "headroom": HEADROOM_BITS,
-        "flags": [{**flag._asdict(), "plain": PLAIN[flag.name]} for flag in FLAGS],
+        "flags": [flag._asdict() for flag in FLAGS],
         "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
         "trajectories": [{"name": name, "rows": own} for name, own in rows.items()],
         "tools": tools(),

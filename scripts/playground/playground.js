@@ -173,7 +173,7 @@ function writeNow() {
     item.classList.toggle("on", on);
     item.ariaLabel = `${item.dataset.name}: ${on ? "on" : "off"}`;
   });
-  const said = DATA.flags.filter(({ bit }) => flags & bit).map(({ plain }) => plain).join(" ") || "In reach.";
+  const said = DATA.flags.filter(({ bit }) => flags & bit).map(({ meaning }) => meaning).join("; ") || "in reach";
   if (element("plain").textContent !== said) element("plain").textContent = said;
 }
 

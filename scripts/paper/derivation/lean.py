@@ -27,10 +27,6 @@ from scripts.paper.derivation.proofs import (
     symbols,
 )
 
-HALVES = {"az": ("-u_y", "u_x"), "tilt": ("sin_el", "cos_el"), "arm": ("cos_a", "sin_a")}
-"""Half angle quaternion -> cosine and sine of its angle."""
-PARTS = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
-
 NORMAL = "vec(cos_phi*u_y + sin_phi*sin_el*u_x, sin_phi*sin_el*u_y - cos_phi*u_x, -sin_phi*cos_el)"
 ACROSS = "vec(sin_phi*u_y - cos_phi*sin_el*u_x, -cos_phi*sin_el*u_y - sin_phi*u_x, cos_phi*cos_el)"
 """Unit vectors n, of the swivel plane, and m, perpendicular to it and to the target."""
@@ -235,7 +231,7 @@ def product_lines() -> list[sp.Expr]:
 
 
 def product(step: Step) -> None:
-    az_c, az_s, tilt_c, tilt_s, arm_c, arm_s = PARTS
+    az_c, az_s, tilt_c, tilt_s, arm_c, arm_s = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
     factors_ = (az_c, 0, 0, az_s), (tilt_c, tilt_s, 0, 0), (COS_H, 0, 0, SIN_H), (arm_c, -arm_s, 0, 0)
     whole = cga.scalar(1)
     for factor in factors_:
@@ -262,7 +258,7 @@ def product(step: Step) -> None:
 
 
 def length(step: Step) -> None:
-    step.suppose(*(f"{name}_s**2 = {name}_sq - {name}_c**2" for name in HALVES), HALF_CIRCLE)
+    step.suppose(*(f"{name}_s**2 = {name}_sq - {name}_c**2" for name in ("az", "tilt", "arm")), HALF_CIRCLE)
     quaternion = product_lines()
     step.values |= dict(zip(("w_1", "i_1", "j_1", "k_1"), quaternion, strict=True))
     last = LEAN["Root, second level"]

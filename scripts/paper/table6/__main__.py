@@ -25,16 +25,18 @@ from typing import Any
 
 import numpy as np
 
+from model.dataflow import fixed
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
-from model.io.words import Targets, from_words
+from model.io.words import Targets, from_words, result_values, to_words
 from scripts.console import InputError, command, option, switch, whole
 from scripts.fpga.designs import load
-from scripts.paper.table6 import hardware
+from scripts.generate.pages import measured
 from scripts.paper.table6.compiled import FLAGS, compiler_version
-from scripts.paper.table6.contenders import Contender, contenders, first
-from scripts.paper.table6.page import page
-from tb.sim.env import GENERATED
+from scripts.paper.table6.contenders import Contender, contenders, first, hand_errors
+from scripts.paper.table6.page import STREAMS, page
+from tb.sim.env import GENERATED, SIMULATORS
+from tb.sim.simulate import Job, SimulationError, simulate
 
 FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
@@ -43,6 +45,13 @@ REPEATS = 7
 """Measurements per median."""
 SHORT = 0.02
 """Minimum duration of a measurement (s); faster functions are repeated within it."""
+
+WIDTH = 32
+DATAPATHS = ("paper", "lean")
+BUS, LATENCY = 128, 34
+"""Bits of the bus and clocks of the memory in the path from memory to memory."""
+CHUNK = 20_000
+"""Random targets per run of the bit-true model."""
 
 
 def report(text: str) -> None:
@@ -108,16 +117,51 @@ def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]
     return found
 
 
+def stream_to_stream(datapath: str) -> dict:
+    """Run the 100 targets of `reach` through the RTL without stalls. Return the clocks to the first and last result,
+    the clocks per result, and the largest hand error / reach."""
+    words, _ = to_words(make("reach"), WIDTH)
+    (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=datapath, width=WIDTH)
+    if run.bit_mismatches:
+        raise SimulationError(f"{datapath}: the RTL differs from the model: {run.first_mismatch}")
+    first, last = run.latency_cycles, run.total_cycles
+    return {"first": first, "last": last, "each": (last - first) / len(words), "reach_error": reach_error(run.results)}
+
+
+def memory_to_memory(datapath: str) -> dict:
+    """Return the same figures for jobs of `ik_axi`: register CLOCKS after a job of one target and after a job of all,
+    clocks of channel R per target in a long job, error of the results in memory."""
+    (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": BUS}, LATENCY)
+    clocks = {name: row[name] for name in ("first", "last", "each")}
+    return {**clocks, "reach_error": reach_error(np.array(row["results"]))}
+
+
+def reach_error(results: np.ndarray) -> float:
+    """Return the largest hand error / reach of results for `reach`."""
+    words, exponent = to_words(make("reach"), WIDTH)
+    return figure(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
+
+
+PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LATENCY}": memory_to_memory}
+"""Path -> function that measures its clocks and error."""
+
+
+def random_error(words: np.ndarray, datapath: str) -> float:
+    """Return the largest hand error / reach over input words, from the bit-true model (the RTL is bit-identical)."""
+    parts = np.array_split(words, -(-len(words) // CHUNK))
+    answers = (result_values(fixed.run(part, WIDTH, datapath).results, WIDTH) for part in parts)
+    errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))
+    return float(max(error.max() for error in errors))
+
+
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
     """Yield the rows of the core."""
-    for datapath in hardware.DATAPATHS:
+    for datapath in DATAPATHS:
         report(f"{datapath} RTL, {len(words)} random targets through its model ...")
-        worst = figure(hardware.random_error(words, datapath))
-        for path, clocks in hardware.PATHS.items():
+        worst = figure(random_error(words, datapath))
+        for path, clocks in PATHS.items():
             report(f"{datapath} RTL, {path} ...")
-            found = clocks(datapath)
-            found["reach_error"] = figure(found["reach_error"])
-            yield {"datapath": datapath, "path": path, "width": hardware.WIDTH, "random_error": worst, **found}
+            yield {"datapath": datapath, "path": path, "width": WIDTH, "random_error": worst, **clocks(datapath)}
 
 
 def write(figures: dict[str, Any] | None = None) -> int:
@@ -147,15 +191,15 @@ def main(options: SimpleNamespace) -> int:
         return write()
     if options.hardware:
         kept = json.loads(FIGURES.read_text())
-        words = random_reachable(kept["targets"], hardware.WIDTH, kept["seed"])
+        words = random_reachable(kept["targets"], WIDTH, kept["seed"])
         return write(kept | {"hardware": list(core(words))})
     about, every = machine(), contenders()
     chosen = [c for c in every if not options.only or any(part in c.key for part in options.only)]
     if not chosen:
         raise InputError(f"no software of that key; there is {', '.join(c.key for c in every)}")
     report(f"{options.targets} random targets, seed {options.seed} ...")
-    words = random_reachable(options.targets, hardware.WIDTH, options.seed)
-    reach, random = make("reach"), from_words(words, 0, hardware.WIDTH, "random")
+    words = random_reachable(options.targets, WIDTH, options.seed)
+    reach, random = make("reach"), from_words(words, 0, WIDTH, "random")
     software = []
     for n, contender in enumerate(chosen, 1):
         report(f"[{n}/{len(chosen)}] {contender.group}: {contender.name} {contender.lacks or '...'}")

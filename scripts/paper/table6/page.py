@@ -9,7 +9,6 @@ from typing import Any
 from scripts.fpga.designs import clock
 from scripts.generate.render import error, render
 from scripts.paper import tables
-from scripts.paper.table6.hardware import STREAMS
 
 QUOTED = (
     ("the paper, software on its CPU", tables.SOFTWARE_US, None),
@@ -18,6 +17,9 @@ QUOTED = (
 )
 """Name, us for 100 targets, ns until the first result: table 6 of the paper; times computed from the 363 stages and
 100 MHz in its authors' chapter in Geometric Algebra Computing (Springer, 2010)."""
+
+STREAMS = "stream to stream"
+"""Path through the logic around the datapath of `ik_axis`; the other one, memory to memory, is that of `ik_axi`."""
 
 BUSY = 0.3
 """Load per processor core above which the page warns that the computer was busy."""
