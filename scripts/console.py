@@ -248,18 +248,6 @@ def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
                 folder.rmdir()
 
 
-@contextlib.contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary path in the folder of `path`; rename it to `path` at the end, or remove it after an error."""
-    temporary = path.with_name(f".{os.getpid()}.{path.name}")
-    try:
-        yield temporary
-        if temporary.exists():
-            os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
 def show(*tables: Table) -> None:
     """Print tables, as wide as the terminal, or `PLAIN_COLUMNS` into a file."""
     console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)

@@ -21,8 +21,9 @@ from types import SimpleNamespace
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
+from model.io.files import whole_file
 from model.reference.lean_equations import LEAN, NUMBER
-from scripts.console import InputError, command, option, output, switch, whole, whole_file
+from scripts.console import InputError, command, option, output, switch, whole
 from scripts.run import run_jobs
 from scripts.trajectory import Prepared, prepare, trajectory_options
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves

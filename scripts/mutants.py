@@ -23,8 +23,9 @@ from types import SimpleNamespace
 
 from rich.table import Table
 
+from model.io.files import write_atomically
 from scripts import parallel
-from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole, whole_file
+from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole
 from scripts.generate.render import render
 from tb.mutation import campaign
 from tb.mutation.campaign import COLUMNS, SURVIVED, Result
@@ -77,8 +78,7 @@ def main(options: SimpleNamespace) -> int:
         print(result.mutant)
     print(f"seed {options.seed}: {len(results)} mutants, {len(survivors)} survived")
     if options.keep:
-        with whole_file(PAGE) as place:
-            place.write_text(page(results, options.count, options.seed), encoding="utf-8")
+        write_atomically(PAGE, page(results, options.count, options.seed))
         print(f"wrote {PAGE.name}")
     return 1 if survivors else 0
 

@@ -23,12 +23,12 @@ import pybvh
 
 from model.bounds.predict import hand_bar
 from model.io import trajectories
-from model.io.files import write_atomically
+from model.io.files import whole_file, write_atomically
 from model.io.scoring import Score, score, write_score_json, write_tables
 from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
-from scripts.console import command, output, progress, show, switch, whole_file
+from scripts.console import command, output, progress, show, switch
 from scripts.paper.tables import table_of_datapaths
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options

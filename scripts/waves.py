@@ -33,20 +33,15 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format, Node
+from model.io.files import whole_file
 from model.io.words import FIELDS, RESULT_FIELDS, TargetError
-from scripts.console import WORD_LENGTH, command, whole_file
+from scripts.console import WORD_LENGTH, command
 from tb.sim.job import Difference
 
 TOP = "ik_axis"
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
 """Files that :func:`write_waves` writes: two recordings and their save files."""
-
-HANDSHAKE = (("rst",), ("s_axis_tvalid",), ("s_axis_tready",))
-NUMBER, DIFFERS = "target", "differs"
-"""Other signals of the aligned VCD: a target's number, and whether one of its nodes differs from the model."""
-
-NUMBER_BITS = 32
 
 SHOWN_BITS = 64
 """Longest word that GTKWave shows as a decimal number."""
@@ -115,23 +110,20 @@ def place(datapath: str, node: Node) -> tuple[str, ...]:
     return (f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", *([node.instance] if node.instance else []), node.name)
 
 
-@dataclass(frozen=True)
-class Mark:
-    """First difference in a save file: message, node, time and clock period (VCD units)."""
-
-    message: str
-    node: str
-    time: int
-    period: int
-
-
 def write_save_file(
-    vcd: Path, datapath: str, width: int, path: Path, mark: Mark | None = None, aligned: bool = False
+    vcd: Path,
+    datapath: str,
+    width: int,
+    path: Path,
+    aligned: bool = False,
+    first: Difference | None = None,
+    start: int = 0,
+    marker: int = -1,
 ) -> None:
     """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
 
     Raises TargetError for a VCD of another design, OSError if a file cannot be read or written.
-    With a ``mark``, GTKWave opens there: the marker in its clock, its section open, its node in red.
+    With a ``first`` difference its section is open and its node red; GTKWave opens at the time ``start``.
     ``aligned``: the VCD is one by `write_aligned`, which has no streams.
     """
     nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
@@ -139,7 +131,14 @@ def write_save_file(
     how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, vcd)
-        save.open(f"{TOP}, {datapath} datapath, words of {width} bits: {how}", mark)
+        save.writer.comment(f"{TOP}, {datapath} datapath, words of {width} bits: {how}")
+        if first:
+            save.writer.comment(f"first difference: {first}")
+            save.writer.timestart(start)
+        save.writer.size(1600, 1000)
+        save.writer.sst_expanded(False)
+        save.writer.signals_width(640)
+        save.writer.zoom_markers(zoom=-15.0, marker=marker)  # about 15 clocks of 10 ns in sight
         with save.writer.group("target" if aligned else "streams"):
             for name in ("target", "differs") if aligned else ("clk", "rst", *STREAMS[:3], "s_axis_tdata"):
                 save.plain((name,), "dec" if aligned else "hex")
@@ -153,7 +152,13 @@ def write_save_file(
                     save.word(("m_axis_tdata",), nodes[name].format, name, **bits)
                 for name in ("in_valid", "out_valid") if CONFIGURATIONS[datapath].period == 1 else ("clock", "go"):
                     save.plain((*core, name))
-        save.sections(datapath, nodes, mark)
+        for section, what in CONFIGURATIONS[datapath].sections.items():
+            with save.writer.group(f"{section}: {what}", closed=not first or first.node.section != section):
+                for node in nodes.values():
+                    if node.section == section and node.op != "input":
+                        label = " ".join(filter(None, (node.name, node.equation, f"+{node.time}")))
+                        color = GTKWColor.red if first and first.node.name == node.name else None
+                        save.word(place(datapath, node), node.format, label, color=color)
 
 
 class _Save:
@@ -163,30 +168,6 @@ class _Save:
         self.stream = stream
         self.writer = GTKWSave(stream)
         self.signals = Signals(vcd)
-
-    def open(self, comment: str, mark: Mark | None) -> None:
-        """Write the window's settings and its initial position."""
-        self.writer.comment(comment)
-        if mark:
-            self.writer.comment(f"first difference: {mark.message}")
-            self.writer.timestart(max(0, mark.time - 7 * mark.period))
-        self.writer.size(1600, 1000)
-        self.writer.sst_expanded(False)
-        self.writer.signals_width(640)
-        # about 15 clocks of 10 ns in sight
-        self.writer.zoom_markers(zoom=-15.0, marker=mark.time if mark else -1)
-
-    def sections(self, datapath: str, nodes: dict[str, Node], mark: Mark | None) -> None:
-        """Write a closed group for each section; the group of the marked node, in red, is open."""
-        for section, what in CONFIGURATIONS[datapath].sections.items():
-            closed = not mark or nodes[mark.node].section != section
-            with self.writer.group(f"{section}: {what}", closed=closed):
-                for node in nodes.values():
-                    if node.section == section and node.op != "input":
-                        equation = f" {node.equation}" if node.equation else ""
-                        color = GTKWColor.red if mark and mark.node == node.name else None
-                        label = f"{node.name}{equation} +{node.time}"
-                        self.word(place(datapath, node), node.format, label, color=color)
 
     def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
         """Add a signal: binary if it is a single bit, else in the format ``shown``."""
@@ -253,7 +234,10 @@ def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
     signals = Signals(vcd)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
     shown = [(words[node.name], signals[place(datapath, node)].code) for node in nodes]
-    clk, handshake = signals[("clk",)].code, [signals[path].code for path in HANDSHAKE]
+    clk, handshake = (
+        signals[("clk",)].code,
+        [signals[(name,)].code for name in ("rst", "s_axis_tvalid", "s_axis_tready")],
+    )
     edges: list[int] = []
     admitted: list[int] = []
     before = "x"
@@ -303,14 +287,14 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Sequen
     """Write a VCD with every node delayed to the clock of the last one, so that all words of a clock belong to one
     target.
 
-    Names, scopes and times match the VCD of the run. A clock without a target is X. wrong: targets with a node that
-    differs.
+    Names, scopes and times match the VCD of the run. A clock without a target is X. `target` is the number of a
+    target, `differs` is 1 for those in `wrong`, with a node that differs from the model.
     """
     with open(path, "w", encoding="ascii", newline="\n") as stream:
         writer = VCDWriter(stream, timescale=recording.timescale, date="", version="", comment=f"{TOP}, aligned")
         with writer:
-            number = variable(writer, (TOP, NUMBER), NUMBER_BITS)
-            differs = variable(writer, (TOP, DIFFERS), 1)
+            number = variable(writer, (TOP, "target"), 32)
+            differs = variable(writer, (TOP, "differs"), 1)
             lines = [variable(writer, (TOP, *place(datapath, node)), node.format.width) for node in nodes]
             end = 0
 
@@ -347,9 +331,10 @@ def write_waves(
         write_aligned(unfinished, recording, datapath, nodes, {each.target for each in found})
     for path in (vcd, aligned):
         clock = (column(recording, nodes, first.target) if path == aligned else first.clock) if first else 0
-        mark = Mark(str(first), first.node.name, recording.time(clock), recording.period) if first else None
+        marker = recording.time(clock) if first else -1
+        start = max(0, marker - 7 * recording.period)
         with whole_file(path.with_suffix(".gtkw")) as unfinished:
-            write_save_file(path, datapath, width, unfinished, mark, aligned=path == aligned)
+            write_save_file(path, datapath, width, unfinished, path == aligned, first, start, marker)
 
 
 def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:

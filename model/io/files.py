@@ -7,11 +7,13 @@ Every error in a file is a `TargetError`, whose text is one line that names file
 from __future__ import annotations
 
 import codecs
+import contextlib
 import csv
 import io
 import math
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -172,17 +174,26 @@ def format_csv(targets: Targets) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file in one step: a concurrent reader, or a user after Ctrl-C, finds either the old file or the new one.
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Yield a temporary path in the folder of `path`; rename it to `path` at the end, or remove it after an error.
 
-    Raises OSError, whose filename is `path`.
+    A concurrent reader, or a user after Ctrl-C, finds either the old file or the new one. An OSError names `path`.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{os.getpid()}.{path.name}")
     try:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
-        os.replace(temporary, path)
-    except BaseException as error:
-        temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError):
+        yield temporary
+        if temporary.exists():
+            os.replace(temporary, path)
+    except OSError as error:
+        if error.filename in (None, temporary, str(temporary)):
             error.filename = os.fspath(path)
         raise
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Write a file in one step. Raises OSError, whose filename is `path`."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)

@@ -14,7 +14,8 @@ from typing import Any
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from scripts.console import InputError, progress, whole_file
+from model.io.files import write_atomically
+from scripts.console import InputError, progress
 from scripts.follow import made_of
 from scripts.waves import place
 from tb.sim.env import CORES, ROOT
@@ -109,8 +110,7 @@ def wasm(machine: Machine) -> bytes:
             content = gzip.compress(_compiled(machine, source, steps), mtime=0)
             for old in BUILD.glob(f"{machine.name}-*.wasm.gz"):
                 old.unlink()
-            with whole_file(kept) as file:
-                file.write_bytes(content)
+            write_atomically(kept, content)
         return kept.read_bytes()
 
 
