@@ -24,11 +24,11 @@ from model.dataflow.nodes import Node
 from model.io.files import whole_file
 from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole
-from scripts.run import run_jobs
+from scripts.run import simulated
 from scripts.trajectory import Prepared, prepare, trajectory_options
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, hexadecimal, value
-from tb.sim.simulate import Job, SimulationError
+from tb.sim.simulate import SimulationError
 
 OPTIONS = [
     option("--target", "target of the trajectory, counted from 0", whole(0), required=True, metavar="N"),
@@ -131,7 +131,7 @@ def main(arguments: SimpleNamespace) -> int:
     with output(arguments.out, files) if arguments.waves else tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder or arguments.out).absolute()
         with whole_file(place / VCD) as vcd:
-            run_jobs(arguments, datapath, [Job(item.targets.name, item.words)], vcd)
+            simulated(arguments, datapath, [item], vcd)
         recording = read(place / VCD, datapath, nodes)
         if len(recording.admitted) != total:
             raise SimulationError(f"{len(recording.admitted)} of {total} targets were admitted")

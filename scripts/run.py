@@ -57,13 +57,15 @@ def score_runs(
     return scored
 
 
-def run_jobs(arguments: SimpleNamespace, datapath: str, jobs: list[Job], waves: Path | None = None) -> list[Run]:
-    """Run all jobs through a datapath in one simulation. Raises SimulationError."""
-    total = sum(len(job.words) for job in jobs)
+def simulated(
+    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None
+) -> list[Run]:
+    """Run all trajectories through a datapath in one simulation. Raises SimulationError."""
+    total = sum(len(item.words) for item in prepared)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
         meter(0, "compiling and starting")
         return simulate(
-            jobs,
+            [Job(item.targets.name, item.words) for item in prepared],
             simulator=arguments.sim,
             datapath=datapath,
             width=arguments.width,
@@ -80,10 +82,8 @@ def run_and_score(
     waves: Path | None = None,
     predict: bool = True,
 ) -> list[tuple[Run, Score]]:
-    """Run all trajectories through a datapath in one simulation; return them with scores. Raises SimulationError."""
-    jobs = [Job(name=item.targets.name, words=item.words) for item in prepared]
-    runs = run_jobs(arguments, datapath, jobs, waves)
-    return score_runs(arguments, datapath, prepared, runs, predict)
+    """Run and score all trajectories in one simulation. Raises SimulationError."""
+    return score_runs(arguments, datapath, prepared, simulated(arguments, datapath, prepared, waves), predict)
 
 
 # -- files -----------------------------------------------------------------------------------------
