@@ -156,11 +156,13 @@ class Run:
 
     def cached(self) -> dict | None:
         """Return the cached figures, if nothing has changed since."""
-        return json.loads(self._file().read_text()) if self._file().exists() else None
+        file = self._file()
+        return json.loads(file.read_text()) if file.exists() else None
 
     def cache(self, figures: dict) -> None:
-        self._file().parent.mkdir(parents=True, exist_ok=True)
-        self._file().write_text(json.dumps(figures, indent=1) + "\n")
+        file = self._file()
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(figures, indent=1) + "\n")
 
     def done(self) -> dict:
         """Return the figures, cached ones if nothing has changed since."""

@@ -186,12 +186,9 @@ def test_page_is_made_from_the_figures():
     assert designs.PAGE.read_text() == page.page(designs.load()), "run `python -m scripts.fpga --page`"
 
 
-def sent(thing):
-    return pickle.loads(pickle.dumps(thing))
-
-
 def on_farm(work, jobs):
-    return (sent(work(sent(job))) for job in jobs)
+    """Map as a farm does, which sends jobs and results to another process."""
+    return (pickle.loads(pickle.dumps(work(pickle.loads(pickle.dumps(job))))) for job in jobs)
 
 
 RECORDED = designs.load()
@@ -231,12 +228,11 @@ def replay(monkeypatch, tmp_path):
     return replay
 
 
-@pytest.mark.parametrize("each", [map, on_farm])
-def test_recorded_figures_give_the_same_runs_and_placements(replay, each):
+def test_recorded_figures_give_the_same_runs_and_placements(replay):
     """Runs are those of fpga.json: designs too large for the device are placed by module, seeds are tried up to the
     aim, each chip of the folded datapath is measured; a repeated command takes all figures from the cache."""
     for again in (False, True):
-        found, ran = replay(designs.DESIGNS, each)
+        found, ran = replay(designs.DESIGNS, on_farm)
         assert found.data["designs"] == RECORDED["designs"] and not found.left_out
         for title, run in found.data["runs"].items():
             assert run | {"date": ""} == RECORDED["runs"][title] | {"date": ""}
@@ -244,16 +240,15 @@ def test_recorded_figures_give_the_same_runs_and_placements(replay, each):
     assert page.comparison(designs.load()) in designs.PAGE.read_text()
 
 
-@pytest.mark.parametrize("each", [map, on_farm])
-def test_time_outs(replay, each, monkeypatch):
+def test_time_outs(replay, monkeypatch):
     """A seed that timed out is left out; a design that timed out is reported and counts by its modules."""
     lean, title = designs.select(["lean"], [18]), "lean-W18-ecp5-place"
     monkeypatch.setitem(RECORDED["runs"], title, RECORDED["runs"][title] | {"tried": [170.0, 180.0, 175.0, 171.0]})
-    found, _ = replay(lean, each, [f"{title}-seed2"])
+    found, _ = replay(lean, late=[f"{title}-seed2"])
     run = found.data["runs"][title]
     assert (run["mhz"], run["seed"], run["tried"]) == (175.0, 3, [170.0, 175.0, 171.0]) and not found.left_out
     assert found.data["designs"]["lean-18"]["placed"] == "whole"
-    found, _ = replay(lean, each, [title])
+    found, _ = replay(lean, late=[title])
     assert found.data["designs"]["lean-18"]["placed"] == "by module"
     assert found.left_out == [f"{title}: not done in time"]
 
