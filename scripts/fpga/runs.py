@@ -18,6 +18,7 @@ from scripts.fpga import netlist
 from scripts.fpga.netlist import ToolError
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, digest
+from tb.sim.subprocesses import compiled
 
 BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
@@ -78,18 +79,15 @@ def version(tool: str) -> str:
         raise ToolError(f"yowasp-{tool} is not installed: run `make fpga`") from None
 
 
-def call(command: list[str], folder: Path, log: str, label: str, limit: float = LIMIT) -> int:
+def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> int:
     """Run a tool with low priority in its folder; return the seconds it took."""
     start = time.monotonic()
-    with (folder / f"{log}.out").open("w") as out:
-        try:
-            code = subprocess.run(
-                ["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT, timeout=limit, check=False
-            ).returncode
-        except subprocess.TimeoutExpired:
-            raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out") from None
-    if code:
-        raise ToolError(f"{label}: failed, see {(folder / log).relative_to(ROOT)}")
+    try:
+        done = compiled(["env", "-C", folder, "nice", *command], limit)
+    except subprocess.TimeoutExpired:
+        raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out") from None
+    if done.returncode:
+        raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
     return round(time.monotonic() - start)
 
 
@@ -200,7 +198,7 @@ class Run:
             for name, text in texts.items():
                 (folder / name).write_text(text)
             command = [_program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
-            seconds.write_text(str(call(command, folder, "yosys.log", self.name)))
+            seconds.write_text(str(call(command, folder, self.name)))
         return json.loads(seconds.read_text())
 
     def _nextpnr(self, design: Path, folder: Path, *options: str) -> tuple[int, dict]:
@@ -209,7 +207,7 @@ class Run:
         # An absolute path would fail below /tmp, where the tool has a private folder.
         command = [_program(tool), *words, *options, "--json", os.path.relpath(design, folder)]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
-        return call(command, folder, "nextpnr.log", self.name), json.loads((folder / "report.json").read_text())
+        return call(command, folder, self.name), json.loads((folder / "report.json").read_text())
 
 
 def _program(tool: str) -> str:

@@ -10,12 +10,19 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.io.stimuli import REGIONS, region
-from model.io.words import RESULT_FIELDS, from_words, result_values
+from model.io.words import RESULT_FIELDS, Targets, from_words, result_values
 from model.reference.kinematics import angle_between, forward
 from model.reference.lean_equations import solve_lean
 from scripts.generate.render import error
 
 TARGETS, SEED, WIDTH = 4000, 1, 32
+
+
+def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
+    """Return the hand errors / reach (N,) of answers (N, 6)."""
+    answers = np.asarray(answers, dtype=np.float64)
+    wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)[1]
+    return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
 
 
 def errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarray, float]:
@@ -25,10 +32,9 @@ def errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarray, fl
     asked = from_words(words, 0, width, "words")
     pose = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
     pose = np.column_stack([pose[name] for name in RESULT_FIELDS])
-    wrist = forward(values[:, :4], values[:, 4:], asked.d1, asked.d2)[1]
     shoulder = angle_between(values[:, :4], pose[:, :4])
     elbow = angle_between(*(np.pad(each[:, 4:], ((0, 0), (0, 2))) for each in (values, pose)))
-    return np.linalg.norm(wrist - asked.position, axis=1) / asked.reach, max(shoulder.max(), elbow.max())
+    return hand_errors(values, asked), max(shoulder.max(), elbow.max())
 
 
 def by_region() -> Iterator[tuple[str, ...]]:

@@ -141,21 +141,16 @@ def lines_with_19() -> dict[str, sympy.Expr]:
 # -- the elaborated RTL ----------------------------------------------------------------------------------------------
 
 
-def elaborate(top: str, **parameters: int) -> list[dict]:
-    """Return the modules below `top` as elaborated by Verilator, top first. Raises CalledProcessError if that fails."""
+def operators(top: str, **parameters: int) -> Counter:
+    """Count the ``add`` and ``mul`` of all instances below `top` as elaborated by Verilator, except in constants,
+    functions and initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation
+    once per part, so operators with the same source location and generate block count once."""
     with tempfile.TemporaryDirectory() as folder:
         command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
         command += ["--top-module", top, f"-GW={WIDTH}", *(f"-G{k}={v}" for k, v in parameters.items())]
         command += ["-Wno-fatal", "-Wno-lint", *(f"-I{path}" for path in includes()), *map(str, sources())]
         subprocess.run(command, env=environment(), stdout=subprocess.DEVNULL, check=True)
-        return json.loads((Path(folder) / "top.tree.json").read_text())["modulesp"]
-
-
-def operators(top: str, **parameters: int) -> Counter:
-    """Count the ``add`` and ``mul`` of all instances below `top`, except in constants, functions and initial blocks,
-    which are tables. Verilator copies the right side of an assignment to a concatenation once per part, so
-    operators with the same source location and generate block count once."""
-    modules = elaborate(top, **parameters)
+        modules = json.loads((Path(folder) / "top.tree.json").read_text())["modulesp"]
     by_address = {m["addr"]: m for m in modules}
     kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
 

@@ -15,8 +15,8 @@ from model.io.monte_carlo import Observed, monte_carlo, shown
 from model.io.scoring import singular_distance
 from model.io.words import Targets, result_values, to_words
 from scripts.console import progress
+from scripts.generate.accuracy import hand_errors
 from scripts.generate.render import error, render
-from scripts.paper.table6.contenders import hand_errors
 from tb.sim.env import GENERATED
 
 PAGE = GENERATED / "wordlengths.md"

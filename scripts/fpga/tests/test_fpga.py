@@ -179,7 +179,7 @@ def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
 
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):
     with pytest.raises(runs.TimeOutError, match="^some: not done after 0 min, left out$"):
-        runs.call(["sleep", "60"], tmp_path, "log", "some", 0.3)
+        runs.call(["sleep", "60"], tmp_path, "some", 0.3)
 
 
 def test_page_is_made_from_the_figures():

@@ -31,9 +31,10 @@ from model.io.trajectories import make
 from model.io.words import Targets, from_words, result_values, to_words
 from scripts.console import InputError, command, option, switch, whole
 from scripts.fpga.designs import load
+from scripts.generate.accuracy import hand_errors
 from scripts.generate.pages import measured
 from scripts.paper.table6.compiled import FLAGS, compiler_version
-from scripts.paper.table6.contenders import Contender, contenders, first, hand_errors
+from scripts.paper.table6.contenders import Contender, contenders, first
 from scripts.paper.table6.page import STREAMS, page
 from tb.sim.env import GENERATED, SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate

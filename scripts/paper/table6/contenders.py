@@ -27,6 +27,7 @@ from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
 from model.reference.cga import symbol
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import LEAN, solve_lean
+from scripts.generate.accuracy import hand_errors
 from scripts.paper.derivation.proofs import parse, rsqrt
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 
@@ -64,13 +65,6 @@ def columns(targets: Targets) -> list[np.ndarray]:
 def first(targets: Targets, count: int | None) -> Targets:
     """Return the first ``count`` targets."""
     return replace(targets, **{name: getattr(targets, name)[:count] for name in FIELDS})
-
-
-def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
-    """Return the hand errors / reach (N,) of answers (N, 6)."""
-    answers = np.asarray(answers, dtype=np.float64)
-    wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)[1]
-    return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
 
 
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:

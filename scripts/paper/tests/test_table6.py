@@ -14,10 +14,11 @@ from model.io.words import RESULT_FIELDS, from_words
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
+from scripts.generate.accuracy import hand_errors
 from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
-from scripts.paper.table6.contenders import Contender, columns, contenders, first, hand_errors, lean_of
+from scripts.paper.table6.contenders import Contender, columns, contenders, first, lean_of
 from scripts.paper.table6.page import STREAMS, page
 
 needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
