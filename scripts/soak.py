@@ -222,17 +222,16 @@ def _keep(core: Core, of: str, found: Found) -> None:
     key = [core.datapath, str(core.width), of]
     flags = [flag.name for flag in FLAGS if flag.bit != SATURATED]
     errors = found.hand_error_max, tolerances.hand(core.width, core.datapath), found.norm_error_max
-    measured = [
-        [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *map(_number, errors)]
-        + [*(str(found.flags[name]) for name in flags), code(core.datapath)]
-    ]
+    row = [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *map(_number, errors)]
+    row += [*(str(found.flags[name]) for name in flags), code(core.datapath)]
+    last = 2.0 ** (2 - core.width)
     apart = [
-        [of, *key, str(n), _number(most), f"{most * 2.0 ** (core.width - 2):.2f}", _number(tolerances.lean(core.width))]
+        [of, *key, str(n), _number(most), f"{most / last:.2f}", _number(tolerances.lean(core.width))]
         for of, (n, most) in found.apart.items()
     ]
-    measured += [row for row in read_table(PAGE, "datapath") if row[:3] != key]
-    apart += [row for row in read_table(PAGE, "equations") if row[1:4] != key]
-    write_atomically(PAGE, render("soak", flags=flags, rows=sorted(measured), apart=sorted(apart)))
+    rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
+    apart = sorted([*apart, *(other for other in read_table(PAGE, "equations") if other[1:4] != key)])
+    write_atomically(PAGE, render("soak", flags=flags, rows=rows, apart=apart))
 
 
 def _number(value: float | None) -> str:

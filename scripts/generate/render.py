@@ -33,12 +33,10 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
 
 
 def read_table(page: Path, heading: str) -> list[list[str]]:
-    """Return the rows of the table whose first column is headed ``heading``, none without the page; a code cell loses
-    its marks."""
-    if not page.exists():
-        return []
-    lines = page.read_text(encoding="utf-8").splitlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
+    """Return the rows of the table whose first column is headed ``heading``, if there is one; a code cell loses its
+    marks."""
+    lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
+    start = next((i for i, line in enumerate(lines) if line.startswith(f"| {heading} |")), len(lines))
     rows = itertools.takewhile(lambda line: line.startswith("|"), lines[start + 2 :])
     cells = ([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in rows)
     return [[re.sub(r"^`([^`]*)`$", r"\1", cell) for cell in row] for row in cells]
