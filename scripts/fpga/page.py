@@ -11,8 +11,6 @@ from scripts.fpga.netlist import HOLDS, KINDS, MULTIPLIER_NS
 from scripts.generate.render import render, table
 from scripts.paper import tables
 
-DEVICE = "ECP5-85k, speed grade 8"
-
 BROKEN_DOWN = (32, 18)
 """Widths whose logic is counted by section."""
 
@@ -164,7 +162,6 @@ def page(data: dict) -> str:
         tools=", ".join(f"{name} {number}" for name, number in data["tools"].items()),
         rtl=sources(data, measured(data, "lean", "lean25", "paper")),
         comparison=comparison(data),
-        device=DEVICE,
         chip=tables,
         multipliers=HOLDS["MULT18X18D"],
         multiplier_ns=MULTIPLIER_NS,

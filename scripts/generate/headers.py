@@ -6,7 +6,6 @@ python -m scripts.generate.headers      writes the headers that are out of date
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -42,18 +41,15 @@ def traced(datapath: str) -> dict[int, Bits]:
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
-    """Return the T_ of the last ready operand, or the maximum of two if it depends on the width."""
+    """Return the T_ of the last ready operand. Raises ValueError if it depends on the width."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
             times.setdefault(tuple(run.nodes[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
     last = tuple(max(column) for column in zip(*times, strict=True))
-    if last in times:
-        return times[last]
-    for (a, first), (b, second) in itertools.combinations(times.items(), 2):
-        if tuple(map(max, a, b)) == last:
-            return f"({first} > {second} ? {first} : {second})"
-    raise ValueError(f"no two of {sorted(times.values())} are the last at every width")
+    if last not in times:
+        raise ValueError(f"none of {sorted(times.values())} is the last at every width")
+    return times[last]
 
 
 def lean_formats() -> str:

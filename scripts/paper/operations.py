@@ -197,22 +197,17 @@ def by_section(datapath: str) -> dict[str, Ops]:
     }
 
 
-def operators_at_once() -> dict[str, dict[str, int]]:
-    """Return operators and clocks of the paper and lean datapaths, with dividers and roots built from rows."""
-    found = {}
-    for datapath, digit in (("paper", {"DIGIT": 1}), ("lean", {})):
-        found[datapath] = {**operators(f"ik_{datapath}", **digit), "clocks": latency(datapath, WIDTH)}
-    return found
-
-
 def _bullet(text: str) -> str:
-    lines = textwrap.wrap(f"- {text}", 118, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
-    return "\n".join(lines)
+    return textwrap.fill(f"- {text}", 118, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
 def page() -> str:
     """Return operations.md."""
     lines, lines_19, sections = printed_lines(), lines_with_19(), by_section("paper")
+    at_once = {
+        datapath: {**operators(f"ik_{datapath}", **digit), "clocks": latency(datapath, WIDTH)}
+        for datapath, digit in (("paper", {"DIGIT": 1}), ("lean", {}))  # dividers and roots built from rows
+    }
     print_, guard, everything = total(lines.values()), sections["guard"], sum(sections.values(), Ops())
     return render(
         "operations",
@@ -230,7 +225,7 @@ def page() -> str:
         sections={SECTIONS[section]: ops for section, ops in sections.items()},
         equations={k: total(PRINTED[k].values()) for k in PRINTED},
         bullet=_bullet,
-        at_once=(at_once := operators_at_once()),
+        at_once=at_once,
         together={datapath: found["add"] + found["mul"] for datapath, found in at_once.items()},
         width=WIDTH,
     )

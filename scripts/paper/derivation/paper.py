@@ -21,7 +21,6 @@ SIGNS = (-1, 1, -1, 1, 1, 1, 1, 1, 1)
 
 POSE = {"p_w_x": 1, "p_w_y": 2, "p_w_z": 2, "pi_swivel_x": 2, "pi_swivel_y": -1, "pi_swivel_z": 0, "d1": 3, "d2": 2}
 L_SW = "l_sw**2 = p_w_x**2 + p_w_y**2 + p_w_z**2"
-ON_SPHERE = "p_e_z**2 = d1**2 - p_e_x**2 - p_e_y**2"
 
 
 def normal(plane) -> sp.Matrix:
@@ -150,7 +149,7 @@ def elbow_quaternion(step: Step) -> None:
 
 def rotate_to_elbow(step: Step) -> None:
     _, _, _, L_m, Q_12 = geometry.elbow_rotation(cga.point(*P_E), D1)
-    step.suppose(ON_SPHERE)
+    step.suppose("p_e_z**2 = d1**2 - p_e_x**2 - p_e_y**2")
     w, *q12 = cga.quaternion_coefficients(Q_12)
     square = radicand(q12[0])
     step.values |= {"tmp2": square, "p_e": P_E}

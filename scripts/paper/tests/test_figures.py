@@ -16,11 +16,6 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
-def nodes():
-    return design("paper")
-
-
-@pytest.fixture(scope="module")
 def drawn():
     return figures.figures()
 
@@ -39,9 +34,9 @@ def test_figures_and_page_are_up_to_date(drawn):
     assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
 
 
-def test_every_node_and_operand_is_drawn(nodes, drawn):
+def test_every_node_and_operand_is_drawn(drawn):
     graph = drawn["graph_p_e_x.svg"]
-    shown = flow.cone(nodes, "p_e_x")
+    shown = flow.cone(design("paper"), "p_e_x")
     arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node)}
     assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
     assert re.findall(r'^  "(\w+)" \[label=.*', graph, re.M) == list(shown)
@@ -56,13 +51,6 @@ def test_longest_path_takes_the_whole_latency(datapath, width):
     assert path[-1].time == max(n.time for n in nodes.values())
     for before, after in zip(path, path[1:], strict=False):
         assert before.time == flow.start(after, width), after.name
-
-
-def test_delays_are_consumer_minus_operand(nodes):
-    waits = flow.delays(nodes)
-    assert (waits["inf_pp"].begin, waits["inf_pp"].end, waits["inf_pp"].bits) == (96, 140, 32)
-    assert waits["inf_pp"].flip_flops == 44 * 32
-    assert "qs_w" not in waits
 
 
 def test_without_graphviz_one_line(monkeypatch):
