@@ -10,12 +10,12 @@ FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
 
 @pytest.mark.sim
 @pytest.mark.parametrize(
-    ("tests", "targets"),
+    "tests",
     [
-        pytest.param(FEW, 10, marks=pytest.mark.cost(6)),
-        pytest.param("", 40, marks=[pytest.mark.slow, pytest.mark.cost(40)]),
+        pytest.param(FEW, marks=pytest.mark.cost(6)),
+        pytest.param("", marks=[pytest.mark.slow, pytest.mark.cost(30)]),
     ],
     ids=["few", "all"],
 )
-def test_at_the_pins(tests, targets):
-    run("tb.icebreaker.bench", COCOTB_TEST_FILTER=tests, IK_TARGETS=str(targets))
+def test_at_the_pins(tests):
+    run("tb.icebreaker.bench", COCOTB_TEST_FILTER=tests)
