@@ -202,7 +202,7 @@ def make_venv():
     error = run_logged([sys.executable, "-I", "-m", "venv", "--clear", ".venv"]) or pip_install("checkout")
     if error:
         die("could not make .venv: " + error)
-    ask = [PYTHON, "-I", "-c", "import find_libpython as f; print(f.find_libPYTHON or '')"]
+    ask = [PYTHON, "-I", "-c", "import find_libpython as f; print(f.find_libpython() or '')"]
     libpython = subprocess.check_output(ask).decode().strip()
     if not libpython:
         die(f"cocotb finds no shared libpython for {sys.executable}: use another python3")
