@@ -228,6 +228,7 @@ def replay(monkeypatch, tmp_path):
     return replay
 
 
+@pytest.mark.slow
 def test_recorded_figures_give_the_same_runs_and_placements(replay):
     """Runs are those of fpga.json: designs too large for the device are placed by module, seeds are tried up to the
     aim, each chip of the folded datapath is measured; a repeated command takes all figures from the cache."""

@@ -12,6 +12,7 @@ from scripts.paper.derivation.proofs import PRINTED, Step, derive, failures
 pytestmark = pytest.mark.cost(60)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", derivation.STEPS)
 def test_all_statements_hold_and_the_page_is_up_to_date(name):
     steps = derive(derivation.STEPS[name])
