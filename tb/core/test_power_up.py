@@ -32,7 +32,7 @@ TOPS = [  # parameters of other tests, whose builds are reused
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 MODULES = {"ik_axis": "tb.core.stream_tests", "ik_axi": "tb.axi.ik_axi,tb.axi.registers"}
 
-pytestmark = [pytest.mark.sim, *([] if ICARUS else [pytest.mark.slow, pytest.mark.cost(60)])]
+pytestmark = [pytest.mark.sim, *([] if ICARUS else [pytest.mark.cost(60)])]
 
 
 def failing(top: str, parameters: dict[str, int], tests: str, **options) -> Iterator[int]:
