@@ -10,7 +10,7 @@ from tb.sim.runner import simulate
 MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers"
 FEW = "one_record|stalled=(none|all)"
 ICARUS = simulator() == "icarus"
-LONG = "long_job|pages|neighbours|rates|stalled=(ar|r|aw|w|b)$"
+LONG = "long_job|pages|rates|stalled=(ar|r|aw|w|b)$"
 """Tests with many records, which Verilator runs ten times faster; Icarus covers X in the others."""
 SAME = "every_field|pulses|strobes|unmapped_address"
 """Tests that no parameter affects; one instance runs them."""
