@@ -63,8 +63,8 @@ unexport $(OPTIONS)
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
 unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH PYTHONDONTWRITEBYTECODE
 # Caches of Yosys, nextpnr and zig stay in the checkout.
-export YOWASP_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/yowasp
-export ZIG_GLOBAL_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/build/cache/zig
+export YOWASP_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/.venv/cache/yowasp
+export ZIG_GLOBAL_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/.venv/cache/zig
 MAKEOVERRIDES :=
 given = $(if $(filter command,$(origin $1)),$(if $(value $1),$2))
 job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \

