@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from tb.axi.test_ik_axi import MODULES
+from tb.axi.test_ik_axi import LONG, MODULES
 from tb.mutation.benches import Nodes, Replaced, fault, unit_bench
 from tb.mutation.equivalence import proof
 from tb.mutation.netlists import BUILD, Mutant, Netlist, relative
@@ -52,11 +52,13 @@ def core(*benches: NodeBench) -> Design:
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
-    """Return a design of ``ik_axi``, with jobs, faults and registers as its bench."""
+    """Return a design of ``ik_axi``; its benches are the short tests of jobs, faults and registers, then all."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
     given = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
-    return Design(f"memory {data_w}", "ik_axi", parameters, (Replaced("jobs", "ik_axi", given),))
+    short = given | {"env": env | {"IK_AXI_JOBS": "4", "COCOTB_TEST_FILTER": f"^(?!.*({LONG}))"}}
+    benches = (Replaced("jobs short", "ik_axi", short), Replaced("jobs", "ik_axi", given))
+    return Design(f"memory {data_w}", "ik_axi", parameters, benches)
 
 
 DESIGNS = (
