@@ -137,7 +137,7 @@ async def unmapped_address(dut):
     bench.stall("lite")
     last = max(OFFSETS.values())
     before = [await bench.read(register) for register in OFFSETS]
-    for address in (last + 4, last + 8, 0x7C, 0x80, 0x100, 0x400, 0x800 + OFFSETS["COUNT"], 0xFFC):
+    for address in (0xFFC, 0x800 + OFFSETS["COUNT"], 0x400, 0x100, 0x80, 0x7C, last + 8, last + 4):
         assert (await bench.lite.write(address, b"\xff\xff\xff\xff")).resp == AxiResp.SLVERR, f"write to {address:#x}"
         answer = await bench.lite.read(address, 4)
         assert (answer.resp, answer.data) == (AxiResp.SLVERR, bytes(4)), f"read of {address:#x}: {answer}"
