@@ -26,17 +26,18 @@ PORT = re.compile(r"^ *wire .*\b(?:input|output) \d+ .*\\(\S+)$", re.M)
 def proof(mutant: Mutant, place: Path, climb: bool = True) -> str:
     """Return the modules in which a mutant is proved equivalent, empty if it is not.
 
-    The search begins with the module of the mutant; with `climb` it continues with the modules that instantiate it.
+    The search begins with the module of the mutant; with `climb` it continues with the modules that instantiate it. It
+    ends after SECONDS.
     """
     if mutant.options["port"] in CLOCKS:
         return ""
-    own = mutant.options["module"]
-    if equivalent(mutant, own, place, deep=False):
+    own, end = mutant.options["module"], time.monotonic() + SECONDS
+    if equivalent(mutant, own, place, end, deep=False):
         return source_name(own)
     modules = mutant.netlist.modules
     wanted, shown = {own}, set()
     while climb and wanted:
-        left = {name for name in sorted(wanted) if not equivalent(mutant, name, place, deep=True)}
+        left = {name for name in sorted(wanted) if not equivalent(mutant, name, place, end, deep=True)}
         shown |= wanted - left
         if not all(modules[name]["parents"] for name in left):
             return ""
@@ -44,12 +45,14 @@ def proof(mutant: Mutant, place: Path, climb: bool = True) -> str:
     return ", ".join(sorted(map(source_name, shown)))
 
 
-def equivalent(mutant: Mutant, module: str, place: Path, deep: bool) -> bool:
-    """Prove a module equal with and without the mutant; `deep`: flattened, otherwise inner modules are cut out."""
+def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool) -> bool:
+    """Prove a module equal with and without the mutant before `end`, a time of the monotonic clock.
+
+    `deep`: flattened, otherwise inner modules are cut out.
+    """
     place.mkdir(parents=True, exist_ok=True)
     right, changed, removed, status = (place / name for name in ("right.il", "changed.il", "removed", "status"))
     removed.write_text("")
-    end = time.monotonic() + SECONDS
     for path, command in ((right, []), (changed, [mutant.command])):
         lines = [
             mutant.netlist.design,
@@ -60,7 +63,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, deep: bool) -> bool:
             f"rename -top {path.stem}",
             f"write_rtlil {relative(path)}",
         ]
-        if yosys(place, path.stem, lines, SECONDS):
+        if yosys(place, path.stem, lines, max(1.0, end - time.monotonic())):
             return False
     lines = [
         *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
