@@ -102,10 +102,15 @@ COLUMNS = ("nodes", "unit", "jobs", PROVED, SURVIVED)
 
 
 def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
-    """Yield design, seed and mutant: files whose name contains `only` take turns, as do the designs of a file."""
+    """Yield design, seed and mutant: files whose name contains `only` take turns, as do the designs of a file.
+
+    Of mutants of a module that designs share, only the first design's is used.
+    """
     files: dict[str, list[list]] = {}
+    changes: set[tuple[int, str]] = set()
     for design in (number for number, design in enumerate(DESIGNS) if design.has(only)):
-        mutants = [m for m in netlist(design, seed).mutants if only in m.file]
+        mutants = [m for m in netlist(design, seed).mutants if only in m.file and m.change not in changes]
+        changes |= {mutant.change for mutant in mutants}
         for file, group in itertools.groupby(mutants, key=lambda mutant: mutant.file):
             files.setdefault(file, []).append([(design, seed, mutant) for mutant in group])
     queues = [[job for row in itertools.zip_longest(*lists) for job in row if job] for lists in files.values()]

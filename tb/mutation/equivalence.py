@@ -67,6 +67,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
             return False
     lines = [
         *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
+        "techmap -map +/pmux2mux.v",  # the first of several hits, as in the Verilog that is simulated
         "opt_dff",
         "dffunmap",
         "opt_expr",

@@ -67,6 +67,11 @@ class Mutant:
         """Digest of the mutant and of the Verilog it belongs to."""
         return hashlib.sha256(f"{self.netlist.key} {self.command}".encode()).hexdigest()[:16]
 
+    @property
+    def change(self) -> tuple[int, str]:
+        """Line and command without the cell's name: equal in netlists that share the module."""
+        return self.line, re.sub(r" -cell \S+", "", self.command)
+
     def describe(self) -> str:
         """Describe the change and its location in one line."""
         options = self.options
