@@ -14,6 +14,7 @@ import re
 import subprocess
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
@@ -114,16 +115,17 @@ def unit_benches() -> dict[str, Case]:
 
 
 def unit_bench(mutant: Mutant) -> Replaced | None:
-    """Return the unit bench of a mutant's module; None if there is none for its parameters."""
-    module = mutant.options["module"]
-    parameters = mutant.netlist.modules[module]["parameters"]
-    if not (case := unit_benches().get(source_name(module))):
-        return None
-    try:
-        signature(case.bench).bind(**parameters)
-    except TypeError:
-        return None
-    return Replaced("unit", module, simulation([(case, parameters)]))
+    """Return the unit bench of a mutant's module, or of the nearest module around it whose parameters it supports."""
+    modules, wanted = mutant.netlist.modules, [mutant.options["module"]]
+    while wanted:
+        for module in wanted:
+            parameters = modules[module]["parameters"]
+            if case := unit_benches().get(source_name(module)):
+                with suppress(TypeError):
+                    signature(case.bench).bind(**parameters)
+                    return Replaced("unit", module, simulation([(case, parameters)]))
+        wanted = [parent for module in wanted for parent in modules[module]["parents"]]
+    return None
 
 
 def fault(bench: Nodes | Replaced, mutant: Mutant, place: Path) -> str:
