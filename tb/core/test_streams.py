@@ -46,7 +46,7 @@ def failures(request, tmp_path_factory):
 
 
 WHOLE = [key for key in SETS if simulator() != "icarus" or key != "paper-23"]
-FEW = ("one_result", "recurrences", "idle=none/stall=long", "idle=bursts/stall=bursts", "full", "after=out")
+FEW = ("one_result", "recurrences", "idle=bursts/stall=bursts", "full", "after=out")
 
 
 @pytest.mark.parametrize("name", TESTS)
