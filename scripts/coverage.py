@@ -46,7 +46,7 @@ SUITE = [
     "tb/axi/test_ik_axi.py",
 ]
 """Tests that compare every output, or every node, with a reference."""
-LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not ring)"
+LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not storage)"
 """Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""
 
 KINDS = ("line", "branch", "expr", "toggle")
