@@ -78,7 +78,7 @@ waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
 
 .PHONY: help setup run follow report test test-all test-browser coverage docs paper playground schedule soak soak-memory mutants farm-worker lint formal check-proofs release-check fpga lock clean distclean
 
-help: ## print this list
+help: # print this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
 
 setup: ## create .venv and install the simulator [SIM=icarus|verilator]; targets that need them do this too
@@ -180,7 +180,7 @@ formal: ## prove streams, divider, root and ranges; each proof must fail on a se
 	@$(SETUP) fpga
 	@exec $(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 
-check-proofs: ## list stale pages of proofs and measurements
+check-proofs: # list stale pages of proofs and measurements
 	@$(SETUP)
 	@exec $(VENV) -m scripts.check_proofs
 
@@ -203,9 +203,9 @@ lock: ## regenerate the lock files of requirements/ (needs uv)
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
 	  --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 
-clean: ## remove build/ and caches
+clean: ## remove build/ and caches; distclean removes .venv as well
 	rm -rf build .pytest_cache .ruff_cache .hypothesis
 	@find . \( -path ./.venv -o -path ./.git \) -prune -o -type d -name __pycache__ -prune -exec rm -rf {} +
 
-distclean: clean ## clean, and remove .venv
+distclean: clean
 	rm -rf .venv

@@ -251,10 +251,10 @@ class Bench:
 
     # ---- registers ---------------------------------------------------------------------------------------------------
 
-    async def reset(self, clocks: int = 3) -> None:
+    async def reset(self) -> None:
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
-        await ClockCycles(self.dut.clk, clocks)
+        await ClockCycles(self.dut.clk, 3)
         self.dut.rst.value = 0
         await RisingEdge(self.dut.clk)
 
