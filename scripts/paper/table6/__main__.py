@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 6 of the paper again: its arm solved by today's software and by the core (make paper ONLY=table6).
 
-    python -m scripts.paper.table6 [--targets 1000000] [--seed 1] [--only KEY] [--hardware] [--page]
+    python -m scripts.paper.table6 [--targets 1000000] [--seed 1] [--only KEY [--keep]] [--hardware] [--page]
 
 Times the software in one run on the 100 targets of `reach` and on random targets, counts the clocks of the RTL on the
 former, and writes docs/generated/table6.json and its page, table6.md. --only measures the named software and writes
-nothing; --hardware counts clocks and keeps the software times; --page only writes the page.
+nothing, or with --keep its rows, dated; `--only jax-gpu --keep` on a machine with a GPU writes the rows that another
+one lacks, and a later run without a GPU keeps them. --hardware counts clocks and keeps the software times; --page only
+writes the page.
 """
 
 from __future__ import annotations
@@ -181,6 +183,7 @@ def write(figures: dict[str, Any] | None = None) -> int:
         option("--targets", "random targets", whole(1), default=1_000_000, metavar="N"),
         option("--seed", "random seed", whole(0), default=1, metavar="N"),
         option("--only", "only software with this in its key; writes no file", multiple=True, metavar="KEY"),
+        switch("--keep", "with --only: write these rows with the date, keep the others, their targets and seed"),
         switch("--hardware", "only the core's rows; keeps the software's figures"),
         switch("--page", "only write the page from the figures"),
     ],
@@ -190,27 +193,35 @@ def write(figures: dict[str, Any] | None = None) -> int:
 def main(options: SimpleNamespace) -> int:
     if options.page:
         return write()
+    if options.keep and not options.only:
+        raise InputError("--keep goes with --only")
+    kept = json.loads(FIGURES.read_text())
     if options.hardware:
-        kept = json.loads(FIGURES.read_text())
         words = random_reachable(kept["targets"], WIDTH, kept["seed"])
         return write(kept | {"hardware": list(core(words))})
     about, every = machine(), contenders()
     chosen = [c for c in every if not options.only or any(part in c.key for part in options.only)]
     if not chosen:
         raise InputError(f"no software of that key; there is {', '.join(c.key for c in every)}")
-    report(f"{options.targets} random targets, seed {options.seed} ...")
-    words = random_reachable(options.targets, WIDTH, options.seed)
+    drawn = kept if options.keep else vars(options)
+    report(f"{drawn['targets']} random targets, seed {drawn['seed']} ...")
+    words = random_reachable(drawn["targets"], WIDTH, drawn["seed"])
     reach, random = make("reach"), from_words(words, 0, WIDTH, "random")
-    software = []
+    software, before = [], {one["key"]: one for one in kept["software"]}
     for n, contender in enumerate(chosen, 1):
         report(f"[{n}/{len(chosen)}] {contender.group}: {contender.name} {contender.lacks or '...'}")
-        software.append(row(contender, reach, random))
+        elsewhere = contender.lacks and "date" in before.get(contender.key, {})
+        software.append(before[contender.key] if elsewhere else row(contender, reach, random))
         print(f"{contender.key:24} {_short(software[-1])}")
+    today = datetime.date.today().isoformat()
+    if options.keep:
+        new = {one["key"]: {"date": today, **one} for one in software if "lacks" not in one}
+        return write(kept | {"software": [*(before | new).values()]})
     if options.only:
         return 0
     return write(
         {
-            "date": datetime.date.today().isoformat(),
+            "date": today,
             "targets": options.targets,
             "seed": options.seed,
             "machine": about,

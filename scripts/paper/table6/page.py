@@ -50,14 +50,15 @@ def _times(group: str, name: str, us: float, *others: Any) -> tuple:
 
 def _software(figures: dict) -> Iterator[tuple]:
     for row in figures["software"]:
+        name = ", ".join(filter(None, (row["name"], row.get("date"))))
         if "lacks" in row:
-            yield row["group"], row["name"], row["lacks"], *"-----"
+            yield row["group"], name, row["lacks"], *"-----"
             continue
         reach, random = row["reach"], row["random"]
         ns = number(random["ns"])
         yield _times(
             row["group"],
-            row["name"],
+            name,
             reach["ns"] * tables.TARGETS / 1000,
             ns if random["targets"] == figures["targets"] else f"{ns} ({random['targets']} targets)",
             error(reach["error"]),

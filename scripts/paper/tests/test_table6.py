@@ -127,6 +127,26 @@ def test_only_writes_nothing(command):
 
 
 @needs_cc
+def test_keep_writes_the_named_rows_and_a_computer_without_the_software_keeps_them(command, monkeypatch, tmp_path):
+    before = figures() | {"targets": 50}
+    for name in ("FIGURES", "PAGE"):
+        monkeypatch.setattr(table6, name, tmp_path / name)
+    table6.FIGURES.write_text(json.dumps(before))
+    assert command(table6.main, "--keep")[0] == 2
+    assert command(table6.main, "--only", "numpy-float", "--keep")[0] == 0
+    (new,) = (new for new, old in zip(figures()["software"], before["software"], strict=True) if new != old)
+    assert new["key"] == "numpy-float" and new["random"]["targets"] == 50
+    assert figures()["hardware"] == before["hardware"]
+    assert f"| numpy | lean, float, {new['date']} |" in table6.PAGE.read_text()
+    missing = [Contender(name, "X", name, lambda targets: None, "not here") for name in ("numpy-float", "numpy-double")]
+    monkeypatch.setattr(table6, "contenders", lambda: missing)
+    monkeypatch.setattr(table6, "core", lambda words: before["hardware"])
+    assert command(table6.main, "--targets", "50")[0] == 0
+    kept, lacks = figures()["software"]
+    assert kept == new and "lacks" in lacks
+
+
+@needs_cc
 def test_errors_are_one_line(command, monkeypatch, tmp_path):
     broken = tmp_path / "broken.c"
     broken.write_text("int main(void) { return nonsense; }\n")
