@@ -56,23 +56,27 @@ module ik_lean_guard #(
     d_sum <= {d1[W-1], d1} + {d2[W-1], d2};
     d_dif <= {d1[W-1], d1} - {d2[W-1], d2};
   end
-  wire signed [W:0] none = {(W + 1) {1'b0}};
-  wire signed [XW-1:0] x_sq;  // (L3)
-  wire signed [XW-1:0] y_sq;  // (L3)
-  wire signed [XW-1:0] z_sq;  // (L4)
+  // x, y and z are squared as W bits, not sign-extended: Yosys' xilinx_dsp loses bits of a product's register where an
+  // operand has two equal sign bits. A square is not negative.
+  wire signed [W-1:0] none = {W{1'b0}};
+  wire signed [W:0] none_d = {(W + 1) {1'b0}};
+  wire [2*W-1:0] x_sq_w, y_sq_w, z_sq_w;
+  wire signed [XW-1:0] x_sq = {2'b00, x_sq_w};  // (L3)
+  wire signed [XW-1:0] y_sq = {2'b00, y_sq_w};  // (L3)
+  wire signed [XW-1:0] z_sq = {2'b00, z_sq_w};  // (L4)
   wire signed [XW-1:0] d_sum_sq;  // (L5)
   wire signed [XW-1:0] d_dif_sq;  // (L6)
   wire signed [XW-1:0] sum_dif;  // (L7) d1^2 - d2^2
   // (L3) x_sq = x^2
-  ik_exact #(.W(W+1), .SQUARE(1)) u_x_sq (.clk(clk), .a({x[W-1], x}), .b(none), .p(x_sq));
+  ik_exact #(.W(W), .SQUARE(1)) u_x_sq (.clk(clk), .a(x), .b(none), .p(x_sq_w));
   // (L3) y_sq = y^2
-  ik_exact #(.W(W+1), .SQUARE(1)) u_y_sq (.clk(clk), .a({y[W-1], y}), .b(none), .p(y_sq));
+  ik_exact #(.W(W), .SQUARE(1)) u_y_sq (.clk(clk), .a(y), .b(none), .p(y_sq_w));
   // (L4) z_sq = z^2
-  ik_exact #(.W(W+1), .SQUARE(1)) u_z_sq (.clk(clk), .a({z[W-1], z}), .b(none), .p(z_sq));
+  ik_exact #(.W(W), .SQUARE(1)) u_z_sq (.clk(clk), .a(z), .b(none), .p(z_sq_w));
   // (L5) d_sum_sq = d_sum^2
-  ik_exact #(.W(W+1), .SQUARE(1)) u_d_sum_sq (.clk(clk), .a(d_sum), .b(none), .p(d_sum_sq));
+  ik_exact #(.W(W+1), .SQUARE(1)) u_d_sum_sq (.clk(clk), .a(d_sum), .b(none_d), .p(d_sum_sq));
   // (L6) d_dif_sq = d_dif^2
-  ik_exact #(.W(W+1), .SQUARE(1)) u_d_dif_sq (.clk(clk), .a(d_dif), .b(none), .p(d_dif_sq));
+  ik_exact #(.W(W+1), .SQUARE(1)) u_d_dif_sq (.clk(clk), .a(d_dif), .b(none_d), .p(d_dif_sq));
   // (L7) sum_dif = d_sum * d_dif
   ik_exact #(.W(W+1)) u_sum_dif (.clk(clk), .a(d_sum), .b(d_dif), .p(sum_dif));
 

@@ -7,7 +7,7 @@
 `default_nettype none
 
 module ik_exact #(
-    parameter integer W      = 33,  // width of a and b, 4 to 35
+    parameter integer W      = 33,  // width of a and b, 3 to 35
     parameter integer SQUARE = 0    // 1: p = a * a
 ) (
     input  wire                  clk,
@@ -17,7 +17,7 @@ module ik_exact #(
 );
 
   generate
-    if (W < 4 || W > 35) begin : g_illegal
+    if (W < 3 || W > 35) begin : g_illegal
       ik_exact_illegal_W u_stop ();
     end
   endgenerate
