@@ -19,9 +19,15 @@ module ik_axi #(
     parameter integer DATA_W     = 64,  // data bus width: 32, 64 or 128
     parameter integer LOG2_BURST = 3    // log2 of records per full burst, 1 to 5
 ) (
-    // Clock, reset, interrupt
+    // Clock, reset, interrupt; attributes for block designs of Vivado, which infers the buses from the ports' names
+    (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 clk CLK" *)
+    (* X_INTERFACE_PARAMETER = "ASSOCIATED_BUSIF s_axi:m_axi, ASSOCIATED_RESET rst" *)
     input  wire                clk,
+    (* X_INTERFACE_INFO = "xilinx.com:signal:reset:1.0 rst RST" *)
+    (* X_INTERFACE_PARAMETER = "POLARITY ACTIVE_HIGH" *)
     input  wire                rst,            // synchronous, active high: the interconnect's aresetn, inverted
+    (* X_INTERFACE_INFO = "xilinx.com:signal:interrupt:1.0 irq INTERRUPT" *)
+    (* X_INTERFACE_PARAMETER = "SENSITIVITY LEVEL_HIGH" *)
     output wire                irq,
     // Registers (ik_axi.rdl)
     input  wire [        11:0] s_axi_awaddr,

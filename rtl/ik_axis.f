@@ -2,6 +2,7 @@
 // All Verilog of the core, for every tool that builds it: verilator -F rtl/ik_axis.f, for example.
 +incdir+include
 ik_axis.v
+ik_axis_bytes.v
 lean/ik_lean.v
 lean/ik_lean_direction.v
 lean/ik_lean_guard.v

@@ -19,8 +19,12 @@ module ik_axis #(
     // and fold from W = 18
     parameter integer TILE     = 18
 ) (
-    // Clock
+    // Clock; attributes for block designs of Vivado, which infers the streams from the ports' names
+    (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 clk CLK" *)
+    (* X_INTERFACE_PARAMETER = "ASSOCIATED_BUSIF s_axis:m_axis, ASSOCIATED_RESET rst" *)
     input  wire               clk,
+    (* X_INTERFACE_INFO = "xilinx.com:signal:reset:1.0 rst RST" *)
+    (* X_INTERFACE_PARAMETER = "POLARITY ACTIVE_HIGH" *)
     input  wire               rst,  // synchronous, active high: discards all targets
     // Target: x, y, z, phi, d1, d2, lowest bits first; Q2.(W-2), phi one turn = 2^W
     input  wire [    6*W-1:0] s_axis_tdata,

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``ik_axis``: clock, reset, stream drivers, monitors, model, and a scoreboard for all nodes.
 
-Tests build on :class:`Pipeline`. All sampling is done at the falling edge of the clock, when inputs and registers have
-settled in both simulators.
+``ik_axis_bytes`` has the same bench, without nodes. Tests build on :class:`Pipeline`. All sampling is done at the
+falling edge of the clock, when inputs and registers have settled in both simulators.
 """
 
 from __future__ import annotations
@@ -99,7 +99,8 @@ class Pipeline:
     def __init__(self, dut, nodes: bool = True) -> None:
         self.dut = dut
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
-        data, tag = len(FIELDS) * self.width, self.tag_width
+        self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
+        data, tag = len(FIELDS) * self.slot, self.tag_width
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         assert [len(port) for port in ports] == [data, tag, data, tag + 8]
         self.datapath = configuration(dut)
@@ -174,7 +175,10 @@ class Pipeline:
     def send(self, words: np.ndarray) -> None:
         """Queue targets, (N, 6) signed words, with incrementing tags."""
         self.announce(words)
-        for beat in pack(words, self.width):
+        padding = np.random.default_rng(len(words)).integers(1 << self.slot - self.width, size=words.shape)
+        half = 1 << self.slot - 1
+        padded = ((words & (1 << self.width) - 1 | padding << self.width) ^ half) - half
+        for beat in pack(padded, self.slot):
             tag = len(self.tags) & ((1 << self.tag_width) - 1)
             self.tags.append(tag)
             self.source.send_nowait(AxiStreamFrame([beat], tuser=tag))
@@ -254,7 +258,7 @@ class Pipeline:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
             self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
             return
-        words = tuple(unpack([int(data, 2)], self.width)[0].tolist())
+        words = tuple(unpack([int(data, 2)], self.slot)[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
             self.errors.append(f"a result with tag {tag} in clock {self.clock} without a target")
