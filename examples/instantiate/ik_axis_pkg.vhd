@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: Apache-2.0
--- ik_axis for VHDL: the component; ports and generics are those of rtl/ik_axis.v.
+-- Components of ik_axis, ik_axis_bytes and ik_axi for VHDL; ports and generics are those of the modules in rtl/.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -24,9 +24,105 @@ package ik_axis_pkg is
       s_axis_tready : out std_logic;
       -- qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first: Q2.(W-2)
       m_axis_tdata  : out std_logic_vector(6 * W - 1 downto 0);
-      m_axis_tuser  : out std_logic_vector(TAG_W + 7 downto 0);  -- tag; above it the flags
+      m_axis_tuser  : out std_logic_vector(TAG_W + 8 - 1 downto 0);  -- tag; above it the flags
       m_axis_tvalid : out std_logic;
       m_axis_tready : in  std_logic
+    );
+  end component;
+
+  component ik_axis_bytes is
+    generic (
+      W        : integer := 32;  -- word length, 16 to 32; limits in ik_axis.v
+      TAG_W    : integer := 8;   -- tag width, at least 1
+      DATAPATH : integer := 1;   -- 0 paper, 1 lean, 2 fold (lean on one multiplier)
+      DIGIT    : integer := 0;   -- paper dividers and roots: 1 digit recurrence, for synthesis; 0 behavioural
+      TILE     : integer := 18   -- lean and fold: longer operand of the multiplier blocks, bits: 18, 25 or 16
+    );
+    port (
+      clk           : in  std_logic;
+      rst           : in  std_logic;  -- synchronous, active high
+      -- x, y, z, phi, d1, d2, lowest bits first, each in the lowest W bits of whole bytes
+      s_axis_tdata  : in  std_logic_vector(48 * ((W + 7) / 8) - 1 downto 0);
+      s_axis_tuser  : in  std_logic_vector(TAG_W - 1 downto 0);
+      s_axis_tvalid : in  std_logic;
+      s_axis_tready : out std_logic;
+      -- qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, lowest bits first, each sign-extended to whole bytes
+      m_axis_tdata  : out std_logic_vector(48 * ((W + 7) / 8) - 1 downto 0);
+      m_axis_tuser  : out std_logic_vector(TAG_W + 8 - 1 downto 0);  -- tag; above it the flags
+      m_axis_tvalid : out std_logic;
+      m_axis_tready : in  std_logic
+    );
+  end component;
+
+  component ik_axi is
+    generic (
+      W          : integer := 32;  -- word length, 16 to 32; limits in ik_axis.v
+      DATAPATH   : integer := 1;   -- 0 paper, 1 lean
+      DIGIT      : integer := 0;   -- paper dividers and roots: 1 digit recurrence, for synthesis; 0 behavioural
+      TILE       : integer := 18;  -- lean: longer operand of the multiplier blocks, bits: 18, 25 or 16
+      ADDR_W     : integer := 32;  -- address width, 12 to 64
+      DATA_W     : integer := 64;  -- data bus width: 32, 64 or 128
+      LOG2_BURST : integer := 3    -- log2 of records per full burst, 1 to 5
+    );
+    port (
+      clk           : in  std_logic;
+      rst           : in  std_logic;  -- synchronous, active high
+      irq           : out std_logic;
+      -- registers: docs/generated/registers.md
+      s_axi_awaddr  : in  std_logic_vector(11 downto 0);
+      s_axi_awprot  : in  std_logic_vector(2 downto 0);
+      s_axi_awvalid : in  std_logic;
+      s_axi_awready : out std_logic;
+      s_axi_wdata   : in  std_logic_vector(31 downto 0);
+      s_axi_wstrb   : in  std_logic_vector(3 downto 0);
+      s_axi_wvalid  : in  std_logic;
+      s_axi_wready  : out std_logic;
+      s_axi_bresp   : out std_logic_vector(1 downto 0);
+      s_axi_bvalid  : out std_logic;
+      s_axi_bready  : in  std_logic;
+      s_axi_araddr  : in  std_logic_vector(11 downto 0);
+      s_axi_arprot  : in  std_logic_vector(2 downto 0);
+      s_axi_arvalid : in  std_logic;
+      s_axi_arready : out std_logic;
+      s_axi_rdata   : out std_logic_vector(31 downto 0);
+      s_axi_rresp   : out std_logic_vector(1 downto 0);
+      s_axi_rvalid  : out std_logic;
+      s_axi_rready  : in  std_logic;
+      -- memory, read
+      m_axi_arid    : out std_logic_vector(0 downto 0);
+      m_axi_araddr  : out std_logic_vector(ADDR_W - 1 downto 0);
+      m_axi_arlen   : out std_logic_vector(7 downto 0);
+      m_axi_arsize  : out std_logic_vector(2 downto 0);
+      m_axi_arburst : out std_logic_vector(1 downto 0);
+      m_axi_arcache : out std_logic_vector(3 downto 0);
+      m_axi_arprot  : out std_logic_vector(2 downto 0);
+      m_axi_arvalid : out std_logic;
+      m_axi_arready : in  std_logic;
+      m_axi_rid     : in  std_logic_vector(0 downto 0);
+      m_axi_rdata   : in  std_logic_vector(DATA_W - 1 downto 0);
+      m_axi_rresp   : in  std_logic_vector(1 downto 0);
+      m_axi_rlast   : in  std_logic;
+      m_axi_rvalid  : in  std_logic;
+      m_axi_rready  : out std_logic;
+      -- memory, write
+      m_axi_awid    : out std_logic_vector(0 downto 0);
+      m_axi_awaddr  : out std_logic_vector(ADDR_W - 1 downto 0);
+      m_axi_awlen   : out std_logic_vector(7 downto 0);
+      m_axi_awsize  : out std_logic_vector(2 downto 0);
+      m_axi_awburst : out std_logic_vector(1 downto 0);
+      m_axi_awcache : out std_logic_vector(3 downto 0);
+      m_axi_awprot  : out std_logic_vector(2 downto 0);
+      m_axi_awvalid : out std_logic;
+      m_axi_awready : in  std_logic;
+      m_axi_wdata   : out std_logic_vector(DATA_W - 1 downto 0);
+      m_axi_wstrb   : out std_logic_vector(DATA_W / 8 - 1 downto 0);
+      m_axi_wlast   : out std_logic;
+      m_axi_wvalid  : out std_logic;
+      m_axi_wready  : in  std_logic;
+      m_axi_bid     : in  std_logic_vector(0 downto 0);
+      m_axi_bresp   : in  std_logic_vector(1 downto 0);
+      m_axi_bvalid  : in  std_logic;
+      m_axi_bready  : out std_logic
     );
   end component;
 

