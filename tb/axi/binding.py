@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 import subprocess
 from collections.abc import Callable
@@ -81,6 +82,22 @@ class Core(ctypes.Structure):
         ("events", ctypes.c_uint32),
         ("aborted", ctypes.c_bool),
     ]
+
+
+class Uio(ctypes.Structure):
+    _fields_ = [("core", Core), ("bus", Bus), *((name, ctypes.c_int) for name in ("patience", "error", "file"))]
+    _fields_ += [("kept", ctypes.c_void_p * 5)]
+
+
+def uio_device(folder: Path, page: int, size: int, offset: int) -> tuple[bytes, bytes]:
+    """Write a file as the device, a page per map, and what sysfs has on its maps: the registers, and the buffer as
+    given. Return the paths of both."""
+    (folder / "uio0").write_bytes(bytes(2 * os.sysconf("SC_PAGESIZE")))
+    for k, values in enumerate(((0x43C00000, 0x1000, 0), (page, size, offset))):
+        (folder / f"map{k}").mkdir()
+        for name, value in zip(("addr", "size", "offset"), values, strict=True):
+            (folder / f"map{k}" / name).write_text(f"{value:#x}\n")
+    return os.fsencode(folder / "uio0"), os.fsencode(folder)
 
 
 class Driver:

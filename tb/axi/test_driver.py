@@ -2,14 +2,20 @@
 """Tests of the C driver: by itself on a register model, and on ``ik_axi``, mostly with an echo as the datapath."""
 
 import ctypes
+import errno
+import os
 import shutil
+import signal
+import socket
 import subprocess
+import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from model.io.words import BYTES, FIELDS, TargetError, Targets, result_records, result_values, target_records, to_words
-from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, compiled
+from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, Uio, compiled, uio_device
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
@@ -135,7 +141,7 @@ def numbers(library, real: str = "double", sets: int = 120, count: int = 1000) -
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    return compiled(tmp_path_factory.mktemp("driver"))
+    return compiled(tmp_path_factory.mktemp("driver"), str(SOURCE / "ik_uio.c"))
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
@@ -148,6 +154,7 @@ def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
     command = [compiler, *FLAGS, "-ffreestanding", "-c", f"-DIK_REAL={real}", "-o", object_file, SOURCE / "ik.c"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and not done.stderr, done.stderr
+    subprocess.run([compiler, *FLAGS, f"-DIK_REAL={real}", "-fsyntax-only", SOURCE / "ik_uio.c"], check=True)
     listed = subprocess.run(["nm", "-u", object_file], capture_output=True, text=True, check=True).stdout.split()
     assert set(listed) <= {"U", "memcpy", "memset"}, listed  # a compiler may emit calls to these
 
@@ -239,10 +246,82 @@ def test_texts(library):
     assert unknown not in texts
 
 
+# ---- over /dev/uio ---------------------------------------------------------------------------------------------------
+
+BUFFER = (0x10000000, 0x640, 0x40)  # page, size, offset: 24 targets, 24 results
+
+
+def test_uio_maps_registers_and_buffer(library, tmp_path):
+    linked, uio, paths = ctypes.CDLL(str(library)), Uio(), uio_device(tmp_path, *BUFFER)
+    assert linked.ik_uio_open(ctypes.byref(uio), *paths, 20) == 0
+    user, bus, page = ctypes.addressof(uio), uio.bus, os.sysconf("SC_PAGESIZE")
+    bus.write(user, OFFSETS["COUNT"], 77)
+    for area, at, text in ((bus.source, 0x40, b"targets"), (bus.destination, 0x340, b"results")):
+        ctypes.memmove(area.at, text, len(text))
+        assert area.address == 0x10000000 + at and (tmp_path / "uio0").read_bytes()[page + at :].startswith(text)
+    words = np.frombuffer((tmp_path / "uio0").read_bytes(), np.uint32)
+    assert bus.records == 24 and words[0] == 1, "the interrupt stays masked"
+    assert words[OFFSETS["COUNT"] // 4] == bus.read(user, OFFSETS["COUNT"]) == 77
+    linked.ik_uio_close(ctypes.byref(uio))
+    assert uio.file == -1 and str(tmp_path) not in Path("/proc/self/maps").read_text()
+
+
+UNDESCRIBED = [("map1/addr", "none"), ("map1/addr", "0x10000010"), ("map1/size", "0x40"), ("map1/size", "0x7f")]
+ABSENT = [(name, None) for name in ("uio0", "map0/addr", "map1/size")]
+
+
+@pytest.mark.parametrize("name, text", [*ABSENT, *UNDESCRIBED, ("map1/offset", "0x42"), ("uio0", "fifo")])
+def test_uio_reports_what_is_missing(library, tmp_path, name, text):
+    """A missing file, one that cannot be mapped, a bad description: an error each; nothing stays open or mapped."""
+    uio, paths = Uio(), uio_device(tmp_path, *BUFFER)
+    (tmp_path / name).unlink()
+    if text == "fifo":
+        os.mkfifo(tmp_path / name)
+    elif text:
+        (tmp_path / name).write_text(text)
+    error = {None: errno.ENOENT, "fifo": errno.ENODEV}.get(text, errno.EINVAL)
+    before = os.listdir("/proc/self/fd")
+    assert ctypes.CDLL(str(library)).ik_uio_open(ctypes.byref(uio), *paths, 20) == -error
+    assert uio.file == -1 and os.listdir("/proc/self/fd") == before
+    assert str(tmp_path) not in Path("/proc/self/maps").read_text()
+
+
+@pytest.mark.parametrize("error", [0, errno.EIO, errno.EPIPE, errno.EINTR], ids=["silent", "gone", "deaf", "signal"])
+def test_uio_wait_ends(library, tmp_path, error):
+    """No interrupt; a device that is gone before or after its interrupt; an abort and a signal."""
+    core, uio = RegisterModel(), Uio()
+    core.run = lambda count: None  # no job ends
+    driver = Driver(library, core, *core.areas, RECORDS, polls=9)
+    paths, patience = uio_device(tmp_path, *BUFFER), 9000 if error == errno.EINTR else 20
+    assert driver.linked.ik_uio_open(ctypes.byref(uio), *paths, patience) == 0
+    driver.core, driver.bus.user, driver.bus.wait = uio.core, uio.bus.user, uio.bus.wait
+    assert driver.start_up() == "none"
+    kernel, descriptor = socket.socketpair()
+    with descriptor:
+        os.dup2(descriptor.fileno(), uio.file)
+    thread, before = threading.get_ident(), signal.signal(signal.SIGUSR1, lambda *_: None)
+
+    def abort():
+        driver.linked.ik_abort(ctypes.byref(uio.core))
+        signal.pthread_kill(thread, signal.SIGUSR1)
+
+    if error == errno.EINTR:
+        threading.Timer(0.1, abort).start()
+    elif error == errno.EPIPE:
+        kernel.send(bytes(4))
+        kernel.shutdown(socket.SHUT_RD)
+    elif error:
+        kernel.close()
+    code, _ = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))
+    signal.signal(signal.SIGUSR1, before)
+    assert (code, uio.error) == ("aborted" if error == errno.EINTR else "timeout", error)
+    driver.linked.ik_uio_close(ctypes.byref(uio))
+
+
 # ---- on ik_axi -------------------------------------------------------------------------------------------------------
 
 ICARUS = simulator() == "icarus"
-FEW = "ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"
+FEW = "linux|ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"
 SMALL = {"W": 18, "ADDR_W": 20}
 INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}]
 
