@@ -84,7 +84,10 @@ def test_from_c(tmp_path):
     assert ctypes.CDLL(str(library)).reach
 
 
-@pytest.mark.parametrize("module", ["ik_axis", "ik_axis_bytes", "ik_axi"])
+TOPS = "ik_axis", "ik_axis_bytes", "ik_axi"
+
+
+@pytest.mark.parametrize("module", TOPS)
 def test_vhdl_component_has_the_ports_of_the_module(module):
     """Names, order, directions, widths and defaults are equal."""
     text = re.sub(r"//.*", "", read(f"rtl/{module}.v")).partition("\n);")[0]
@@ -97,6 +100,14 @@ def test_vhdl_component_has_the_ports_of_the_module(module):
     ]
     generics = re.findall(r"(\w+) *: integer := (\d+)", component)
     assert generics and generics == re.findall(r"parameter integer (\w+) *= (\d+)", text)
+
+
+@pytest.mark.parametrize("module", TOPS)
+def test_attributes_associate_all_buses_with_the_clock(module):
+    text = read(f"rtl/{module}.v").partition("\n);")[0]
+    buses, reset = re.search(r'"ASSOCIATED_BUSIF (\S+), ASSOCIATED_RESET (\w+)"', text).groups()
+    ports = re.findall(r"^ *(?:in|out)put +wire\b(?:.*\])? *(\w+)", text, re.M)
+    assert reset in ports and {port.rpartition("_")[0] for port in ports} - {""} == set(buses.split(":"))
 
 
 def test_fusesoc_has_files_and_version_of_the_project():
