@@ -58,7 +58,6 @@ module ik_axi_job #(
   reg aborted;  // by a soft reset
   assign busy = state != IDLE;
   assign clear = state == ENDS;
-  assign go = state == DECIDE && refused == 0 && job_count != 0 && !aborted;
   assign stop = state != RUN || aborted || write_error;
 
   // ---- checks ----
@@ -92,6 +91,7 @@ module ik_axi_job #(
   end
 
   wire [3:0] refused = crooked[0] ? 4'd1 : crooked[1] ? 4'd2 : past[0] ? 4'd3 : past[1] ? 4'd4 : overlap ? 4'd5 : 4'd0;
+  assign go = state == DECIDE && refused == 0 && job_count != 0 && !aborted;
 
   // ---- states ----
 

@@ -64,7 +64,10 @@ module ik_axi_regs #(
 
   function [31:0] merged(input [31:0] old, input [31:0] data, input [3:0] strobes);
     integer i;
-    for (i = 0; i < 4; i = i + 1) merged[8*i+:8] = strobes[i] ? data[8*i+:8] : old[8*i+:8];
+    begin
+      merged = old;
+      for (i = 0; i < 4; i = i + 1) if (strobes[i]) merged[8*i+:8] = data[8*i+:8];
+    end
   endfunction
 
   initial {s_axi_bvalid, s_axi_rvalid, irq} = 3'b000;

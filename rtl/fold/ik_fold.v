@@ -58,8 +58,8 @@ module ik_fold #(
   reg go;
   reg [6:0] fetched, read, clock;  // step numbers: ROM address, ROM output, current step
   reg [STEP_W-1:0] step_read, step;
-  // Accept no target and write no word before the first step arrives: some words must stay 0.
-  initial {go, step_read, step} = 0;
+  // Accept no target and write no word before the first step arrives, or under reset: some words must stay 0.
+  initial {go, step} = 0;
   `include "ik_fold_program.vh"
   `include "ik_fold_fields.vh"
 
@@ -80,10 +80,9 @@ module ik_fold #(
       read  <= fetched;
       clock <= read;
     end
-    if (go && !waits) begin
-      step_read <= rom[fetched];
-      step      <= step_read;
-    end
+    if (go && !waits) step_read <= rom[fetched];
+    if (rst || read == 7'd127) step <= 0;  // step_read holds no step yet
+    else if (go && !waits) step <= step_read;
   end
 
   wire of_hold = (HOLD_LAP != 0) ? previous : here;
@@ -110,7 +109,8 @@ module ik_fold #(
       if (go && f_last_result && giving) m_axis_tvalid <= 1'b1;
       else if (m_axis_tready) m_axis_tvalid <= 1'b0;
     end
-  assign s_axis_tready = go && current && f_last_input;  // `current`, not `here`: tready must not depend on tvalid
+  // `current`, not `here`: tready must not depend on tvalid
+  assign s_axis_tready = go && current && f_last_input && !rst;
 
   // ---- words ----
 
@@ -127,7 +127,7 @@ module ik_fold #(
       .clk(clk), .go(go),
       .a_at({f_a[6:1], f_a[0] ^ a_second}), .b_at(f_b_count ? {1'b1, n} : {f_b[6:1], f_b[0] ^ b_second}), .r_at(f_r),
       .a(a), .b(b), .r(row_word),
-      .w_en(f_source != SOURCE_NONE), .w_at(w_place), .w(w)
+      .w_en(f_source != SOURCE_NONE && !rst), .w_at(w_place), .w(w)
   );
 
   // ---- table rows, and the offset within a segment ----
@@ -162,7 +162,7 @@ module ik_fold #(
       .clk(clk), .go(go), .a(f_a_bend ? bend : a), .b(factor[D-1-:SEEN]), .cut(f_cut), .p(p[2*D-1-:2*SEEN])
   );
 
-  wire s_other, taken;
+  wire few, s_other, taken;
   reg down, less, carry;
   always @(posedge clk)
     if (go) begin
@@ -182,7 +182,7 @@ module ik_fold #(
 
   // ---- T as a word, a mantissa with its shift count, or a result ----
 
-  wire none, few, q_low, zero, word_below_0;
+  wire none, q_low, zero, word_below_0;
   wire [D-1:0] word, normal;
   wire [5:0] pairs;
   wire [W-1:0] result;

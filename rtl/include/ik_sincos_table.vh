@@ -7,9 +7,9 @@ localparam integer TABLE_BITS = 48;
 localparam integer SINCOS_GUARD = 6;
 localparam [47:0] GAIN = 48'd170926505739102;
 
-function [47:0] atan_turn(input integer i);
+function [47:0] atan_turn(input integer k);
   begin
-    case (i)
+    case (k)
        0: atan_turn = 48'd70368744177664;
        1: atan_turn = 48'd41541095341030;
        2: atan_turn = 48'd21949173906887;

@@ -4,7 +4,7 @@
 // The lean dataflow: solves the same problem as ik_paper, on the same ports, with two levels of reciprocal square
 // roots. A node's declaration carries the number (L1), (L2), ... of its equation in docs/generated/lean.md; signals
 // without a number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits
-// are reset; valid and tag travel with the data.
+// and the pointers of ik_ring are reset; valid and tag travel with the data.
 // Throughput: one target per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
@@ -113,7 +113,9 @@ module ik_lean #(
   // ---- align the results ----
 
   wire signed [W-1:0] qe_w_at_out, qe_i_at_out;
-  ik_ring #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_at_out (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_at_out, qe_w_at_out}));
+  ik_ring #(.W(2*W), .N(T_OUT-T_QE_W)) u_qe_at_out (
+      .clk(clk), .rst(rst), .d({qe_i, qe_w}), .q({qe_i_at_out, qe_w_at_out})
+  );
   assign out_data = {qe_i_at_out, qe_w_at_out, qs_k, qs_j, qs_i, qs_w};
 
   wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out;

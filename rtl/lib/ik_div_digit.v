@@ -117,7 +117,7 @@ module ik_div_digit #(
           .d  ({sign, divisor, r_next, word_next[NEXT-1:0]}),
           .q  ({sign_q, divisor_q, r_q, word_q})
       );
-      wire unused = &{1'b0, word_next, divisor_q, r_q};
+      wire unused_row = &{1'b0, word_next, divisor_q, r_q};
     end
   endgenerate
 

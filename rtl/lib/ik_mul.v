@@ -42,7 +42,7 @@ module ik_mul #(
   generate
     if (SQUARE != 0) begin : g_same
       assign b_q = a_q;
-      wire unused = &{1'b0, b};
+      wire unused_b = &{1'b0, b};
     end else begin : g_other
       wire signed [BW-1:0] b_in;
       ik_delay #(.W(BW), .N(DB)) u_b (.clk(clk), .d(b), .q(b_in));

@@ -26,7 +26,7 @@ module ik_quadratic #(
     // Table row
     input  wire        [   SUM_FRAC:0] c0,  // one clock after c1, c2 and u
     input  wire        [       SW-2:0] c1,
-    input  wire        [C2W-(C2W>0):0] c2,
+    input  wire        [C2W-(C2W>0 ? 1 : 0):0] c2,
     // Argument
     input  wire signed [       UW-1:0] u,
     input  wire                        twice,  // 1: y is doubled; one clock before y

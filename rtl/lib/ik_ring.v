@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A ring buffer: each clock writes one word and reads the word written N-2 clocks earlier. One 512x36 block RAM
-// replaces up to 1152 16-bit shift registers, or flip-flops on FPGAs without them. No reset and no enable; the pointer
-// may start anywhere. For the first N clocks, q is the memory's initial content.
+// replaces up to 1152 16-bit shift registers, or flip-flops on FPGAs without them. No enable. The pointer may start
+// anywhere; it is reset for four-state simulation without initial values. For the first N clocks, q is the memory's
+// initial content.
 // Throughput: one word per clock.
 // Latency: N clocks.
 `default_nettype none
@@ -13,6 +14,7 @@ module ik_ring #(
     parameter integer N = 64   // delay, clocks, at least 3
 ) (
     input  wire         clk,
+    input  wire         rst,  // synchronous: resets the pointer only
     input  wire [W-1:0] d,
     output reg  [W-1:0] q
 );
@@ -40,7 +42,7 @@ module ik_ring #(
 
   reg [W-1:0] oldest;
   always @(posedge clk) begin
-    place       <= place + {{(AW - 1) {1'b0}}, 1'b1};
+    place       <= rst ? {AW{1'b0}} : place + {{(AW - 1) {1'b0}}, 1'b1};
     ring[place] <= d;
     oldest      <= ring[place_read];
     q           <= oldest;

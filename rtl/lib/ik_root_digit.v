@@ -101,7 +101,7 @@ module ik_root_digit #(
           .d  ({r_next, word_next[NEXT-1:0]}),
           .q  ({r_q, word_q})
       );
-      wire unused = &{1'b0, word_next, r_q};
+      wire unused_row = &{1'b0, word_next, r_q};
     end
   endgenerate
 

@@ -58,7 +58,8 @@ module ik_rsqrt #(
   reg [SUM_FRAC:0] c0_2;
   always @(posedge clk) c0_2 <= {2'b01, row_1[ROW_BITS-1-:C0_BITS], LOWEST};
   wire [SLOPE_BITS-1:0] c1_1 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, row_1[C2_BITS+:C1_BITS]} << C1_UP;
-  wire [C2_BITS-(C2_BITS>0):0] c2_1 = row_1[C2_BITS-(C2_BITS>0):0];  // one ignored bit if there is no c2
+  localparam integer C2_TOP = C2_BITS - (C2_BITS > 0 ? 1 : 0);  // one ignored bit if there is no c2
+  wire [C2_TOP:0] c2_1 = row_1[C2_TOP:0];
   wire twice_y;
   ik_delay #(.W(1), .N(CLOCKS)) u_twice_y (.clk(clk), .d(twice), .q(twice_y));
   ik_quadratic #(

@@ -59,7 +59,7 @@ module ik_sincos #(
       wire [NEXT-1:0] high = (z[NEXT-1:0] >> STAY) + (step ^ {NEXT{left}}) + {{(NEXT - 1) {1'b0}}, left};
       reg [NEXT-1:0] z_q;
       always @(posedge clk) z_q <= (high << STAY) | (z[NEXT-1:0] & BELOW);
-      wire unused = &{1'b0, z_q};  // last iteration
+      wire unused_z = &{1'b0, z_q};  // last iteration
     end
   endgenerate
 
@@ -67,8 +67,8 @@ module ik_sincos #(
 
   localparam integer FIRST = 10;
 
-  // {x, y} after FIRST iterations; bit FIRST-1-i of signs: iteration i turns right
-  function [2*XW-1:0] vector(input integer signs);
+  // {x, y} after FIRST iterations; bit FIRST-1-i of row: iteration i turns right
+  function [2*XW-1:0] vector(input integer row);
     reg signed [XW-1:0] x_k;
     reg signed [XW-1:0] y_k;
     reg signed [XW-1:0] x_s;
@@ -80,7 +80,7 @@ module ik_sincos #(
       for (k = 0; k < FIRST; k = k + 1) begin
         x_s = x_k >>> k;
         y_s = y_k >>> k;
-        if (((signs >> (FIRST - 1 - k)) & 1) != 0) begin
+        if (((row >> (FIRST - 1 - k)) & 1) != 0) begin
           x_k = x_k + y_s;
           y_k = y_k - x_s;
         end else begin
@@ -92,9 +92,24 @@ module ik_sincos #(
     end
   endfunction
 
+  // Rows are computed as constants of EACH rows: nested loops in `initial` exceed the limits of some tools.
+  localparam integer EACH = 32;
+  function [2*XW*EACH-1:0] vectors(input integer first);
+    integer k;
+    begin
+      vectors = 0;
+      for (k = 0; k < EACH; k = k + 1) vectors[2*XW*k+:2*XW] = vector(first + k);
+    end
+  endfunction
+
   reg [2*XW-1:0] start[0:(1<<FIRST)-1];
   integer n;
-  initial for (n = 0; n < (1 << FIRST); n = n + 1) start[n] = vector(n);
+  generate
+    for (i = 0; i < (1 << FIRST); i = i + EACH) begin : g_rows
+      localparam [2*XW*EACH-1:0] ROWS = vectors(i);
+      initial for (n = 0; n < EACH; n = n + 1) start[i+n] = ROWS[2*XW*n+:2*XW];
+    end
+  endgenerate
 
   // Align the signs: the sign of iteration i waits for the sign of iteration FIRST-2.
   wire [FIRST-2:0] signs;

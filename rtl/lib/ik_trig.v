@@ -73,7 +73,7 @@ module ik_trig #(
   end
   wire [SLOPE_BITS-1:0] sine_c1_3 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, sine_3[C2_BITS+:C1_BITS]} << C1_UP;
   wire [SLOPE_BITS-1:0] cosine_c1_3 = {{(SLOPE_BITS - C1_BITS) {1'b0}}, cosine_3[C2_BITS+:C1_BITS]} << C1_UP;
-  localparam integer C2_TOP = C2_BITS - (C2_BITS > 0);  // one ignored bit if there is no c2
+  localparam integer C2_TOP = C2_BITS - (C2_BITS > 0 ? 1 : 0);  // one ignored bit if there is no c2
   wire [F:0] sine;
   wire [F:0] cosine;
   ik_quadratic #(

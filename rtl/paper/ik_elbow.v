@@ -15,6 +15,7 @@ module ik_elbow #(
 ) (
     // Clock
     input  wire                clk,
+    input  wire                rst,                 // synchronous, for ik_ring
     // From guard
     input  wire signed [W-1:0] d_1,                 // T_D_1
     input  wire signed [W-1:0] d_2,
@@ -70,7 +71,7 @@ module ik_elbow #(
   // ---- (12) PP_i, PP_j, PP_k ----
 
   wire signed [W-1:0] k_e_at_pi_swivel, pp_i, pp_j, pp_k;
-  ik_ring #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_at_pi_swivel (.clk(clk), .d(k_e), .q(k_e_at_pi_swivel));
+  ik_ring #(.W(W), .N(T_PI_SWIVEL_X-T_K_E)) u_k_e_at_pi_swivel (.clk(clk), .rst(rst), .d(k_e), .q(k_e_at_pi_swivel));
   // (12) pp_i = pi_swivel_x * k_e
   ik_mul #(.AW(W), .BW(W), .SH(F_PI_SWIVEL_X+F_K_E-F_PP_I), .OW(W)) u_pp_i (
       .clk(clk), .a(pi_swivel_x), .b(k_e_at_pi_swivel), .q(pp_i)
@@ -133,7 +134,7 @@ module ik_elbow #(
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_1_SQ), .OW(W), .SQUARE(1)) u_d_1_sq (
       .clk(clk), .a(d_1), .b(d_1), .q(d_1_sq)
   );
-  ik_ring #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_at_pp_1_m (.clk(clk), .d(d_1_sq), .q(d_1_sq_at_pp_1_m));
+  ik_ring #(.W(W), .N(T_PP_1_M-T_D_1_SQ)) u_d_1_sq_at_pp_1_m (.clk(clk), .rst(rst), .d(d_1_sq), .q(d_1_sq_at_pp_1_m));
   // (19) pp_1_p = d_1_sq * pp_1_m
   ik_mul #(.AW(W), .BW(W), .SH(SH_P), .OW(W)) u_pp_1_p (.clk(clk), .a(d_1_sq_at_pp_1_m), .b(pp_1_m), .q(pp_1_p));
   // (19) pp_2_p = d_1_sq * pp_2_m
@@ -259,7 +260,7 @@ module ik_elbow #(
 
   wire signed [W-1:0] pp_1_m_at_tmp_sqr, pp_2_m_at_tmp_sqr, pp_3_m_at_tmp_sqr;
   ik_ring #(.W(3*W), .N(T_TMP_SQR-T_PP_1_M)) u_pp_at_tmp_sqr (
-      .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_at_tmp_sqr, pp_2_m_at_tmp_sqr, pp_1_m_at_tmp_sqr})
+      .clk(clk), .rst(rst), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_at_tmp_sqr, pp_2_m_at_tmp_sqr, pp_1_m_at_tmp_sqr})
   );
   wire signed [WW-1:0] e_x_sqr, e_y_sqr, e_z_sqr;
   localparam integer SH_SQR = F_TMP_SQR + F_PP_1_M - F_E_X_SQR;
@@ -272,7 +273,7 @@ module ik_elbow #(
 
   wire signed [WW-1:0] e_x_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_z_pp_at_e_x_sqr;
   ik_ring #(.W(3*WW), .N(T_E_X_SQR-T_E_X_PP)) u_e_at_e_x_sqr (
-      .clk(clk), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_x_pp_at_e_x_sqr})
+      .clk(clk), .rst(rst), .d({e_z_pp, e_y_pp, e_x_pp}), .q({e_z_pp_at_e_x_sqr, e_y_pp_at_e_x_sqr, e_x_pp_at_e_x_sqr})
   );
   wire signed [WW-1:0] e_x_num, e_y_num, e_z_num;
   // (13) e_x_num = e_x_pp + e_x_sqr
@@ -292,7 +293,9 @@ module ik_elbow #(
 
   wire signed [W-1:0] inf_pp_at_e_x_num, e_x_quo, e_y_quo, e_z_quo;
   localparam integer SH_QUO = F_E_X_QUO - F_E_X_NUM + F_INF_PP;
-  ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_at_e_x_num (.clk(clk), .d(inf_pp), .q(inf_pp_at_e_x_num));
+  ik_ring #(.W(W), .N(T_E_X_NUM-T_INF_PP)) u_inf_pp_at_e_x_num (
+      .clk(clk), .rst(rst), .d(inf_pp), .q(inf_pp_at_e_x_num)
+  );
   // (13) e_x_quo = e_x_num / inf_pp
   ik_div #(.NW(WW), .DW(W), .SH(SH_QUO), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_e_x_quo (
       .clk(clk), .n(e_x_num), .d(inf_pp_at_e_x_num), .q(e_x_quo), .ovf()
@@ -310,10 +313,10 @@ module ik_elbow #(
   wire clamp_at_e_x_quo, away_at_e_x_quo;
   wire signed [W-1:0] p_w_x_at_e_x_quo, p_w_y_at_e_x_quo, p_w_z_at_e_x_quo;
   ik_ring #(.W(2), .N(T_E_X_QUO-T_K_E)) u_clamp_at_e_x_quo (
-      .clk(clk), .d({away_at_k_e, clamp_at_k_e}), .q({away_at_e_x_quo, clamp_at_e_x_quo})
+      .clk(clk), .rst(rst), .d({away_at_k_e, clamp_at_k_e}), .q({away_at_e_x_quo, clamp_at_e_x_quo})
   );
   ik_ring #(.W(3*W), .N(T_E_X_QUO-T_PI_SWIVEL_X)) u_p_w_at_e_x_quo (
-      .clk(clk), .d({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel}),
+      .clk(clk), .rst(rst), .d({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel}),
       .q({p_w_z_at_e_x_quo, p_w_y_at_e_x_quo, p_w_x_at_e_x_quo})
   );
   wire signed [W-1:0] half_x = p_w_x_at_e_x_quo >>> 2;  // the formats differ by one bit
@@ -332,7 +335,7 @@ module ik_elbow #(
   wire clamp_at_l_sw;
   wire signed [W-1:0] d_1_at_l_sw;
   ik_delay #(.W(1), .N(T_L_SW-T_K_E)) u_clamp_at_l_sw (.clk(clk), .d(clamp_at_k_e), .q(clamp_at_l_sw));
-  ik_ring #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_at_l_sw (.clk(clk), .d(d_1), .q(d_1_at_l_sw));
+  ik_ring #(.W(W), .N(T_L_SW-T_D_1)) u_d_1_at_l_sw (.clk(clk), .rst(rst), .d(d_1), .q(d_1_at_l_sw));
   always @(posedge clk) d_e <= clamp_at_l_sw ? (l_sw >>> 1) : (d_1_at_l_sw >>> 1);
 
 endmodule

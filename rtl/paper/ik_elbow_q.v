@@ -11,6 +11,7 @@ module ik_elbow_q #(
 ) (
     // Clock
     input  wire                clk,
+    input  wire                rst,         // synchronous, for ik_ring
     // From guard
     input  wire signed [W-1:0] d_1,         // T_D_1
     input  wire signed [W-1:0] d_2,
@@ -36,7 +37,7 @@ module ik_elbow_q #(
 
   wire signed [W-1:0] p_a_x_at_p_e_x, p_a_y_at_p_e_x, p_a_z_at_p_e_x;
   ik_ring #(.W(3*W), .N(T_P_E_X-T_P_A_X)) u_p_a_at_p_e_x (
-      .clk(clk), .d({p_a_z, p_a_y, p_a_x}), .q({p_a_z_at_p_e_x, p_a_y_at_p_e_x, p_a_x_at_p_e_x})
+      .clk(clk), .rst(rst), .d({p_a_z, p_a_y, p_a_x}), .q({p_a_z_at_p_e_x, p_a_y_at_p_e_x, p_a_x_at_p_e_x})
   );
   wire signed [W-1:0] f_x;  // p_e - p_w
   wire signed [W-1:0] f_y, f_z;
@@ -73,7 +74,7 @@ module ik_elbow_q #(
   wire signed [W-1:0] d_12, d_12_at_t_e, c4_quo;
   // (14) d_12 = d_1 * d_2
   ik_mul #(.AW(W), .BW(W), .SH(2*F_D_1-F_D_12), .OW(W)) u_d_12 (.clk(clk), .a(d_1), .b(d_2), .q(d_12));
-  ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_at_t_e (.clk(clk), .d(d_12), .q(d_12_at_t_e));
+  ik_ring #(.W(W), .N(T_T_E-T_D_12)) u_d_12_at_t_e (.clk(clk), .rst(rst), .d(d_12), .q(d_12_at_t_e));
   // (14) c4_quo = t_e / d_12
   ik_div #(.NW(W), .DW(W), .SH(F_C4_QUO-F_T_E+F_D_12), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_c4_quo (
       .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // saturation at 2 is harmless: ik_half limits c4 to 1
@@ -81,7 +82,9 @@ module ik_elbow_q #(
 
   // A clamped arm is straight (-1) or folded (+1).
   wire clamp_at_t_e, fold_at_t_e, clamp_at_c4_quo, fold_at_c4_quo;
-  ik_ring #(.W(2), .N(T_T_E-T_CLAMP)) u_clamp_at_t_e (.clk(clk), .d({fold, clamp}), .q({fold_at_t_e, clamp_at_t_e}));
+  ik_ring #(.W(2), .N(T_T_E-T_CLAMP)) u_clamp_at_t_e (
+      .clk(clk), .rst(rst), .d({fold, clamp}), .q({fold_at_t_e, clamp_at_t_e})
+  );
   ik_delay #(.W(2), .N(T_C4_QUO-T_T_E)) u_clamp_at_c4_quo (
       .clk(clk), .d({fold_at_t_e, clamp_at_t_e}), .q({fold_at_c4_quo, clamp_at_c4_quo})
   );

@@ -1,8 +1,8 @@
 // Results Q2.(W-2); inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_paper_nodes.vh.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's dataflow, equations (10) to (19). The pipeline has no enable, and only the valid bits are reset; valid
-// and tag travel with the data.
+// The paper's dataflow, equations (10) to (19). The pipeline has no enable, and only the valid bits and the
+// pointers of ik_ring are reset; valid and tag travel with the data.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
 // clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in the
@@ -81,7 +81,7 @@ module ik_paper #(
 
   wire signed [W-1:0] s, l_sw, pi_swivel_x, pi_swivel_y, pi_swivel_z;
   ik_swivel #(.W(W), .DIGIT(DIGIT)) u_swivel (
-      .clk(clk),
+      .clk(clk), .rst(rst),
       .phi(phi), .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
       .s(s), .l_sw(l_sw), .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z)
   );
@@ -89,7 +89,7 @@ module ik_paper #(
   // Align the target with its swivel plane; 3.2 and 3.5 use both.
   wire signed [W-1:0] p_w_x_at_pi_swivel, p_w_y_at_pi_swivel, p_w_z_at_pi_swivel;
   ik_ring #(.W(3*W), .N(T_PI_SWIVEL_X-T_P_W_X)) u_p_w_at_pi_swivel (
-      .clk(clk), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel})
+      .clk(clk), .rst(rst), .d({p_w_z, p_w_y, p_w_x}), .q({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel})
   );
 
   // ---- 3.2 elbow point ----
@@ -98,7 +98,7 @@ module ik_paper #(
   wire flat, back;
   wire signed [W-1:0] p_e_x, p_e_y, p_e_z, d_e;
   ik_elbow #(.W(W), .DIGIT(DIGIT)) u_elbow (
-      .clk(clk),
+      .clk(clk), .rst(rst),
       .d_1(d_1), .d_2(d_2), .scale_j(scale_j), .d_dif_j(d_dif_j), .clamp(clamp), .away(away), .s(s), .l_sw(l_sw),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
       .p_w_x_at_pi_swivel(p_w_x_at_pi_swivel), .p_w_y_at_pi_swivel(p_w_y_at_pi_swivel),
@@ -111,7 +111,7 @@ module ik_paper #(
 
   wire signed [W-1:0] qe_w, qe_i;
   ik_elbow_q #(.W(W), .DIGIT(DIGIT)) u_elbow_q (
-      .clk(clk),
+      .clk(clk), .rst(rst),
       .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .fold(fold),
       .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
       .qe_w(qe_w), .qe_i(qe_i)
@@ -121,7 +121,7 @@ module ik_paper #(
 
   wire signed [W-1:0] q12_i, q12_j, q12_k;
   ik_to_elbow #(.W(W), .DIGIT(DIGIT)) u_to_elbow (
-      .clk(clk),
+      .clk(clk), .rst(rst),
       .d_e(d_e), .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
       .q12_i(q12_i), .q12_j(q12_j), .q12_k(q12_k)
   );
@@ -130,7 +130,7 @@ module ik_paper #(
 
   wire signed [W-1:0] qs_w, qs_i, qs_j, qs_k;
   ik_to_wrist #(.W(W), .DIGIT(DIGIT)) u_to_wrist (
-      .clk(clk),
+      .clk(clk), .rst(rst),
       .pi_swivel_x(pi_swivel_x), .pi_swivel_y(pi_swivel_y), .pi_swivel_z(pi_swivel_z),
       .p_w_x_at_pi_swivel(p_w_x_at_pi_swivel), .p_w_y_at_pi_swivel(p_w_y_at_pi_swivel),
       .p_w_z_at_pi_swivel(p_w_z_at_pi_swivel),
@@ -143,8 +143,8 @@ module ik_paper #(
 
   wire signed [W-1:0] qs_k_at_out, qe_w_at_out, qe_i_at_out;
   ik_delay #(.W(W), .N(T_OUT-T_QS_K)) u_qs_k_at_out (.clk(clk), .d(qs_k), .q(qs_k_at_out));
-  ik_ring #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_at_out (.clk(clk), .d(qe_w), .q(qe_w_at_out));
-  ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_at_out (.clk(clk), .d(qe_i), .q(qe_i_at_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_W)) u_qe_w_at_out (.clk(clk), .rst(rst), .d(qe_w), .q(qe_w_at_out));
+  ik_ring #(.W(W), .N(T_OUT-T_QE_I)) u_qe_i_at_out (.clk(clk), .rst(rst), .d(qe_i), .q(qe_i_at_out));
   assign out_data = {qe_i_at_out, qe_w_at_out, qs_k_at_out, qs_j, qs_i, qs_w};
 
   wire too_far_at_out, too_near_at_out, on_axis_at_out, at_shoulder_at_out, bad_length_at_out;
@@ -154,7 +154,7 @@ module ik_paper #(
       .q({bad_length_at_too_far, at_shoulder_at_too_far, on_axis_at_too_far})
   );
   ik_ring #(.W(5), .N(T_OUT-T_TOO_FAR)) u_too_far_at_out (
-      .clk(clk), .d({bad_length_at_too_far, at_shoulder_at_too_far, on_axis_at_too_far, too_near, too_far}),
+      .clk(clk), .rst(rst), .d({bad_length_at_too_far, at_shoulder_at_too_far, on_axis_at_too_far, too_near, too_far}),
       .q({bad_length_at_out, at_shoulder_at_out, on_axis_at_out, too_near_at_out, too_far_at_out})
   );
   assign out_flags = {

@@ -14,6 +14,7 @@ module ik_swivel #(
 ) (
     // Clock
     input  wire                clk,
+    input  wire                rst,          // synchronous, for ik_ring
     // Target
     input  wire signed [W-1:0] phi,          // binary angle, at clock 0
     // From guard
@@ -91,9 +92,9 @@ module ik_swivel #(
 
   wire signed [W-1:0] a_x_at_sin_phi, a_y_at_sin_phi, rho_at_sin_phi;
   ik_ring #(.W(2*W), .N(T_SIN_PHI-T_A_X)) u_a_at_sin_phi (
-      .clk(clk), .d({a_y, a_x}), .q({a_y_at_sin_phi, a_x_at_sin_phi})
+      .clk(clk), .rst(rst), .d({a_y, a_x}), .q({a_y_at_sin_phi, a_x_at_sin_phi})
   );
-  ik_ring #(.W(W), .N(T_SIN_PHI-T_RHO)) u_rho_at_sin_phi (.clk(clk), .d(rho), .q(rho_at_sin_phi));
+  ik_ring #(.W(W), .N(T_SIN_PHI-T_RHO)) u_rho_at_sin_phi (.clk(clk), .rst(rst), .d(rho), .q(rho_at_sin_phi));
 
   wire signed [WW-1:0] sa_x;  // sin phi p_z b_x
   wire signed [WW-1:0] sa_y;
@@ -113,7 +114,7 @@ module ik_swivel #(
 
   wire signed [W-1:0] b_x_at_cos_phi, b_y_at_cos_phi;
   ik_ring #(.W(2*W), .N(T_COS_PHI-T_B_X)) u_b_at_cos_phi (
-      .clk(clk), .d({b_y, b_x}), .q({b_y_at_cos_phi, b_x_at_cos_phi})
+      .clk(clk), .rst(rst), .d({b_y, b_x}), .q({b_y_at_cos_phi, b_x_at_cos_phi})
   );
 
   wire signed [W-1:0] cb_x;  // cos phi b_x

@@ -18,6 +18,7 @@ module ik_to_elbow #(
 ) (
     // Clock
     input  wire                clk,
+    input  wire                rst,          // synchronous, for ik_ring
     // From elbow
     input  wire signed [W-1:0] d_e,          // length of the upper arm in the unit of p_e, T_D_E
     input  wire signed [W-1:0] p_e_x,        // T_P_E_X
@@ -36,7 +37,7 @@ module ik_to_elbow #(
   // ---- (15) h = d1 - p_ez below, d1 + p_ez above the shoulder ----
 
   wire signed [W-1:0] d_e_at_p_e_z, h;
-  ik_ring #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_at_p_e_z (.clk(clk), .d(d_e), .q(d_e_at_p_e_z));
+  ik_ring #(.W(W), .N(T_P_E_Z-T_D_E)) u_d_e_at_p_e_z (.clk(clk), .rst(rst), .d(d_e), .q(d_e_at_p_e_z));
   wire signed [W-1:0] abs_z;
   ik_pick #(.W(W)) u_abs_z (.clk(clk), .a(p_e_z), .b(p_e_z), .use_b(1'b1), .minus(p_e_z[W-1]), .q(abs_z));
   reg signed [W-1:0] d_e_q, h_q;
@@ -124,7 +125,7 @@ module ik_to_elbow #(
   wire signed [W-1:0] l_m_x_at_l_m, l_m_y_at_l_m, l_m_z_at_l_m;
   localparam integer SH_Q = F_Q12_I - F_L_M_X + F_L_M;
   ik_ring #(.W(3*W), .N(T_L_M-T_L_M_X)) u_l_m_at_l_m (
-      .clk(clk), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
+      .clk(clk), .rst(rst), .d({l_m_z, l_m_y, l_m_x}), .q({l_m_z_at_l_m, l_m_y_at_l_m, l_m_x_at_l_m})
   );
   // (15) q12_i = l_m_x / l_m
   ik_div #(.NW(W), .DW(W), .SH(SH_Q), .QW(W), .LAT(LAT_DIV), .DIGIT(DIGIT)) u_q12_i (

@@ -13,6 +13,7 @@ module ik_to_wrist #(
 ) (
     // Clock
     input  wire                clk,
+    input  wire                rst,                 // synchronous, for ik_ring
     // From swivel
     input  wire signed [W-1:0] pi_swivel_x,         // T_PI_SWIVEL_X
     input  wire signed [W-1:0] pi_swivel_y,
@@ -75,7 +76,7 @@ module ik_to_wrist #(
 
   wire signed [W-1:0] pi_swivel_x_at_q12_i, pi_swivel_y_at_q12_i, pi_swivel_z_at_q12_i;
   ik_ring #(.W(3*W), .N(T_Q12_I-T_PI_SWIVEL_X)) u_pi_swivel_at_q12_i (
-      .clk(clk), .d({pi_swivel_z, pi_swivel_y, pi_swivel_x}),
+      .clk(clk), .rst(rst), .d({pi_swivel_z, pi_swivel_y, pi_swivel_x}),
       .q({pi_swivel_z_at_q12_i, pi_swivel_y_at_q12_i, pi_swivel_x_at_q12_i})
   );
 
@@ -126,7 +127,7 @@ module ik_to_wrist #(
   );
 
   wire signed [W-1:0] pi_inv_at_c3_num, c3;
-  ik_ring #(.W(W), .N(T_C3_NUM-T_PI_INV)) u_pi_inv_at_c3_num (.clk(clk), .d(pi_inv), .q(pi_inv_at_c3_num));
+  ik_ring #(.W(W), .N(T_C3_NUM-T_PI_INV)) u_pi_inv_at_c3_num (.clk(clk), .rst(rst), .d(pi_inv), .q(pi_inv_at_c3_num));
   // (17) c3 = c3_num * pi_inv
   ik_mul #(.AW(W), .BW(W), .SH(F_C3_NUM+F_PI_INV-F_C3), .OW(W)) u_c3 (
       .clk(clk), .a(c3_num), .b(pi_inv_at_c3_num), .q(c3)
@@ -139,11 +140,11 @@ module ik_to_wrist #(
   wire signed [W-1:0] p_w_x_at_flat, p_w_y_at_flat, p_w_z_at_flat, pp_1_m_at_flat, pp_2_m_at_flat, pp_3_m_at_flat;
   wire back_at_flat;
   ik_ring #(.W(3*W), .N(T_FLAT-T_PI_SWIVEL_X)) u_p_w_at_flat (
-      .clk(clk), .d({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel}),
+      .clk(clk), .rst(rst), .d({p_w_z_at_pi_swivel, p_w_y_at_pi_swivel, p_w_x_at_pi_swivel}),
       .q({p_w_z_at_flat, p_w_y_at_flat, p_w_x_at_flat})
   );
   ik_ring #(.W(3*W), .N(T_FLAT-T_PP_1_M)) u_pp_at_flat (
-      .clk(clk), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_at_flat, pp_2_m_at_flat, pp_1_m_at_flat})
+      .clk(clk), .rst(rst), .d({pp_3_m, pp_2_m, pp_1_m}), .q({pp_3_m_at_flat, pp_2_m_at_flat, pp_1_m_at_flat})
   );
   ik_delay #(.W(1), .N(T_FLAT-T_BACK)) u_back_at_flat (.clk(clk), .d(back), .q(back_at_flat));
   wire signed [W-1:0] side_x, side_y, side_z;
@@ -159,7 +160,7 @@ module ik_to_wrist #(
 
   wire signed [W-1:0] side_x_at_q12_i, side_y_at_q12_i, side_z_at_q12_i;
   ik_ring #(.W(3*W), .N(T_Q12_I-T_SIDE_X)) u_side_at_q12_i (
-      .clk(clk), .d({side_z, side_y, side_x}), .q({side_z_at_q12_i, side_y_at_q12_i, side_x_at_q12_i})
+      .clk(clk), .rst(rst), .d({side_z, side_y, side_x}), .q({side_z_at_q12_i, side_y_at_q12_i, side_x_at_q12_i})
   );
 
   wire signed [WW-1:0] sg_r, sg_y, sg_z;
@@ -217,7 +218,7 @@ module ik_to_wrist #(
 
   wire signed [W-1:0] q12_i_at_q3_scalar, q12_j_at_q3_scalar, q12_k_at_q3_scalar;
   ik_ring #(.W(3*W), .N(T_Q3_SCALAR-T_Q12_I)) u_q12_at_q3_scalar (
-      .clk(clk), .d({q12_k, q12_j, q12_i}), .q({q12_k_at_q3_scalar, q12_j_at_q3_scalar, q12_i_at_q3_scalar})
+      .clk(clk), .rst(rst), .d({q12_k, q12_j, q12_i}), .q({q12_k_at_q3_scalar, q12_j_at_q3_scalar, q12_i_at_q3_scalar})
   );
   wire signed [WW-1:0] w_kk, i_is, i_jk, j_js, j_ik, k_ks;
   localparam integer SH_S = F_Q12_I + F_Q3_SCALAR - F_I_IS;

@@ -136,9 +136,9 @@ localparam integer TABLE_BITS = {TABLE_BITS};
 localparam integer SINCOS_GUARD = {SINCOS_GUARD};
 localparam [{TABLE_BITS - 1}:0] GAIN = {TABLE_BITS}'d{cordic_gain()};
 
-function [{TABLE_BITS - 1}:0] atan_turn(input integer i);
+function [{TABLE_BITS - 1}:0] atan_turn(input integer k);
   begin
-    case (i)
+    case (k)
 {entries}
       default: atan_turn = {TABLE_BITS}'d0;
     endcase

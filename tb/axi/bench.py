@@ -254,7 +254,8 @@ class Bench:
     async def reset(self) -> None:
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
-        await ClockCycles(self.dut.clk, 3)
+        for _ in range(int(os.environ.get("IK_RESET", "3"))):
+            await RisingEdge(self.dut.clk)
         self.dut.rst.value = 0
         await RisingEdge(self.dut.clk)
 

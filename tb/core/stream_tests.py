@@ -7,9 +7,11 @@ simulation time. tb/rules checks the AXI4-Stream rules in every clock.
 
 from __future__ import annotations
 
+import os
+
 import cocotb
 import numpy as np
-from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
@@ -25,7 +27,7 @@ async def started(dut, nodes: bool = False) -> Pipeline:
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.unknown_while_idle())
-    await bench.reset()
+    await bench.reset(clocks=int(os.environ.get("IK_RESET", "4")))
     return bench
 
 
@@ -181,6 +183,18 @@ async def reset_in_any_clock(dut):
         await bench.drain()
         bench.check()
         assert len(bench.results) == before + 2, f"after a reset in clock {clocks}"
+
+
+@cocotb.test()
+async def not_ready_under_reset(dut):
+    """Nothing is taken under reset: tready falls with it."""
+    bench = await started(dut)
+    bench.send(mixed(2, bench.width, seed=8))
+    while dut.s_axis_tready.value != 1:
+        await FallingEdge(dut.clk)
+    dut.rst.value = 1
+    await Timer(1, unit="ns")
+    assert dut.s_axis_tready.value == 0, "tready is high under reset"
 
 
 @cocotb.test()

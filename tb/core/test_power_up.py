@@ -5,6 +5,7 @@ Registers start as X under Icarus, which runs the check of the ports alone. Veri
 at random: several seeds run streams and jobs as well.
 """
 
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -14,6 +15,7 @@ from tb.core.test_streams import SETS
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
+from tb.sim.sources import sources
 
 ICARUS = simulator() == "icarus"
 SEEDS = range(1, 2) if ICARUS else range(3, 13)
@@ -30,6 +32,9 @@ TOPS = [  # parameters of other tests, whose builds are reused
     pytest.param("ik_axi", {}, "power_up|one_record|after_a_reset", id="memory"),
 ]
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
+INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)
+"""Initial value of registers; memories have theirs from a loop or a list."""
+BARE = "one_result|after=few|one_record|after_a_reset"
 MODULES = {"ik_axis": "tb.core.stream_tests", "ik_axi": "tb.axi.ik_axi,tb.axi.registers"}
 
 pytestmark = [pytest.mark.sim, *([] if ICARUS else [pytest.mark.cost(60)])]
@@ -55,3 +60,20 @@ def test_nothing_depends_on_the_start(top, parameters, tests):
 @pytest.mark.slow
 def test_a_register_without_an_initial_value_is_detected(tmp_path):
     assert any(failing("ik_axis", {"W": 16}, BUG.fails, root=copy_rtl(tmp_path, BUG), name="start"))
+
+
+@pytest.mark.skipif(not ICARUS, reason="Verilator has no X")
+@pytest.mark.parametrize(("top", "parameters"), [pytest.param(*one.values[:2], id=one.id) for one in TOPS])
+def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path):
+    """Without initial values registers are X until a reset of one clock; memories keep their contents."""
+    changed = 0
+    for path in sources(copy_rtl(tmp_path)):
+        text, count = INITIAL.subn("", path.read_text())
+        path.write_text(text)
+        changed += count
+    assert changed == sum(len(re.findall(r"\n +initial (?!begin|for)", path.read_text())) for path in sources())
+    memory = tmp_path / "rtl" / "fold" / "ik_fold_memory.v"
+    stop = "always @(posedge clk) if (w_en === 1'bx) $finish;"  # a write of X would not show in Icarus
+    memory.write_text(memory.read_text().replace("endmodule", f"{stop}\nendmodule"))
+    env = {"COCOTB_TEST_FILTER": BARE, "IK_RESET": "0"}
+    simulate(top, MODULES[top], parameters=parameters, env=env, root=tmp_path, name="bare")

@@ -130,7 +130,7 @@ always @* if (f_on) begin
   offered_in_time : assert (f_quiet <= PERIOD + f_end_clock - f_take_clock);
   ready_in_time : assert (f_shut <= PERIOD + f_take_clock);
   // a target in every PERIOD clocks while neither side waits
-  full_rate : assert (!f_steady || f_since < PERIOD || (f_since == PERIOD && s_axis_tready));
+  full_rate : assert (rst || !f_steady || f_since < PERIOD || (f_since == PERIOD && s_axis_tready));
 end
 
 // ---- helping invariants, asserted as well, for a program that answers in the next lap ----
