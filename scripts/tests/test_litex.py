@@ -9,7 +9,7 @@ import pytest
 
 
 @pytest.mark.slow
-@pytest.mark.cost(40)
+@pytest.mark.cost(20)
 @pytest.mark.skipif(
     not (find_spec("litex") and shutil.which("riscv64-unknown-elf-gcc")),
     reason="the tools of requirements/litex.lock are not installed: `make -C examples/litex`",
