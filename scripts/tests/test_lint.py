@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the findings of scripts/lint.py on small modules and files."""
 
+from importlib.util import find_spec
+
 import pytest
 
 from scripts import lint
@@ -20,6 +22,9 @@ endmodule
 `default_nettype wire
 """
 
+SLANG = pytest.mark.skipif(not find_spec("pyslang"), reason="pyslang needs Python 3.11")
+SECOND = pytest.mark.skipif(not lint.verilators()[1:], reason="no Verilator but the checkout's")
+
 
 @pytest.mark.parametrize(
     ("old", "new", "finding"),
@@ -31,8 +36,12 @@ endmodule
         ("input  wire                clk", "input  logic               clk", "%Error"),
         ("always @(posedge clk)\n", "always @(*) if (clk)\n", "LATCH"),
         ("module ik_add", "module ik_sub", "ik_add"),
+        pytest.param(
+            "        s <= ", "        s <= t;\n    wire signed [W:0] t = ", "before its declaration", marks=SLANG
+        ),
+        pytest.param("[W-1:0] a,", "[W-(W>0):0] a,", "WIDTH", marks=SECOND),
     ],
-    ids=["clean", "width", "width at 18", "implicit net", "SystemVerilog", "latch", "name"],
+    ids=["clean", "width", "width at 18", "implicit net", "SystemVerilog", "latch", "name", "slang", "5.006"],
 )
 def test_findings(tmp_path, old, new, finding):
     file = tmp_path / "ik_add.v"

