@@ -97,7 +97,7 @@ class Pipeline:
     """
 
     def __init__(self, dut, nodes: bool = True) -> None:
-        self.dut = dut
+        self.dut, self.core = dut, getattr(dut, "u", dut)  # a wrapper of tb/sim/wrapper_top.py has the core in u
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
         data, tag = len(FIELDS) * self.slot, self.tag_width
@@ -117,7 +117,7 @@ class Pipeline:
         self.scoreboard = Scoreboard(self._handle, probe.values() if nodes else ())
         path = CONFIGURATIONS[self.datapath]
         self.period, self.behind = path.period, path.behind
-        self.go = getattr(dut, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
+        self.go = getattr(self.core, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
         self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # all announced targets, in order
@@ -137,7 +137,7 @@ class Pipeline:
 
     def module(self, node: Node):
         """Return the module instance that contains a node."""
-        core = getattr(self.dut, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
+        core = getattr(self.core, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
         return getattr(core, node.instance) if node.instance else core
 
     def _handle(self, node: Node):
