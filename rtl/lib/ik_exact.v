@@ -22,7 +22,8 @@ module ik_exact #(
     end
   endgenerate
 
-  localparam integer L = W / 2;  // width of the low half, unsigned
+  // Width of the low half, unsigned; not 9, because Yosys' synth_intel_alm takes an unsigned 9x9 product for a signed one
+  localparam integer L = (W / 2 == 9) ? 8 : W / 2;
   localparam integer H = W - L;  // width of the high half, signed
 
   // operands
