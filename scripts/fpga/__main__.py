@@ -5,10 +5,10 @@
         [--farm tcp://HOST:PORT]
 
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
-ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Every run is cached in build/fpga under a hash of
-its sources, options and tools: a repeated command is quick, an interrupted one resumes. With --farm, Dask workers
-execute the runs in parallel (scripts/parallel.py). The figures go to fpga.json, the source of the page fpga.md; --page
-only renders the page.
+ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated next to the RTL; one that
+differs has no figures. Every run is cached in build/fpga under a hash of its sources, options and tools: a repeated
+command is quick, an interrupted one resumes. With --farm, Dask workers execute the runs in parallel
+(scripts/parallel.py). The figures go to fpga.json, the source of the page fpga.md; --page only renders the page.
 """
 
 from __future__ import annotations
@@ -64,7 +64,8 @@ def describe(design: Design) -> dict:
 
 
 class Measurement:
-    """Figures of fpga.json, written after each run. ``left_out``: a line for each run that timed out.
+    """Figures of fpga.json, written after each run. ``left_out``: a line for each run that timed out
+    or whose netlist differs from the RTL.
 
     ``tried`` in the file is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
     """
@@ -89,7 +90,8 @@ class Measurement:
                     for figures in found:
                         replace(run, seed=figures.get("seed", run.seed)).cache(figures)
                 if not found:
-                    self.left_out.append(f"{run.title}: not done in time")
+                    self.data["runs"].pop(run.title, None)
+                    self.left_out.append(f"{run.title}: no figures")
                     continue
                 best[run.title] = max(found, key=lambda figures: figures["mhz"]) if run.aim else found[0]
                 extra = {"tried": [figures["mhz"] for figures in found]} if run.aim else {}
@@ -143,7 +145,7 @@ class Measurement:
         switch("--page", "only write the page from the figures"),
         parallel.FARM,
     ],
-    fails="a run was not done in time",
+    fails="a run was not done in time, or a netlist differs from the RTL",
 )
 def main(options: SimpleNamespace) -> int:
     if options.farm and options.page:

@@ -6,19 +6,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import re
-import subprocess
 import sys
-import time
 from dataclasses import dataclass, replace
-from importlib import metadata
 from pathlib import Path
 
 from scripts.fpga import netlist
-from scripts.fpga.netlist import ToolError
+from scripts.fpga.simulation import Ports, simulated
+from scripts.fpga.tools import LeftOutError, call, program, version
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, digest
-from tb.sim.subprocesses import compiled
 
 BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
@@ -32,6 +28,12 @@ PERIOD = "scratchpad -set abc9.D 10000; "
 
 # A synchronous reset derived from data would keep a register out of a multiplier.
 _ECP5 = "synth_ecp5 -top {top} -run begin:map_ffs; dffunmap -srst-only; opt_clean; synth_ecp5 -top {top} -run map_ffs:"
+# Products whose shorter operand has at most 7 bits, in logic: W = 32 and 24 have more products than the ECP5-85k has
+# multipliers.
+SOFT = (
+    "proc; flatten; opt_expr; opt_clean; opt -nodffe -nosdff; wreduce; chtype -set $__soft_mul t:$mul r:B_WIDTH<=7 %i"
+)
+_SOFT = f"synth_ecp5 -top {{top}} -run begin:coarse; {SOFT}; " + _ECP5.replace("begin:", "coarse:")
 _XILINX = PERIOD + "synth_xilinx -family {family}{flatten} -noiopad -noclkbuf -top {top}"
 # SRL16 from 12 clocks on: a slice has one flip-flop per LUT, and flip-flops are not scarce.
 SYNTHESIZE = {
@@ -39,6 +41,7 @@ SYNTHESIZE = {
     "xc7": _XILINX,
     "xcup": _XILINX,
     "ecp5": _ECP5,
+    "ecp5-soft": _SOFT,
     "ecp5-12k": PERIOD + _ECP5,
     "up5k": "synth_ice40 -device u -dsp -top {top}",
     "gowin": PERIOD + "synth_gowin -family gw2a -noiopads -top {top}",
@@ -47,20 +50,14 @@ SYNTHESIZE = {
 
 PLACE = {
     "ecp5": "nextpnr-ecp5 --85k --speed 8 --package CABGA381 --out-of-context --freq 200 --timing-allow-fail",
+    "ecp5-soft": "nextpnr-ecp5 --85k --speed 8 --package CABGA381 --out-of-context --freq 200 --timing-allow-fail",
     "ecp5-12k": "nextpnr-ecp5 --12k --speed 6 --package CABGA256 --out-of-context --freq 100 --timing-allow-fail",
     "up5k": "nextpnr-ice40 --up5k --package sg48 --freq 33 --timing-allow-fail",
 }
 """Family -> place-and-route tool with its options."""
 
-LIMIT = 40 * 60.0
-"""Seconds for one tool run."""
-
 SEEDS = range(1, 5)
 """Placement seeds, tried until the aim is reached."""
-
-
-class TimeOutError(ToolError):
-    """A tool exceeded its time limit."""
 
 
 def commands() -> dict[str, str]:
@@ -69,26 +66,6 @@ def commands() -> dict[str, str]:
     synthesis = {family: text.format(family=family, **own) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
     return synthesis | place
-
-
-def version(tool: str) -> str:
-    """Return the version of a tool, without its build number. Raises ToolError if it is not installed."""
-    try:
-        return re.match(r"\d+\.\d+(\.[1-9]\d*)?", metadata.version(f"yowasp-{tool}"))[0]
-    except metadata.PackageNotFoundError:
-        raise ToolError(f"yowasp-{tool} is not installed: run `make fpga`") from None
-
-
-def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> int:
-    """Run a tool with low priority in its folder; return the seconds it took."""
-    start = time.monotonic()
-    try:
-        done = compiled(["env", "-C", folder, "nice", *command], limit)
-    except subprocess.TimeoutExpired:
-        raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out") from None
-    if done.returncode:
-        raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
-    return round(time.monotonic() - start)
 
 
 @dataclass(frozen=True)
@@ -121,6 +98,9 @@ class Run:
         """Return the source files, the module's own first."""
         return closure(self.top, instead=ECHO if self.echo else ())
 
+    def ports(self) -> Ports:
+        return Ports(self.files()[0].read_text())
+
     def script(self) -> str:
         files = [path.name for path in self.files() if path.suffix == ".v"]
         top = self.top
@@ -138,12 +118,12 @@ class Run:
     def extra(self) -> dict[str, str]:
         """Return the files to add to the sources: name -> content."""
         if self.kind == "place":
-            return {"fpga_top.v": wrapper(self.files()[0].read_text(), self.values)}
+            return {"fpga_top.v": self.ports().wrapper(self.values, "fpga_top")}
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}
 
     def key(self, placed: bool = True) -> str:
         """Return the hash of all inputs to the figures, or to the netlist alone."""
-        parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys")]
+        parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys"), "simulated"]
         if self.kind == "place" and placed:
             command = PLACE[self.family]
             parts += [command, str(self.seed), netlist.PACKER, version(command.split()[0])]
@@ -172,12 +152,14 @@ class Run:
         folder.mkdir(parents=True, exist_ok=True)
         stat = json.loads((synthesized / "stat.json").read_text())
         figures = {"rtl": digest(self.files()), "synthesis_s": seconds, "cells": netlist.counted(stat, self.family)}
+        design = json.loads((synthesized / "netlist.json").read_text())
+        if self.kind == "place" and self.family != "up5k":
+            figures["packed"] = netlist.pack_registers(design["modules"]["fpga_top"])
+        rtl = (self.files(), self.ports(), self.values)
+        figures["simulated"] = simulated(synthesized, design, *rtl, self.family, self.kind == "place")
         if self.kind == "tree":
             figures["sections"] = netlist.by_section(stat, self.family)
         if self.kind == "place":
-            design = json.loads((synthesized / "netlist.json").read_text())
-            if self.family != "up5k":
-                figures["packed"] = netlist.pack_registers(design["modules"]["fpga_top"])
             packed = folder / "packed.json"
             packed.write_text(json.dumps(design))
             figures["place_s"], report = self._nextpnr(packed, folder, "--seed", str(self.seed))
@@ -197,7 +179,7 @@ class Run:
             texts = {path.name: path.read_text() for path in self.files()} | self.extra() | {"run.ys": self.script()}
             for name, text in texts.items():
                 (folder / name).write_text(text)
-            command = [_program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
+            command = [program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
             seconds.write_text(str(call(command, folder, self.name)))
         return json.loads(seconds.read_text())
 
@@ -205,26 +187,23 @@ class Run:
         """Return the seconds it took and the report."""
         tool, *words = PLACE[self.family].split()
         # An absolute path would fail below /tmp, where the tool has a private folder.
-        command = [_program(tool), *words, *options, "--json", os.path.relpath(design, folder)]
+        command = [program(tool), *words, *options, "--json", os.path.relpath(design, folder)]
         command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
         return call(command, folder, self.name), json.loads((folder / "report.json").read_text())
-
-
-def _program(tool: str) -> str:
-    return str(Path(sys.prefix) / "bin" / f"yowasp-{tool}")
 
 
 def attempts(first: Run, cached: bool = False) -> list[dict]:
     """Return the figures of a run, or of a placement by seeds up to the first that reaches the aim.
 
-    Runs that timed out are left out. cached: use the cache only; return an empty list if a run is missing there.
+    Runs that timed out, or whose netlist differs from the RTL, are left out. cached: use the cache only; return an
+    empty list if a run is missing there.
     """
     found = []
     for seed in SEEDS if first.aim else [first.seed]:
         run = replace(first, seed=seed)
         try:
             figures = run.cached() if cached else run.done()
-        except TimeOutError as error:
+        except LeftOutError as error:
             print(error, file=sys.stderr)
             continue
         if figures is None:
@@ -233,43 +212,3 @@ def attempts(first: Run, cached: bool = False) -> list[dict]:
         if first.aim and figures["mhz"] >= first.aim:
             break
     return found
-
-
-HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re.M | re.S)
-PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
-
-
-def wrapper(text: str, values: dict) -> str:
-    """Return a four-pin module fpga_top around the module in ``text``.
-
-    One shift register drives the inputs and another captures the outputs, so every path of the module lies between
-    registers and no part of it can be optimized away.
-    """
-    name, parameters, header = HEADER.search(re.sub(r"//[^\n]*", "", text)).groups()
-    names = re.findall(r"(\w+)\s*=", parameters or "")
-    parameters = re.sub(r"(\w+)\s*=\s*([^,\n]+)", lambda m: f"{m[1]} = {values.get(m[1], m[2])}", parameters or "")
-    ports = PORT.findall(header)
-    sides = {way: [(label, high) for side, high, label in ports if side == way and label != "clk"]
-             for way in ("input", "output")}  # fmt: skip
-    bits = {way: " + ".join(f"({high or 0}) + 1" for _, high in of) for way, of in sides.items()}
-    joined = {way: ", ".join(label for label, _ in of) for way, of in sides.items()}
-    wires = "\n".join(f"  wire [{high or 0}:0] {label};" for of in sides.values() for label, high in of)
-    return f"""module fpga_top {f"#({parameters})" if names else ""} (
-    input wire clk, input wire in, input wire load, output wire out);
-  localparam integer IN = {bits["input"]};
-  localparam integer OUT = {bits["output"]};
-{wires}
-  reg [IN-1:0] in_q;
-  reg [OUT-1:0] out_q;
-  reg load_q;
-  always @(posedge clk) begin
-    in_q <= {{in_q[IN-2:0], in}};
-    load_q <= load;
-    out_q <= load_q ? {{{joined["output"]}}} : {{out_q[OUT-2:0], 1'b0}};
-  end
-  assign {{{joined["input"]}}} = in_q;
-  assign out = out_q[OUT-1];
-  {name} {f"#({', '.join(f'.{p}({p})' for p in names)})" if names else ""} dut (
-    {", ".join(f".{label}({label})" for _, _, label in ports)});
-endmodule
-"""

