@@ -33,7 +33,7 @@ MODULE_SETS = {
     ],
     "ik_axi_target": [{"W": width} for width in (32, 31, 18, 16)],
     "ik_axis": [*({"W": width} for width in (32, 24, 18, 16)), {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
-    "ik_axis_bytes": [{"W": width} for width in (32, 25, 18)],
+    "ik_axis_bytes": [{"W": 18}],
     "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
     "ik_fold": [{"W": width} for width in (32, 24, 20)],
     "ik_fold_norm": [{}],

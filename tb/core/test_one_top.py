@@ -16,6 +16,7 @@ CORES = {
 
 
 @pytest.mark.sim
+@pytest.mark.slow
 @pytest.mark.cost(60)
 def test_four_cores_in_one_top():
     simulate(TOP, "tb.core.one_top", top=top_of(CORES), env={"IK_INSTANCES": json.dumps(list(CORES))}, name="four")

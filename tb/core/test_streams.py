@@ -58,6 +58,7 @@ def test_streams(failures, name):
     assert name not in failures, failures[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in TESTS if "idle=bursts/stall=bursts" in name or "after=out" in name])
 @pytest.mark.parametrize("failures", BYTES, indirect=True)
 def test_words_of_whole_bytes(failures, name):

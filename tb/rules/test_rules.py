@@ -69,7 +69,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("soft_reset_drains", FAULTS, "soft_reset", JOB,
      "if (read_idle && write_idle)", "if (aborted || (read_idle && write_idle))"),
     ("counters", JOBS, "counters", JOB, "write_stalls <= write_stalls + 32'd1", "write_stalls <= write_stalls"),
-    ("strobes", REGISTERS, "strobes", REGS, "strobes[i] ? data[8*i+:8]", "1'b1 ? data[8*i+:8]"),
+    ("strobes", REGISTERS, "strobes", REGS, "if (strobes[i]) merged", "merged"),
     ("irq_enable", REGISTERS, "pulses", REGS, "(irq_status & irq_enable) != 0", "irq_status != 0"),
 ]  # fmt: skip
 
