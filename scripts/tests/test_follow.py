@@ -204,6 +204,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
 
 @pytest.mark.sim
 @pytest.mark.cost(10)
+@pytest.mark.slow
 def test_a_recording_of_the_paper_datapath(command, tmp_path):
     """Every node stands at its clock; save files name signals of the VCD and show words as numbers; internals of delay
     lines and operators are not recorded."""

@@ -27,7 +27,11 @@ def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **
 
 @pytest.mark.sim
 @pytest.mark.cost(40)
-@pytest.mark.parametrize("parameters", ECHO[:1] if ICARUS else ECHO, ids=named)
+@pytest.mark.parametrize(
+    "parameters",
+    ECHO[:1] if ICARUS else [*ECHO[:3], *(pytest.param(one, marks=pytest.mark.slow) for one in ECHO[3:])],
+    ids=named,
+)
 def test_around_the_core(tmp_path, parameters):
     """All tests with an echo instead of the datapath; Icarus runs the short ones on one instance."""
     left_out = LONG if ICARUS else SAME if parameters != ECHO[0] else ""

@@ -25,7 +25,13 @@ EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
 TOPS = [  # parameters of other tests, whose builds are reused
     *(
-        pytest.param("ik_axis", {"W": width, "TAG_W": tag, **CONFIGURATIONS[path].parameters}, STREAMS, id=name)
+        pytest.param(
+            "ik_axis",
+            {"W": width, "TAG_W": tag, **CONFIGURATIONS[path].parameters},
+            STREAMS,
+            id=name,
+            marks=[] if ICARUS or path == "fold" else [pytest.mark.slow],
+        )
         for name, (path, width, tag) in SETS.items()
         if ICARUS or path != "paper"
     ),

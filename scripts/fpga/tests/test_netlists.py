@@ -79,12 +79,11 @@ def test_a_wrong_netlist_is_refused(tmp_path, family, factor):
         mapped(tmp_path, family, factor)
 
 
-@pytest.mark.parametrize(("kind", "pins"), [("MULT18X18D", ("A0", "A1")), ("DP16KD", ("ADA5", "ADA6"))])
-def test_a_swapped_connection_is_found(tmp_path, kind, pins):
+def test_a_swapped_connection_is_found(tmp_path):
     def change(module):
-        cells = [cell["connections"] for cell in module["cells"].values() if cell["type"] == kind]
-        nets = next(nets for nets in cells if all(isinstance(nets[pin][0], int) for pin in pins))
-        nets[pins[0]], nets[pins[1]] = nets[pins[1]], nets[pins[0]]
+        cells = [cell["connections"] for cell in module["cells"].values() if cell["type"] == "DP16KD"]
+        nets = next(nets for nets in cells if all(isinstance(nets[pin][0], int) for pin in ("ADA5", "ADA6")))
+        nets["ADA5"], nets["ADA6"] = nets["ADA6"], nets["ADA5"]
 
     with pytest.raises(simulation.DiffersError):
         mapped(tmp_path, "ecp5", change=change)
