@@ -34,9 +34,10 @@ PROGRAMS = {
     "chromium": ["chromium"],
     "graphviz": ["dot"],
 }
-PROGRAMS.update({extra: [] for extra in EXTRAS}, table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
+PROGRAMS.update({extra: [] for extra in EXTRAS}, table6=["cc"])
+# Programs for quicker builds, a stricter lint, a test more
+OPTIONAL = {"verilator": "ccache", "lint": "verilator", "litex": "riscv64-unknown-elf-gcc"}
 # Debian packages of another name than their program
-OPTIONAL = {"verilator": "ccache", "lint": "verilator"}  # package that makes builds faster, or the lint stricter
 PACKAGE = {"vvp": "iverilog", "dot": "graphviz", "cc": "g++", "riscv64-unknown-elf-gcc": "gcc-riscv64-unknown-elf"}
 # Programs of an extra that compile themselves when they first run. Set-up runs them, since two that do so at once
 # overwrite each other's file and crash.
@@ -114,7 +115,7 @@ def apt_prefix():
     return None
 
 
-def install_packages(packages):
+def install_packages(packages, required=True):
     packages = sorted(set(packages))
     by_hand = "apt-get update && apt-get install -y " + " ".join(packages)
     prefix = apt_prefix()
@@ -127,7 +128,7 @@ def install_packages(packages):
     if run_logged(install):  # no package lists, or old ones
         run_logged(get + ["update"])
         if run_logged(install):
-            die("apt-get failed, see build/setup.log; please install as root: " + by_hand)
+            (die if required else say)("apt-get failed, see build/setup.log; please install as root: " + by_hand)
 
 
 def missing_packages(needs):
@@ -222,10 +223,12 @@ def make_venv():
 def set_up(needs):
     stamp = read_stamp()
     packages = missing_packages(needs) + (missing_for_venv() if stamp is None else [])
-    optional = [OPTIONAL[need] for need in needs if need in OPTIONAL]
-    packages += [name for name in optional if which(name) is None and apt_prefix() is not None]
     if packages:
         install_packages(packages)
+    programs = [OPTIONAL[need] for need in needs if need in OPTIONAL]
+    optional = [PACKAGE.get(program, program) for program in programs if which(program) is None]
+    if optional and apt_prefix() is not None:
+        install_packages(optional, required=False)
     libpython, ready = (stamp["libpython"], stamp["ready"]) if stamp else (make_venv(), set())
     extras = [need for need in EXTRAS if need in needs and need not in ready]
     ready |= set(needs) - set(extras)
@@ -237,7 +240,7 @@ def set_up(needs):
         if not error:
             ready.add(extra)
             write_stamp(libpython, ready)
-        elif extra == "table6":  # its users work without packages that fail to install
+        elif extra in ("table6", "litex"):  # their users work without packages that fail to install
             say(f"could not add {what}, continuing without them (more in build/setup.log)")
         else:
             die(f"could not add {what}: {error}")
