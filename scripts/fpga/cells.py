@@ -46,9 +46,8 @@ class Cell:
         """Return the nets of a port, or of a port per bit such as DOA17, lowest first; new ones for unused outputs."""
         if port in ("0", "1"):
             return [port] * width
-        found = self.nets.get(port) or [
-            b for k in range(36) if f"{port}{k}" in self.nets for b in self.nets[f"{port}{k}"]
-        ]
+        single = (f"{port}{k}" for k in range(36))
+        found = self.nets.get(port) or [self.nets[name][0] for name in single if name in self.nets]
         return [*found, *((next(self.fresh) if output else "0") for _ in range(width - len(found)))][:width]
 
     def number(self, parameter: str) -> int:
@@ -69,9 +68,8 @@ class Cell:
             return "".join(text[k : k + 18] for k in range(0, len(text), 20))
         if "X9" in self.kind:
             return self.rows("INIT_RAM_", 288)
-        text, parity = (
-            self.rows(key, 256) for key in (("INIT_", "INITP_") if "RAM" in self.kind else ("INIT_RAM_", "-"))
-        )
+        prefixes = ("INIT_", "INITP_") if "RAM" in self.kind else ("INIT_RAM_", "-")
+        text, parity = (self.rows(prefix, 256) for prefix in prefixes)
         return "".join(text[8 * k : 8 * k + 8] + (parity[k] if parity else "0") for k in range(len(text) // 8))
 
     def width(self, side: int) -> int:
@@ -127,13 +125,8 @@ def _memory(cell: Cell, sides: list[list[str]]) -> dict:
         values[f"REG_{side}"] = int(cell.text(f"REGMODE_{side}") == "OUTREG")
         values[f"BYTES_{side}"] = int(lanes > 1 and not cell.kind.startswith("RAMB"))
         values[f"OLD_{side}"] = int(not writes or mode in ("READ_FIRST", "READBEFOREWRITE"))
-        inputs = {
-            "EN": (cell.nets_of(enable, 1), 1),
-            "WE": (enables if writes else [], 8),
-            "AD": (where, 16),
-            "DI": (ins, 72),
-        }
-        for port, (nets, size) in inputs.items():
+        inputs = cell.nets_of(enable, 1), enables if writes else [], where, ins
+        for port, size, nets in zip(("EN", "WE", "AD", "DI"), (1, 8, 16, 72), inputs, strict=True):
             ports[f"{port}{side}"] = nets + ["0"] * (size - len(nets))
         ports[f"DO{side}"] = outs + [next(cell.fresh) for _ in range(72 - len(outs))]
         clocks.add(cell.nets_of(clock, 1)[0])
@@ -146,9 +139,8 @@ def _product(cell: Cell) -> dict:
     """Return a product."""
     a, b = MULTIPLIERS[cell.kind]
     # In Lattice's cells a register has the name of its clock; elsewhere a number of registers.
-    has = {
-        port: cell.text(f"REG_{port}_CLK") not in ("", "NONE") for port in ("INPUTA", "INPUTB", "OUTPUT", "PIPELINE")
-    }
+    stages = ("INPUTA", "INPUTB", "OUTPUT", "PIPELINE")
+    has = {stage: cell.text(f"REG_{stage}_CLK") not in ("", "NONE") for stage in stages}
     others = [key for key in cell.parameters if re.fullmatch(r"([ABCDMP]|AD|OUT_|PIPE_)REG", key) and cell.number(key)]
     if has["PIPELINE"] or has["INPUTA"] != has["INPUTB"] or others:
         raise ToolError(f"{cell.name}: no model of a {cell.kind} with {', '.join(others) or has}")

@@ -76,7 +76,7 @@ CELLS = {
     },
 }
 """Family -> kind -> cells that count, with their weight."""
-CELLS["ecp5-12k"] = CELLS["ecp5-soft"] = CELLS["ecp5"]
+CELLS["ecp5-12k"] = CELLS["ecp5"]
 NOT_COUNTED = re.compile(r"\$scopeinfo|XORCY|GND|VCC|BUFG|\$paramod.*|ik_\w+")
 
 

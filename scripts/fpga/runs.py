@@ -28,12 +28,6 @@ PERIOD = "scratchpad -set abc9.D 10000; "
 
 # A synchronous reset derived from data would keep a register out of a multiplier.
 _ECP5 = "synth_ecp5 -top {top} -run begin:map_ffs; dffunmap -srst-only; opt_clean; synth_ecp5 -top {top} -run map_ffs:"
-# Products whose shorter operand has at most 7 bits, in logic: W = 32 and 24 have more products than the ECP5-85k has
-# multipliers.
-SOFT = (
-    "proc; flatten; opt_expr; opt_clean; opt -nodffe -nosdff; wreduce; chtype -set $__soft_mul t:$mul r:B_WIDTH<=7 %i"
-)
-_SOFT = f"synth_ecp5 -top {{top}} -run begin:coarse; {SOFT}; " + _ECP5.replace("begin:", "coarse:")
 _XILINX = PERIOD + "synth_xilinx -family {family}{flatten} -noiopad -noclkbuf -top {top}"
 # SRL16 from 12 clocks on: a slice has one flip-flop per LUT, and flip-flops are not scarce.
 SYNTHESIZE = {
@@ -41,7 +35,6 @@ SYNTHESIZE = {
     "xc7": _XILINX,
     "xcup": _XILINX,
     "ecp5": _ECP5,
-    "ecp5-soft": _SOFT,
     "ecp5-12k": PERIOD + _ECP5,
     "up5k": "synth_ice40 -device u -dsp -top {top}",
     "gowin": PERIOD + "synth_gowin -family gw2a -noiopads -top {top}",
@@ -50,7 +43,6 @@ SYNTHESIZE = {
 
 PLACE = {
     "ecp5": "nextpnr-ecp5 --85k --speed 8 --package CABGA381 --out-of-context --freq 200 --timing-allow-fail",
-    "ecp5-soft": "nextpnr-ecp5 --85k --speed 8 --package CABGA381 --out-of-context --freq 200 --timing-allow-fail",
     "ecp5-12k": "nextpnr-ecp5 --12k --speed 6 --package CABGA256 --out-of-context --freq 100 --timing-allow-fail",
     "up5k": "nextpnr-ice40 --up5k --package sg48 --freq 33 --timing-allow-fail",
 }

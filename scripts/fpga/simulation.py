@@ -148,9 +148,7 @@ endmodule
     found = subprocess.run(command, input=words, capture_output=True, check=True).stdout
     clocks, differ, first, results = map(int, found.split())
     if differ:
-        raise DiffersError(
-            f"{folder.name}: differs from the RTL in {differ} of {clocks} clocks, first in clock {first}"
-        )
+        raise DiffersError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
     if valid != 63 and results < 8000:
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")
     shutil.rmtree(place)
