@@ -8,13 +8,13 @@ Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad inpu
 from __future__ import annotations
 
 import contextlib
-import math
+import itertools
 import os
 import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -27,6 +27,7 @@ from rich.table import Table
 
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
 from model.dataflow.nodes import WIDTHS
+from model.io.files import number, whole_files
 from model.io.words import TargetError
 from model.motion.clip import TORSO
 from model.motion.pose import Axis, parse_axis
@@ -198,10 +199,10 @@ class Finite(click.FloatRange):
     """An option type: a finite number in a range."""
 
     def convert(self, value, param, context) -> float:
-        number = super().convert(value, param, context)
-        if not math.isfinite(number):
-            self.fail(f"{value!r} is not a finite number", param, context)
-        return number
+        try:
+            return super().convert(number(value) if isinstance(value, str) else value, param, context)
+        except ValueError as error:
+            self.fail(str(error), param, context)
 
 
 POSITIVE = Finite(min=0, min_open=True)
@@ -223,12 +224,23 @@ def swivel_angle(text: str) -> float | str:
 # -- files and tables ------------------------------------------------------------------------------
 
 
+def _is_same(path: Path, other: Path) -> bool:
+    """Return whether two paths are one file, by links too."""
+    if os.path.exists(path) and os.path.exists(other):
+        return os.path.samefile(path, other)
+    return os.path.realpath(path) == os.path.realpath(other)
+
+
 @contextlib.contextmanager
-def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
-    """Make the folders of `paths` and check that they are writable; on exit remove new folders that are empty.
+def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Iterator[Callable[[Path], Path]]:
+    """Make the folders of `paths`; check that they are writable and that no path is an input; on exit remove empty new
+    folders. Yields the function of `whole_files`, so that all outputs appear at once.
 
     Raises InputError.
     """
+    for path, source in itertools.product(paths, inputs):
+        if _is_same(path, source):
+            raise InputError(f"argument --out: {str(path)!r} is the input {str(source)!r}, which must not be replaced")
     folders = dict.fromkeys([out, *(path.parent for path in paths)])
     new = {each for folder in folders for each in (folder, *folder.parents) if not os.path.exists(each)}
     try:
@@ -241,7 +253,8 @@ def output(out: Path, paths: Sequence[Path]) -> Iterator[None]:
         for path in paths:
             if path.is_dir():
                 raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
-        yield
+        with whole_files() as files:
+            yield files
     finally:
         for folder in sorted(new, key=lambda path: -len(path.parts)):
             with contextlib.suppress(OSError):  # not empty

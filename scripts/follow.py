@@ -15,17 +15,17 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
-from model.io.files import whole_file
 from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole
 from scripts.run import simulated
-from scripts.trajectory import Prepared, prepare, trajectory_options
+from scripts.trajectory import Prepared, prepare, sources, trajectory_options
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, hexadecimal, value
 from tb.sim.simulate import SimulationError
@@ -127,17 +127,19 @@ def main(arguments: SimpleNamespace) -> int:
     item = chosen(arguments)
     target, datapath, width = arguments.target, arguments.datapath, arguments.width
     nodes = list(fixed.run(item.words, width, datapath).bits.nodes.values())
-    total, files = len(item.words), [arguments.out / name for name in WAVES]
-    with output(arguments.out, files) if arguments.waves else tempfile.TemporaryDirectory(prefix="ik_") as folder:
-        place = Path(folder or arguments.out).absolute()
-        with whole_file(place / VCD) as vcd:
-            simulated(arguments, datapath, [item], vcd)
-        recording = read(place / VCD, datapath, nodes)
+    total = len(item.words)
+    with ExitStack() as stack:
+        out = arguments.out if arguments.waves else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ik_")))
+        written = [out / name for name in WAVES]
+        files = stack.enter_context(output(out, written, sources([item])))
+        vcd = files(out / VCD)
+        simulated(arguments, datapath, [item], vcd)
+        recording = read(vcd, datapath, nodes)
         if len(recording.admitted) != total:
             raise SimulationError(f"{len(recording.admitted)} of {total} targets were admitted")
         found = list(differences(recording, nodes))
         if arguments.waves:
-            write_waves(place / VCD, recording, found, datapath, width, nodes)
+            write_waves(out / VCD, recording, found, datapath, width, nodes, files)
 
     admitted, last = recording.admitted[target], column(recording, nodes, target)
     print(
@@ -151,7 +153,7 @@ def main(arguments: SimpleNamespace) -> int:
     if found and found[0].target != target:
         print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
     if arguments.waves:
-        print(*(f"wrote {file}" for file in files), sep="\n")
+        print(*(f"wrote {file}" for file in written), sep="\n")
     return 1 if ours else 0
 
 

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,15 +23,14 @@ import pybvh
 
 from model.bounds.predict import hand_bar
 from model.io import trajectories
-from model.io.files import whole_file, write_atomically
-from model.io.scoring import Score, score, write_score_json, write_tables
+from model.io.scoring import Score, score, score_json, tables
 from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
 from scripts.console import command, output, progress, show, switch
 from scripts.paper.tables import table_of_datapaths
 from scripts.tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
+from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, sources, trajectory_options
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
 
@@ -102,9 +101,12 @@ def of_datapath(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
     return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
 
 
-def written(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared]) -> list[Path]:
-    """Return all paths that `write_results` writes."""
-    return [*(path for folder in folders for path in of_datapath(folder, prepared)), out / SCORES]
+def outputs(
+    out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path
+) -> AbstractContextManager[Callable[[Path], Path]]:
+    """Return the `output` of all files that `write_results` writes and of others."""
+    paths = [*others, *(path for folder in folders for path in of_datapath(folder, prepared)), out / SCORES]
+    return output(out, paths, sources(prepared))
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
@@ -132,9 +134,13 @@ def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
 
 
 def write_results(
-    out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Sequence[Sequence[tuple[Run, Score]]]
+    files: Callable[[Path], Path],
+    out: Path,
+    folders: Iterable[Path],
+    prepared: Sequence[Prepared],
+    done: Sequence[Sequence[tuple[Run, Score]]],
 ) -> None:
-    """Write the files of each datapath to its folder, and one score.json."""
+    """Write the files of each datapath for its folder, and one score.json, each to its path from `files`."""
     for folder, scored in zip(folders, done, strict=True):
         for path, item, (ran, result) in zip(result_paths(folder, prepared), prepared, scored, strict=True):
             targets = item.targets
@@ -142,9 +148,10 @@ def write_results(
                 errors = {"elbow_error": elbow_errors(item, result).tolist()}
                 targets = replace(targets, others=targets.others | errors)
                 for kind, content in turned_clip(item, ran, result.width).items():
-                    write_atomically(path.with_name(f"clip.{kind}"), content)
-            write_tables(path, targets, ran, result)
-    write_score_json(out / SCORES, [result for scored in done for _, result in scored])
+                    files(path.with_name(f"clip.{kind}")).write_bytes(content)
+            for suffix, content in tables(targets, ran, result).items():
+                files(path.with_suffix(suffix)).write_bytes(content)
+    files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))
 
 
 # -- the command -----------------------------------------------------------------------------------
@@ -160,14 +167,9 @@ def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
         show(table_of_many(scores) if len(ran) > 1 else table_of_one(scores[0], runs[0].flags))
 
 
-def _waves(folder: Path, prepared: Sequence[Prepared], width: int, datapath: str) -> list[Path]:
-    """Write a recording's save file and, for a single trajectory, its aligned recording; return the paths."""
-    vcd = (folder / VCD).absolute()
-    if len(prepared) == 1:
-        align(vcd, prepared[0].words, width, datapath)
-        return [folder / name for name in WAVES]
-    write_save_file(vcd, datapath, width, vcd.with_suffix(".gtkw"))
-    return [folder / name for name in WAVES if name.stem == vcd.stem]
+def _recordings(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Return the paths of a recording and its save file, for a single trajectory also of its aligned recording."""
+    return [folder / name for name in WAVES if len(prepared) == 1 or name.stem == Path(VCD).stem]
 
 
 @command(
@@ -188,24 +190,26 @@ def main(arguments: SimpleNamespace) -> int:
     folders = datapaths(arguments)
     # For a long file the prediction takes longer than everything else.
     predict = sum(len(item.words) for item in prepared) < LONG
-    with output(out, written(out, folders.values(), prepared)), ExitStack() as recordings:
+    waves = [path for folder in folders.values() if arguments.waves for path in _recordings(folder, prepared)]
+    with outputs(out, folders.values(), prepared, *waves) as files:
         done = []
         for datapath, folder in folders.items():
-            vcd = recordings.enter_context(whole_file((folder / VCD).absolute())) if arguments.waves else None
-            done.append(run_and_score(arguments, datapath, prepared, vcd, predict))
-        write_results(out, folders.values(), prepared, done)
+            vcd = folder / VCD
+            done.append(run_and_score(arguments, datapath, prepared, files(vcd) if arguments.waves else None, predict))
+            if arguments.waves and len(prepared) == 1:
+                align(vcd, prepared[0].words, arguments.width, datapath, files)
+            elif arguments.waves:
+                write_save_file(files(vcd), datapath, arguments.width, files(vcd.with_suffix(".gtkw")), VCD)
+        write_results(files, out, folders.values(), prepared, done)
 
     _show(done)
     many = len(prepared) > 1
-    files: list[Path | str] = []
+    listed: list[Path | str] = []
     for folder in folders.values():
         tables = [folder / "*" / name if many else folder / name for name in ("results.csv", "results.npz")]
-        files += [f"{path} ({len(prepared)} files)" if many else path for path in tables]
-        files += [path for path in of_datapath(folder, prepared) if path.suffix not in (".csv", ".npz")]
-    files.append(out / SCORES)
-    for datapath, folder in folders.items() if arguments.waves else ():
-        files += _waves(folder, prepared, arguments.width, datapath)
-    for path in files:
+        listed += [f"{path} ({len(prepared)} files)" if many else path for path in tables]
+        listed += [path for path in of_datapath(folder, prepared) if path.suffix not in (".csv", ".npz")]
+    for path in (*listed, out / SCORES, *waves):
         print(f"wrote {path}")
     return verdict("run", [result for ran in done for _, result in ran])
 

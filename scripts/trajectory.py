@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -160,6 +160,11 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
             for doubt in doubts(item.targets):
                 print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
     return prepared
+
+
+def sources(prepared: Iterable[Prepared]) -> list[Path]:
+    """Return the files that the trajectories were read from."""
+    return [Path(item.targets.path) for item in prepared if item.targets.path is not None]
 
 
 def doubts(targets: Targets) -> Iterator[str]:

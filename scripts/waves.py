@@ -18,8 +18,9 @@ GTKWave shows a fixed-point word through its "fixed point shift", correct for wo
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -33,9 +34,8 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format, Node
-from model.io.files import whole_file
 from model.io.words import FIELDS, RESULT_FIELDS, TargetError
-from scripts.console import WORD_LENGTH, command
+from scripts.console import WORD_LENGTH, command, output
 from tb.sim.job import Difference
 
 TOP = "ik_axis"
@@ -115,6 +115,7 @@ def write_save_file(
     datapath: str,
     width: int,
     path: Path,
+    dumpfile: str,
     aligned: bool = False,
     first: Difference | None = None,
     start: int = 0,
@@ -122,6 +123,7 @@ def write_save_file(
 ) -> None:
     """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
 
+    ``dumpfile``: the VCD from the save file's folder. GTKWave finds it, as both are named without their folders.
     Raises TargetError for a VCD of another design, OSError if a file cannot be read or written.
     With a ``first`` difference its section is open and its node red; GTKWave opens at the time ``start``.
     ``aligned``: the VCD is one by `write_aligned`, which has no streams.
@@ -131,6 +133,8 @@ def write_save_file(
     how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, vcd)
+        save.writer.dumpfile(dumpfile, abspath=False)
+        save.writer.savefile(Path(dumpfile).stem + ".gtkw", abspath=False)
         save.writer.comment(f"{TOP}, {datapath} datapath, words of {width} bits: {how}")
         if first:
             save.writer.comment(f"first difference: {first}")
@@ -322,26 +326,31 @@ def variable(writer: VCDWriter, path: tuple[str, ...], bits: int):
 
 
 def write_waves(
-    vcd: Path, recording: Recording, found: Sequence[Difference], datapath: str, width: int, nodes: Sequence[Node]
+    vcd: Path,
+    recording: Recording,
+    found: Sequence[Difference],
+    datapath: str,
+    width: int,
+    nodes: Sequence[Node],
+    files: Callable[[Path], Path],
 ) -> None:
     """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)
     first = found[0] if found else None
-    with whole_file(aligned) as unfinished:
-        write_aligned(unfinished, recording, datapath, nodes, {each.target for each in found})
+    write_aligned(files(aligned), recording, datapath, nodes, {each.target for each in found})
     for path in (vcd, aligned):
         clock = (column(recording, nodes, first.target) if path == aligned else first.clock) if first else 0
         marker = recording.time(clock) if first else -1
         start = max(0, marker - 7 * recording.period)
-        with whole_file(path.with_suffix(".gtkw")) as unfinished:
-            write_save_file(path, datapath, width, unfinished, path == aligned, first, start, marker)
+        save = files(path.with_suffix(".gtkw"))
+        write_save_file(files(path), datapath, width, save, path.name, path == aligned, first, start, marker)
 
 
-def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:
+def align(vcd: Path, words: np.ndarray, width: int, datapath: str, files: Callable[[Path], Path] = Path) -> None:
     """Call `write_waves` for the recording of one trajectory with the targets `words` (N, 6)."""
     nodes = list(fixed.run(words, width, datapath).bits.nodes.values())
-    recording = read(vcd, datapath, nodes)
-    write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes)
+    recording = read(files(vcd), datapath, nodes)
+    write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes, files)
 
 
 @command(
@@ -358,8 +367,9 @@ def align(vcd: Path, words: np.ndarray, width: int, datapath: str) -> None:
     fails="never",
 )
 def main(options: SimpleNamespace) -> int:
-    with whole_file(options.save) as path:
-        write_save_file(options.vcd, options.datapath, options.width, path)
+    with output(options.save.parent, [options.save], [options.vcd]) as files:
+        dumpfile = os.path.relpath(options.vcd, options.save.parent)
+        write_save_file(options.vcd, options.datapath, options.width, files(options.save), dumpfile)
     return 0
 
 

@@ -28,8 +28,8 @@ import serial
 from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
-from scripts.console import POSITIVE, InputError, command, option, output, progress, show, whole
-from scripts.run import SCORES, result_paths, score_runs, write_results, written
+from scripts.console import POSITIVE, InputError, command, option, progress, show, whole
+from scripts.run import SCORES, outputs, result_paths, score_runs, write_results
 from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import Prepared, prepare, trajectory_options
 from tb.sim.simulate import LONG, Run, SimulationError
@@ -152,13 +152,13 @@ def main(parsed: SimpleNamespace) -> int:
     parsed.sim, parsed.datapath, parsed.width = "icebreaker", FOLD16.name, WIDTH
     prepared = prepare(parsed)
     out = parsed.out
-    with output(out, written(out, [out], prepared)), Board(parsed.port, parsed.baud, parsed.timeout) as board:
+    with outputs(out, [out], prepared) as files, Board(parsed.port, parsed.baud, parsed.timeout) as board:
         begin = time.monotonic()
         runs = _through(board, prepared)
         rate = sum(len(run.flags) for run in runs) / (time.monotonic() - begin)
         predict = sum(len(item.words) for item in prepared) < LONG
         done = score_runs(parsed, parsed.datapath, prepared, runs, predict)
-        write_results(out, [out], prepared, [done])
+        write_results(files, out, [out], prepared, [done])
     scores = [result for _, result in done]
     show(table_of_many(scores) if len(scores) > 1 else table_of_one(scores[0], runs[0].flags))
     print(f"{rate:.0f} targets a second through {parsed.port}, {board.again} sent again")

@@ -13,7 +13,7 @@ import io
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -157,6 +157,14 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
     return value
 
 
+def number(text: str) -> float:
+    """Return the finite number in a text. Raises ValueError, even for text that float() accepts, such as 1_0."""
+    value = float(text) if _NUMBER.fullmatch(text) else math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is not a finite number")
+    return value
+
+
 def _value_reason(column: str, value: float) -> str | None:
     """Return the reason why `value` is not allowed in `column`, or None."""
     if not math.isfinite(value):
@@ -175,25 +183,36 @@ def format_csv(targets: Targets) -> str:
 
 
 @contextlib.contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary path in the folder of `path`; rename it to `path` at the end, or remove it after an error.
+def whole_files() -> Iterator[Callable[[Path], Path]]:
+    """Yield a function that returns a temporary path in the folder of a path; rename all temporary files at the end, or
+    remove them after an error.
 
-    A concurrent reader, or a user after Ctrl-C, finds either the old file or the new one. An OSError names `path`.
+    After Ctrl-C or on a full disk the user finds all the old files, otherwise all the new ones. An OSError names the
+    path, without a filename the one asked for last.
     """
-    temporary = path.with_name(f".{os.getpid()}.{path.name}")
+    paths: dict[str, Path] = {}
+
+    def temporary(path: Path) -> Path:
+        hidden = path.absolute().with_name(f".{os.getpid()}.{path.name}")
+        paths[str(hidden)] = path
+        return hidden
+
     try:
         yield temporary
-        if temporary.exists():
-            os.replace(temporary, path)
+        for hidden, path in paths.items():
+            if os.path.exists(hidden):
+                os.replace(hidden, path)
     except OSError as error:
-        if error.filename in (None, temporary, str(temporary)):
-            error.filename = os.fspath(path)
+        hidden = str(error.filename) if error.filename or not paths else list(paths)[-1]
+        if hidden in paths:
+            error.filename = os.fspath(paths[hidden])
         raise
     finally:
-        temporary.unlink(missing_ok=True)
+        for hidden in paths:
+            Path(hidden).unlink(missing_ok=True)
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
     """Write a file in one step. Raises OSError, whose filename is `path`."""
-    with whole_file(path) as temporary:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+    with whole_files() as temporary:
+        temporary(path).write_bytes(content.encode() if isinstance(content, str) else content)

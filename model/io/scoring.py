@@ -23,7 +23,6 @@ import io
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,6 @@ from ..bounds import tolerances
 from ..reference.equations import solve_clamped
 from ..reference.kinematics import angle_between, continuous, forward
 from . import flags as flag_bits
-from .files import write_atomically
 from .words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
 
 
@@ -300,15 +298,15 @@ def _bar_failures(what: str, error: np.ndarray, bar: float | None, where: np.nda
 # -- files -----------------------------------------------------------------------------------------
 
 
-def write_tables(path: Path, targets: Targets, run: Any, result: Score) -> None:
-    """Write results.csv to `path`, and the same data as arrays in an .npz file next to it.
+def tables(targets: Targets, run: Any, result: Score) -> dict[str, bytes]:
+    """Return the contents of results.csv and, with the same data as arrays, of results.npz, by suffix.
 
     CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
     columns of the target file. Every float is written so that reading it gives the same bits. The bytes depend on the
     arguments only, so the files of two simulators can be compared.
 
     Arrays: points, elbow, wrist (N, 3), phi, d1, d2, flags, hand_error (N,), qs, qe (N, 4) as w, i, j, k with signs
-    that make them continuous. Raises OSError; then the file is unchanged.
+    that make them continuous.
     """
     values = result_values(run.results, result.width)
     qs, qe = targets.from_core(values[:, :4]), values[:, 4:]
@@ -324,19 +322,17 @@ def write_tables(path: Path, targets: Targets, run: Any, result: Score) -> None:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*columns.values(), strict=True))
-    write_atomically(path, text.getvalue())
     arrays = {name: getattr(targets, name) for name in ("phi", "d1", "d2")}
     arrays |= {"points": targets.position, "elbow": elbow, "wrist": wrist, "flags": flags, "hand_error": hand_error}
     arrays |= {"qs": continuous(qs, targets.arm), "qe": continuous(np.pad(qe, ((0, 0), (0, 2))), targets.arm)}
     data = io.BytesIO()
     np.savez(data, **arrays)
-    write_atomically(path.with_suffix(".npz"), data.getvalue())
+    return {".csv": text.getvalue().encode(), ".npz": data.getvalue()}
 
 
-def write_score_json(path: Path, scores: Sequence[Score]) -> None:
-    """Write score.json: a list with one object per trajectory. Raises OSError; then the file is unchanged.
+def score_json(scores: Sequence[Score]) -> bytes:
+    """Return the contents of score.json: a list with one object per trajectory.
 
     It contains nothing that changes from run to run: no times, no paths.
     """
-    text = json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False)
-    write_atomically(path, text + "\n")
+    return (json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False) + "\n").encode()

@@ -26,15 +26,14 @@ import numpy as np
 
 from model.io import flags as flag_bits
 from model.io import trajectories
-from model.io.files import write_atomically
 from model.io.scoring import Score
 from model.io.words import from_words, result_values
 from model.reference.equations import swivel_normal
-from scripts.console import command, output
+from scripts.console import command
 from scripts.generate.render import TEMPLATES
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
-from scripts.run import SCORES, elbow_errors, of_datapath, result_paths, run_and_score, write_results, written
+from scripts.run import SCORES, elbow_errors, of_datapath, outputs, result_paths, run_and_score, write_results
 from scripts.tables import figures, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run
@@ -165,13 +164,13 @@ def main(parsed: SimpleNamespace) -> int:
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
     folders = datapaths(parsed)
-    with output(parsed.out, [path, *written(parsed.out, folders.values(), prepared)]):
+    with outputs(parsed.out, folders.values(), prepared, path) as files:
         done = [run_and_score(parsed, datapath, prepared) for datapath in folders]
         shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
         text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)
-        write_atomically(path, text)
-        write_results(parsed.out, folders.values(), prepared, done)
+        files(path).write_bytes(text.encode())
+        write_results(files, parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for ran in done for _, result in ran])
 

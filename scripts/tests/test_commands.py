@@ -45,6 +45,8 @@ BAD_INPUT = [
     ("run --out file/sub", "--out 'file/sub': Not a directory"),
     ("run --out o", "--out 'o/score.json' folder"),
     ("run --out locked", "--out 'locked': Permission denied"),
+    ("run --trajectory t.csv --out o", "--out 'o/results.csv' 't.csv'"),
+    ("run --trajectory w.csv --waves --out o", "--out 'o/waves.vcd' 'w.csv'"),
     ("run --trajectory reech", "--trajectory 'reech' all, reach, circle,"),
     ("run --trajectory none.csv", "none.csv: no such file"),
     ("run --trajectory none/none", "none/none: no such file"),
@@ -62,10 +64,13 @@ BAD_INPUT = [
     ("run --trajectory t.csv --phi clip", "--phi clip (t.csv)"),
     ("run --joints a,b,c", "--joints (reach)"),
     ("run --axis up", "--axis 'up' z, -z, x"),
+    ("run --bar 1_0", "--bar '1_0'"),
     ("run --bar 0", "--bar 0.0"),
     ("report --waves", "--waves"),
     ("report --out o", "--out 'o/report.html' folder"),
+    ("report --trajectory o/results.csv --out o", "--out 'o/results.csv'"),
     ("follow", "--target"),
+    ("follow --target 0 --trajectory w.csv --waves --out o", "--out 'o/waves.vcd' 'w.csv'"),
     ("follow --target -1", "--target -1"),
     ("follow --target 1e1", "--target '1e1'"),
     ("follow --target 100", "--target reach 0 99, 100"),
@@ -92,7 +97,13 @@ BAD_INPUT = [
     ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6,0.1,here\n"),
     ("soak --again in.csv", "in.csv: row 2: width 33", f"{HEAD}\nlean,33,1,2,3,4,5,6,,here\n"),
     ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6,,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: column d2: '1_0'", f"{HEAD}\nlean,18,1,2,3,4,5,1_0,,here\n"),
+    (
+        "soak --again in.csv",
+        "row 2: column hand_error: '-1.#IND00'",
+        f"{HEAD}\nlean,18,1,2,3,4,5,6,-1.#IND00,here\n",
+    ),
     ("soak --again in.csv", "in.csv: CSV", b"\xff"),
     ("soak_memory --jobs 0", "--jobs 0"),
     ("waves in.vcd peper 32 o.gtkw", "'peper' 'lean', 'paper',", ""),
@@ -101,6 +112,7 @@ BAD_INPUT = [
     ("waves in.vcd paper 32 o.gtkw", "in.vcd: 1:2: Expected id code", "x y z\n"),
     ("waves in.vcd paper 32 o.gtkw", "no module ik_axis", VCD.format("top")),
     ("waves in.vcd lean 32 o.gtkw", "no ik_axis.rst", VCD.format("ik_axis")),
+    ("waves in.vcd lean 32 folder/../in.vcd", "'folder/../in.vcd' 'in.vcd'", VCD.format("ik_axis")),
     ("parallel", "--farm tcp://scheduler:8786"),
     ("parallel --farm tcp://here", "--farm 'tcp://here'"),
     ("lint ik_none", "ik_none"),
@@ -135,7 +147,10 @@ def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row)
     Path("locked").mkdir(mode=0o500)
     Path("file").touch()
     Path("locked.csv").touch(mode=0o200)
-    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
+    for file in ("t.csv", "w.csv"):
+        Path(file).write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
+    Path("o/results.csv").hardlink_to("t.csv")
+    Path("o/waves.vcd").symlink_to("../w.csv")
     Path("bad.csv").write_text("x,y,z\n.1,.2,.3\n.1,two,.3\n", encoding="utf-8")
     words, message, *content = row
     name, *options = words.split()

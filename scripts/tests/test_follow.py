@@ -136,6 +136,8 @@ def test_aligned_vcd(command, simulator):
     assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + max(TIMES.values())) * 10_000, [label])
     known = {signal.name for signal in Signals(Path("o/aligned.vcd")).values()}
     assert {name for _, name, *_ in traces(Path("o/aligned.gtkw"))} == known
+    dumpfile, savefile, *_ = Path("o/aligned.gtkw").read_text().splitlines()
+    assert (dumpfile, savefile) == ('[dumpfile] "aligned.vcd"', '[savefile] "aligned.gtkw"')
 
 
 @pytest.mark.usefixtures("simulator")
@@ -151,7 +153,7 @@ def test_a_full_disk(command, files, monkeypatch):
     monkeypatch.setattr(waves, "VCDWriter", Full)
     status, out, (err,) = command(follow.main, "--target", "3", "--waves", "--out", "o")
     assert (status, out) == (2, []) and "No space left on device" in err
-    assert files() == ["o/aligned.vcd", "o/waves.vcd"] and Path("o/aligned.vcd").read_text() == "old"
+    assert files() == ["o/aligned.vcd"] and Path("o/aligned.vcd").read_text() == "old"
 
 
 def test_x_is_a_difference(tmp_path, simulator):

@@ -167,6 +167,24 @@ def clip_cli(cli):
     return partial(cli, "--trajectory", "t.bvh", "--out", "o")
 
 
+@pytest.mark.parametrize("name", ["clip.bvh", "clip.glb", "results.csv", "results.npz", "score.json"])
+def test_a_disk_that_fills_up_leaves_all_files_as_they_were(clip_cli, monkeypatch, name):
+    figure.write(Path("t.bvh").absolute(), frames=3)
+    assert clip_cli("--waves")[0] == 0
+    before = {path: path.read_bytes() for path in Path("o").iterdir()}
+    write = Path.write_bytes
+
+    def write_bytes(path, content):
+        write(path, content[:9])
+        if path.name.endswith(name):
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", write_bytes)
+    said = f"run: cannot read or write 'o/{name}': No space left on device"
+    assert clip_cli("--waves", "--phi", "0.5") == (2, [], [said])
+    assert {path: path.read_bytes() for path in Path("o").iterdir()} == before
+
+
 def rows():
     with Path("o/results.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))

@@ -22,6 +22,7 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS
+from model.io.files import number
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.words import FIELDS, TargetError, result_values
 from model.reference.kinematics import forward
@@ -85,26 +86,37 @@ def read(path: Path) -> list[Row]:
     if not lines or tuple(lines[0]) != COLUMNS:
         raise TargetError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
     rows = []
-    for number, cells in enumerate(lines[1:], 2):
+    for line, cells in enumerate(lines[1:], 2):
         try:
             rows.append(_row(cells))
         except ValueError as error:
-            raise TargetError(f"{path}: row {number}: {error}") from None
+            raise TargetError(f"{path}: row {line}: {error}") from None
     return rows
 
 
 def _row(cells: list[str]) -> Row:
     if len(cells) != len(COLUMNS):
         raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
-    datapath, width, error, found = cells[0], int(cells[1]), cells[-2], cells[-1]
-    words = tuple(map(int, cells[2:-2]))
+    width, *words, error = map(_number, COLUMNS[1:-1], cells[1:-1])
+    datapath, found = cells[0], cells[-1]
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"unknown datapath {datapath!r}")
     if width not in WIDTHS:
         raise ValueError(f"unknown width {width}")
     if not all(-(1 << (width - 1)) <= word < 1 << (width - 1) for word in words):
         raise ValueError(f"a word does not fit {width} bits")
-    return Row(datapath, width, words, float(error) if error else None, found)
+    return Row(datapath, width, tuple(words), error, found)
+
+
+def _number(column: str, cell: str) -> float | None:
+    if column == "hand_error" and not cell:
+        return None
+    try:
+        finite = number(cell)
+        return finite if column == "hand_error" else int(cell)
+    except ValueError:
+        kind = "number" if column == "hand_error" else "whole number"
+        raise ValueError(f"column {column}: {cell!r} is not a {kind}") from None
 
 
 def text(rows: Iterable[Row]) -> str:

@@ -104,6 +104,7 @@ def test_other_columns_are_kept(read):
         ("#\nx,y,z\n1,2,3\n\n# 1\n1,2\n", "row 6, column z: '' is missing: the header has 3 columns, this row has 2"),
         ("x,y,z\n1,2,3,4\n", "row 2, column 4: '4' is one too many: the header has 3 columns, this row has 4"),
         ("x,y,z\n1,abc,3\n", "row 2, column y: 'abc' is not a number"),
+        ("x,y,z\n1,2,-1.#IND00\n", "row 2, column z: '-1.#IND00' is not a number"),
         ("x,y,z\n1,,3\n", "row 2, column y: '' is empty"),
         ("x,y,z\n1,1_0,3\n", "row 2, column y: '1_0' is not a number"),
         ("x,y,z\n1,٣,3\n", "row 2, column y: '٣' is not a number"),
