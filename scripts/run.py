@@ -11,7 +11,6 @@ and prints them next to tables 5 and 6 of the paper.
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -19,7 +18,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-import pybvh
 
 from model.bounds.predict import hand_bar
 from model.io import trajectories
@@ -27,6 +25,7 @@ from model.io.scoring import Score, score, score_json, tables
 from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
+from model.motion.clip import Clip
 from scripts.console import command, output, progress, show, switch
 from scripts.paper.tables import table_of_datapaths
 from scripts.tables import table_of_many, table_of_one, verdict
@@ -116,7 +115,7 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
 
-def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
+def turned(item: Prepared, ran: Run, width: int) -> Clip:
     """Return the clip with its arms turned by the core's quaternions."""
     values = result_values(ran.results, width)
     qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
@@ -126,11 +125,9 @@ def turned(item: Prepared, ran: Run, width: int) -> pybvh.Bvh:
 
 def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
     """Return the turned clip as the content of a file for each of CLIP_KINDS."""
-    bvh = turned(item, ran, width)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "clip.bvh"
-        bvh.write(path)
-        return {"bvh": path.read_bytes(), "glb": gltf.animated(bvh, item.targets.name)}
+    clip = turned(item, ran, width)
+    scale = gltf.metres("auto", float(np.median(item.targets.reach)))
+    return {"bvh": clip.content(), "glb": gltf.animated(clip, item.targets.name, scale)}
 
 
 def write_results(

@@ -8,168 +8,92 @@ whose outward-and-up axis no hand comes near.
 
 from __future__ import annotations
 
-import math
 import re
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
-import pybvh
-from pybvh.rotations import rotmat_to_quat
 
-from ..io.words import TargetError, Targets
-from ..reference.kinematics import conjugate, matrix, multiply, rotate
-from .pose import Axis, swivel, to_z
+from ..io.words import Targets
+from ..reference.kinematics import conjugate, multiply, rotate
+from . import bvh
+from .bvh import Clip, ClipError
+from .pose import Axis, direction, swivel, to_z
+
+__all__ = ["Clip", "ClipError", "arms", "motion", "read", "targets", "turned"]
 
 SIDES = ("left", "right")
 TORSO = "torso"
 """Name of the axis that points outward and up from the torso."""
 
-STEMS = {
-    "upper arm": ("arm", "uparm", "upperarm", "shldr", "shoulder", "humerus"),
-    "forearm": ("forearm", "lowarm", "lowerarm", "elbow", "radius"),
-    "hand": ("hand", "wrist"),
-}
-"""Names of joints without their side, each at the start of its bone: CMU and Mixamo (LeftArm, LeftForeArm, LeftHand),
-Unity (LeftUpperArm, ..), 3ds Max (Bip01 L UpperArm, ..), Poser (lShldr, ..), SMPL (L_Shoulder, L_Elbow, L_Wrist),
-Blender (upper_arm.L, ..).  A shoulder above a joint named arm is the collar bone."""
+ARM_NAMES = (
+    ("upperarm|uparm|uarm", "forearm|lowerarm|lowarm|farm|larm", "hand|wrist|palm"),  # Unity, 3ds Max, Blender, Motive
+    ("arm", "forearm|farm|elbow", "hand|wrist|palm"),  # CMU, Mixamo, Rokoko; the shoulder is the collar bone
+    ("shldr|shoulder|humerus", "forearm|lowerarm|elbow|radius", "hand|wrist|palm"),  # Poser, Daz, SMPL, Second Life
+)
+"""Names of upper arm, forearm and hand without their side, each at the start of its bone; earlier lines come first."""
 
-PREFIX = r"(?:mixamorig\d*|bip\d*|jbip|character\d*)?"
-
-
-class ClipError(TargetError):
-    """Unusable clip, or arm of a clip; the text is one line for the user."""
+HEADS = ("head", "neck")
+FEET = ("foot|feet|ankle", "toe|toes|toebase", "leg|lowerleg|lowleg|shin|calf|knee|shank")
+OF_ARMS = re.compile("arm|hand|wrist|palm|elbow|shldr|shoulder|humerus")
+DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
+SIDE_WORDS = {"left", "right", "l", "r"}
 
 
 @dataclass(frozen=True)
 class Arm:
-    """Numbers of an arm's joints, and of the torso joint that carries both arms."""
+    """Numbers of an arm's joints, of the torso joint that carries both arms, and of the joint opposite the upper
+    arm: the other upper arm, or the torso joint."""
 
     side: str
     upper: int
     fore: int
     hand: int
     torso: int
-
-
-@dataclass(frozen=True)
-class Clip:
-    """Clip of F frames and J joints, as read."""
-
-    path: Path
-    bvh: pybvh.Bvh
-
-    @cached_property
-    def parents(self) -> list[int]:
-        """Parent of each joint; -1 for the root."""
-        return [-1, *(parent for _, parent in self.bvh.edges)]
-
-    @cached_property
-    def local(self) -> np.ndarray:
-        """Rotation matrices (F, J, 3, 3) of the joints relative to their parents."""
-        return self.bvh.to_rotmat()[1]
-
-    @cached_property
-    def world(self) -> np.ndarray:
-        """Rotation matrices (F, J, 3, 3) of the joints relative to the world."""
-        found = np.empty_like(self.local)
-        for joint, parent in enumerate(self.parents):  # parents come first
-            found[:, joint] = self.local[:, joint] if parent < 0 else found[:, parent] @ self.local[:, joint]
-        return found
-
-    @cached_property
-    def positions(self) -> np.ndarray:
-        """Positions of the joints, (F, J, 3)."""
-        return self.bvh.joint_positions()
-
-    @cached_property
-    def rest(self) -> np.ndarray:
-        """Positions (J, 3) of the joints in the rest pose."""
-        index = self.bvh.node_index
-        return self.bvh.rest_pose_positions()[[index[name] for name in self.bvh.joint_names]]
-
-    def ancestors(self, joint: int) -> list[int]:
-        """Return the ancestors of a joint, from the parent up to the root."""
-        found = []
-        while (joint := self.parents[joint]) >= 0:
-            found.append(joint)
-        return found
-
-
-def read(path: Path) -> Clip:
-    """Read a BVH clip.  Raises :class:`ClipError`, with the reason, for a file that is not BVH or cannot be read."""
-    try:
-        path.open("rb").close()  # raises OSError with the reason
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # pybvh guesses the up direction, and warns where two guesses differ
-            bvh = pybvh.read_bvh_file(path)
-    except OSError as error:
-        raise ClipError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ClipError(f"{path}: no BVH clip: not text") from None
-    except (ValueError, IndexError, KeyError) as error:
-        if not path.stat().st_size:
-            raise ClipError(f"{path}: the file is empty") from None
-        if wrong := _wrong_number(path):
-            raise ClipError(f"{path}: {wrong}") from None
-        text = " ".join(str(error).replace(f" in {path}", "").replace(f" in file {path}", "").split())
-        raise ClipError(f"{path}: no BVH clip: {text}") from None
-    if not all(np.isfinite(part).all() for part in (bvh.joint_angles, bvh.root_pos, bvh.rest_pose_positions())):
-        raise ClipError(f"{path}: {_wrong_number(path)}")
-    return Clip(path, bvh)
-
-
-def _wrong_number(path: Path) -> str:
-    """Describe the first entry that is not a finite number: line, joint, word; or return an empty string."""
-    joint, channels, frames = "", [], False
-    for line, words in enumerate(map(str.split, path.read_text(errors="replace").splitlines()), 1):
-        numbers, of = words[1:], []  # the joints of the numbers
-        match words:
-            case ["ROOT" | "JOINT", *name]:
-                joint = f", joint {' '.join(name)}"
-            case ["OFFSET", *_]:
-                of = [joint] * 3
-            case ["CHANNELS", _, *kinds]:
-                channels += [joint] * len(kinds)
-            case ["Frames:", *_]:
-                of = [""]
-            case ["Frame", "Time:", *numbers]:
-                of, frames = [""], True
-            case [_, *_] if frames:
-                numbers, of = words, channels
-        for where, word in zip(of, numbers, strict=False):
-            if not _is_finite(word):
-                return f"line {line}{where}: {word!r} is not a finite number"
-        if of and len(numbers) != len(of):
-            return f"line {line}: {len(numbers)} numbers, not {len(of)}"
-    return ""
-
-
-def _is_finite(word: str) -> bool:
-    try:
-        return math.isfinite(float(word))
-    except ValueError:
-        return False
+    opposite: int
 
 
 # -- joints ------------------------------------------------------------------------------------------------------------
 
 
+def read(path: Path, up: str | None = None) -> Clip:
+    """Read a clip; up: its up axis, as in :data:`pose.NAMED_AXES`, found from head and feet if None.
+
+    Raises :class:`ClipError`.
+    """
+    clip = bvh.read(path)
+    return replace(clip, up=up or up_axis(clip))
+
+
 def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -> list[Arm]:
-    """Return the arms of a clip, "left", "right" or "both": found by name, or one of them given by its three joints.
+    """Return the arms of a clip, "left", "right" or "both": found by name, or given by the three joints of each.
 
     Raises :class:`ClipError`, which lists the joints, where names are not sufficient.
     """
     sides = SIDES if which == "both" else (which,)
-    if joints is not None and which == "both":
-        raise ClipError(f"{clip.path}: joints {','.join(joints)} are those of one arm: ARM= says which, left or right")
-    found = {side: _named(clip, joints) if joints is not None else _known(clip, side) for side in sides}
-    other = {side: found.get(side) or _known(clip, side, must=False) for side in SIDES}
-    common = [set(clip.ancestors(three[0])) for three in other.values() if three]
-    return [Arm(side, *three, torso=_torso(clip, three[0], common)) for side, three in found.items() if three]
+    found = {}
+    if joints is not None:
+        text = f"joints {','.join(joints)}"
+        if len(sides) == 2 and len(joints) == 3:
+            raise ClipError(f"{clip.path}: {text} are those of one arm: ARM= says which, left or right")
+        if len(joints) != 3 * len(sides):
+            raise ClipError(f"{clip.path}: {text}: not the three of upper arm, forearm and hand of each arm")
+        found = {side: _given(clip, joints[3 * n : 3 * n + 3]) for n, side in enumerate(sides)}
+    known = {side: found.get(side) or _known(clip, side) for side in SIDES}
+    for side in sides:
+        if known[side] is None:
+            likely = [name for name in _joint_names(clip) if OF_ARMS.search("".join(_words(name)))]
+            names = ", ".join((likely or _joint_names(clip))[:40])
+            raise ClipError(f"{clip.path}: no {side} arm is known by name; JOINTS= names its three of {names}")
+    uppers = {side: three[0] for side, three in known.items() if three}
+    result = []
+    for side in sides:
+        torso = _torso(clip, uppers[side], [set(clip.ancestors(upper)) for upper in uppers.values()])
+        others = [upper for upper in uppers.values() if upper != uppers[side]]
+        result.append(Arm(side, *(known[side] or ()), torso=torso, opposite=others[0] if others else torso))
+    return result
 
 
 def _torso(clip: Clip, upper: int, common: list[set[int]]) -> int:
@@ -182,35 +106,94 @@ def _torso(clip: Clip, upper: int, common: list[set[int]]) -> int:
     return next((joint for joint in above if all(joint in of for of in common)), above[-1])
 
 
-def _named(clip: Clip, joints: Sequence[str]) -> tuple[int, int, int]:
-    index = clip.bvh.joint_index
-    for name in joints:
-        if name not in index:
-            raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(clip.bvh.joint_names)}")
-    if len(joints) != 3:
-        raise ClipError(f"{clip.path}: joints {','.join(joints)}: not the three of upper arm, forearm and hand")
-    upper, fore, hand = (index[name] for name in joints)
-    if upper not in clip.ancestors(fore) or fore not in clip.ancestors(hand):
-        raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
-    return upper, fore, hand
+def _joint_names(clip: Clip) -> list[str]:
+    return [node.name for node in clip.nodes if not node.end]
 
 
-def _known(clip: Clip, side: str, must: bool = True) -> tuple[int, int, int] | None:
-    names = clip.bvh.joint_names
+def _words(name: str) -> list[str]:
+    """Return the words of a joint's name in lower case, without namespace and Blender's number."""
+    name = re.sub(r"\.\d{3}$", "", re.split("[:|]", name)[-1])
+    words = (word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name))
+    return [word for word in words if word not in DROPPED]
 
-    def called(joint: int, part: str) -> bool:
-        stems, letter = "|".join(STEMS[part]), f"(?:{side}|{side[0]})"
-        plain = re.sub(r"[^a-z0-9]", "", names[joint].rpartition(":")[2].lower())
-        return bool(re.fullmatch(rf"{PREFIX}(?:{letter}(?:{stems})|(?:{stems}){letter})", plain))
 
-    for fore in (joint for joint in range(len(names)) if called(joint, "forearm")):
-        upper = next((joint for joint in clip.ancestors(fore) if called(joint, "upper arm")), None)
-        below = (joint for joint in range(len(names)) if fore in clip.ancestors(joint) and called(joint, "hand"))
-        if upper is not None and (hand := next(below, None)) is not None:
+def _called(clip: Clip, pattern: str) -> list[int]:
+    """Return the joints whose names are a pattern, perhaps after other words."""
+    found = []
+    for joint, node in enumerate(clip.nodes):
+        words = [] if node.end else _words(node.name)
+        for first in range(len(words)):
+            if re.fullmatch(pattern, "".join(words[first:])):
+                found.append(joint)
+                break
+            if words[first] in SIDE_WORDS:
+                break
+    return found
+
+
+def _given(clip: Clip, joints: Sequence[str]) -> tuple[int, ...]:
+    """Return the joints of an arm by their names, of which the clip may have several."""
+    found = [[k for k, node in enumerate(clip.nodes) if not node.end and node.name == name] for name in joints]
+    for name, those in zip(joints, found, strict=True):
+        if not those:
+            raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(_joint_names(clip))}")
+    for upper, fore, hand in product(*found):
+        if upper in clip.ancestors(fore) and fore in clip.ancestors(hand):
             return upper, fore, hand
-    if must:
-        raise ClipError(f"{clip.path}: no {side} arm is known by name; JOINTS= names its three of {', '.join(names)}")
+    raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
+
+
+def _known(clip: Clip, side: str) -> tuple[int, ...] | None:
+    """Return the joints of an arm by their usual names."""
+    letter = f"(?:{side}|{side[0]})"
+    for parts in ARM_NAMES:
+        uppers, fores, hands = (_called(clip, f"{letter}(?:{x})(?:0?1)?|(?:{x})(?:0?1)?{letter}") for x in parts)
+        for fore in fores:
+            above = [joint for joint in clip.ancestors(fore) if joint in uppers]
+            below = [joint for joint in hands if fore in clip.ancestors(joint)]
+            if above and below:
+                return above[-1], fore, below[0]
     return None
+
+
+# -- up ----------------------------------------------------------------------------------------------------------------
+
+
+def _body(clip: Clip) -> tuple[list[int], list[int]]:
+    """Return the joints of head or neck, and of the feet; empty lists where their names are not known."""
+    optional = f"(?:{'|'.join(SIDE_WORDS)})?"
+    heads, feet = (
+        next((found for names in table if (found := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
+        for table in (HEADS, FEET)
+    )
+    return (heads[:1], feet) if heads and feet else ([], [])
+
+
+def up_axis(clip: Clip) -> str:
+    """Return the axis from feet to head: on average over all frames, or at rest if the average is near no axis; y where
+    head or feet are not known."""
+    heads, feet = _body(clip)
+    if not heads:
+        return "y"
+    body = _unit(clip.positions[:, heads[0]] - clip.positions[:, feet].mean(axis=1)).mean(axis=0)
+    if np.abs(body).max() < 0.8:
+        body = rest_up(clip)
+    best = int(np.argmax(np.abs(body)))
+    return ("-" if body[best] < 0 else "") + "xyz"[best]
+
+
+def rest_up(clip: Clip) -> np.ndarray:
+    """Return the direction (3,) from hips to head of the body at rest: an axis where it is within 30 degrees of it."""
+    heads, feet = _body(clip)
+    if not heads:
+        return direction(clip.up)
+    above = [set(clip.ancestors(foot)) for foot in feet]
+    hips = next((joint for joint in clip.ancestors(feet[0]) if all(joint in of for of in above)), 0)
+    up = _unit(clip.rest[heads[0]] - clip.rest[hips])
+    if not up.any():
+        return direction(clip.up)
+    axis = np.where(np.abs(up) == np.abs(up).max(), np.sign(up), 0.0)
+    return axis if np.abs(up).max() > np.cos(np.radians(30)) else up
 
 
 # -- targets -----------------------------------------------------------------------------------------------------------
@@ -220,7 +203,7 @@ def _known(clip: Clip, side: str, must: bool = True) -> tuple[int, int, int] | N
 class Motion:
     """Motion of an arm in F frames, from the shoulder, in the clip's frame and unit.
 
-    * elbow, wrist (F, 3); d1, d2: lengths of upper arm and forearm
+    * elbow, wrist (F, 3); d1, d2 (F,): lengths of upper arm and forearm
     * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's
     * phi (F,): the swivel angle (rad) in that frame
     """
@@ -228,8 +211,8 @@ class Motion:
     arm: Arm
     elbow: np.ndarray
     wrist: np.ndarray
-    d1: float
-    d2: float
+    d1: np.ndarray
+    d2: np.ndarray
     frame: np.ndarray
     phi: np.ndarray
 
@@ -242,30 +225,39 @@ class Motion:
 
 def outward_and_up(clip: Clip, arm: Arm) -> np.ndarray:
     """Return the direction (3,) between the arm's side and up, of the body at rest, in the torso's frame."""
-    up = clip.bvh.rest_up_axis.vector
-    out = clip.rest[arm.upper] - clip.rest[arm.torso]
+    up = rest_up(clip)
+    out = clip.rest[arm.upper] - clip.rest[arm.opposite]
     out = out - (out @ up) * up
     if not np.linalg.norm(out) > 0:
-        raise ClipError(f"{clip.path}: joint {clip.bvh.joint_names[arm.upper]} is above the torso, not beside it")
+        raise ClipError(f"{clip.path}: joint {clip.names[arm.upper]} is above the torso; AXIS= gives another axis")
     return out / np.linalg.norm(out) + up
 
 
 def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     """Return the motion of an arm for a reference axis of the world's frame, or "torso": outward and up from it."""
-    bones = clip.rest[arm.fore] - clip.rest[arm.upper], clip.rest[arm.hand] - clip.rest[arm.fore]
-    d1, d2 = (float(np.linalg.norm(bone)) for bone in bones)
-    if min(d1, d2) == 0:
-        raise ClipError(f"{clip.path}: the {arm.side} arm has a bone without length")
+    for joint in (arm.upper, arm.fore):
+        if not clip.can_turn(joint):
+            message = "has no rotation channel for each axis, so the core cannot turn it"
+            raise ClipError(f"{clip.path}: joint {clip.names[joint]} {message}")
     shoulder, elbow, wrist = (clip.positions[:, joint] for joint in (arm.upper, arm.fore, arm.hand))
     count = len(shoulder)
+    rest = [clip.rest[joint] for joint in (arm.upper, arm.fore, arm.hand)]
+    d1, d2 = (_lengths(b - a, d - c) for a, b, c, d in ((*rest[:2], shoulder, elbow), (*rest[1:], elbow, wrist)))
+    if min(d1.min(), d2.min()) == 0:
+        raise ClipError(f"{clip.path}: the {arm.side} arm has a bone without length")
     if isinstance(axis, str) and axis == TORSO:
-        turn = rotmat_to_quat(clip.world[:, arm.torso])
-        frame = multiply(to_z(outward_and_up(clip, arm)), conjugate(turn))
+        frame = multiply(to_z(outward_and_up(clip, arm)), conjugate(clip.turn[:, arm.torso]))
     else:
         frame = np.broadcast_to(to_z(axis), (count, 4))
     elbow, wrist = elbow - shoulder, wrist - shoulder
     phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
     return Motion(arm, elbow, wrist, d1, d2, frame, phi)
+
+
+def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
+    """Return the lengths (F,) of a bone (F, 3): of the bone at rest, where they are that within rounding."""
+    length, found = np.linalg.norm(rest), np.linalg.norm(bone, axis=1)
+    return np.where(np.isclose(found, length, rtol=1e-9, atol=0), length, found)
 
 
 def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
@@ -278,7 +270,7 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
     ulp = 2.0 ** (2 - width)  # upper bound, relative to the reach
     wrists = []
     for move in moves:
-        distance, reach = np.linalg.norm(move.wrist, axis=1, keepdims=True), move.d1 + move.d2
+        distance, reach = np.linalg.norm(move.wrist, axis=1, keepdims=True), (move.d1 + move.d2)[:, None]
         longer = reach * (1 + 2 * ulp) / np.maximum(distance, reach / 2)
         wrists.append(move.wrist * np.where(distance >= reach * (1 - 2 * ulp), longer, 1.0))
     x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
@@ -290,8 +282,8 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
         y=y,
         z=z,
         phi=np.stack([np.broadcast_to(angle, count) for angle in phi], axis=1).reshape(-1),
-        d1=np.tile([move.d1 for move in moves], count),
-        d2=np.tile([move.d2 for move in moves], count),
+        d1=np.stack([move.d1 for move in moves], axis=1).reshape(-1),
+        d2=np.stack([move.d2 for move in moves], axis=1).reshape(-1),
         frame=np.stack([move.frame for move in moves], axis=1).reshape(-1, 4),
         arm=arm,
         others={"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()},
@@ -300,49 +292,66 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
 
 # -- the turned clip ---------------------------------------------------------------------------------------------------
 
+TWISTS = ("clip", "core")
 
-def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]]) -> pybvh.Bvh:
+
+def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]], twist: str = "clip") -> Clip:
     """Return the clip with arms turned by Qs and Qe, (F, 4) each, in the clip's frame; the rest of the body is
     unchanged.
 
-    Rigs differ in how a bone is turned about itself at rest.  The core's hinge, about which the elbow bends, is fixed
-    in both bones, and is aligned with the clip's average hinge.  Hands keep their direction in the world.
+    The core gives the direction of each bone.  Its twist is the clip's: the bone turns the shortest way.  With twist
+    "core" the core's hinge, about which the elbow bends, is fixed in both bones, and is aligned with the clip's average
+    hinge.  Hands keep their orientation to the world.
     """
-    local = clip.local.copy()
+    world = {}
     for move, qs, qe in moves:
-        arm = move.arm
-        normal = np.cross(move.elbow, move.wrist - move.elbow)
-        world = {
-            joint: matrix(q) @ _to_rest(clip, joint, below, normal, bone)
-            for joint, below, q, bone in (
-                (arm.upper, arm.fore, qs, (0.0, 0.0, 1.0)),
-                (arm.fore, arm.hand, multiply(qs, qe), (0.0, 0.0, -1.0)),
-            )
-        } | {arm.hand: clip.world[:, arm.hand]}
-        above = clip.parents[arm.upper]
-        carried = np.eye(3) if above < 0 else clip.world[:, above]
-        for joint in (arm.upper, arm.fore, arm.hand):
-            local[:, joint] = np.swapaxes(np.broadcast_to(carried, local[:, joint].shape), 1, 2) @ world[joint]
-            carried = world[joint]
-        for low, high in ((arm.fore, arm.upper), (arm.hand, arm.fore)):
-            for between in clip.ancestors(low)[: clip.ancestors(low).index(high)]:  # twist joints within a bone
-                local[:, between] = np.eye(3)
-    return clip.bvh.from_rotmat(clip.bvh.root_pos, local)
-
-
-def _to_rest(clip: Clip, joint: int, below: int, normal: np.ndarray, bone: tuple[float, float, float]) -> np.ndarray:
-    """Return the rotation (3, 3) from a joint's bone at rest to the core's, along `bone` and with hinge x."""
-    along = clip.rest[below] - clip.rest[joint]
-    along = along / np.linalg.norm(along)
-    hinge = (np.swapaxes(clip.world[:, joint], 1, 2) @ normal[:, :, None])[:, :, 0].sum(axis=0)
-    hinge -= (hinge @ along) * along
-    if np.linalg.norm(hinge) <= 1e-9 * np.linalg.norm(normal, axis=1).sum():  # never bent, or about every axis
-        hinge = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-    hinge /= np.linalg.norm(hinge)
-    # The core's arm bends so that upper arm x forearm points along HINGE.
-    here = np.stack((along, hinge, np.cross(along, hinge)), axis=1)
-    there = np.stack((bone, HINGE, np.cross(bone, HINGE)), axis=1)
-    return there @ here.T
+        arm, fore = move.arm, move.wrist - move.elbow
+        normal = np.cross(move.elbow, fore)
+        for joint, bone, q, z in ((arm.upper, move.elbow, qs, 1.0), (arm.fore, fore, multiply(qs, qe), -1.0)):
+            aim, own = rotate(q, (0.0, 0.0, z)), clip.turn[:, joint]
+            world[joint] = multiply(_shortest(bone, aim), own)
+            if twist == "core":
+                back = conjugate(own)
+                hinge = _hinge(_unit(rotate(back, bone)).mean(axis=0), rotate(back, normal))
+                world[joint] = multiply(_roll(aim, rotate(world[joint], hinge), rotate(q, HINGE)), world[joint])
+        if clip.can_turn(arm.hand):
+            world[arm.hand] = clip.turn[:, arm.hand]
+    return clip.turned(world)
 
 
 HINGE = (1.0, 0.0, 0.0)
+"""The core's arm bends so that upper arm x forearm points along it."""
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    """Return vectors (.., 3) of length 1, or 0 where they are 0."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1.0)
+
+
+def _shortest(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return the quaternions (F, 4) of the shortest rotations between directions (F, 3)."""
+    a, b = _unit(start), _unit(end)
+    q = np.column_stack((1 + (a * b).sum(axis=1), np.cross(a, b)))
+    opposite = np.linalg.norm(q, axis=1) < 1e-7  # about any axis across
+    q[opposite, 1:] = np.cross(a, np.eye(3)[np.argmin(np.abs(a), axis=1)])[opposite]
+    return _unit(q)
+
+
+def _hinge(along: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Return the mean (3,) of normals (F, 3) across a bone's direction."""
+    along = _unit(along)
+    hinge = normals.sum(axis=0)
+    hinge -= (hinge @ along) * along
+    if np.linalg.norm(hinge) <= 1e-9 * np.linalg.norm(normals, axis=1).sum():  # never bent, or about every axis
+        hinge = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+    return _unit(hinge)
+
+
+def _roll(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return the quaternions (F, 4) of rotations about axes that take one direction, seen along the axis, to another;
+    all (F, 3)."""
+    across = np.cross(axis, start)
+    along = (start * axis).sum(axis=1) * (end * axis).sum(axis=1)
+    half = np.arctan2((across * end).sum(axis=1), (start * end).sum(axis=1) - along) / 2
+    return np.column_stack((np.cos(half), axis * np.sin(half)[:, None]))

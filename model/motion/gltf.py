@@ -1,79 +1,104 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clip as an animated glTF 2.0 binary: its joints as nodes, a small double pyramid for each bone."""
+"""Clip as an animated glTF 2.0 binary in metres: an armature of its joints, and a skin of double pyramids as bones."""
 
 from __future__ import annotations
 
 import numpy as np
-import pybvh
 import pygltflib as gltf
 
-from ..reference.kinematics import continuous, multiply
+from ..reference.kinematics import continuous, multiply, rotate
+from .bvh import Clip
 
-POINTS = np.array(
-    [(0, 0, 0), (0.08, 0.15, 0), (0, 0.15, 0.08), (-0.08, 0.15, 0), (0, 0.15, -0.08), (0, 1, 0)], dtype=np.float32
-)
+POINTS = np.array([(0, 0, 0), (0.08, 0.15, 0), (0, 0.15, 0.08), (-0.08, 0.15, 0), (0, 0.15, -0.08), (0, 1, 0)])
 """Corners of a bone of length 1 along y."""
 
 RING = ((1, 2), (2, 3), (3, 4), (4, 1))
-FACES = np.array([*((0, a, b) for a, b in RING), *((5, b, a) for a, b in RING)], dtype=np.uint8)
+FACES = np.array([*((0, a, b) for a, b in RING), *((5, b, a) for a, b in RING)], dtype=np.uint32)
 
-TO_Y = ((0.5, 0.5, 0.5, 0.5), (1.0, 0.0, 0.0, 0.0), (0.5, -0.5, -0.5, -0.5))
-"""wxyz quaternions of the cyclic axis exchanges that take the clip's up axis, x, y or z, to glTF's y."""
+TO_Y = {"x": (0.5, 0.5, 0.5, 0.5), "y": (1.0, 0.0, 0.0, 0.0), "z": (0.5, -0.5, -0.5, -0.5)}
+"""wxyz quaternions of the cyclic axis exchanges that take the clip's up axis to glTF's y."""
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+ARM = 0.55
+"""Length of a human arm to the wrist, m."""
 
 
-def animated(bvh: pybvh.Bvh, name: str) -> bytes:
-    """Return the bytes of a .glb file; lengths are the clip's numbers, up is always y."""
+def metres(unit: str, arm: float) -> float:
+    """Return a unit of length in metres; "auto": the one in which an arm's length is nearest to a human's."""
+    return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda one: abs(np.log(arm * one / ARM)))
+
+
+def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
+    """Return the bytes of a .glb file; scale: metres in a unit of the clip. Up is always y."""
     file = gltf.GLTF2(asset=gltf.Asset(generator="cga-ik"), scene=0)
     data = _Data(file)
-    corners = data.put(POINTS, gltf.VEC3, gltf.ARRAY_BUFFER, bounds=True)
-    faces = data.put(FACES.reshape(-1), gltf.SCALAR, gltf.ELEMENT_ARRAY_BUFFER)
-    shape = gltf.Primitive(attributes=gltf.Attributes(POSITION=corners), indices=faces)
-    file.meshes = [gltf.Mesh(primitives=[shape], name="bone")]
+    turn = np.array(TO_Y[clip.up[-1]])
+    if clip.up[0] == "-":  # first half a turn, about the next axis
+        turn = multiply(turn, np.eye(4)[1 + ("xyz".index(clip.up[-1]) + 1) % 3])
+    for label, node in zip(clip.names, clip.nodes, strict=True):
+        file.nodes.append(gltf.Node(name=label, translation=(scale * np.array(node.offset)).tolist()))
+    for k, parent in enumerate(clip.parents):
+        if parent >= 0:
+            file.nodes[parent].children.append(k)
+    armature = len(file.nodes)
+    roots = [k for k, parent in enumerate(clip.parents) if parent < 0]
+    file.nodes.append(gltf.Node(name=name, rotation=np.roll(turn, -1).tolist(), children=[*roots, armature + 1]))
+    file.nodes.append(gltf.Node(name=f"{name} bones", mesh=0, skin=0))
+    file.scenes = [gltf.Scene(nodes=[armature])]
+    file.meshes = [_bones(clip, scale, data)]
+    inverse = np.tile(np.eye(4, dtype=np.float32), (armature, 1, 1))
+    inverse[:, 3, :3] = -scale * clip.rest  # columns first
+    matrices = data.put(inverse.reshape(-1, 16), gltf.MAT4)
+    file.skins = [gltf.Skin(name=name, inverseBindMatrices=matrices, skeleton=armature, joints=list(range(armature)))]
 
-    up = bvh.up_axis
-    turn = np.array(TO_Y[up.index])
-    if up.sign < 0:  # first half a turn, about the next axis
-        turn = multiply(turn, np.eye(4)[1 + (up.index + 1) % 3])
-    file.nodes = [gltf.Node(name=name, rotation=np.roll(turn, -1).tolist(), children=[1])]
-    file.scenes = [gltf.Scene(nodes=[0])]
-    number = {node.name: 1 + k for k, node in enumerate(bvh.nodes)}
-    for node in bvh.nodes:
-        file.nodes.append(gltf.Node(name=node.name, translation=node.offset.tolist()))
-    for node in bvh.nodes:
-        if node.parent is not None:
-            children = file.nodes[number[node.parent.name]].children
-            children.append(number[node.name])
-            if np.linalg.norm(node.offset) > 0:
-                children.append(len(file.nodes))
-                file.nodes.append(_bone(node.offset))
-
-    clock = data.put(np.arange(bvh.frame_count, dtype=np.float32) * bvh.frame_time, gltf.SCALAR, bounds=True)
+    clock = data.put(np.arange(len(clip.table), dtype=np.float32) * clip.period, gltf.SCALAR, bounds=True)
     motion = gltf.Animation(name=name)
-    positions, rotations = bvh.to_quat()
-    tracks = [(number[bvh.nodes[0].name], "translation", positions, gltf.VEC3)]
-    for k, joint in enumerate(bvh.joint_names):
-        tracks.append((number[joint], "rotation", np.roll(continuous(rotations[:, k]), -1, axis=1), gltf.VEC4))
-    for target, path, values, kind in tracks:
-        sampler = len(motion.samplers)
-        motion.samplers.append(gltf.AnimationSampler(input=clock, output=data.put(values.astype(np.float32), kind)))
-        aim = gltf.AnimationChannelTarget(node=target, path=path)
-        motion.channels.append(gltf.AnimationChannel(sampler=sampler, target=aim))
+    for k, node in enumerate(clip.nodes):
+        tracks = []
+        if node.of("position"):
+            tracks.append(("translation", scale * clip.places[:, k], gltf.VEC3))
+        if node.of("rotation"):
+            tracks.append(("rotation", np.roll(continuous(clip.local[:, k]), -1, axis=1), gltf.VEC4))
+        for path, values, kind in tracks:
+            aim = gltf.AnimationChannelTarget(node=k, path=path)
+            motion.channels.append(gltf.AnimationChannel(sampler=len(motion.samplers), target=aim))
+            motion.samplers.append(gltf.AnimationSampler(input=clock, output=data.put(values, kind)))
     file.animations = [motion]
     file.buffers = [gltf.Buffer(byteLength=len(data.bytes))]
     file.set_binary_blob(bytes(data.bytes))
     return b"".join(file.save_to_bytes())
 
 
+def _bones(clip: Clip, scale: float, data: _Data) -> gltf.Mesh:
+    """Return the bones of the rest pose; each moves with the joint at which it begins."""
+    points, joints = [np.zeros((0, 3))], []
+    for node in clip.nodes:
+        if node.parent >= 0 and (length := float(np.linalg.norm(node.offset))) > 0:
+            x, y, z = np.array(node.offset) / length
+            turn = np.array((1 + y, z, 0.0, -x)) if y > -1 + 1e-9 else np.array((0.0, 1.0, 0.0, 0.0))
+            bone = rotate(turn / np.linalg.norm(turn), POINTS * length)
+            points.append(scale * (clip.rest[node.parent] + bone))
+            joints += [(node.parent, 0, 0, 0)] * len(POINTS)
+    corners = data.put(np.concatenate(points), gltf.VEC3, gltf.ARRAY_BUFFER, bounds=True)
+    owners = data.put(np.array(joints, dtype=np.uint16), gltf.VEC4, gltf.ARRAY_BUFFER)
+    weights = data.put(np.tile((1.0, 0.0, 0.0, 0.0), (len(joints), 1)), gltf.VEC4, gltf.ARRAY_BUFFER)
+    faces = np.concatenate([FACES.reshape(-1) + first for first in range(0, len(joints), len(POINTS))])
+    attributes = gltf.Attributes(POSITION=corners, JOINTS_0=owners, WEIGHTS_0=weights)
+    indices = data.put(faces, gltf.SCALAR, gltf.ELEMENT_ARRAY_BUFFER)
+    return gltf.Mesh(name="bones", primitives=[gltf.Primitive(attributes=attributes, indices=indices)])
+
+
 class _Data:
     """Contents of the buffer, and their accessors."""
 
-    KINDS = {"f": gltf.FLOAT, "u": gltf.UNSIGNED_BYTE}
+    KINDS = {"f4": gltf.FLOAT, "u2": gltf.UNSIGNED_SHORT, "u4": gltf.UNSIGNED_INT}
 
     def __init__(self, file: gltf.GLTF2) -> None:
         self.file, self.bytes = file, bytearray()
 
     def put(self, values: np.ndarray, kind: str, target: int | None = None, bounds: bool = False) -> int:
         """Append values to the buffer and return the number of their accessor."""
+        values = values.astype(np.float32) if values.dtype.kind == "f" else values
         view = gltf.BufferView(buffer=0, byteOffset=len(self.bytes), byteLength=values.nbytes, target=target)
         self.bytes += values.tobytes() + bytes(-values.nbytes % 4)
         self.file.bufferViews.append(view)
@@ -82,7 +107,7 @@ class _Data:
         self.file.accessors.append(
             gltf.Accessor(
                 bufferView=len(self.file.bufferViews) - 1,
-                componentType=self.KINDS[values.dtype.kind],
+                componentType=self.KINDS[values.dtype.str[1:]],
                 count=len(values),
                 type=kind,
                 min=low,
@@ -90,11 +115,3 @@ class _Data:
             )
         )
         return len(self.file.accessors) - 1
-
-
-def _bone(offset: np.ndarray) -> gltf.Node:
-    """Return the double pyramid from a joint to the next."""
-    length = float(np.linalg.norm(offset))
-    x, y, z = offset / length
-    turn = np.array((z, 0.0, -x, 1 + y)) if y > -1 + 1e-9 else np.array((1.0, 0.0, 0.0, 0.0))
-    return gltf.Node(mesh=0, rotation=(turn / np.linalg.norm(turn)).tolist(), scale=[length] * 3)

@@ -77,7 +77,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
         sides = " and ".join(move.arm.side for move in item.moves)
         frames = len(targets) // len(item.moves)
         about = (
-            f"{Path(targets.path).name}: {frames} frames at {1 / item.clip.bvh.frame_time:.6g} Hz; {sides} arm by the "
+            f"{Path(targets.path).name}: {frames} frames at {1 / item.clip.period:.6g} Hz; {sides} arm by the "
             "core, the rest of the body as in the clip."
         )
         arms = np.tile(np.arange(len(item.moves)), frames).tolist()

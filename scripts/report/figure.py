@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from model.io.words import result_values
-from model.motion.clip import Arm, Clip, Motion, outward_and_up
-from model.reference.kinematics import rotate
+from model.motion.clip import Arm, Clip, Motion, outward_and_up, rest_up
+from model.reference.kinematics import conjugate, rotate
 from scripts.run import turned
 from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
@@ -26,20 +26,19 @@ BODY, UPPER, FORE, HEAD = range(4)
 
 
 def place(up: str) -> np.ndarray:
-    """Return the rotation (3, 3) from a clip's frame to the page's frame (z up). up: the clip's up axis, e.g. "+y"."""
-    turn = np.roll(np.eye(3), 2 - "xyz".index(up[1]), axis=0)
+    """Return the rotation (3, 3) from a clip's frame to the page's frame (z up). up: the clip's up axis, e.g. "-y"."""
+    turn = np.roll(np.eye(3), 2 - "xyz".index(up[-1]), axis=0)
     return turn if up[0] != "-" else np.diag((1.0, -1.0, -1.0)) @ turn
 
 
-def _parts(clip: Clip, moves: tuple[Motion, ...], node_of: list[int]) -> list[int]:
+def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
     """Return the body part of the bone that ends at each node; an end site below a joint named head is HEAD."""
-    nodes = clip.bvh.nodes
-    parts = [HEAD if node.is_end_site() and "head" in node.parent.name.lower() else BODY for node in nodes]
+    parts = [HEAD if node.end and "head" in clip.names[node.parent].lower() else BODY for node in clip.nodes]
     for move in moves:
         arm = move.arm
         for part, joint, high in ((UPPER, arm.fore, arm.upper), (FORE, arm.hand, arm.fore)):
             while joint != high:
-                parts[node_of[joint]] = part
+                parts[joint] = part
                 joint = clip.parents[joint]
     return parts
 
@@ -63,10 +62,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     * radius: largest distance of any point from the view's centre, which is above the root's position on the floor
     """
     clip, moves = item.clip, item.moves
-    turn = place(clip.bvh.world_up)
-    index = clip.bvh.node_index
-    node_of = [index[name] for name in clip.bvh.joint_names]
-    nodes = turned(item, ran, width).node_positions() @ turn.T
+    turn = place(clip.up)
+    nodes = turned(item, ran, width).positions @ turn.T
     root = nodes[:, :1].copy()
     own = clip.positions[:, [joint for move in moves for joint in (move.arm.fore, move.arm.hand)]] @ turn.T - root
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
@@ -82,13 +79,13 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
         return np.rint(points.reshape(len(points), -1) / unit).astype(int).tolist()
 
     return {
-        "rate": float(f"{1 / clip.bvh.frame_time:.6g}"),
+        "rate": float(f"{1 / clip.period:.6g}"),
         "arms": [
-            {"side": move.arm.side} | {part: node_of[getattr(move.arm, part)] for part in ("upper", "fore", "hand")}
+            {"side": move.arm.side} | {part: getattr(move.arm, part) for part in ("upper", "fore", "hand")}
             for move in moves
         ],
-        "parents": [-1 if node.parent is None else index[node.parent.name] for node in clip.bvh.nodes],
-        "parts": _parts(clip, moves, node_of),
+        "parents": clip.parents,
+        "parts": _parts(clip, moves),
         "unit": unit,
         "nodes": whole(np.concatenate((root, (nodes - root)[:, 1:]), axis=1)),
         "own": whole(own),
@@ -119,8 +116,8 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
 
 def _from_torso(clip: Clip, arm: Arm, directions: np.ndarray) -> np.ndarray:
     """Convert directions (F, 3) from a clip's frame to the torso's axes: forward, left, up."""
-    up = clip.bvh.rest_up_axis.vector
+    up = rest_up(clip)
     left = outward_and_up(clip, arm) - up
     left = left if arm.side == "left" else -left
     axes = np.stack((np.cross(left, up), left, up), axis=1)
-    return np.einsum("fij,fi->fj", clip.world[:, arm.torso] @ axes, directions)
+    return rotate(conjugate(clip.turn[:, arm.torso]), directions) @ axes

@@ -15,7 +15,7 @@ from model.motion import clip as clips
 from model.motion.clip import ClipError, arms, motion, read, turned
 from model.motion.gltf import animated
 from model.motion.pose import solve
-from model.motion.tests import figure
+from model.motion.tests import figure, second_reader
 from model.reference.kinematics import angle_between, conjugate, forward, multiply, rotate
 
 MOCAP = sorted((Path(__file__).parents[4] / "shared" / "mocap").glob("*.bvh"))
@@ -43,7 +43,7 @@ def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
     moves = followed(clip, axis, width)
     assert [move.arm.side for move, *_ in moves] == ["left", "right"]
     for move, qs, qe in moves:
-        assert (move.d1, move.d2) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
+        assert (move.d1[0], move.d2[-1]) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
         elbow, wrist = forward(qs, qe, move.d1, move.d2)
         # Near a singular pose, rounding of the target moves the elbow further.
         beside = np.linalg.norm(rotate(move.frame, move.wrist)[:, :2], axis=1) / np.linalg.norm(move.wrist, axis=1)
@@ -60,7 +60,7 @@ def test_axis_of_the_torso(tmp_path, up, axes):
     clip = read(figure.write(tmp_path / "clip.bvh", up=up))
     for side, axis in axes.items():
         (arm,) = arms(clip, side)
-        moved = clip.world[:, arm.torso] @ (np.array(axis) / np.sqrt(2))
+        moved = rotate(clip.turn[:, arm.torso], np.array(axis) / np.sqrt(2))
         np.testing.assert_allclose(rotate(motion(clip, arm).frame, moved), [(0, 0, 1)] * len(moved), atol=1e-12)
 
 
@@ -73,29 +73,39 @@ def test_typical_angle_is_that_of_a_bent_arm(tmp_path):
     assert replace(move, phi=np.array([0.0, 3.1, -3.1])).typical_phi == pytest.approx(np.pi)
 
 
-@pytest.mark.parametrize("way", [{}, {"up": "z", "order": "YXZ"}])
+def written(path, clip, *options, width=32):
+    """Write the turned clip next to `path`; return its path and its arms' joints."""
+    again = path.with_name("again.bvh")
+    again.write_bytes(turned(clip, followed(clip, "torso", width), *options).content())
+    return again, [joint for arm in arms(clip) for joint in (arm.upper, arm.fore, arm.hand)]
+
+
+@pytest.mark.parametrize("way", [{}, {"up": "z", "order": "YXZ"}, {"up": "x", "order": "XZY"}])
 def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
-    clip = read(figure.write(tmp_path / "clip.bvh", **way))
-    turned(clip, followed(clip, "torso", 32)).write(tmp_path / "again.bvh")
-    again = read(tmp_path / "again.bvh")
-    assert again.bvh.joint_names == clip.bvh.joint_names and again.bvh.frame_time == clip.bvh.frame_time
-    np.testing.assert_allclose(again.positions, clip.positions, atol=1e-5)
-    hands = [arm.hand for arm in arms(clip)]
-    np.testing.assert_allclose(again.world[:, hands], clip.world[:, hands], atol=1e-6)
-    arm_joints = {joint for arm in arms(clip) for joint in (arm.upper, arm.fore, arm.hand)}
-    others = [joint for joint in range(len(clip.parents)) if joint not in arm_joints]
-    np.testing.assert_allclose(again.local[:, others], clip.local[:, others], atol=1e-6)
+    path = figure.write(tmp_path / "clip.bvh", **way)
+    again, _ = written(path, read(path))
+    second_reader.compare(path, again)
 
 
-def test_bones_turn_about_themselves_as_in_the_clip_on_average(tmp_path):
-    """A figure whose elbow is a hinge, as in the core: all joint rotations are reproduced, not only the positions."""
-    clip = read(figure.write(tmp_path / "clip.bvh"))
-    angles = clip.bvh.joint_angles.copy()
+def hinged(path):
+    """Make the elbow a hinge, as in the core."""
+    clip = read(path)
     for arm in arms(clip):
-        angles[:, arm.fore] = (0.0, 1.0, 0.0) * (0.4 + np.abs(angles[:, arm.fore]))  # ZYX: about y only
-    clip.bvh.joint_angles = angles
-    again = clips.Clip(clip.path, turned(clip, followed(clip, "torso")))
-    np.testing.assert_allclose(again.local, clip.local, atol=1e-6)
+        columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
+        clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
+    path.write_bytes(clip.content())
+    return clip
+
+
+def test_twist_of_the_core(tmp_path):
+    """The core's hinge is that of an elbow which is one, and no bone turns about itself faster than it swings."""
+    path = figure.write(tmp_path / "clip.bvh")
+    free = written(path, read(path), "core")
+    with pytest.raises(AssertionError):
+        second_reader.compare(path, free[0])
+    second_reader.compare(path, *free)
+    clip = hinged(path)
+    second_reader.compare(path, written(path, clip, "core")[0])
 
 
 @pytest.mark.parametrize("names", figure.NAMES)
@@ -109,16 +119,16 @@ def test_names_of_joints(tmp_path, names):
     for side in clips.SIDES:
         joints = figure.joints(names, side)
         (named,) = arms(clip, side, joints)
-        assert tuple(clip.bvh.joint_names[joint] for joint in (named.upper, named.fore, named.hand)) == joints
+        assert tuple(clip.names[joint] for joint in (named.upper, named.fore, named.hand)) == joints
         if names != "own":
             assert arms(clip, side) == [named]
-            assert clip.bvh.joint_names[named.torso] == "Spine"
+            assert clip.names[named.torso] == "Spine"
 
 
 def test_a_lone_arm(tmp_path):
     clip = read(figure.write(tmp_path / "clip.bvh", sides=("right",)))
     (arm,) = arms(clip, "right")
-    assert clip.bvh.joint_names[arm.torso] == "Spine"
+    assert clip.names[arm.torso] == "Spine"
     with pytest.raises(ClipError, match="no left arm"):
         arms(clip)
 
@@ -151,18 +161,35 @@ def spoil(text, line, column, word):
     ("change", "message"),
     [
         (lambda text: "", "the file is empty"),
-        (lambda text: "x,y,z\n1,2,3\n", "No ROOT"),
-        (lambda text: text.partition("MOTION")[0], "Frame count"),
-        (lambda text: text[: len(text) * 2 // 3], r"60 frames|line \d+: \d+ numbers, not"),
+        (lambda text: "x,y,z\n1,2,3\n", "line 1: 'x,y,z' is not ROOT"),
+        (lambda text: "HIERARCHY\n", "no BVH clip: no ROOT"),
+        (lambda text: text.partition("MOTION")[0], "no BVH clip: no MOTION"),
+        (lambda text: text.replace("Frames", "Pictures"), r"line \d+: MOTION without 'Frames:' and 'Frame Time:'"),
+        (lambda text: text[:300].rpartition("C")[0], r"line \d+: the hierarchy ends where .* is expected"),
+        (lambda text: text.partition("Time: 0.008")[0] + "Time: 0.008", "the clip has no frames"),
         (lambda text: spoil(text, 5, 3, "abc"), r"line \d\d, joint Hips: 'abc' is not a finite number"),
-        (lambda text: spoil(text, 5, 3, ""), r"line \d\d: \d+ numbers, not \d+"),
+        (lambda text: spoil(text, 5, 3, ""), r"line \d\d: 38 numbers, not 39"),
+        (lambda text: spoil(text, 5, 3, "1 2"), r"line \d\d: 40 numbers, not 39"),
         (lambda text: spoil(text, 5, 3, "nan"), r"line \d\d, joint Hips: 'nan' is not a finite number"),
+        (lambda text: spoil(text, 5, 3, "1_0"), r"line \d\d, joint Hips: '1_0' is not a finite number"),
+        (lambda text: spoil(text, 5, 3, "-1.#IND00"), r"line \d\d, joint Hips: '-1.#IND00' is not a finite number"),
         (lambda text: spoil(text, 1, 1, "many"), r"line \d\d: 'many' is not a finite number"),
         (lambda text: spoil(text, 2, 2, "nan"), r"line \d\d: 'nan' is not a finite number"),
-        (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), "line 8, joint Spine: 'inf' is not a finite"),
-        (lambda text: text.replace("Zrotation", "Wrotation", 1), "Wrotation"),
-        (lambda text: text.replace("OFFSET", "OFFSTE", 1), "."),
-        (lambda text: b"\xff\xfe\x00" * 50, "no BVH clip: not text"),
+        (
+            lambda text: text.replace("0.000000 1.0", "inf 1.0", 1),
+            r"line 8: 'inf' is not a finite number \(joint Spine\)",
+        ),
+        (lambda text: text.replace("Zrotation", "Wrotation", 1), "line 5: 'Wrotation' is not a position or rotation"),
+        (lambda text: text.replace("CHANNELS 6", "CHANNELS 6.5"), "line 5: '6.5' is not a whole number"),
+        (
+            lambda text: text.replace("OFFSET", "OFFSTE", 1),
+            "line 4: 'OFFSTE' is not OFFSET, CHANNELS, JOINT, End Site or }",
+        ),
+        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6: 'ROOT' is not OFFSET"),
+        (lambda text: text.replace("ROOT", "JOINT"), "line 2: 'JOINT' is not ROOT"),
+        (lambda text: text.replace("{", "", 1), "line 4: 'OFFSET' is not {"),
+        (lambda text: b"\xff\xfe\x00" * 51, "no BVH clip: not text"),
+        (lambda text: b"\x00 \x02" * 50, "no BVH clip: not text"),
     ],
 )
 def test_a_file_that_is_no_clip(tmp_path, change, message):
@@ -184,11 +211,10 @@ def test_motion_capture(path, tmp_path):
         for move, qs, qe in moves:
             elbow, wrist = forward(qs, qe, move.d1, move.d2)
             assert off(elbow, move.elbow, move).max() <= tolerance, "the T pose of the first frame included"
-    turned(clip, moves).write(tmp_path / "again.bvh")
+    second_reader.compare(path, written(tmp_path / "clip.bvh", clip)[0])
     for (move, qs, _), arm in zip(followed(clip, "torso", phi=lambda m: m.typical_phi), arms(clip), strict=True):
-        torso, upper = clip.world[:, arm.torso], clip.world[:, arm.upper]
-        own = clips.rotmat_to_quat(np.swapaxes(torso, 1, 2) @ upper)
-        ours = multiply(conjugate(clips.rotmat_to_quat(torso)), qs)
+        torso, upper = conjugate(clip.turn[:, arm.torso]), clip.turn[:, arm.upper]
+        own, ours = multiply(torso, upper), multiply(torso, qs)
         fastest = [angle_between(q[1:-1], q[2:]).max() for q in (ours, own)]
         assert fastest[0] <= 1.5 * fastest[1], move.arm
 
@@ -200,7 +226,7 @@ def values(file, accessor):
     """Return the numbers of an accessor, (count, components)."""
     about = file.accessors[accessor]
     view = file.bufferViews[about.bufferView]
-    kind = {pygltflib.FLOAT: np.float32, pygltflib.UNSIGNED_BYTE: np.uint8}[about.componentType]
+    kind = {pygltflib.FLOAT: np.float32, pygltflib.UNSIGNED_SHORT: np.uint16}.get(about.componentType, np.uint32)
     data = file.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength]
     table = np.frombuffer(data, kind).reshape(about.count, -1)
     if about.min:
@@ -208,17 +234,12 @@ def values(file, accessor):
     return table
 
 
-@pytest.mark.parametrize("up", "xyz")
+@pytest.mark.parametrize("up", ["x", "y", "z", "-y"])
 @pytest.mark.filterwarnings("ignore:.*provisional")
-def test_nodes_are_where_the_joints_are(tmp_path, up):
-    clip = read(figure.write(tmp_path / "clip.bvh", up=up))
-    if up == "x":
-        clip.bvh.world_up = "+x"  # an up direction that cannot be guessed
-    assert clip.bvh.world_up == f"+{up}"
-    angles = clip.bvh.joint_angles.copy()
-    angles[:, 0, 0] += np.linspace(0, 20, len(angles))  # three turns, through both signs of the quaternion
-    clip.bvh.joint_angles = angles
-    (tmp_path / "clip.glb").write_bytes(animated(clip.bvh, "a figure"))
+def test_nodes_and_bones_are_where_the_joints_are(tmp_path, up):
+    clip = read(figure.write(tmp_path / "clip.bvh"), up)
+    clip.table[:, 3] += np.linspace(0, 1200, len(clip.table))  # turns, through both signs of the quaternion
+    (tmp_path / "clip.glb").write_bytes(animated(clip, "a figure", 0.01))
     file = pygltflib.GLTF2().load(tmp_path / "clip.glb")
     assert not validate(file)
     (animation,) = file.animations
@@ -226,33 +247,43 @@ def test_nodes_are_where_the_joints_are(tmp_path, up):
     for channel in animation.channels:
         sampler = animation.samplers[channel.sampler]
         times = values(file, sampler.input)[:, 0]
-        np.testing.assert_allclose(times, np.arange(len(times)) / 120, rtol=1e-6)
+        np.testing.assert_allclose(times, np.arange(len(times)) / 120, rtol=1e-5)
         tracks[channel.target.node, channel.target.path] = values(file, sampler.output)
 
-    found, count = {}, clip.bvh.frame_count
+    count = len(clip.table)
     for (_, path), track in tracks.items():
         assert len(track) == count
         if path == "rotation":
             np.testing.assert_allclose(np.linalg.norm(track, axis=1), 1, atol=1e-6)
             assert (np.sum(track[1:] * track[:-1], axis=1) > 0).all(), "no flip of signs"
 
+    found = {}
+
     def walk(number, turn, place):
         node = file.nodes[number]
         move = tracks.get((number, "translation"), np.tile(node.translation or (0.0, 0, 0), (count, 1)))
         spin = tracks.get((number, "rotation"), np.tile(node.rotation or (0.0, 0, 0, 1), (count, 1)))
-        place, turn = place + turn.apply(move), turn * Rotation.from_quat(spin)
-        found[node.name] = place
-        if node.mesh is not None:
-            found["tip", number] = place + turn.apply([(0, node.scale[1], 0)] * count)
+        found[number] = place, turn = place + turn.apply(move), turn * Rotation.from_quat(spin)
         for child in node.children or ():
             walk(child, turn, place)
 
-    walk(file.scenes[file.scene].nodes[0], Rotation.identity(count), np.zeros((count, 3)))
-    assert found["a figure"].max() == 0
-    order = {"x": [2, 0, 1], "y": [0, 1, 2], "z": [1, 2, 0]}[up]  # the clip's axes that become x, y, z
-    expected = clip.bvh.node_positions()[:, :, order]
-    for name, n in clip.bvh.node_index.items():
-        np.testing.assert_allclose(found[name], expected[:, n], atol=1e-5)
-        if n:  # the bone that ends here
-            tips = [place for key, place in found.items() if isinstance(key, tuple)]
-            assert min(np.abs(tip - expected[:, n]).max() for tip in tips) < 1e-5
+    (armature,) = file.scenes[file.scene].nodes
+    assert file.nodes[armature].name == file.skins[0].name == "a figure"
+    walk(armature, Rotation.identity(count), np.zeros((count, 3)))
+    order, sign = {"x": ([2, 0, 1], 1), "y": ([0, 1, 2], 1), "z": ([1, 2, 0], 1), "-y": ([0, 1, 2], (-1, -1, 1))}[up]
+    expected = clip.positions[:, :, order] * sign / 100
+    bones = file.meshes[0].primitives[0]
+    corners, owners = values(file, bones.attributes.POSITION), values(file, bones.attributes.JOINTS_0)[:, 0]
+    (skin,) = file.skins
+    inverse = values(file, skin.inverseBindMatrices).reshape(-1, 4, 4)
+    assert [file.nodes[joint].name for joint in skin.joints] == clip.names
+    tips = []
+    for corner, owner in zip(corners, owners, strict=True):
+        place, turn = found[skin.joints[owner]]
+        tips.append(place + turn.apply([(*corner, 1) @ inverse[owner][:, :3]] * count))
+    assert (values(file, bones.attributes.WEIGHTS_0) == (1, 0, 0, 0)).all()
+    for k, parent in enumerate(clip.parents):
+        np.testing.assert_allclose(found[k][0], expected[:, k], atol=1e-6)
+        if parent >= 0:  # the bone that ends here
+            assert min(np.abs(tip - expected[:, k]).max() for tip in tips[5::6]) < 1e-6
+            assert min(np.abs(tip - expected[:, parent]).max() for tip in tips[::6]) < 1e-6

@@ -18,7 +18,7 @@ from model.bounds import tolerances
 from model.io import trajectories
 from model.motion import clip as clips
 from model.motion.tests import figure
-from model.reference.kinematics import forward, matrix
+from model.reference.kinematics import conjugate, forward, matrix, rotate
 from scripts import run
 from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
@@ -148,8 +148,8 @@ FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
 def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=40))
     if still:  # it neither climbs nor flies
-        mine.bvh.root_pos = mine.bvh.root_pos * np.where(np.eye(3)["xyz".index(FORWARD[up][0])], 0.01, 1)
-        mine.bvh.write("t.bvh")
+        mine.table[:, "xyz".index(FORWARD[up][0])] *= 0.01
+        Path("t.bvh").write_bytes(mine.content())
         mine = clips.read(Path("t.bvh").absolute())
     data = shown("--trajectory", "t.bvh", "--phi", phi)
     clip = data["clip"]
@@ -157,9 +157,8 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
     turn, unit = np.array(clip["place"]), clip["unit"]
     assert np.linalg.det(turn) == pytest.approx(1) and turn[2]["xyz".index(FORWARD[up][0])] == 1
     turned = clips.read(PAGE.parent / "clip.bvh")
-    index = [turned.bvh.node_index[name] for name in turned.bvh.joint_names]
-    assert clip["parents"][0] == -1 and len(clip["parents"]) == len(turned.bvh.nodes) == nodes.shape[1]
-    np.testing.assert_allclose(nodes[:, index], turned.positions @ turn.T, atol=2 * unit)
+    assert clip["parents"][0] == -1 and len(clip["parents"]) == len(turned.nodes) == nodes.shape[1]
+    np.testing.assert_allclose(nodes, turned.positions @ turn.T, atol=2 * unit)
     for n, (arm, names) in enumerate(zip(clips.arms(mine), clip["arms"], strict=True)):
         assert names["side"] == arm.side
         for k, part in enumerate(("fore", "hand")):
@@ -189,8 +188,8 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
 @pytest.mark.parametrize(("up", "sides"), [("x", "both"), ("y", "left"), ("z", "right")])
 def test_a_figure_at_rest_faces_forward(shown, up, sides):
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=10))
-    mine.bvh.joint_angles = np.zeros_like(mine.bvh.joint_angles)
-    mine.bvh.write("t.bvh")
+    mine.table[:] = 0
+    Path("t.bvh").write_bytes(mine.content())
     clip = shown("--trajectory", "t.bvh", "--arm", sides, "--axis", "0.1,0.2,0.3")["clip"]
     assert [arm["side"] for arm in clip["arms"]] == (["left", "right"] if sides == "both" else [sides])
     expected = np.array(clip["place"]) @ FORWARD[up][1]
@@ -208,7 +207,7 @@ def test_joint_angles(shown, axis):
         azimuth, elevation, phi, flexion = np.radians(angles[n::2]).T
         bend = np.arccos(np.sum(e * (w - e), axis=1) / figure.UPPER / figure.FORE)
         np.testing.assert_allclose(flexion, bend, atol=2e-4)
-        seen = np.einsum("fij,fi->fj", mine.world[:, arm.torso], e) / figure.UPPER  # x right, y forward, z up
+        seen = rotate(conjugate(mine.turn[:, arm.torso]), e) / figure.UPPER  # x right, y forward, z up
         ours = np.stack((-np.cos(elevation) * np.sin(azimuth), np.cos(elevation) * np.cos(azimuth), np.sin(elevation)))
         np.testing.assert_allclose(ours.T, seen, atol=2e-4)
         np.testing.assert_allclose(phi, np.array(data["phi"])[n::2], atol=1e-3)

@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: Apache-2.0
+"""BVH files: reader, writer and kinematics.
+
+A node is a joint or an end site, in the order of the file; its name is a label only.  The text before the motion table
+is kept as it is, and the table as numbers, so a file that is read and written has the same value in every number.
+A position channel replaces its coordinate of OFFSET; rotation channels multiply in the order of the file.
+"""
+
+from __future__ import annotations
+
+import codecs
+import math
+import re
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..io.words import TargetError
+from ..reference.kinematics import conjugate, matrix, multiply, rotate
+
+COMMENT = re.compile(r"(?<!\S)(?:#|//).*")
+WORD = re.compile(r"[{}]|[^\s{}]+")
+TABLE = re.compile(r"(?im)^[^\S\n]*MOTION\s+Frames\s*:?\s*(\S+)\s+Frame\s*Time\s*:?\s*(\S+)")
+CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
+ENCODINGS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+    (b"", "utf-8"),
+    (b"", "latin-1"),
+)
+PERIOD = 1 / 30
+"""Seconds from frame to frame of a file whose frame time is 0."""
+
+
+class ClipError(TargetError):
+    """Unusable clip, or arm of a clip; the text is one line for the user."""
+
+
+class Channel(NamedTuple):
+    """Channel of a node: "position" or "rotation", its axis 0 to 2, its column of the table."""
+
+    kind: str
+    axis: int
+    column: int
+
+
+@dataclass
+class Node:
+    """Joint, or end site; parent: number of a node, -1 for a root."""
+
+    name: str
+    parent: int
+    end: bool
+    offset: tuple[float, ...] = (0.0, 0.0, 0.0)
+    channels: tuple[Channel, ...] = ()
+
+    def of(self, kind: str) -> list[Channel]:
+        """Return the channels of a kind."""
+        return [channel for channel in self.channels if channel.kind == kind]
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """Clip of F frames, K nodes and C channels.
+
+    * head: the text before and after the number of frames, up to the table
+    * table (F, C): positions, and rotations in degrees
+    * notes: doubts about the file, each one line for the user
+    * up: the up axis, as in :data:`pose.NAMED_AXES`
+    """
+
+    path: Path
+    encoding: str
+    head: tuple[str, str]
+    nodes: tuple[Node, ...]
+    table: np.ndarray
+    frame_time: float
+    notes: tuple[str, ...] = ()
+    up: str = "y"
+
+    @property
+    def period(self) -> float:
+        """Seconds from frame to frame."""
+        return self.frame_time if self.frame_time > 0 else PERIOD
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Name of each joint, and of each end site from its joint."""
+        return [f"{self.nodes[node.parent].name} end" if node.end else node.name for node in self.nodes]
+
+    @cached_property
+    def parents(self) -> list[int]:
+        """Parent of each node; -1 for a root."""
+        return [node.parent for node in self.nodes]
+
+    @cached_property
+    def local(self) -> np.ndarray:
+        """Quaternions (F, K, 4) of the nodes relative to their parents."""
+        found = np.zeros((len(self.table), len(self.nodes), 4))
+        found[..., 0] = 1
+        for k, node in enumerate(self.nodes):
+            for _, axis, column in node.of("rotation"):
+                found[:, k] = multiply(found[:, k], about(axis, np.radians(self.table[:, column])))
+        return found
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """Positions (F, K, 3) of the nodes relative to their parents, in the parents' axes."""
+        found = np.tile([node.offset for node in self.nodes], (len(self.table), 1, 1))
+        for k, node in enumerate(self.nodes):
+            for _, axis, column in node.of("position"):
+                found[:, k, axis] = self.table[:, column]
+        return found
+
+    @cached_property
+    def turn(self) -> np.ndarray:
+        """Quaternions (F, K, 4) of the nodes relative to the world."""
+        found = self.local.copy()
+        for k, parent in enumerate(self.parents):  # parents come first
+            if parent >= 0:
+                found[:, k] = multiply(found[:, parent], found[:, k])
+        return found
+
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """Positions (F, K, 3) of the nodes."""
+        found = self.places.copy()
+        for k, parent in enumerate(self.parents):
+            if parent >= 0:
+                found[:, k] = found[:, parent] + rotate(self.turn[:, parent], found[:, k])
+        return found
+
+    @cached_property
+    def rest(self) -> np.ndarray:
+        """Positions (K, 3) of the nodes in the rest pose."""
+        found = np.array([node.offset for node in self.nodes])
+        for k, parent in enumerate(self.parents):
+            found[k] += found[parent] if parent >= 0 else 0
+        return found
+
+    def ancestors(self, node: int) -> list[int]:
+        """Return the ancestors of a node, from the parent up to the root."""
+        found = []
+        while (node := self.parents[node]) >= 0:
+            found.append(node)
+        return found
+
+    def can_turn(self, node: int) -> bool:
+        """Return whether a node has a rotation channel for each axis, hence any orientation."""
+        return sorted(channel.axis for channel in self.nodes[node].of("rotation")) == [0, 1, 2]
+
+    def turned(self, turn: dict[int, np.ndarray]) -> Clip:
+        """Return the clip with some nodes at new orientations (F, 4) to the world; only their channels change."""
+        table, world = self.table.copy(), self.turn.copy()
+        for k, parent in enumerate(self.parents):
+            above = world[:, parent] if parent >= 0 else (1.0, 0.0, 0.0, 0.0)
+            if k in turn:
+                world[:, k] = turn[k]
+                channels = self.nodes[k].of("rotation")
+                axes, columns = [channel.axis for channel in channels], [channel.column for channel in channels]
+                angles = _angles(matrix(multiply(conjugate(above), turn[k])), axes, np.radians(table[:, columns]))
+                table[:, columns] = np.round(np.degrees(angles), 11)
+            else:
+                world[:, k] = multiply(above, self.local[:, k])
+        return replace(self, table=table)
+
+    def content(self) -> bytes:
+        """Return the content of the file."""
+        end = "\r\n" if "\r\n" in self.head[1] else "\n"
+        rows = (" ".join(map(repr, row)) for row in self.table.tolist())
+        return f"{self.head[0]}{len(self.table)}{self.head[1]}{end}{end.join(rows)}{end}".encode(self.encoding)
+
+
+def about(axis: int, angle: np.ndarray) -> np.ndarray:
+    """Return quaternions (F, 4) of rotations by angles (F,), rad, about x, y or z: 0, 1 or 2."""
+    found = np.zeros((len(angle), 4))
+    found[:, 0], found[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return found
+
+
+def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
+    """Return angles (F, 3), rad, about three different axes whose product is a matrix (F, 3, 3), near given ones."""
+    i, j, k = axes
+    sign = 1.0 if (j - i) % 3 == 1 else -1.0
+    locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-9
+    first = np.where(locked, near[:, 0], np.arctan2(-sign * turn[:, j, k], turn[:, k, k]))
+    left = np.swapaxes(matrix(about(i, first)), 1, 2) @ turn  # = R_j R_k
+    second = np.arctan2(sign * left[:, i, k], left[:, k, k])
+    third = np.arctan2(sign * left[:, j, i], left[:, j, j])
+    one = np.column_stack((first, second, third))
+    both = np.stack((one, one * (1, -1, 1) + np.pi))  # the same rotation
+    both -= 2 * np.pi * np.rint((both - near) / (2 * np.pi))
+    nearest = np.argmin(np.abs(both - near).sum(axis=2), axis=0)
+    return both[nearest, np.arange(len(one))]
+
+
+# -- the reader --------------------------------------------------------------------------------------------------------
+
+
+def read(path: Path) -> Clip:
+    """Read a BVH file.  Raises :class:`ClipError`, with the line, for a file that is not BVH or cannot be read."""
+    try:
+        return parse(path.read_bytes(), path)
+    except OSError as error:
+        raise ClipError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def parse(content: bytes, path: Path) -> Clip:
+    """Parse the content of a BVH file; path: for messages.  Raises :class:`ClipError`."""
+    if not content.strip():
+        raise ClipError(f"{path}: the file is empty")
+    text = encoding = ""
+    for mark, encoding in ENCODINGS:
+        if content.startswith(mark):
+            try:
+                text = content.decode(encoding)
+                break
+            except UnicodeDecodeError:
+                continue
+    if not text or "\0" in text:
+        raise ClipError(f"{path}: no BVH clip: not text")
+    return _Parser(path, text, encoding).clip()
+
+
+class _Parser:
+    """Text of a BVH file; comments are blanks in `plain`, so that positions are those of the text."""
+
+    def __init__(self, path: Path, text: str, encoding: str) -> None:
+        self.path, self.text, self.encoding = path, text, encoding
+        lines = text if "\n" in text else text.replace("\r", "\n")
+        self.plain = COMMENT.sub(lambda comment: " " * len(comment[0]), lines)
+        self.table = TABLE.search(self.plain)
+        self.words = list(WORD.finditer(self.plain, 0, self.table.start() if self.table else len(text)))
+        self.next = 0
+        self.nodes: list[Node] = []
+        self.of_column: list[str] = []
+
+    def error(self, at: int, message: str) -> ClipError:
+        line = self.plain.count("\n", 0, at) + 1
+        return ClipError(f"{self.path}: line {line}: {message}")
+
+    def take(self, expected: str) -> str:
+        """Return the next word of the hierarchy."""
+        if self.next == len(self.words):
+            raise self.error(len(self.plain.rstrip()), f"the hierarchy ends where {expected} is expected")
+        self.next += 1
+        return self.words[self.next - 1][0]
+
+    def wrong(self, expected: str) -> ClipError:
+        """Return the error of the word taken last."""
+        word = self.words[self.next - 1]
+        return self.error(word.start(), f"{word[0][:40]!r} is not {expected}")
+
+    def number(self, where: str) -> float:
+        """Return the next word of the hierarchy as a number."""
+        if (value := _finite(self.take("a number"))) is None:
+            raise self.wrong(f"a finite number{where}")
+        return value
+
+    def hierarchy(self) -> None:
+        """Read the nodes and their channels."""
+        if self.words and self.words[0][0].upper() == "HIERARCHY":
+            self.next = 1
+        inside: list[int] = []
+        while self.next < len(self.words) or inside:
+            node = self.nodes[inside[-1]] if inside else None
+            where = f" (joint {node.name or 'end site'})" if node else ""
+            match self.take("}").lower(), node:
+                case ("root", None) | ("joint" | "end", Node(end=False)):
+                    end = self.words[self.next - 1][0].lower() == "end"
+                    inside.append(len(self.nodes))
+                    self.nodes.append(Node("" if end else self.label(), inside[-2] if inside[1:] else -1, end))
+                    if end:
+                        self.label()
+                    if self.take("{") != "{":
+                        raise self.wrong("{")
+                case "offset", Node():
+                    node.offset = (self.number(where), self.number(where), self.number(where))
+                case "channels", Node():
+                    for _ in range(self.whole(self.number(where))):
+                        if not (kind := CHANNEL.fullmatch(self.take("a channel"))):
+                            raise self.wrong(f"a position or rotation channel{where}")
+                        channel = Channel(kind[2].lower(), "xyz".index(kind[1].lower()), len(self.of_column))
+                        node.channels += (channel,)
+                        self.of_column.append(node.name)
+                case "}", Node():
+                    inside.pop()
+                case "motion", None:
+                    raise self.error(self.words[self.next - 1].start(), "MOTION without 'Frames:' and 'Frame Time:'")
+                case _:
+                    raise self.wrong("ROOT" if node is None else f"OFFSET, CHANNELS, JOINT, End Site or }}{where}")
+        if not self.nodes or self.table is None:
+            raise ClipError(f"{self.path}: no BVH clip: no {'MOTION' if self.nodes else 'ROOT'}")
+
+    def label(self) -> str:
+        """Return the words up to the end of the line or a brace."""
+        line = self.plain.count("\n", 0, self.words[self.next - 1].start())
+        first = self.next
+        while self.next < len(self.words) and self.words[self.next][0] not in "{}":
+            if self.plain.count("\n", 0, self.words[self.next].start()) != line:
+                break
+            self.next += 1
+        return " ".join(word[0] for word in self.words[first : self.next])
+
+    def whole(self, value: float) -> int:
+        if value < 0 or value != int(value):
+            raise self.wrong("a whole number")
+        return int(value)
+
+    def clip(self) -> Clip:
+        """Return the clip."""
+        self.hierarchy()
+        assert self.table is not None
+        count, period = (_finite(self.table[n]) for n in (1, 2))
+        for n, value in ((1, count), (2, period)):
+            if value is None:
+                raise self.error(self.table.start(n), f"{self.table[n][:40]!r} is not a finite number")
+        rows, notes = self.rows(count or 0.0)
+        if not rows:
+            raise ClipError(f"{self.path}: {' '.join(notes) or 'the clip has no frames'}")
+        if count != len(rows):
+            notes.append(f"{len(rows)} frames are read; 'Frames: {self.table[1]}' is another number")
+        if not period > 0:
+            notes.append(f"'Frame Time: {self.table[2]}': {1 / PERIOD:g} frames per second are shown")
+        start, end = self.table.span(1)
+        head = self.text[:start], self.text[end : self.table.end()]
+        return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), float(period or 0), tuple(notes))
+
+    def rows(self, count: float) -> tuple[list[list[float]], list[str]]:
+        """Return the rows of the table, and notes on it.  Rows may be wrapped; `count` is the number that is stated."""
+        channels, first = len(self.of_column), self.plain.count("\n", 0, self.table.end()) + 1
+        if not channels:
+            raise ClipError(f"{self.path}: no joint has channels")
+        text = self.plain[self.table.end() :].split("\n")
+        lines = [(number, words) for number, line in enumerate(text, first) if (words := line.split())]
+        lengths = [len(words) for _, words in lines]
+        if channels not in lengths and sum(lengths) == channels * count:  # lines break anywhere
+            lines = [(number, [word]) for number, words in lines for word in words]
+        rows: list[list[float]] = []
+        row: list[float] = []
+        began = 0
+        for number, words in lines:
+            began = began if row else number
+            if len(row) + len(words) > channels:
+                raise ClipError(f"{self.path}: line {began}: {len(row) or len(words)} numbers, not {channels}")
+            for word in words:
+                if (value := _finite(word)) is None:
+                    joint = self.of_column[len(row)]
+                    message = f"line {number}, joint {joint}: {word[:40]!r} is not a finite number"
+                    raise ClipError(f"{self.path}: {message}")
+                row.append(value)
+            if len(row) == channels:
+                rows.append(row)
+                row = []
+        return rows, [f"line {began}: {len(row)} numbers, not {channels}: the frame is left out"] if row else []
+
+
+def _finite(word: str) -> float | None:
+    """Return a word as a number; None if it is not a finite one."""
+    try:
+        value = float(word)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) and "_" not in word else None
