@@ -82,7 +82,7 @@ help: # print this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1@\2/p' $(firstword $(MAKEFILE_LIST)) | awk -F@ '{printf "%-23s%s\n", $$1, $$2}'
 
 setup: ## create .venv and install the simulator [SIM=icarus|verilator]; targets that need them do this too
-	@$(SETUP) $(sort icarus $(SIM))
+	@$(SETUP) checkout $(sort icarus $(SIM))
 
 run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= BAR=]
 	@$(SETUP) $(SIM)
@@ -93,7 +93,7 @@ follow: ## print every node of one target, RTL next to model [TARGET=0.. WAVES=1
 	@exec $(VENV) -m scripts.follow $(job) $(call given,TARGET,--target="$$CGA_TARGET") $(waves)
 
 report: ## run and write an HTML page: the arm in motion, errors, pipeline [options of run except WAVES]
-	@$(SETUP) $(SIM)
+	@$(SETUP) checkout $(SIM)
 	@exec $(VENV) -m scripts.report $(job)
 
 # With SIM=verilator only tests that start a simulator: the others do not depend on it. ONLY also picks slow cases.
@@ -103,25 +103,25 @@ pytest   = SIM=$(SIM) IK_CORES=$(CORES) exec $(VENV) -m pytest -n auto --dist lo
   $(call given,ONLY,$$(test -e "$${CGA_ONLY%%::*}" || echo -k) "$$CGA_ONLY")
 
 test: ## quick tests [SIM=icarus, or verilator: simulations only; CORES=behavioural|digit ONLY=file or pattern: slow ones as well]
-	@$(SETUP) $(sort icarus $(SIM))
+	@$(SETUP) checkout $(sort icarus $(SIM))
 	@$(pytest) -m "$(only_sim)$(quick)"
 
 test-all: ## all tests except those marked release [SIM=icarus, or verilator: simulations only; CORES=behavioural|digit]
-	@$(SETUP) $(sort icarus verilator $(SIM)) fpga farm litex
+	@$(SETUP) checkout $(sort icarus verilator $(SIM)) fpga farm litex
 	@$(pytest) -m "$(only_sim)"
 
 test-browser: ## test report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: slow tests as well]
-	@$(SETUP) $(SIM) chromium playground
+	@$(SETUP) checkout $(SIM) chromium playground
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile \
 	  scripts/report/tests/browser_test_*.py scripts/playground/tests/browser_test_*.py \
 	  $(call given,ONLY,-k "$$CGA_ONLY") -m "not release$(quick)"
 
 coverage: ## measure Verilog coverage of the tests: build/coverage/annotated [ONLY=pattern; KEEP=1: coverage.md]
-	@$(SETUP) verilator
+	@$(SETUP) checkout verilator
 	@exec $(VENV) -m scripts.coverage $(call given,ONLY,--only="$$CGA_ONLY") $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 docs: ## write scores.md, latency.md, registers.md, memory.md and the generated headers
-	@$(SETUP) $(SIM)
+	@$(SETUP) checkout $(SIM)
 	@exec $(VENV) -m scripts.generate.headers
 	@exec $(VENV) -m scripts.generate.registers
 	@exec $(VENV) -m scripts.generate.pages --sim $(SIM)
@@ -130,16 +130,16 @@ paper_needs_figures := graphviz
 paper_needs_table6  := table6
 
 paper: ## write the pages of comparison with the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 [ONLY=derivation|operations|wordlengths|figures|table6]
-	@$(SETUP) icarus $(if $(call given,ONLY,yes),$(paper_needs_$(value ONLY)),graphviz table6)
+	@$(SETUP) checkout icarus $(if $(call given,ONLY,yes),$(paper_needs_$(value ONLY)),graphviz table6)
 	@exec $(VENV) -m scripts.paper $(call given,ONLY,--only="$$CGA_ONLY")
 
 playground: ## write a page that runs the Verilog: build/playground/index.html; takes minutes the first time [DATAPATH=name,name WIDTH= OUT=dir]
-	@$(SETUP) playground
+	@$(SETUP) checkout playground
 	@exec $(VENV) -m scripts.playground $(call given,OUT,--out="$$CGA_OUT") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 
 schedule: ## reschedule the folded datapath after a change of its dataflow [PERIOD= SECONDS=]
-	@$(SETUP) icarus schedule
+	@$(SETUP) checkout icarus schedule
 	@exec $(VENV) -m scripts.generate.fold_scheduler $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
 
 # Verilator, unless SIM was set: Icarus takes several times as long. FARM= needs what gives work to others.
@@ -158,39 +158,39 @@ soak: ## compare every node of random targets with the model [TARGETS= SEED= FRO
 	  $(if $(filter-out 0,$(call given,SPECIAL,$(value SPECIAL))),--special)
 
 soak-memory: ## run random memory-to-memory jobs of ik_axi [JOBS= SEED= FROM=piece SIM=]
-	@$(SETUP) $(soak_sim)
+	@$(SETUP) checkout $(soak_sim)
 	@exec $(VENV) -m scripts.soak_memory --sim $(soak_sim) $(call given,JOBS,--jobs="$$CGA_JOBS") \
 	  $(call given,SEED,--seed="$$CGA_SEED") $(call given,FROM,--from="$$CGA_FROM")
 
 mutants: ## run netlist mutants, each of which a bench must kill [COUNT= SEED= ONLY=file OUT= FARM=; KEEP=1: mutants.md]
-	@$(SETUP) icarus fpga$(farm)
+	@$(SETUP) checkout icarus fpga$(farm)
 	@exec $(VENV) -m scripts.mutants $(call given,COUNT,--count="$$CGA_COUNT") $(call given,SEED,--seed="$$CGA_SEED") \
 	  $(call given,ONLY,--only="$$CGA_ONLY") $(call given,OUT,--out="$$CGA_OUT") $(call given,FARM,--farm="$$CGA_FARM") \
 	  $(if $(filter-out 0,$(call given,KEEP,$(value KEEP))),--keep)
 
 farm-worker: ## make this machine a worker of a scheduler, after installing the tools [FARM=tcp://scheduler:8786 JOBS=]
-	@$(SETUP) icarus verilator fpga farm
+	@$(SETUP) checkout icarus verilator fpga farm
 	@exec $(VENV) -m scripts.parallel $(call given,FARM,--farm="$$CGA_FARM") $(call given,JOBS,--jobs="$$CGA_JOBS")
 
 lint: ## lint every module as its own top with Verilator, Icarus and slang; check style, imports, licences and types of the Python
-	@$(SETUP) icarus lint
+	@$(SETUP) checkout icarus lint
 	@exec $(VENV) -m scripts.lint
 
 formal: ## prove streams, divider, root and ranges; each proof must fail on a seeded bug: proofs.md [ONLY=name]
-	@$(SETUP) fpga
+	@$(SETUP) checkout fpga
 	@exec $(VENV) -m scripts.formal $(call given,ONLY,--only="$$CGA_ONLY")
 
 check-proofs: # list stale pages of proofs and measurements
-	@$(SETUP)
+	@$(SETUP) checkout
 	@exec $(VENV) -m scripts.check_proofs
 
 release-check: ## before a release: fail on stale pages of proofs or measurements; run the tests marked release
-	@$(SETUP) icarus verilator fpga farm
+	@$(SETUP) checkout icarus verilator fpga farm
 	@$(VENV) -m scripts.check_proofs --strict
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder -m release
 
 fpga: ## measure size and clock of the datapaths with open tools, for the paper's table 5: fpga.md [DATAPATH=lean|lean25|paper|memory|fold WIDTH= FARM=]
-	@$(SETUP) fpga$(farm)
+	@$(SETUP) checkout fpga$(farm)
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,FARM,--farm="$$CGA_FARM")
 
@@ -199,6 +199,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
 
 lock: ## regenerate the lock files of requirements/ (needs uv)
 	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
+	$(compile) --extra run --constraint requirements/checkout.lock --output-file requirements/run.lock pyproject.toml
 	for name in fpga table6 schedule playground farm litex; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
 	  --output-file requirements/$$name.lock requirements/$$name.in || exit; done

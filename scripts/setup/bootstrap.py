@@ -3,8 +3,8 @@
 
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [chromium] [graphviz] [EXTRA..]
 
-Makes `.venv` from requirements/checkout.lock and checks that the named programs are installed; an EXTRA adds the
-packages of requirements/EXTRA.lock to it. Missing system packages are installed with apt-get if allowed (root, or sudo
+Makes `.venv` from requirements/run.lock, which is sufficient for `make run`, and checks that the named programs are
+installed; an EXTRA adds the packages of requirements/EXTRA.lock, checkout those of tests and pages. Missing system packages are installed with apt-get if allowed (root, or sudo
 without a password); otherwise one line names them and the exit status is 2. With nothing to do it prints nothing and
 takes a few milliseconds.
 
@@ -26,7 +26,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 SYSTEM_PYTHON = "/usr/bin/python3"
 PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # from ROOT, where main works
-EXTRAS = ["fpga", "table6", "schedule", "playground", "farm", "litex"]
+EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "farm", "litex"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "make", "g++"],
@@ -159,12 +159,12 @@ def digest(name):
 
 def key():
     """Return what a stamp must hold of the present environment."""
-    return {"lock": digest("checkout"), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
+    return {"lock": digest("run"), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
 
 
 def read_stamp():
-    """Return the stamp of a complete environment made from the present lock file, else None. Extras whose lock file
-    has changed are not ready."""
+    """Return the stamp of a complete environment made from the present run.lock, else None. Extras whose lock file has
+    changed are not ready."""
     try:
         with open(STAMP) as f:
             stamp = json.load(f)
@@ -207,10 +207,10 @@ def make_venv():
     """Make .venv from scratch; return the path of its libpython."""
     if os.path.islink(".venv"):  # --clear would empty its target, outside of this checkout
         die(f".venv is a link to {os.readlink('.venv')}, which set-up will not overwrite: remove the link")
-    say(f"making .venv with Python {VERSION} from requirements/checkout.lock (a minute or so) ...")
+    say(f"making .venv with Python {VERSION} from requirements/run.lock (half a minute or so) ...")
     if os.path.exists(STAMP):
         os.remove(STAMP)
-    error = run_logged([sys.executable, "-I", "-m", "venv", "--clear", ".venv"]) or pip_install("checkout")
+    error = run_logged([sys.executable, "-I", "-m", "venv", "--clear", ".venv"]) or pip_install("run")
     if error:
         die("could not make .venv: " + error)
     ask = [PYTHON, "-I", "-c", "import find_libpython as f; print(f.find_libpython() or '')"]

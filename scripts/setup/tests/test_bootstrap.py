@@ -33,7 +33,7 @@ def checkout(tmp_path, monkeypatch):
     (root / ".venv" / "bin" / "python").symlink_to(sys.executable)
     monkeypatch.setenv("PATH", str(path))
     monkeypatch.chdir(root)
-    for name in ("checkout", "fpga", "table6"):
+    for name in ("run", "checkout", "fpga", "table6"):
         Path(bootstrap.LOCK.format(name)).write_text("numpy==1.0\n")
     bootstrap.write_stamp(sys.executable, ["icarus"])  # any file can replace libpython
     return root
@@ -65,7 +65,7 @@ def refused(capsys, call, *arguments):
         lambda: os.remove(bootstrap.PYTHON),
         lambda: os.rename(os.getcwd(), os.getcwd() + "2"),
         lambda: bootstrap.write_stamp("/nowhere/libpython3.so", ["icarus"]),
-        lambda: Path(bootstrap.LOCK.format("checkout")).write_text("numpy==1.1\n"),
+        lambda: Path(bootstrap.LOCK.format("run")).write_text("numpy==1.1\n"),
         lambda: Path(bootstrap.STAMP).write_text("{"),
         lambda: os.remove(bootstrap.STAMP),
     ],
@@ -224,7 +224,7 @@ def test_a_second_setup_of_a_checkout_waits(checkout):
 def test_lock_files_agree():
     """All are installed into one .venv, so a package has one version in them."""
     versions = {}
-    for lock in ("checkout", *bootstrap.EXTRAS):
+    for lock in ("run", *bootstrap.EXTRAS):
         text = (ROOT / bootstrap.LOCK.format(lock)).read_text()
         for name, version in dict(re.findall(r"^([\w.-]+)==([^\s;]+)", text, re.M)).items():
             assert versions.setdefault(name, version) == version, lock

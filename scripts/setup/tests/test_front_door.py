@@ -92,11 +92,11 @@ RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM JOINTS D1 D2 PHI BAR"
     ("target", "needs", "sim", "variables", "switches"),
     [
         ("run", "icarus", "icarus", RUN, "WAVES"),
-        ("report", "icarus", "icarus", RUN, ""),
+        ("report", "checkout icarus", "icarus", RUN, ""),
         ("follow", "icarus", "icarus", f"{RUN} TARGET", "WAVES"),
         ("soak", "verilator farm", "verilator", "TARGETS SEED DATAPATH WIDTH OUT AGAIN FROM FARM", "KEEP"),
-        ("coverage", "verilator", "", "ONLY", "KEEP"),
-        ("formal", "fpga", "", "ONLY", ""),
+        ("coverage", "checkout verilator", "", "ONLY", "KEEP"),
+        ("formal", "checkout fpga", "", "ONLY", ""),
     ],
 )
 def test_make_passes_the_variables_of_a_target(target, needs, sim, variables, switches):
