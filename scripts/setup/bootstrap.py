@@ -191,12 +191,15 @@ def is_ready(needs):
 
 
 def pip_install(name):
-    """Install a lock file into .venv; return the error message."""
+    """Install a lock file, which names every package, into .venv; return the error message.
+
+    Python compiles a module to bytecode when it is first imported; most never are.
+    """
     pip = [PYTHON, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
     unwanted = ["PIP_" + variable for variable in NOT_FOR_PIP]
     env = {variable: value for variable, value in os.environ.items() if variable not in unwanted}
-    error = run_logged(pip + ["--require-hashes", "-r", LOCK.format(name)], env)
+    error = run_logged(pip + ["--no-compile", "--no-deps", "--require-hashes", "-r", LOCK.format(name)], env)
     env.setdefault("YOWASP_CACHE_DIR", os.path.abspath(".venv/cache/yowasp"))  # as in the Makefile
     for program in TO_COMPILE.get(name, []):
         error = error or run_logged([os.path.join(".venv/bin", program), "--version"], env)
