@@ -3,10 +3,10 @@
 
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [chromium] [graphviz] [EXTRA..]
 
-Makes `.venv` from requirements/run.lock, which is sufficient for `make run`, and checks that the named programs are
-installed; an EXTRA adds the packages of requirements/EXTRA.lock, checkout those of tests and pages. Missing system packages are installed with apt-get if allowed (root, or sudo
-without a password); otherwise one line names them and the exit status is 2. With nothing to do it prints nothing and
-takes a few milliseconds.
+Makes `.venv` from requirements/run.lock, sufficient for `make run`, and checks that the named programs are installed;
+an EXTRA adds the packages of requirements/EXTRA.lock to it, checkout those of tests and pages. Missing system packages
+are installed with apt-get if allowed (root, or sudo without a password); otherwise one line names them and the exit
+status is 2. With nothing to do it prints nothing and takes a few milliseconds.
 
     .venv/cga-ik.json   the stamp, written last, by a complete set-up only
     build/setup.log     output of pip and apt-get
