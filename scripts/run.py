@@ -16,6 +16,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from model.io.scoring import Score, score, score_json, tables
 from model.io.words import result_values
 from model.motion import clip as clips
 from model.motion import gltf
-from model.motion.clip import Clip
+from model.motion.clip import Arm, Clip
 from scripts.console import command, output, progress, show, switch
 from scripts.paper.tables import table_of_datapaths
 from scripts.tables import table_of_many, table_of_one, verdict
@@ -47,11 +48,17 @@ def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
-    settings = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
+    settings: dict[str, Any] = {
+        "width": arguments.width,
+        "datapath": datapath,
+        "simulator": arguments.sim,
+        "bar": arguments.bar,
+    }
     scored = []
     for item, run in zip(prepared, runs, strict=True):
-        predicted = hand_bar(item.words, arguments.width, datapath) if predict else None
-        scored.append((run, score(item.targets, item.words, item.exponent, run, predicted=predicted, **settings)))
+        settings["predicted"] = hand_bar(item.words, arguments.width, datapath) if predict else None
+        settings["placed"] = placed(item, run, arguments.width) if item.clip else None
+        scored.append((run, score(item.targets, item.words, item.exponent, run, **settings)))
     return scored
 
 
@@ -116,18 +123,31 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
 
 
 def turned(item: Prepared, ran: Run, width: int) -> Clip:
-    """Return the clip with its arms turned by the core's quaternions."""
+    """Return the clip with its arms turned by the core's quaternions, read back from its file's content."""
+    assert item.clip
     values = result_values(ran.results, width)
     qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
     arms = len(item.moves)
-    return clips.turned(item.clip, [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)])
+    moves = [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)]
+    content = clips.turned(item.clip, moves, item.twist).content()
+    return replace(clips.parse(content, item.clip.path), up=item.clip.up)
+
+
+def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder."""
+    places = turned(item, ran, width).positions
+
+    def of(joint: Callable[[Arm], int]) -> np.ndarray:
+        points = [places[:, joint(move.arm)] - places[:, move.arm.upper] for move in item.moves]
+        return np.stack(points, axis=1).reshape(-1, 3)
+
+    return of(lambda arm: arm.fore), of(lambda arm: arm.hand)
 
 
 def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
     """Return the turned clip as the content of a file for each of CLIP_KINDS."""
     clip = turned(item, ran, width)
-    scale = gltf.metres("auto", float(np.median(item.targets.reach)))
-    return {"bvh": clip.content(), "glb": gltf.animated(clip, item.targets.name, scale)}
+    return {"bvh": clip.content(), "glb": gltf.animated(clip, item.targets.name, item.scale)}
 
 
 def write_results(

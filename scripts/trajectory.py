@@ -19,7 +19,7 @@ from model.io.files import read_csv
 from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
 from model.motion import clip as clips
 from model.motion.clip import SIDES, TORSO, Clip, Motion
-from model.motion.pose import hanging, to_z
+from model.motion.pose import NAMED_AXES, hanging, to_z
 from scripts.console import POSITIVE, InputError, core_options, option, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
@@ -29,13 +29,15 @@ MOST_DATAPATHS = 3
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trajectory ready to run: its targets and their words (N, 6)."""
+    """A trajectory ready to run: its targets and their words (N, 6). Of a clip, scale: metres in its unit of length."""
 
     targets: Targets
     words: np.ndarray
     exponent: int
     clip: Clip | None = None
     moves: tuple[Motion, ...] = ()
+    twist: str = "clip"
+    scale: float = 1.0
 
 
 # -- the options -----------------------------------------------------------------------------------
@@ -62,7 +64,14 @@ def trajectory_options(
         "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
         "targets; it should point where no wrist goes; torso, of a clip: outward and up  [default: z; of a clip: torso]"
     )
-    joints = "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known"
+    joints = (
+        "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known; six for both arms"
+    )
+    up = "of a clip: its up axis  [default: from the feet to the head]"
+    twist = "of a clip: turn of each bone about itself: the clip's own or the core's  [default: clip]"
+    scale = (
+        "of a clip: its unit of length, for clip.glb, which is in metres  [default: auto, by the length of the arms]"
+    )
     only_csv = "only with a CSV file, for rows of a file without that column"
     phi = (
         "swivel angle: of rows of a CSV file without that column (default: the elbow hangs down); of a clip: its own, "
@@ -81,6 +90,9 @@ def trajectory_options(
         option("--axis", axis, reference_axis, metavar="AXIS"),
         option("--arm", "of a clip: which arms  [default: both]", click.Choice(["both", *SIDES])),
         option("--joints", joints, lambda text: text.split(","), metavar="UPPER,FORE,HAND"),
+        option("--up", up, click.Choice(NAMED_AXES)),
+        option("--twist", twist, click.Choice(clips.TWISTS)),
+        option("--scale", scale, click.Choice([*clips.UNITS, "auto"])),
         option("--d1", f"upper arm, {only_csv}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
         option("--d2", f"forearm, {only_csv}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
         option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
@@ -101,7 +113,9 @@ def datapaths(arguments: SimpleNamespace) -> dict[str, Path]:
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
-GOES_WITH = {"d1": (CSV,), "d2": (CSV,), "phi": (CSV, CLIP), "arm": (CLIP,), "joints": (CLIP,)}
+GOES_WITH = {"d1": (CSV,), "d2": (CSV,), "phi": (CSV, CLIP)} | dict.fromkeys(
+    ("arm", "joints", "up", "twist", "scale"), (CLIP,)
+)
 """Options that only some kinds of trajectories take."""
 
 OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
@@ -143,13 +157,14 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
     """Return the arms of a clip as one stream. Raises TargetError."""
-    clip = clips.read(Path(arguments.trajectory))
+    clip = clips.read(Path(arguments.trajectory), arguments.up)
     arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
     own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
     targets = clips.targets(clip, moves, phi, arguments.width)
-    return Prepared(targets, *to_words(targets, arguments.width), clip, moves)
+    scale = clips.metres(arguments.scale or "auto", float(np.median(targets.reach)))
+    return Prepared(targets, *to_words(targets, arguments.width), clip, moves, arguments.twist or "clip", scale)
 
 
 def prepare(arguments: SimpleNamespace) -> list[Prepared]:
@@ -157,7 +172,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     prepared = _load(arguments)
     for item in prepared:
         if item.targets.path is not None:  # not built-in
-            for doubt in doubts(item.targets):
+            for doubt in (*(item.clip.notes if item.clip else ()), *doubts(item.targets)):
                 print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
     return prepared
 

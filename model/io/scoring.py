@@ -140,6 +140,7 @@ def score(
     simulator: str,
     predicted: np.ndarray | None,
     bar: float | None = None,
+    placed: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Score:
     """Score the core's results.
 
@@ -148,6 +149,8 @@ def score(
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
     * bar: hand error / reach requested by the user, replacing the table of tolerances
+    * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units; by default those of forward
+      kinematics
 
     Raises ValueError for arrays whose shapes do not match, since a lost result would otherwise go undetected, and for a
     prediction that is not positive and finite.
@@ -172,6 +175,8 @@ def score(
     qs, qe = values[:, :4], values[:, 4:]
 
     elbow, wrist = forward(qs, qe, d1, d2)
+    if placed is not None:
+        elbow, wrist = (np.ldexp(targets.points_to_core(points), exponent) for points in placed)
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
     hand_error = np.linalg.norm(wrist - np.ldexp(targets.core_position, exponent), axis=1) / reach
     clamped_error = np.linalg.norm(wrist - pose_wrist, axis=1) / reach

@@ -96,9 +96,11 @@ class Targets:
     @property
     def core_position(self) -> np.ndarray:
         """Wrist targets, shape (N, 3), in the core's frame; exact where R only exchanges axes."""
-        if self.frame is None:
-            return self.position
-        return (matrix(self.frame) @ self.position[:, :, None])[:, :, 0]
+        return self.points_to_core(self.position)
+
+    def points_to_core(self, points: np.ndarray) -> np.ndarray:
+        """Return points (N, 3) in the core's frame."""
+        return points if self.frame is None else (matrix(self.frame) @ points[:, :, None])[:, :, 0]
 
     def from_core(self, qs: np.ndarray) -> np.ndarray:
         """Return shoulder quaternions (N, 4) in the user's frame: R~ Qs."""

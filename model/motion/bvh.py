@@ -9,7 +9,6 @@ A position channel replaces its coordinate of OFFSET; rotation channels multiply
 from __future__ import annotations
 
 import codecs
-import math
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -360,9 +359,9 @@ class _Parser:
 
 
 def _finite(word: str) -> float | None:
-    """Return a word as a number; None if it is not a finite one."""
+    """Return a word as a number; None if it is not a finite one, or so large that its products may not be."""
     try:
         value = float(word)
     except ValueError:
         return None
-    return value if math.isfinite(value) and "_" not in word else None
+    return value if abs(value) < 1e30 and "_" not in word else None

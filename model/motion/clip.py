@@ -19,10 +19,10 @@ import numpy as np
 from ..io.words import Targets
 from ..reference.kinematics import conjugate, multiply, rotate
 from . import bvh
-from .bvh import Clip, ClipError
+from .bvh import Clip, ClipError, parse
 from .pose import Axis, direction, swivel, to_z
 
-__all__ = ["Clip", "ClipError", "arms", "motion", "read", "targets", "turned"]
+__all__ = ["Clip", "ClipError", "arms", "motion", "parse", "read", "targets", "turned"]
 
 SIDES = ("left", "right")
 TORSO = "torso"
@@ -196,6 +196,18 @@ def rest_up(clip: Clip) -> np.ndarray:
     return axis if np.abs(up).max() > np.cos(np.radians(30)) else up
 
 
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "cmu": 0.0254 / 0.45}
+"""Units of length, m; cmu: that of the conversions of the CMU database."""
+
+ARM = 0.55
+"""Length of a human arm to the wrist, m."""
+
+
+def metres(unit: str, arm: float) -> float:
+    """Return a unit of length in metres; "auto": the one in which an arm's length is nearest to a human's."""
+    return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda one: abs(np.log(arm * one / ARM)))
+
+
 # -- targets -----------------------------------------------------------------------------------------------------------
 
 
@@ -250,7 +262,8 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     else:
         frame = np.broadcast_to(to_z(axis), (count, 4))
     elbow, wrist = elbow - shoulder, wrist - shoulder
-    phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
+    with np.errstate(invalid="ignore"):  # any angle will do for a wrist at the shoulder
+        phi = np.nan_to_num(swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist)))
     return Motion(arm, elbow, wrist, d1, d2, frame, phi)
 
 

@@ -18,15 +18,6 @@ FACES = np.array([*((0, a, b) for a, b in RING), *((5, b, a) for a, b in RING)],
 TO_Y = {"x": (0.5, 0.5, 0.5, 0.5), "y": (1.0, 0.0, 0.0, 0.0), "z": (0.5, -0.5, -0.5, -0.5)}
 """wxyz quaternions of the cyclic axis exchanges that take the clip's up axis to glTF's y."""
 
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
-ARM = 0.55
-"""Length of a human arm to the wrist, m."""
-
-
-def metres(unit: str, arm: float) -> float:
-    """Return a unit of length in metres; "auto": the one in which an arm's length is nearest to a human's."""
-    return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda one: abs(np.log(arm * one / ARM)))
-
 
 def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
     """Return the bytes of a .glb file; scale: metres in a unit of the clip. Up is always y."""

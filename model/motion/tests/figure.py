@@ -16,6 +16,15 @@ NAMES = {
     "smpl": ("{S}_Collar", "{S}_Shoulder", "{S}_Elbow", "{S}_Wrist"),
     "blender": ("shoulder.{S}", "upper_arm.{S}", "forearm.{S}", "hand.{S}"),
     "plain": ("{Side}Collar", "{Side}Shoulder", "{Side}Elbow", "{Side}Wrist"),
+    "character creator": ("CC_Base_{S}_Clavicle", "CC_Base_{S}_Upperarm", "CC_Base_{S}_Forearm", "CC_Base_{S}_Hand"),
+    "rigify": ("DEF-shoulder.{S}", "DEF-upper_arm.{S}", "DEF-forearm.{S}", "DEF-hand.{S}"),
+    "daz": ("{s}Collar", "{s}ShldrBend", "{s}ForearmBend", "{s}Hand"),
+    "second life": ("mCollar{Side}", "mShoulder{Side}", "mElbow{Side}", "mWrist{Side}"),
+    "makehuman": ("shoulder01.{S}", "upperarm01.{S}", "lowerarm01.{S}", "wrist.{S}"),
+    "motive": ("{S}Shoulder", "{S}UArm", "{S}FArm", "{S}Hand"),
+    "theia": ("{s}_clavicle", "{s}_uarm", "{s}_larm", "{s}_hand"),
+    "named": ("Bob_{Side}Shoulder", "Bob_{Side}Arm.001", "Bob_{Side}ForeArm", "Bob_{Side}Palm"),
+    "blanks": ("Bip01 {S} Clavicle", "Bip01 {S} UpperArm", "Bip01 {S} Forearm", "Bip01 {S} Hand"),
     "own": ("a{s}", "b{s}", "c{s}", "d{s}"),
 }
 
@@ -42,8 +51,12 @@ def write(
     order: str = "ZYX",
     frames: int = 60,
     sides: tuple[str, ...] = ("left", "right"),
+    rich: bool = False,
 ) -> Path:
-    """Write a figure whose body sways and whose arms swing, smoothly and at random."""
+    """Write a figure whose body sways and whose arms swing, smoothly and at random.
+
+    rich: each joint has position channels, which move it near its OFFSET, and each upper arm a joint within.
+    """
     random = np.random.default_rng(1)
     spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # positions of right, forward and up
     flip = np.array((1, -1 if up == "y" else 1, 1))  # keeps the frame right-handed
@@ -53,16 +66,17 @@ def write(
         out[list(spot)] = np.asarray(vector, dtype=float) * flip
         return " ".join(f"{value:.6f}" for value in out)
 
-    lines, channels = ["HIERARCHY"], 0
+    lines, channels, places = ["HIERARCHY"], 0, {}
 
     def joint(name, vector, children, root=False):
-        nonlocal channels
+        nonlocal channels, places
         lines.append(f"{'ROOT' if root else 'JOINT'} {name}" if name else "End Site")
         lines.extend(["{", f"OFFSET {offset(vector)}"])
         if name:
-            place = "Xposition Yposition Zposition " if root else ""
-            lines.append(f"CHANNELS {6 if root else 3} {place}{' '.join(f'{axis}rotation' for axis in order)}")
-            channels += 6 if root else 3
+            place = "Xposition Yposition Zposition " if root or rich else ""
+            lines.append(f"CHANNELS {6 if place else 3} {place}{' '.join(f'{axis}rotation' for axis in order)}")
+            places |= {} if root or not rich else dict(enumerate(map(float, offset(vector).split()), channels))
+            channels += 6 if place else 3
         for child in children:
             joint(*child)
         lines.append("}")
@@ -71,7 +85,9 @@ def write(
         mirror = np.array((1 if side == "right" else -1, 1, 1))
         collar, upper, fore, hand = called(names, side)
         rest = mirror * REST
-        below = (upper, mirror * (1.2, 0, 0.1), [(fore, rest * UPPER, [(hand, rest * FORE, [(None, rest * 0.5, [])])])])
+        below = (fore, rest * UPPER / (2 if rich else 1), [(hand, rest * FORE, [(None, rest * 0.5, [])])])
+        below = (f"{upper}Roll", rest * UPPER / 2, [below]) if rich else below
+        below = (upper, mirror * (1.2, 0, 0.1), [below])
         return collar, mirror * (0.5, 0, 4), [below]
 
     head = ("Head", (0, 0, 5), [(None, (0, 0, 1), [])])
@@ -81,6 +97,8 @@ def write(
     angles = random.uniform(-40, 40, channels) + random.uniform(10, 40, channels) * np.sin(
         t * random.integers(1, 3, channels) + random.uniform(0, 6, channels)
     )
+    for column, at in places.items():
+        angles[:, column] = at + angles[:, column] / 400
     lines += ["MOTION", f"Frames: {frames}", "Frame Time: 0.0083333"]
     lines += [" ".join(f"{value:.6f}" for value in row) for row in angles]
     path.write_text("\n".join(lines) + "\n")

@@ -12,9 +12,9 @@ def read(path):
     """Return the nodes [(name, parent, offset, channels)], the table (F, C), the nodes' positions and rotations."""
     content = Path(path).read_bytes()
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    text = content.decode("utf-16" if wide else "latin-1")
+    text = content.decode("utf-16" if wide else "utf-8", errors="replace")
     skeleton, _, motion = text.partition("MOTION")
-    lines = [line.partition("#")[0].split() for line in skeleton.splitlines()]
+    lines = [line.partition("#")[0].split() for line in skeleton.split("\n")]
     lines = iter([words for words in lines if words and words != ["{"]])
     nodes = []
 

@@ -80,7 +80,7 @@ def written(path, clip, *options, width=32):
     return again, [joint for arm in arms(clip) for joint in (arm.upper, arm.fore, arm.hand)]
 
 
-@pytest.mark.parametrize("way", [{}, {"up": "z", "order": "YXZ"}, {"up": "x", "order": "XZY"}])
+@pytest.mark.parametrize("way", [{}, {"up": "z", "order": "YXZ"}, {"up": "x", "order": "XZY"}, {"rich": True}])
 def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
     path = figure.write(tmp_path / "clip.bvh", **way)
     again, _ = written(path, read(path))
@@ -108,6 +108,62 @@ def test_twist_of_the_core(tmp_path):
     second_reader.compare(path, written(path, clip, "core")[0])
 
 
+def changed(path, change):
+    """Change the table of a file."""
+    clip = read(path)
+    change(clip)
+    path.write_bytes(clip.content())
+    return read(path)
+
+
+def test_an_elbow_that_bends_backwards_does_not_roll(tmp_path):
+    """An elbow that straightens, and bends the wrong way by 2 degrees."""
+    path = figure.write(tmp_path / "clip.bvh", up="z", frames=4)
+
+    def bend(clip):
+        clip.table[:] = 0
+        clip.table[:, [clip.nodes[arm.fore].channels[0].column for arm in arms(clip)]] = [[20], [2], [-2], [0]]
+
+    clip = changed(path, bend)
+    second_reader.compare(path, written(path, clip)[0])
+    with pytest.raises(AssertionError, match="'LeftArm', np.float64.3.1"):
+        second_reader.compare(path, written(path, clip, "core")[0])
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("prefix", ["", "mixamorig:", "Bob_"])
+def test_up_does_not_depend_on_the_first_frame(tmp_path, first, prefix):
+    path = figure.write(tmp_path / "clip.bvh", frames=3)
+    path.write_text(path.read_text().replace("Head", f"{prefix}Head").replace("Leg", f"{prefix}LeftFoot"))
+
+    def lie(clip):
+        clip.table[:] = 0
+        clip.table[first, 5] = -90  # about x
+
+    clip = changed(path, lie)
+    assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
+    left, right = (clips.outward_and_up(clip, arm) for arm in arms(clip))
+    np.testing.assert_allclose((left, right), [(-1, 1, 0), (1, 1, 0)], atol=1e-12)
+
+
+def test_up_of_a_body_whose_rest_pose_lies(tmp_path):
+    """The torso's axis is from its own rest pose."""
+    path = figure.write(tmp_path / "clip.bvh", up="z")
+
+    def stand(clip):
+        clip.table[:] = 0
+        clip.table[:, 5] = -90
+
+    clip = changed(path, stand)
+    assert clip.up == "y"
+    np.testing.assert_allclose(clips.outward_and_up(clip, arms(clip, "left")[0]), (-1, 0, 1), atol=1e-12)
+
+
+@pytest.mark.parametrize(("reach", "unit"), [(53, "cm"), (0.6, "m"), (550, "mm"), (21, "inch"), (8.4, "cmu")])
+def test_unit_of_length(reach, unit):
+    assert clips.metres("auto", reach) == clips.metres(unit, 1) == clips.UNITS[unit]
+
+
 @pytest.mark.parametrize("names", figure.NAMES)
 def test_names_of_joints(tmp_path, names):
     clip = read(figure.write(tmp_path / "clip.bvh", names))
@@ -122,7 +178,10 @@ def test_names_of_joints(tmp_path, names):
         assert tuple(clip.names[joint] for joint in (named.upper, named.fore, named.hand)) == joints
         if names != "own":
             assert arms(clip, side) == [named]
-            assert clip.names[named.torso] == "Spine"
+        else:
+            six = [*figure.joints(names, "left"), *figure.joints(names, "right")]
+            assert replace(arms(clip, joints=six)[side == "right"], opposite=named.opposite) == named
+        assert clip.names[named.torso] == "Spine"
 
 
 def test_a_lone_arm(tmp_path):
@@ -139,6 +198,8 @@ def test_a_lone_arm(tmp_path):
         ("both", ("LeftArm", "LeftForeArm", "LeftHand"), "ARM= says which, left or right"),
         ("left", ("LeftArm", "LeftElbow", "LeftHand"), "no joint 'LeftElbow' among Hips, Spine"),
         ("left", ("LeftArm", "LeftHand"), "not the three"),
+        ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "not the three"),
+        ("left", ("LeftArm", "Hips end", "LeftHand"), "no joint 'Hips end'"),
         ("left", ("LeftForeArm", "LeftArm", "LeftHand"), "not one below the other"),
     ],
 )

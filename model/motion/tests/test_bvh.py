@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""BVH files in the variants that people have; reader and writer against each other and a second reader."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from model.motion import clip as clips
+from model.motion.bvh import ClipError, parse, read
+from model.motion.tests import figure, second_reader
+
+FILE = Path("clip.bvh")
+
+
+@pytest.fixture(scope="module")
+def text(tmp_path_factory):
+    return figure.write(tmp_path_factory.mktemp("bvh") / "clip.bvh", frames=4, rich=True).read_text()
+
+
+def rows_of(text, change):
+    head, frames, rows = text.partition("0.0083333\n")
+    return head + frames + change(rows)
+
+
+SAME = {
+    "two joints of one name": lambda t: re.sub("LeftShoulder|RightShoulder", "Collar", t),
+    "end": lambda t: t.replace("End Site", "END SITE"),
+    "other keywords": lambda t: t.replace("JOINT", "Joint").replace("OFFSET", "Offset").replace("CHANNELS", "Channels"),
+    "one line": lambda t: t.replace("\n{", " {"),
+    "frames": lambda t: t.replace("Frames: 4", "Frames:4").replace("Frame Time: ", "Frame Time:\t"),
+    "comments": lambda t: rows_of("# a clip\n" + t.replace("{", "{ # here", 3), lambda rows: "# frames\n" + rows),
+    "wrapped rows": lambda t: rows_of(t, lambda rows: re.sub(r"((?:\S+ ){9})", r"\1\n", rows)),
+    "lines that ignore rows": lambda t: rows_of(t, lambda rows: "\n".join(rows.split())),
+    "dos": lambda t: t.replace("\n", "\r\n"),
+    "blank lines": lambda t: t.replace("\n", " \n\n"),
+}
+
+
+@pytest.mark.parametrize("change", SAME.values(), ids=SAME)
+def test_variants_of_one_clip(text, change):
+    clip, original = parse(change(text).encode(), FILE), parse(text.encode(), FILE)
+    assert (clip.table == original.table).all() and not clip.notes
+    assert [node.channels for node in clip.nodes] == [node.channels for node in original.nodes]
+    assert clip.content().decode().startswith(change(text).partition("Frames")[0])
+
+
+@pytest.mark.parametrize(
+    ("change", "rows", "note"),
+    [
+        (lambda t: t.replace("Frames: 4", "Frames: 5"), 4, "4 frames are read; 'Frames: 5' is another number"),
+        (lambda t: t.replace("Frames: 4", "Frames: 3"), 4, "4 frames are read; 'Frames: 3' is another number"),
+        (lambda t: t[:-20], 3, r"line \d+: \d+ numbers, not \d+: the frame is left out"),
+        (lambda t: t.replace("0.0083333", "0"), 4, "'Frame Time: 0': 30 frames per second are shown"),
+    ],
+)
+def test_doubts(text, change, rows, note):
+    clip = parse(change(text).encode(), FILE)
+    assert re.fullmatch(note, clip.notes[0]) and (clip.table == parse(text.encode(), FILE).table[:rows]).all()
+    assert clip.period == (1 / 30 if "Time" in note else 0.0083333)
+    assert f"Frames: {rows}\n".encode() in clip.content()
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig", "utf-16"])
+def test_encodings(text, encoding):
+    content = text.replace("Spine", "Wirbels\u00e4ule").encode(encoding)
+    clip = parse(content, FILE)
+    assert clip.names[1] == "Wirbels\u00e4ule"
+    assert clip.content().startswith(text.partition("Frame Time")[0].replace("Spine", clip.names[1]).encode(encoding))
+
+
+KINDS = [f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")]
+NUMBERS = st.floats(-1e6, 1e6).map(lambda value: f"{value:.6g}")
+NAMES = st.from_regex(r"[^\s{}#/\x00\ufeff]+( [^\s{}#/\x00]+)?", fullmatch=True)
+
+
+@st.composite
+def files(draw):
+    """Texts of BVH files with any tree, any channels."""
+    columns, frames = 0, draw(st.integers(1, 3))
+
+    def node(keyword, depth):
+        nonlocal columns
+        channels = draw(st.lists(st.sampled_from(KINDS), unique=True)) + ["Xrotation"] * (depth == 0)
+        columns += len(channels)
+        lines = [f"{keyword} {draw(NAMES)}", "{", f"OFFSET {' '.join(draw(NUMBERS) for _ in 'xyz')}"]
+        lines.append(f"CHANNELS {len(channels)} {' '.join(channels)}")
+        for _ in range(draw(st.integers(0, 2)) if depth < 3 else 0):
+            lines += node("JOINT", depth + 1)
+        return [*lines, *(["End Site", "{", "OFFSET 0 1 0", "}"] if draw(st.booleans()) else []), "}"]
+
+    lines = ["HIERARCHY", *node("ROOT", 0), "MOTION", f"Frames: {frames}", "Frame Time: 0.01"]
+    return "\n".join(lines + [" ".join(draw(NUMBERS) for _ in range(columns)) for _ in range(frames)]) + "\n"
+
+
+@given(files())
+@settings(deadline=None, max_examples=60)
+def test_any_file_is_read_as_by_the_second_reader_and_written_as_it_is(tmp_path_factory, text):
+    path = tmp_path_factory.getbasetemp() / "any.bvh"
+    path.write_bytes(text.encode())
+    clip = read(path)
+    nodes, table, places, turns = second_reader.read(path)
+    assert [node.parent for node in clip.nodes] == [node[1] for node in nodes]
+    assert (clip.table == table).all() and not clip.notes
+    size = 1 + np.abs(places).max()
+    np.testing.assert_allclose(clip.positions / size, places.transpose(1, 0, 2) / size, atol=1e-9)
+    for k, turn in enumerate(turns):
+        assert (np.abs((turn.as_quat(scalar_first=True) * clip.turn[:, k]).sum(axis=1)) > 1 - 1e-9).all()
+    again = parse(clip.content(), path)
+    assert (again.table == clip.table).all() and again.nodes == clip.nodes and again.head == clip.head
+    assert clip.turned({}).content() == clip.content()
+
+
+WORDS = [
+    "{",
+    "}",
+    "JOINT",
+    "ROOT",
+    "End",
+    "OFFSET",
+    "CHANNELS",
+    "MOTION",
+    "Frames:",
+    "0",
+    "-1",
+    "1e999",
+    "1e29",
+    "nan",
+    "\n",
+]
+
+
+@given(st.data())
+@settings(deadline=None, max_examples=150)
+def test_a_spoiled_file_is_a_clip_or_an_error(text, data):
+    content = text.encode()
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(content)))
+        new = data.draw(st.sampled_from(WORDS).map(str.encode) | st.binary(max_size=4))
+        content = content[:start] + new + content[start + data.draw(st.integers(0, 12)) :]
+    try:
+        clip = parse(content, FILE)
+        again = parse(clip.content(), FILE)
+        assert (again.table == clip.table).all() and again.nodes == clip.nodes
+        clips.up_axis(clip)
+        moves = [clips.motion(clip, arm) for arm in clips.arms(clip)]
+        assert all(np.isfinite(move.phi).all() for move in moves)
+    except ClipError as error:
+        assert "\n" not in str(error)
