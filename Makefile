@@ -61,7 +61,7 @@ OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS UP TWIST SCALE D1
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
-unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH PYTHONDONTWRITEBYTECODE
+unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH PYTHONDONTWRITEBYTECODE PYTHONWARNINGS
 # Caches of Yosys, nextpnr and zig stay in the checkout.
 export YOWASP_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/.venv/cache/yowasp
 export ZIG_GLOBAL_CACHE_DIR ?= $(if $(HERE),$(abspath $(HERE)),$(CURDIR))/.venv/cache/zig

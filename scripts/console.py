@@ -93,6 +93,7 @@ def command(
 
         @stoppable()
         def main(arguments: Sequence[str] | None = None) -> int:
+            _open_streams()
             try:
                 return work(_parsed(parser, program, sys.argv[1:] if arguments is None else arguments))
             except click.exceptions.Exit as exc:  # after --help
@@ -114,6 +115,14 @@ def command(
         return main
 
     return main_of
+
+
+def _open_streams() -> None:
+    """Connect closed standard streams to /dev/null: other files would take their numbers."""
+    for place, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # takes the lowest free number
+            setattr(sys, name, open(place, "w" if place else "r"))
 
 
 class Stopped(KeyboardInterrupt):
@@ -146,7 +155,8 @@ def stoppable() -> Iterator[None]:
 
 
 def option(name: str, about: str, kind: Any = None, **settings) -> click.Option:
-    """Return an option with a value."""
+    """Return an option with a value. kind Path: a path in which ~ is the user's folder."""
+    kind = (lambda text: Path(os.path.expanduser(text))) if kind is Path else kind
     return click.Option([name, *(["from_"] if name == "--from" else [])], help=about, type=kind, **settings)
 
 

@@ -83,7 +83,7 @@ def trajectory_options(
     )
     about = f"folder for {written}, created if missing"
     return [
-        option("--trajectory", trajectory, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
+        option("--trajectory", trajectory, os.path.expanduser, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
         option("--out", about, Path, default=out, metavar="DIR"),
         *(core_options(datapath=datapath, most=most) if core else ()),
         *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),

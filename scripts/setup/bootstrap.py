@@ -14,6 +14,11 @@ status is 2. With nothing to do it prints nothing and takes a few milliseconds.
 This file must parse on Python 3.7, so that an old Python gets a message instead of a SyntaxError.
 """
 
+import _signal  # the built-in part of signal, which takes no time to import
+
+if __name__ == "__main__" and _signal.getsignal(_signal.SIGINT) is not _signal.SIG_IGN:
+    _signal.signal(_signal.SIGINT, _signal.SIG_DFL)  # Ctrl-C prints no traceback; the next make starts set-up again
+
 import fcntl
 import hashlib
 import json
@@ -280,8 +285,4 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    try:
-        main(sys.argv[1:])
-    except KeyboardInterrupt:
-        say("set-up interrupted; the next make starts it again")
-        sys.exit(130)
+    main(sys.argv[1:])

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -62,6 +63,39 @@ def test_new_empty_folders_are_removed(tmp_path):
     with console.output(tmp_path / "old/a/b", []):
         (tmp_path / "old/a/b/file").touch()
     assert (tmp_path / "old/a/b/file").exists()
+
+
+def test_a_path_may_begin_with_the_home_folder():
+    assert console.option("--out", "", Path).type("~/x") == Path.home() / "x"
+
+
+CLOSED = """
+import sys
+from rich.table import Table
+from scripts import console
+
+@console.command("some", "")
+def main(_):
+    console.show(Table())
+    with open(sys.executable) as file:
+        return file.fileno() <= 2
+
+sys.exit(main())
+"""
+
+
+def test_closed_standard_streams():
+    command = ["bash", "-c", '"$0" -c "$1" <&- >&- 2>&-', sys.executable, CLOSED]
+    assert subprocess.run(command, cwd=ROOT, env=environment(), check=False).returncode == 0
+
+
+def test_ctrl_c_during_imports_prints_no_traceback():
+    command = [sys.executable, "-v", "-m", "scripts.run", "--list"]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as started:
+        while "import 'scripts' #" not in started.stderr.readline():
+            pass
+        started.send_signal(signal.SIGINT)
+        assert "Traceback" not in started.communicate()[1] and started.returncode == -signal.SIGINT
 
 
 def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):

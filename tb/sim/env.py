@@ -33,6 +33,7 @@ DROPPED = (
     "VERILATOR_BIN",
     "VERILATOR_ROOT",
     "PYTHONHOME",
+    "PYTHONWARNINGS",  # a warning of cocotb would fail the simulation
     "PYTHONDONTWRITEBYTECODE",  # otherwise each simulation recompiles the same modules
 )
 
