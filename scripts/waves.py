@@ -125,7 +125,7 @@ def write_save_file(
 
     ``dumpfile``: the VCD from the save file's folder. GTKWave finds it, as both are named without their folders.
     Raises TargetError for a VCD of another design, OSError if a file cannot be read or written.
-    With a ``first`` difference its section is open and its node red; GTKWave opens at the time ``start``.
+    GTKWave opens at the time ``start``; with a ``first`` difference its section is open and its node red.
     ``aligned``: the VCD is one by `write_aligned`, which has no streams.
     """
     nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
@@ -138,7 +138,7 @@ def write_save_file(
         save.writer.comment(f"{TOP}, {datapath} datapath, words of {width} bits: {how}")
         if first:
             save.writer.comment(f"first difference: {first}")
-            save.writer.timestart(start)
+        save.writer.timestart(start)
         save.writer.size(1600, 1000)
         save.writer.sst_expanded(False)
         save.writer.signals_width(640)
@@ -341,7 +341,8 @@ def write_waves(
     for path in (vcd, aligned):
         clock = (column(recording, nodes, first.target) if path == aligned else first.clock) if first else 0
         marker = recording.time(clock) if first else -1
-        start = max(0, marker - 7 * recording.period)
+        begin = recording.time(column(recording, nodes, 0)) - recording.period // 2  # X before the first target
+        start = max(begin if path == aligned else 0, marker - 7 * recording.period)
         save = files(path.with_suffix(".gtkw"))
         write_save_file(files(path), datapath, width, save, path.name, path == aligned, first, start, marker)
 

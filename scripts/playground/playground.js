@@ -9,7 +9,7 @@ const RATE = 20; // targets of a trajectory per second
 // target: in the user's frame; flow: run, slow or step; ready: m_axis_tready; dense: one target per clock.
 const ui = {
   target: { x: 0.35, y: 0.1, z: -0.15, phi: 2.6, d1: 0.33, d2: 0.27 }, axis: "z", trajectory: "", at: 0, flow: "run", speed: 8, owed: 0,
-  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null,
+  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null, held: false,
 };
 
 const axis = () => DATA.axes[ui.axis];
@@ -67,7 +67,7 @@ function forget() {
   state.runs = ui.machines.map(emptyRun);
   state.at = -1;
   const reach = ui.target.d1 + ui.target.d2;
-  state.bounds = { centre: [0, 0, 0], radius: reach, floor: -0.8 * reach, step: reach / 4 };
+  state.bounds = { centre: [0, 0, 0], radius: 0.86 * reach, floor: -0.8 * reach, step: reach / 4 };
 }
 
 // -- the clock ---------------------------------------------------------------------------------
@@ -177,8 +177,16 @@ function writeNow() {
   if (element("plain").textContent !== said) element("plain").textContent = said;
 }
 
+// Centres the view between shoulder and floor, or higher if wrist or elbow would leave it; not below a held wrist.
+function frameArm() {
+  const reach = ui.target.d1 + ui.target.d2;
+  const highest = Math.max(ui.target.z, state.runs[0].elbow.at(-1)?.[2] ?? 0);
+  if (!ui.held) state.bounds.centre[2] = Math.max(-0.45 * reach, highest - 0.65 * reach);
+}
+
 function drawAll() {
   if (!ui.machines.length) return;
+  frameArm();
   const { g, w, h } = prepare(scene);
   if (state.at >= 0) { // all cores have a result
     eachRun(g, w, h, (pw, ph, t) => drawMotion(g, pw, ph, t));
@@ -341,7 +349,12 @@ function listen() {
   let dragged = null; // dragged item and last position: touch events have no movement
   scene.addEventListener("pointerdown", (event) => {
     dragged = { wrist: nearWrist(event.offsetX, event.offsetY), x: event.clientX, y: event.clientY };
+    ui.held = dragged.wrist;
     scene.setPointerCapture(event.pointerId);
+  });
+  scene.addEventListener("lostpointercapture", () => {
+    ui.held = false;
+    afterwards();
   });
   scene.addEventListener("pointermove", (event) => {
     scene.dataset.over = nearWrist(event.offsetX, event.offsetY);

@@ -61,7 +61,7 @@ const degrees = (v) => `${v.toFixed(1).replace("-", "\u2212")}\u00b0`;
 function writeNow() {
   const { shown: t, at: n, frame } = state;
   const last = framesIn(t) - 1;
-  const place = t.clip ? `frame ${frame} / ${last}, ${(frame / t.clip.rate).toFixed(2)} s` : `target ${n} / ${last}`;
+  const place = t.clip ? `frame ${frame} of 0 to ${last}, ${(frame / t.clip.rate).toFixed(2)} s` : `target ${n} of 0 to ${last}`;
   element("target").textContent = place;
   element("scrub").value = frame;
   element("scrub").setAttribute("aria-valuetext", place);

@@ -12,6 +12,7 @@ import sys
 import pytest
 import yaml
 
+from model.dataflow import fixed
 from model.motion.pose import solve
 from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
@@ -82,6 +83,14 @@ def test_from_c(tmp_path):
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
     library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")
     assert ctypes.CDLL(str(library)).reach
+
+
+def test_pictures_have_a_size_and_the_latency_of_the_core():
+    """Without a size a picture has none in a table of hosting sites."""
+    for path in (ROOT / "docs").glob("*.svg"):
+        assert re.match(r'<svg [^>]*width="\d+" height="\d+"', path.read_text()), path
+    clocks, inside = fixed.latency("lean", 32), re.findall(r"(\d+) clocks", read("docs/block.svg"))
+    assert list(map(int, inside)) == [clocks, clocks - 2, 2]
 
 
 TOPS = "ik_axis", "ik_axis_bytes", "ik_axi"

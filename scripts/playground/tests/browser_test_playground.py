@@ -312,6 +312,9 @@ def test_page_fits(page, size, scheme):
     assert page.run(FITS)
     scrolls = STICKING_OUT.replace(".map(", ".filter((e) => !e.closest('.wide, .scrolls')).map(")
     assert page.run(scrolls) == []
+    if size != NARROW:
+        assert page.run("((e) => e.scrollWidth <= e.clientWidth)(document.querySelector('.scrolls'))"), "all columns"
+        assert page.run("[...document.querySelectorAll('label')].every((e) => e.clientHeight < 40)"), "one line each"
     unnamed = """[...document.querySelectorAll('input, select, button, canvas, [tabindex]')]
         .filter((e) => !(e.labels?.length || e.ariaLabel || e.textContent.trim() || e.getAttribute('aria-labelledby')))
         .map((e) => e.id)"""
