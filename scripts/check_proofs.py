@@ -39,7 +39,7 @@ def stale(page: str) -> list[str]:
 @command(
     "check_proofs",
     "List stale proofs and measurements.",
-    [switch("--strict", "a stale page fails")],
+    [switch("--strict", "fail on a stale page")],
     passes="done",
     fails="stale, with --strict",
 )
@@ -48,8 +48,8 @@ def main(options: SimpleNamespace) -> int:
     for page, (writer, *_) in PAGES.items():
         if names := stale(page):
             count += 1
-            print(f"warning: {page} is stale, `{writer}` writes it again: {', '.join(names)} changed")
-    print(f"{len(PAGES) - count} of {len(PAGES)} pages are of the present code")
+            print(f"warning: {page} is stale; regenerate it with `{writer}`: {', '.join(names)} changed")
+    print(f"{len(PAGES) - count} of {len(PAGES)} pages are up to date")
     return 1 if count and options.strict else 0
 
 

@@ -67,7 +67,7 @@ def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> Si
     for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
         if any(width and width not in path.widths for width in widths):
             lengths = ", ".join(map(str, path.widths))
-            raise InputError(f"argument --width: the {path.name} datapath has words of {lengths} bits only")
+            raise InputError(f"argument --width: the {path.name} datapath supports {lengths} bits")
     return options
 
 
@@ -166,7 +166,7 @@ def switch(name: str, about: str) -> click.Option:
 
 
 def sim_option(default: str = SIMULATORS[0]) -> click.Option:
-    return option("--sim", "the simulator", click.Choice(SIMULATORS), default=default)
+    return option("--sim", "simulator", click.Choice(SIMULATORS), default=default)
 
 
 def core_options(sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1) -> list[click.Option]:
@@ -174,7 +174,7 @@ def core_options(sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most:
     its default stands for all dataflows in the paper's scenario, otherwise the first."""
     names = list(CONFIGURATIONS)
     if most == 1:
-        paths = option("--datapath", "the datapath", click.Choice(names), default=datapath)
+        paths = option("--datapath", "datapath", click.Choice(names), default=datapath)
     else:
         about = f"up to {most} datapaths, separated by commas, on the same targets: {', '.join(names)}"
         if not datapath:
@@ -200,9 +200,16 @@ def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
     return check
 
 
-def whole(least: int) -> click.IntRange:
+class Whole(click.IntRange):
+    """An option type: a whole number of at least `min`; the help omits the largest one."""
+
+    def _describe_range(self) -> str:
+        return f"x>={self.min}"
+
+
+def whole(least: int) -> Whole:
     """Return an option type: a whole number of at least `least`."""
-    return click.IntRange(least, 10**15)
+    return Whole(least, 10**15)
 
 
 class Finite(click.FloatRange):
@@ -262,7 +269,7 @@ def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Ite
                 raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
         for path in paths:
             if path.is_dir():
-                raise InputError(f"argument --out: {os.fspath(path)!r} is a folder; a file is to be written there")
+                raise InputError(f"argument --out: {os.fspath(path)!r} is a folder, not a file")
         with whole_files() as files:
             yield files
     finally:

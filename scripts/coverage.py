@@ -177,7 +177,7 @@ Crosses of flag, datapath, singular region and stall pattern at the ports of `ik
     "coverage",
     "Measure which points of the Verilog the tests reach.",
     [
-        option("--only", "only tests that match, as in pytest -k; nothing is judged", metavar="PATTERN"),
+        option("--only", "only tests that match, as in pytest -k; without a verdict", metavar="PATTERN"),
         switch("--again", "judge the counts of the last run again"),
         switch("--keep", f"write {PAGE.name}"),
     ],
@@ -190,7 +190,7 @@ def main(options: SimpleNamespace) -> int:
     if not options.again and (status := run(options.only)):
         raise SimulationError(f"pytest ended with status {status}")
     if not (counts := read(COUNTS)):
-        raise InputError("there are no counts")
+        raise InputError("no counts of an earlier run: omit --again")
     reasons, idle = waived(point for point, count in counts.items() if not count)
     annotate(counts, reasons)
     print(f"wrote {os.path.relpath(ANNOTATED, ROOT)}")

@@ -76,8 +76,8 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, s
     "formal",
     "Prove the core, and check that each proof fails on a bug.",
     [
-        option("--only", "proofs whose name begins so", metavar="NAME", multiple=True),
-        switch("--again", "also proofs that an earlier run proved of the same code"),
+        option("--only", "proofs whose names begin with NAME", metavar="NAME", multiple=True),
+        switch("--again", "also rerun proofs that have passed on the same code"),
         switch("--list", "print the names of the proofs"),
     ],
     passes="all is proved",

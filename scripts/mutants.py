@@ -38,11 +38,11 @@ HEAD = ("file", "mutants", *COLUMNS)
 
 @command(
     "mutants",
-    "Mutants of the netlists, each of which a bench must kill.",
+    "Run netlist mutants, each of which a bench must kill.",
     [
         option("--count", "number of mutants", whole(1), default=600, metavar="N"),
         option("--seed", "choice of mutants", whole(0), default=1, metavar="S"),
-        option("--only", "files of rtl/ with this in their name", default="", metavar="FILE"),
+        option("--only", "files of rtl/ whose names contain FILE", default="", metavar="FILE"),
         option("--jobs", "parallel mutants", whole(1), default=os.cpu_count(), metavar="N"),
         parallel.FARM,
         option("--out", "folder of the results", Path, default="build/mutants", metavar="DIR"),

@@ -73,7 +73,7 @@ OPTIONS = [
     option("--targets", "number of targets", whole(1), default=1_000_000, metavar="N"),
     option("--seed", "random seed", whole(0), default=1, metavar="S"),
     option("--from", f"first chunk of {CHUNK} targets", whole(0), default=0, metavar="CHUNK"),
-    switch("--special", f"all {SPECIAL} targets of 12 special words an input instead"),
+    switch("--special", f"all {SPECIAL} targets with 12 special words per input, instead of random targets"),
     *core_options(sim="verilator"),
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
@@ -331,7 +331,7 @@ def _again(arguments: SimpleNamespace) -> int:
     return status
 
 
-@command("soak", "Random targets of all kinds through the core, every node compared with the model.", OPTIONS)
+@command("soak", "Run random targets of all kinds and compare every node with the model.", OPTIONS)
 def main(parsed: SimpleNamespace) -> int:
     _check(parsed)
     return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)

@@ -53,33 +53,26 @@ def trajectory_options(
     options.
     """
     trajectory = (
-        "a built-in trajectory (see --list), all of them, a CSV file with a header: x,y,z and optionally phi (rad), "
-        "d1, d2, in any unit of length, or a BVH clip of motion capture"
+        "a built-in trajectory (see --list), all of them, a CSV file with a header (x,y,z and optionally phi in rad, "
+        "d1, d2; any unit of length), or a BVH motion-capture clip"
     )
-    cores = (
-        "the dividers and roots, which only the paper datapath has: behavioural, or made of rows for synthesis; "
-        "the results are the same"
-    )
+    cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
     axis = (
-        "reference axis, from which swivel angles count: z, -z, x, .. or a vector such as 0.3,1,0, in the frame of the "
-        "targets; it should point where no wrist goes; torso, of a clip: outward and up  [default: z; of a clip: torso]"
+        "reference axis of swivel angles in the frame of the targets: z, -z, x, .. or a vector such as 0.3,1,0; choose "
+        "a direction that no wrist reaches; torso: outward and up from a clip's torso  [default: z; for a clip: torso]"
     )
-    joints = (
-        "of a clip: the joints where upper arm, forearm and hand begin, for names that are not known; six for both arms"
-    )
-    up = "of a clip: its up axis  [default: from the feet to the head]"
-    twist = "of a clip: turn of each bone about itself: the clip's own or the core's  [default: clip]"
-    scale = (
-        "of a clip: its unit of length, for clip.glb, which is in metres  [default: auto, by the length of the arms]"
-    )
-    only_csv = "only with a CSV file, for rows of a file without that column"
+    joints = "clip: joints at the start of upper arm, forearm and hand, if their names are unknown; six for both arms"
+    up = "clip: up axis  [default: from the feet to the head]"
+    twist = "clip: rotation of each bone about itself, from the clip or from the core  [default: clip]"
+    scale = "clip: unit of length; clip.glb is in metres  [default: auto, from the arm lengths]"
+    row = "for rows of a CSV file without that column"
     phi = (
-        "swivel angle: of rows of a CSV file without that column (default: the elbow hangs down); of a clip: its own, "
-        "the mean of its own, or one number (default: clip)"
+        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: the clip's own "
+        "angles, their mean, or one number (default: clip)"
     )
     bar = (
-        "accuracy asked for: the largest hand error / reach of any target (default: the table of "
-        "model/bounds/tolerances.py, which asks nothing of the paper datapath near singular poses or below 32 bits)"
+        "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
+        "the paper datapath near singular poses or below 32 bits)"
     )
     about = f"folder for {written}, created if missing"
     return [
@@ -88,13 +81,13 @@ def trajectory_options(
         *(core_options(datapath=datapath, most=most) if core else ()),
         *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
         option("--axis", axis, reference_axis, metavar="AXIS"),
-        option("--arm", "of a clip: which arms  [default: both]", click.Choice(["both", *SIDES])),
+        option("--arm", "clip: arms to run  [default: both]", click.Choice(["both", *SIDES])),
         option("--joints", joints, lambda text: text.split(","), metavar="UPPER,FORE,HAND"),
         option("--up", up, click.Choice(NAMED_AXES)),
         option("--twist", twist, click.Choice(clips.TWISTS)),
         option("--scale", scale, click.Choice([*clips.UNITS, "auto"])),
-        option("--d1", f"upper arm, {only_csv}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
-        option("--d2", f"forearm, {only_csv}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
+        option("--d1", f"upper arm, {row}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
+        option("--d2", f"forearm, {row}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
         option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
         option("--bar", bar, POSITIVE, metavar="ERROR"),
     ]
@@ -140,12 +133,12 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     for given, kinds in GOES_WITH.items():
         if getattr(arguments, given) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
-            raise InputError(f"argument --{given}: goes with a {goes}, not with a {kind} ({name})")
+            raise InputError(f"argument --{given}: applies to a {goes}, not to a {kind} ({name})")
     if kind == CLIP:
         return [_of_clip(arguments)]
     for given, word in OF_CLIPS:
         if getattr(arguments, given) == word:
-            raise InputError(f"argument --{given}: {word} goes with a {CLIP}, not with a {kind} ({name})")
+            raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
     if kind == CSV:
         phi = hanging(axis) if arguments.phi is None else arguments.phi
         found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
@@ -190,8 +183,8 @@ def doubts(targets: Targets) -> Iterator[str]:
         arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
         yield (
             f"{out} of {len(targets)} targets are out of reach of {arms}; "
-            "are x, y, z, d1 and d2 in one unit of length? D1= and D2= give another arm"
+            "use one unit of length for x, y, z, d1 and d2; D1= and D2= set another arm"
         )
     turns = float(np.abs(targets.phi).max())
     if turns > 2 * np.pi:
-        yield f"phi goes as far as {turns:g}; it is in radians, are these degrees?"
+        yield f"phi reaches {turns:g}; its unit is the radian: convert degrees"

@@ -365,7 +365,7 @@ def align(vcd: Path, words: np.ndarray, width: int, datapath: str, files: Callab
         click.Argument(["save"], type=Path, metavar="SAVE.gtkw"),
     ],
     passes="the save file is written",
-    fails="never",
+    fails="not used",
 )
 def main(options: SimpleNamespace) -> int:
     with output(options.save.parent, [options.save], [options.vcd]) as files:

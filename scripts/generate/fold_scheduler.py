@@ -138,13 +138,13 @@ def main(parsed: SimpleNamespace) -> int:
     if cp_model is None:
         raise InputError("ortools is not installed: use make schedule")
     lowering, groups = lower(WIDTH)
-    print(f"{sum(map(len, groups.values()))} steps, a target each {parsed.period} clocks", flush=True)
+    print(f"{sum(map(len, groups.values()))} steps, one target every {parsed.period} clocks", flush=True)
     problem, solver = _Problem(lowering, groups, parsed.period), cp_model.CpSolver()
     solver.parameters.max_time_in_seconds = parsed.seconds
     status = solver.solve(problem.model)
     if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
         none = status == cp_model.INFEASIBLE
-        print(f"there is none within a latency of {LATENCY} clocks" if none else f"none found in {parsed.seconds} s")
+        print(f"no schedule within {LATENCY} clocks" if none else f"none found in {parsed.seconds} s")
         return 1
     found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
     made = Schedule(parsed.period, *found)

@@ -31,7 +31,7 @@ PARTS = {
 
 @command(
     "paper",
-    "Write the pages that answer the paper.",
+    "Write the pages of comparison with the paper.",
     [option("--only", "one part  [default: all]", click.Choice(PARTS))],
 )
 def main(options: SimpleNamespace) -> int:

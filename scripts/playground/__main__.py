@@ -72,11 +72,16 @@ NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 
 @command(
     "playground",
-    "Write one page in which the Verilog runs.",
+    "Write a page that runs the Verilog in a browser.",
     [
         option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
-        option("--datapath", f"only these of {', '.join(NAMES)}", some_of(NAMES, len(NAMES)), metavar="NAME[,NAME]"),
-        option("--width", "only cores of this word length", WORD_LENGTH, metavar="BITS"),
+        option(
+            "--datapath",
+            f"some of {', '.join(NAMES)}",
+            some_of(NAMES, len(NAMES)),
+            metavar="NAME[,NAME]",
+        ),
+        option("--width", "word length of the cores", WORD_LENGTH, metavar="BITS"),
     ],
     passes="the page is written",
     fails="a tool failed",

@@ -85,8 +85,8 @@ def test_every_page_carries_digests():
 def test_changed_new_and_gone_digests_are_stale(command, monkeypatch):
     page = "make fpga", lambda: {"a": "1", "b": "2", "d": "5"}, lambda: {"b": "3", "c": "4", "d": "5"}
     monkeypatch.setattr(check_proofs, "PAGES", {"fpga.md": page})
-    out = ["warning: fpga.md is stale, `make fpga` writes it again: a, b, c changed"]
-    out.append("0 of 1 pages are of the present code")
+    out = ["warning: fpga.md is stale; regenerate it with `make fpga`: a, b, c changed"]
+    out.append("0 of 1 pages are up to date")
     assert [command(check_proofs.main, *words) for words in ([], ["--strict"])] == [(0, out, []), (1, out, [])]
 
 

@@ -107,7 +107,7 @@ def test_rows_without_phi_have_the_elbow_of_a_hanging_arm(cli, axis, phi):
     ("content", "warning"),
     [
         ("x,y,z\n5,1,2\n0.1,0,0.3\n3,0,0\n", "2 of 3 targets are out of reach of an arm of 0.33 + 0.27 "),
-        ("x,y,z,phi\n.3,.1,.2,90\n", "phi goes as far as 90; it is in radians"),
+        ("x,y,z,phi\n.3,.1,.2,90\n", "phi reaches 90; its unit is the radian"),
     ],
 )
 def test_other_units_give_a_warning(cli, content, warning):
