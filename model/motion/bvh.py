@@ -292,8 +292,6 @@ class _Parser:
                     raise self.error(self.words[self.next - 1].start(), "MOTION without 'Frames:' and 'Frame Time:'")
                 case _:
                     raise self.wrong("ROOT" if node is None else f"OFFSET, CHANNELS, JOINT, End Site or }}{where}")
-        if not self.nodes or self.table is None:
-            raise ClipError(f"{self.path}: no BVH clip: no {'MOTION' if self.nodes else 'ROOT'}")
 
     def label(self) -> str:
         """Return the words up to the end of the line or a brace."""
@@ -313,28 +311,31 @@ class _Parser:
     def clip(self) -> Clip:
         """Return the clip."""
         self.hierarchy()
-        assert self.table is not None
-        count, period = (_finite(self.table[n]) for n in (1, 2))
-        for n, value in ((1, count), (2, period)):
-            if value is None:
+        if not self.nodes or self.table is None:
+            raise ClipError(f"{self.path}: no BVH clip: no {'MOTION' if self.nodes else 'ROOT'}")
+        stated = []
+        for n in (1, 2):
+            if (value := _finite(self.table[n])) is None:
                 raise self.error(self.table.start(n), f"{self.table[n][:40]!r} is not a finite number")
-        rows, notes = self.rows(count or 0.0)
+            stated.append(value)
+        count, period = stated
+        rows, notes = self.rows(count, self.table.end())
         if not rows:
             raise ClipError(f"{self.path}: {' '.join(notes) or 'the clip has no frames'}")
         if count != len(rows):
             notes.append(f"{len(rows)} frames are read; 'Frames: {self.table[1]}' is another number")
-        if not period > 0:
+        if period <= 0:
             notes.append(f"'Frame Time: {self.table[2]}': {1 / PERIOD:g} frames per second are shown")
         start, end = self.table.span(1)
         head = self.text[:start], self.text[end : self.table.end()]
-        return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), float(period or 0), tuple(notes))
+        return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), period, tuple(notes))
 
-    def rows(self, count: float) -> tuple[list[list[float]], list[str]]:
+    def rows(self, count: float, start: int) -> tuple[list[list[float]], list[str]]:
         """Return the rows of the table, and notes on it.  Rows may be wrapped; `count` is the number that is stated."""
-        channels, first = len(self.of_column), self.plain.count("\n", 0, self.table.end()) + 1
+        channels, first = len(self.of_column), self.plain.count("\n", 0, start) + 1
         if not channels:
             raise ClipError(f"{self.path}: no joint has channels")
-        text = self.plain[self.table.end() :].split("\n")
+        text = self.plain[start:].split("\n")
         lines = [(number, words) for number, line in enumerate(text, first) if (words := line.split())]
         lengths = [len(words) for _, words in lines]
         if channels not in lengths and sum(lengths) == channels * count:  # lines break anywhere

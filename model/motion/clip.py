@@ -81,18 +81,19 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -
         if len(joints) != 3 * len(sides):
             raise ClipError(f"{clip.path}: {text}: not the three of upper arm, forearm and hand of each arm")
         found = {side: _given(clip, joints[3 * n : 3 * n + 3]) for n, side in enumerate(sides)}
-    known = {side: found.get(side) or _known(clip, side) for side in SIDES}
+    known = {side: three for side in SIDES if (three := found.get(side) or _known(clip, side))}
     for side in sides:
-        if known[side] is None:
+        if side not in known:
             likely = [name for name in _joint_names(clip) if OF_ARMS.search("".join(_words(name)))]
             names = ", ".join((likely or _joint_names(clip))[:40])
             raise ClipError(f"{clip.path}: no {side} arm is known by name; JOINTS= names its three of {names}")
-    uppers = {side: three[0] for side, three in known.items() if three}
+    above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
     for side in sides:
-        torso = _torso(clip, uppers[side], [set(clip.ancestors(upper)) for upper in uppers.values()])
-        others = [upper for upper in uppers.values() if upper != uppers[side]]
-        result.append(Arm(side, *(known[side] or ()), torso=torso, opposite=others[0] if others else torso))
+        torso = _torso(clip, known[side][0], above)
+        result.append(
+            Arm(side, *known[side], torso, next((known[other][0] for other in known if other != side), torso))
+        )
     return result
 
 
@@ -131,7 +132,7 @@ def _called(clip: Clip, pattern: str) -> list[int]:
     return found
 
 
-def _given(clip: Clip, joints: Sequence[str]) -> tuple[int, ...]:
+def _given(clip: Clip, joints: Sequence[str]) -> tuple[int, int, int]:
     """Return the joints of an arm by their names, of which the clip may have several."""
     found = [[k for k, node in enumerate(clip.nodes) if not node.end and node.name == name] for name in joints]
     for name, those in zip(joints, found, strict=True):
@@ -143,7 +144,7 @@ def _given(clip: Clip, joints: Sequence[str]) -> tuple[int, ...]:
     raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
 
 
-def _known(clip: Clip, side: str) -> tuple[int, ...] | None:
+def _known(clip: Clip, side: str) -> tuple[int, int, int] | None:
     """Return the joints of an arm by their usual names."""
     letter = f"(?:{side}|{side[0]})"
     for parts in ARM_NAMES:

@@ -85,6 +85,7 @@ def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
     path = figure.write(tmp_path / "clip.bvh", **way)
     again, _ = written(path, read(path))
     second_reader.compare(path, again)
+    np.testing.assert_allclose(read(again).table, read(path).table, atol=1e-4)  # no angle jumps by a turn
 
 
 def hinged(path):
@@ -182,6 +183,16 @@ def test_names_of_joints(tmp_path, names):
             six = [*figure.joints(names, "left"), *figure.joints(names, "right")]
             assert replace(arms(clip, joints=six)[side == "right"], opposite=named.opposite) == named
         assert clip.names[named.torso] == "Spine"
+
+
+def test_likely_joints_are_listed(tmp_path):
+    path = figure.write(tmp_path / "clip.bvh")
+    path.write_text(path.read_text().replace("LeftForeArm", "LeftMiddle"))
+    said = (
+        "JOINTS= names its three of LeftShoulder, LeftArm, LeftHand, RightShoulder, RightArm, RightForeArm, RightHand"
+    )
+    with pytest.raises(ClipError, match=f"{said}$"):
+        arms(read(path))
 
 
 def test_a_lone_arm(tmp_path):
