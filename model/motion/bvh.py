@@ -185,7 +185,7 @@ def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
     """Return angles (F, 3), rad, about three different axes whose product is a matrix (F, 3, 3), near given ones."""
     i, j, k = axes
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
-    locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-9
+    locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-7
     first = np.where(locked, near[:, 0], np.arctan2(-sign * turn[:, j, k], turn[:, k, k]))
     left = np.swapaxes(matrix(about(i, first)), 1, 2) @ turn  # = R_j R_k
     second = np.arctan2(sign * left[:, i, k], left[:, k, k])

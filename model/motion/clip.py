@@ -39,7 +39,6 @@ HEADS = ("head", "neck")
 FEET = ("foot|feet|ankle", "toe|toes|toebase", "leg|lowerleg|lowleg|shin|calf|knee|shank")
 OF_ARMS = re.compile("arm|hand|wrist|palm|elbow|shldr|shoulder|humerus")
 DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
-SIDE_WORDS = {"left", "right", "l", "r"}
 
 
 @dataclass(frozen=True)
@@ -73,14 +72,15 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -
     Raises :class:`ClipError`, which lists the joints, where names are not sufficient.
     """
     sides = SIDES if which == "both" else (which,)
-    found = {}
+    found: dict[str, tuple[int, int, int]] = {}
     if joints is not None:
         text = f"joints {','.join(joints)}"
         if len(sides) == 2 and len(joints) == 3:
             raise ClipError(f"{clip.path}: {text} are those of one arm: ARM= says which, left or right")
         if len(joints) != 3 * len(sides):
             raise ClipError(f"{clip.path}: {text}: not the three of upper arm, forearm and hand of each arm")
-        found = {side: _given(clip, joints[3 * n : 3 * n + 3]) for n, side in enumerate(sides)}
+        for n, side in enumerate(sides):
+            found[side] = _given(clip, joints[3 * n : 3 * n + 3], list(found.values()))
     known = {side: three for side in SIDES if (three := found.get(side) or _known(clip, side))}
     for side in sides:
         if side not in known:
@@ -120,26 +120,19 @@ def _words(name: str) -> list[str]:
 
 def _called(clip: Clip, pattern: str) -> list[int]:
     """Return the joints whose names are a pattern, perhaps after other words."""
-    found = []
-    for joint, node in enumerate(clip.nodes):
-        words = [] if node.end else _words(node.name)
-        for first in range(len(words)):
-            if re.fullmatch(pattern, "".join(words[first:])):
-                found.append(joint)
-                break
-            if words[first] in SIDE_WORDS:
-                break
-    return found
+    words = [[] if node.end else _words(node.name) for node in clip.nodes]
+    last = [["".join(each[first:]) for first in range(len(each))] for each in words]
+    return [joint for joint, names in enumerate(last) if any(re.fullmatch(pattern, name) for name in names)]
 
 
-def _given(clip: Clip, joints: Sequence[str]) -> tuple[int, int, int]:
-    """Return the joints of an arm by their names, of which the clip may have several."""
+def _given(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
+    """Return the joints of an arm by their names, of which the clip may have several; others: arms that are found."""
     found = [[k for k, node in enumerate(clip.nodes) if not node.end and node.name == name] for name in joints]
     for name, those in zip(joints, found, strict=True):
         if not those:
             raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(_joint_names(clip))}")
     for upper, fore, hand in product(*found):
-        if upper in clip.ancestors(fore) and fore in clip.ancestors(hand):
+        if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
     raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
 
@@ -162,7 +155,7 @@ def _known(clip: Clip, side: str) -> tuple[int, int, int] | None:
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
     """Return the joints of head or neck, and of the feet; empty lists where their names are not known."""
-    optional = f"(?:{'|'.join(SIDE_WORDS)})?"
+    optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((found for names in table if (found := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
         for table in (HEADS, FEET)

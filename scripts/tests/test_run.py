@@ -169,8 +169,9 @@ def clip_cli(cli):
     def run_clip(*options, limit=1e-6):
         answer = cli("--trajectory", "t.bvh", "--out", "o", *options)
         if answer[0] == 0:
-            clip = clips.read(Path("t.bvh"))
-            free = [joint for arm in clips.arms(clip) for joint in (arm.upper, arm.fore)] if "--phi" in options else ()
+            clip, free = clips.read(Path("t.bvh")), []
+            for arm in clips.arms(clip) if "--phi" in options else ():
+                free += [arm.fore, *(joint for joint in clip.ancestors(arm.fore) if joint >= arm.upper)]
             second_reader.compare("t.bvh", "o/clip.bvh", free, positions=limit, angles=limit)
         return answer
 
@@ -258,6 +259,11 @@ def test_clips_as_people_have_them(clip_cli, name):
     assert len(set(nodes)) == len(nodes) == len(file.nodes) - 1, "a node has one parent"
     hips = next(node for node in file.nodes if node.name == "Hips")
     assert hips.translation == pytest.approx((0.005, 0.09, 0), abs=1e-9), "metres"
+
+
+def test_another_angle_moves_only_the_arm(clip_cli):
+    figure.write(Path("t.bvh").absolute(), frames=9, rich=True)
+    assert clip_cli("--phi", "1")[0] == 0 and max(float(row["elbow_error"]) for row in rows()) > 0.1
 
 
 def test_the_score_of_a_clip_is_that_of_the_written_file(clip_cli, monkeypatch):

@@ -86,7 +86,7 @@ def write(
         collar, upper, fore, hand = called(names, side)
         rest = mirror * REST
         below = (fore, rest * UPPER / (2 if rich else 1), [(hand, rest * FORE, [(None, rest * 0.5, [])])])
-        below = (f"{upper}Roll", rest * UPPER / 2, [below]) if rich else below
+        below = (f"{upper}.001", rest * UPPER / 2, [below]) if rich else below
         below = (upper, mirror * (1.2, 0, 0.1), [below])
         return collar, mirror * (0.5, 0, 4), [below]
 

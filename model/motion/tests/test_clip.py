@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Motion-capture clips: arms found and followed, the clip written back, and as an animated file."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -85,7 +86,22 @@ def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
     path = figure.write(tmp_path / "clip.bvh", **way)
     again, _ = written(path, read(path))
     second_reader.compare(path, again)
-    np.testing.assert_allclose(read(again).table, read(path).table, atol=1e-4)  # no angle jumps by a turn
+
+
+def test_angles_stay_near_the_original_ones(tmp_path):
+    """Angles beyond a turn, of the second kind, or locked: the first and the third about one axis."""
+    path = figure.write(tmp_path / "clip.bvh")
+
+    def spin(clip):
+        for arm in arms(clip):
+            columns = [channel.column for channel in clip.nodes[arm.upper].channels]
+            clip.table[:, columns] = clip.table[:, columns] * (1, -1, 1) + (540, 180, -180)
+            clip.table[:5, columns[1]] = 90
+
+    clip = changed(path, spin)
+    again, _ = written(path, clip)
+    second_reader.compare(path, again)
+    np.testing.assert_allclose(read(again).table, clip.table, atol=1e-4)
 
 
 def hinged(path):
@@ -141,6 +157,7 @@ def test_up_does_not_depend_on_the_first_frame(tmp_path, first, prefix):
         clip.table[:] = 0
         clip.table[first, 5] = -90  # about x
 
+    path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>3.5", path.read_text().replace("-0.5", "2.5")))
     clip = changed(path, lie)
     assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
     left, right = (clips.outward_and_up(clip, arm) for arm in arms(clip))
@@ -220,6 +237,34 @@ def test_named_joints_that_are_no_arm(tmp_path, which, joints, message):
         arms(clip, which, joints)
 
 
+def test_arms_whose_joints_have_the_same_names(tmp_path):
+    path = figure.write(tmp_path / "clip.bvh")
+    path.write_text(path.read_text().replace("LeftHand", "Palm").replace("Left", "").replace("Right", ""))
+    left, right = arms(read(path), joints=("Arm", "ForeArm", "Palm", "Arm", "ForeArm", "Hand"))
+    assert (left.upper, left.hand, right.upper, right.hand) == (5, 7, 10, 12)
+    path.write_text(path.read_text().replace("Palm", "Hand"))
+    assert arms(read(path), joints=("Arm", "ForeArm", "Hand") * 2) == [left, right]
+
+
+def test_a_wrist_at_the_shoulder(tmp_path):
+    joints = ("ROOT LeftArm", 0), ("JOINT LeftForeArm", 3), ("JOINT LeftHand", -3)
+    turns = "CHANNELS 3 Xrotation Yrotation Zrotation"
+    text = "\n".join(f"{name} {{\nOFFSET {x} 0 0\n{turns}" for name, x in joints) + "}" * 3
+    (tmp_path / "clip.bvh").write_text(f"{text}\nMOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * 9}")
+    clip = read(tmp_path / "clip.bvh")
+    move = motion(clip, *arms(clip, "left"), "z")
+    assert not move.wrist.any() and not move.phi.any()
+
+
+def test_an_elbow_without_all_channels(tmp_path):
+    path = figure.write(tmp_path / "clip.bvh")
+    path.write_text(
+        re.sub(r"(LeftForeArm\n{\n.*\n)CHANNELS.*", r"\1CHANNELS 3 Xrotation Yrotation Xrotation", path.read_text())
+    )
+    with pytest.raises(ClipError, match="joint LeftForeArm has no rotation channel for each axis"):
+        motion(read(path), arms(read(path))[0])
+
+
 def spoil(text, line, column, word):
     lines = text.split("\n")
     n = lines.index("MOTION") + line
@@ -242,6 +287,7 @@ def spoil(text, line, column, word):
         (lambda text: spoil(text, 5, 3, "abc"), r"line \d\d, joint Hips: 'abc' is not a finite number"),
         (lambda text: spoil(text, 5, 3, ""), r"line \d\d: 38 numbers, not 39"),
         (lambda text: spoil(text, 5, 3, "1 2"), r"line \d\d: 40 numbers, not 39"),
+        (lambda text: re.sub(r"(?m)^(-?\d.*)$", r"\1 0", text), r"line \d\d: 40 numbers, not 39"),
         (lambda text: spoil(text, 5, 3, "nan"), r"line \d\d, joint Hips: 'nan' is not a finite number"),
         (lambda text: spoil(text, 5, 3, "1_0"), r"line \d\d, joint Hips: '1_0' is not a finite number"),
         (lambda text: spoil(text, 5, 3, "-1.#IND00"), r"line \d\d, joint Hips: '-1.#IND00' is not a finite number"),
