@@ -252,13 +252,14 @@ def test_clips_as_people_have_them(clip_cli, name):
     """They pass, also with position channels everywhere; a doubt is one line."""
     path = figure.write(Path("t.bvh").absolute(), frames=9, rich=True)
     path.write_text(VARIANTS[name](path.read_text()))
-    status, _, err = clip_cli("--up", "y", "--scale", "cm")
+    status, _, err = clip_cli("--up=-y", "--scale", "cm")
     assert status == 0 and [line.partition(": ")[0] for line in err] == ["warning"] * (name in ("more rows", "no time"))
     file = pygltflib.GLTF2().load("o/clip.glb")
     nodes = [child for node in file.nodes for child in node.children or ()]
     assert len(set(nodes)) == len(nodes) == len(file.nodes) - 1, "a node has one parent"
     hips = next(node for node in file.nodes if node.name == "Hips")
     assert hips.translation == pytest.approx((0.005, 0.09, 0), abs=1e-9), "metres"
+    assert abs(file.nodes[file.scenes[0].nodes[0]].rotation[2]) == 1, "upside down"
 
 
 def test_another_angle_moves_only_the_arm(clip_cli):
