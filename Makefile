@@ -15,7 +15,7 @@ endif
 
 # What each target takes on the command line; anything else there is a slip, and is named.
 PATHS          := SIM OUT DATAPATH WIDTH
-TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI BAR
+TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
 TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL FARM AGAINST
@@ -57,7 +57,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
@@ -73,6 +73,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,AXIS,--axis="$$CGA_AXIS") $(call given,ARM,--arm="$$CGA_ARM") $(call given,JOINTS,--joints="$$CGA_JOINTS") \
   $(call given,UP,--up="$$CGA_UP") $(call given,TWIST,--twist="$$CGA_TWIST") $(call given,SCALE,--scale="$$CGA_SCALE") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI") \
+  $(call given,POLE,--pole="$$CGA_POLE") $(call given,SOFT,--soft="$$CGA_SOFT") \
   $(call given,BAR,--bar="$$CGA_BAR")
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
@@ -85,7 +86,7 @@ help: # print this list
 setup: ## create .venv and install the simulator [SIM=icarus|verilator]; targets that need them do this too
 	@$(SETUP) checkout $(sort icarus $(SIM))
 
-run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= ARM= JOINTS= UP= TWIST= SCALE= BAR=]
+run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= POLE= SOFT= ARM= JOINTS= UP= TWIST= SCALE= BAR=]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.run $(job) $(waves)
 

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Models: geometry and equations in double precision, bit-true dataflows, their bounds, targets and scores.
 
-Installed with `pip install .`, this is the package cga_ik; its public functions are :func:`solve` and the others
-of :mod:`model.motion.pose`.
+Installed with `pip install .`, this is the package cga_ik; `help(cga_ik.solve)` describes its main function.
 """
 
-from .motion.pose import Pose, continuous, forward, hanging, solve, swivel
+from .io.flags import Flag
+from .motion.pose import Pose, forward, hanging, soft_reach, solve, swivel, swivel_toward
+from .reference.kinematics import continuous
 
-__all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
+__all__ = ["Flag", "Pose", "continuous", "forward", "hanging", "soft_reach", "solve", "swivel", "swivel_toward"]
+
+__version__ = "1.0.0"

@@ -233,6 +233,14 @@ def reference_axis(text: str) -> Axis:
         raise click.BadParameter(str(exc)) from None
 
 
+def point(text: str) -> list[float]:
+    """Convert an option to a point, x,y,z."""
+    numbers = [Finite()(part) for part in text.split(",")]
+    if len(numbers) != 3:
+        raise click.BadParameter(f"{text!r} is not x,y,z")
+    return numbers
+
+
 def swivel_angle(text: str) -> float | str:
     """Convert an option to a swivel angle (rad) or one of the words clip and constant."""
     return text if text in ("clip", "constant") else Finite()(text)

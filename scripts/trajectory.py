@@ -16,11 +16,11 @@ import numpy as np
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.io import trajectories
 from model.io.files import read_csv
-from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, to_words
+from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, angle_doubt, to_words
 from model.motion import clip as clips
 from model.motion.clip import SIDES, TORSO, Clip, Motion
-from model.motion.pose import NAMED_AXES, hanging, to_z
-from scripts.console import POSITIVE, InputError, core_options, option, reference_axis, swivel_angle
+from model.motion.pose import NAMED_AXES, elbow_jumps, hanging, soft_reach, swivel, to_z
+from scripts.console import POSITIVE, Finite, InputError, core_options, option, point, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
 MOST_DATAPATHS = 3
@@ -70,6 +70,8 @@ def trajectory_options(
         "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: the clip's own "
         "angles, their mean, or one number (default: clip)"
     )
+    pole = "the elbow points at this point instead: of a CSV file from the shoulder, of a clip in its frame"
+    soft = "part of the reach, 0 to 1, over which targets of a CSV file or a clip approach the straight arm smoothly"
     bar = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
         "the paper datapath near singular poses or below 32 bits)"
@@ -89,6 +91,8 @@ def trajectory_options(
         option("--d1", f"upper arm, {row}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
         option("--d2", f"forearm, {row}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
         option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
+        option("--pole", pole, point, metavar="X,Y,Z"),
+        option("--soft", soft, Finite(0, 1), metavar="PART"),
         option("--bar", bar, POSITIVE, metavar="ERROR"),
     ]
 
@@ -106,9 +110,8 @@ def datapaths(arguments: SimpleNamespace) -> dict[str, Path]:
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
-GOES_WITH = {"d1": (CSV,), "d2": (CSV,), "phi": (CSV, CLIP)} | dict.fromkeys(
-    ("arm", "joints", "up", "twist", "scale"), (CLIP,)
-)
+GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
+GOES_WITH |= dict.fromkeys(("arm", "joints", "up", "twist", "scale"), (CLIP,))
 """Options that only some kinds of trajectories take."""
 
 OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
@@ -134,6 +137,8 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         if getattr(arguments, given) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
             raise InputError(f"argument --{given}: applies to a {goes}, not to a {kind} ({name})")
+    if arguments.pole is not None and arguments.phi is not None:
+        raise InputError("argument --pole: sets the swivel angle, as --phi does")
     if kind == CLIP:
         return [_of_clip(arguments)]
     for given, word in OF_CLIPS:
@@ -145,7 +150,8 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     else:
         found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
-    return [Prepared(each, *to_words(each, width)) for each in (replace(one, frame=frame) for one in found)]
+    turned = (_led(replace(one, frame=frame), arguments, np.zeros(3)) for one in found)
+    return [Prepared(each, *to_words(each, width)) for each in turned]
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
@@ -155,9 +161,21 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
     own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
-    targets = clips.targets(clip, moves, phi, arguments.width)
+    shoulders = np.stack([clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
+    targets = _led(clips.targets(clip, moves, phi, arguments.width), arguments, shoulders)
     scale = clips.metres(arguments.scale or "auto", float(np.median(targets.reach)))
     return Prepared(targets, *to_words(targets, arguments.width), clip, moves, arguments.twist or "clip", scale)
+
+
+def _led(targets: Targets, arguments: SimpleNamespace, shoulders: np.ndarray) -> Targets:
+    """Return the targets with the swivel angles of --pole and the distances of --soft."""
+    if arguments.pole is not None:
+        poles = targets.points_to_core(np.broadcast_to(arguments.pole - shoulders, (len(targets), 3)))
+        targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_position))
+    if arguments.soft is not None:
+        x, y, z = soft_reach(targets.position, targets.d1, targets.d2, arguments.soft).T
+        targets = replace(targets, x=x, y=y, z=z)
+    return targets
 
 
 def prepare(arguments: SimpleNamespace) -> list[Prepared]:
@@ -176,7 +194,7 @@ def sources(prepared: Iterable[Prepared]) -> list[Path]:
 
 
 def doubts(targets: Targets) -> Iterator[str]:
-    """Yield a warning for each sign of a wrong unit."""
+    """Yield a warning for each sign of a wrong unit, and for jumps of the elbow."""
     distance = np.linalg.norm(targets.position, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
@@ -185,6 +203,13 @@ def doubts(targets: Targets) -> Iterator[str]:
             f"{out} of {len(targets)} targets are out of reach of {arms}; "
             "use one unit of length for x, y, z, d1 and d2; D1= and D2= set another arm"
         )
-    turns = float(np.abs(targets.phi).max())
-    if turns > 2 * np.pi:
-        yield f"phi reaches {turns:g}; its unit is the radian: convert degrees"
+    if doubt := angle_doubt(targets.phi):
+        yield doubt
+    rows, axis = elbow_jumps(targets)
+    if len(rows):
+        kind, names = ("row", targets.rows) if targets.arm is None else ("frame", targets.others["frame"])
+        where = list(dict.fromkeys(str(names[n]) for n in rows))
+        more = f" and {len(where) - 3} more" if len(where) > 3 else ""
+        at = f"{kind}{'s' * (len(where) > 1)} {', '.join(where[:3])}{more}"
+        better = f"AXIS={','.join(f'{part:g}' for part in axis)} is farther from its path"
+        yield f"the elbow jumps at {at}, because the wrist passes close to the reference axis; {better}"

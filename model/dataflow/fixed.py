@@ -15,7 +15,7 @@ import mpmath
 import numpy as np
 
 from ..io.flags import FLAGS, SATURATED
-from ..io.words import FIELDS, RESULT_FIELDS
+from ..io.words import FIELDS, LENGTHS, RESULT_FIELDS
 from .datapaths import CONFIGURATIONS
 from .nodes import Domain, Format, Node, effective_width
 from .operations import even, mul3, round_shift, wrap
@@ -119,6 +119,17 @@ class Bits(Domain):
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
+    def inputs(self, value):
+        # Squares of the lean datapath's words, and their sums, can exceed 64 bits, though not for a target in reach of
+        # an arm shorter than 2: then all lengths are Python integers.
+        nodes = super().inputs(value)
+        if self.width > 31 and CONFIGURATIONS[self.datapath].equations == "lean":
+            x, y, z, d1, d2 = (np.abs(nodes[name].value, dtype=np.float64) for name in LENGTHS)
+            if max(np.max(x * x + y * y + z * z, initial=0), np.max(d1 + d2, initial=0) ** 2) > 0.999 * 2.0**62:
+                for name in LENGTHS:
+                    nodes[name].value = nodes[name].value.astype(object)
+        return nodes
+
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, np.int64(round(value * 2.0**fmt.frac)))
 
@@ -150,7 +161,8 @@ class Bits(Domain):
         return wrap(mul3(a.value, b.value, shift, *widths, self.tile), fmt.width)
 
     def even_mantissa(self, count, name, value, width, fmt):
-        return even(value.value & ((1 << width) - 1), width, fmt.width)
+        word = value.value
+        return even(word if word.dtype == np.int64 and width > 63 else word & ((1 << width) - 1), width, fmt.width)
 
     def reciprocal_root(self, name, m, fmt, twice):
         # A root has no more fraction bits than its mantissa supports; an inner word may have more.

@@ -169,8 +169,7 @@ def minus(a, b):
 
 
 def times(a, b):
-    """Return the product of integers of any size."""
-    return a.astype(object) * b
+    return a * b
 
 
 def square(a):
@@ -191,8 +190,11 @@ def shift_down(v, count, *, left: int = 0):
 
 def shift_up(v, count, *, width: int, left: int = 0, right: int = 0):
     """Return the low ``width`` bits of v 2^(left + count - right), truncated."""
-    long = v if isinstance(v, Unrounded) else v.astype(object)
-    return wrap(long << left + count >> right, width).astype(v.dtype)
+    if isinstance(v, Unrounded):
+        return v << left + count - right
+    up = left + count - right
+    shifted = v << np.maximum(up, 0)
+    return wrap(shifted >> np.maximum(-up, 0) if right else shifted, width).astype(np.int64)
 
 
 def limit(v, *, top: int):

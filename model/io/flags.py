@@ -6,11 +6,31 @@ A flagged result is still a defined value: a clamped pose, or a pose by conventi
 
 from __future__ import annotations
 
+from enum import IntFlag
 from typing import NamedTuple
 
 import numpy as np
 
-TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED = (1 << n for n in range(6))
+
+class Flag(IntFlag):
+    """Why a pose is not the target's own, or by convention; `meaning` is one line for the user."""
+
+    meaning: str
+
+    def __new__(cls, bit: int, meaning: str = "") -> Flag:
+        flag = int.__new__(cls, bit)
+        flag._value_, flag.meaning = bit, meaning
+        return flag
+
+    TOO_FAR = 1, "|p| > d1+d2: straight arm toward the target"
+    TOO_NEAR = 2, "|p| < |d1-d2|: folded arm toward the target"
+    ON_AXIS = 4, "target on the z axis: azimuth 0 is taken"
+    AT_SHOULDER = 8, "target at the shoulder: it has no direction"
+    BAD_LENGTH = 16, "d1 or d2 is not positive"
+    SATURATED = 32, "reserved, always 0: by proof no internal value leaves its format"
+
+
+TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED = map(int, Flag)
 
 FLAG_BITS = 8
 """Width of the flag field; unnamed bits are 0."""
@@ -19,20 +39,14 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 """Flags of a target whose pose is clamped: the hand cannot reach the target."""
 
 
-class Flag(NamedTuple):
+class Row(NamedTuple):
     name: str
     bit: int
     meaning: str
 
 
-FLAGS = (
-    Flag("too_far", TOO_FAR, "|p| > d1+d2: straight arm toward the target"),
-    Flag("too_near", TOO_NEAR, "|p| < |d1-d2|: folded arm toward the target"),
-    Flag("on_axis", ON_AXIS, "target on the z axis: azimuth 0 is taken"),
-    Flag("at_shoulder", AT_SHOULDER, "target at the shoulder: it has no direction"),
-    Flag("bad_length", BAD_LENGTH, "d1 or d2 is not positive"),
-    Flag("saturated", SATURATED, "reserved, always 0: by proof no internal value leaves its format"),
-)
+FLAGS = tuple(Row(name.lower(), int(flag), flag.meaning) for name, flag in Flag.__members__.items())
+"""The flags by the names of the dataflow's nodes."""
 
 
 def names(flags: int) -> str:

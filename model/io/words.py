@@ -123,6 +123,12 @@ class Targets:
         return cell_error(self.path, int(self.rows[n]), column, value, reason)
 
 
+def angle_doubt(phi: np.ndarray) -> str:
+    """Return a warning of swivel angles beyond a turn, as degrees would be, or an empty string."""
+    turns = float(np.abs(phi).max(initial=0.0))
+    return f"phi reaches {turns:g}; its unit is the radian: convert degrees" if turns > 2 * math.pi else ""
+
+
 def cell_error(path: str | None, row: int, column: str, value: str, reason: str) -> TargetError:
     """Return the TargetError for a value of a file; long values are shortened."""
     shown = value if len(value) <= SHOWN else value[:SHOWN] + "..."

@@ -15,34 +15,48 @@ further turn about z changes azimuth and Qs by the same angle, and leaves phi un
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from functools import lru_cache, partial
+from itertools import product
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..dataflow import fixed
 from ..dataflow.datapaths import CONFIGURATIONS
 from ..dataflow.nodes import WIDTHS
-from ..io.words import DEFAULT_D1, DEFAULT_D2, RESULT_FIELDS, Targets, from_words, result_values, to_words
+from ..io.words import (
+    DEFAULT_D1,
+    DEFAULT_D2,
+    FIELDS,
+    RESULT_FIELDS,
+    Targets,
+    angle_doubt,
+    from_words,
+    result_values,
+    scale_exponent,
+    to_words,
+)
 from ..reference import kinematics
 from ..reference.equations import solve_clamped
-from ..reference.kinematics import continuous, matrix, multiply
-from ..reference.lean_equations import solve_lean
+from ..reference.kinematics import conjugate, matrix, multiply
+from ..reference.lean_equations import solve_direct
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+Floats = NDArray[np.float64]
+
 Order = Literal["wxyz", "xyzw"]
 """Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
 
-__all__ = ["Pose", "continuous", "forward", "hanging", "solve", "swivel"]
+CHUNK, WORDS_CHUNK = 2048, 16384
+"""Targets solved at a time, in double precision and in words: intermediate arrays stay in the cache."""
 
-DOUBLE = {"lean": solve_lean, "paper": solve_clamped}
-
-
-Axis = str | Sequence[float] | np.ndarray
+Axis = str | Sequence[float] | NDArray[Any]
 """A name of :data:`NAMED_AXES`, or a vector of three, of any length."""
 
 _HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: -z becomes z
@@ -60,17 +74,17 @@ class Pose:
     """N poses.
 
     * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; in words of ``width`` bits their values are exact
-    * flags (N,): int64, see :mod:`model.io.flags`; 0 where the hand is at the target
+    * flags (N,): int64, bits of :class:`Flag`; 0 where the hand is at the target
     * elbow, wrist (N, 3): positions from forward kinematics, in the unit of the targets
     * phi (N,): the requested swivel angle, rad
     """
 
-    qs: np.ndarray
-    qe: np.ndarray
-    flags: np.ndarray
-    elbow: np.ndarray
-    wrist: np.ndarray
-    phi: np.ndarray
+    qs: Floats
+    qe: Floats
+    flags: NDArray[np.int64]
+    elbow: Floats
+    wrist: Floats
+    phi: Floats
     order: Order = "wxyz"
 
     def to_scipy(self) -> tuple[Rotation, Rotation]:
@@ -91,6 +105,7 @@ def solve(
     width: int | None = None,
     datapath: str = "lean",
     order: Order = "wxyz",
+    nan: Literal["raise", "pass"] = "raise",
 ) -> Pose:
     """Return shoulder and elbow of arms for wrist targets, (10)-(18) of the paper.
 
@@ -101,45 +116,87 @@ def solve(
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
     * datapath: "lean", "paper", or "lean25", which is lean with products cut for 25x18-bit multipliers
+    * nan: "pass" gives rows with a nan a pose of nan and the flags 0; "raise" refuses them
 
-    An unreachable target gets the nearest pose, and a flag.  Raises ValueError for shapes that do not broadcast,
-    numbers that are not finite, an unknown width, datapath or order, and (as its subclass TargetError)
-    for a target that does not fit the core's format together with the others.
+    An unreachable target gets the nearest pose, and a flag.  Warns of phi beyond a turn, as of degrees.  Raises
+    ValueError for shapes that do not broadcast, numbers that are not finite, lengths that are not positive, an unknown
+    width, datapath or order, and (as its subclass TargetError) for a target that does not fit the core's format
+    together with the others.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
-    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
-    if width is not None and width not in widths:
+    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS] if width is not None else []
+    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
         raise ValueError(f"width {width!r} is none of {', '.join(map(str, widths))}, and not None")
-    points = np.atleast_2d(np.asarray(points, dtype=np.float64))
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"points have the shape {points.shape}, not (N, 3)")
-    x, y, z = points.T
-    angle, upper, fore = (np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2))
-    targets = Targets("targets", x, y, z, angle, upper, fore, frame=to_z(axis))
-    for name in ("position", "phi", "d1", "d2"):
-        if not np.isfinite(getattr(targets, name)).all():
-            raise ValueError(f"{'points' if name == 'position' else name}: not all numbers are finite")
+    if order not in ("wxyz", "xyzw"):
+        raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
+    if nan not in ("raise", "pass"):
+        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
+    position = np.asarray(points, dtype=np.float64)
+    position = position.reshape(-1, 3) if position.ndim < 2 and position.size in (0, 3) else position
+    if position.ndim != 2 or position.shape[1] != 3:
+        raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
+    given = [np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2)]
+    count = ({len(position), *(v.size for v in given)} - {1} or {1}).pop()
+    table = np.empty((len(FIELDS), count))
+    table[:3], table[3], table[4], table[5] = position.T, *given
+    lost: Any = None  # rows of nan, which repeat another row until the end
+    if np.count_nonzero(np.isfinite(table)) < table.size:
+        _refuse(table, np.isinf(table) if nan == "pass" else ~np.isfinite(table), "not finite")
+        lost = np.isnan(table).any(axis=0)
+        table[:, lost] = 1.0 if lost.all() else table[:, [np.argmin(lost)]]
+    if np.count_nonzero(table[4:] > 0.0) < 2 * count:
+        _refuse(table, (table <= 0) & (np.arange(len(FIELDS)) > 3)[:, None], "not positive")
+    if np.count_nonzero(np.abs(table[3]) > 2 * np.pi):
+        warnings.warn(angle_doubt(table[3]), stacklevel=2)
 
-    if width is None:
-        x, y, z = targets.core_position.T
-        answer = DOUBLE[CONFIGURATIONS[datapath].equations](x, y, z, targets.phi, targets.d1, targets.d2)
-        words = np.column_stack([answer[field] for field in RESULT_FIELDS])
-        flags, asked = answer["flags"], targets
-    else:
-        target_words, exponent = to_words(targets, width)
-        run = fixed.run(target_words, width, datapath)
-        words, flags = result_values(run.results, width), run.flags
-        asked = from_words(target_words, exponent, width, targets.name)
-    qs = targets.from_core(words[:, :4])
-    qe = np.column_stack((words[:, 4:], np.zeros((len(words), 2))))
-    elbow, wrist = kinematics.forward(qs, words[:, 4:], targets.d1, targets.d2)
-    return Pose(_rolled(order, qs, -1), _rolled(order, qe, -1), np.asarray(flags), elbow, wrist, asked.phi, order)
+    frame = None if isinstance(axis, str) and axis == "z" else to_z(axis)
+    targets = partial(Targets, "targets", frame=frame)
+    exponent = scale_exponent(targets(*table), width) if width and count else 0
+    qs, qe, flags, asked = np.empty((count, 4)), np.zeros((count, 4)), np.empty(count, dtype=np.int64), table[3].copy()
+    elbow, wrist = np.empty((2, count, 3))
+    w, i = (0, 1) if order == "wxyz" else (3, 0)
+    step = CHUNK if width is None else WORDS_CHUNK
+    for rows in (slice(start, start + step) for start in range(0, count, step)):
+        part = table[:, rows]
+        if width is None:
+            part = part if frame is None else np.concatenate((targets(*part).core_position.T, part[3:]))
+            results, flags[rows] = solve_direct(part) if datapath != "paper" else _by_the_paper(part)
+        else:
+            results, flags[rows], asked[rows] = _in_words(targets(*part), width, exponent, datapath)
+        turned = results[:4].T if frame is None else multiply(conjugate(frame), results[:4].T)
+        elbow[rows], wrist[rows] = kinematics.forward(turned, results[4:].T, part[4], part[5])
+        qs[rows], qe[rows, w], qe[rows, i] = _rolled(order, turned, -1), results[4], results[5]
+    if lost is not None:
+        for values in (qs, qe, elbow, wrist, asked, flags):
+            values[lost] = np.nan if values.dtype.kind == "f" else 0
+    return Pose(qs, qe, flags, elbow, wrist, asked, order)
+
+
+def _by_the_paper(part: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    found = solve_clamped(*part)
+    return np.array([found[field] for field in RESULT_FIELDS]), found["flags"]
+
+
+def _in_words(targets: Targets, width: int, exponent: int, datapath: str) -> tuple[Floats, Floats, Floats]:
+    """Return the results (6, N), flags and swivel angles (N,) of the core; its nodes are released."""
+    words, _ = to_words(targets, width, exponent)
+    run = fixed.run(words, width, datapath)
+    return result_values(run.results, width).T, run.flags, from_words(words, exponent, width, targets.name).phi
+
+
+def _refuse(table: Floats, wrong: NDArray[np.bool_], reason: str) -> None:
+    """Raise ValueError, which names the first rows with a number (6, N) that is wrong, if there are any."""
+    for name, rows in (("points", wrong[:3].any(axis=0)), *zip(FIELDS[3:], wrong[3:], strict=True)):
+        if rows.any():
+            first = np.flatnonzero(rows)
+            more = f" and {len(first) - 3} more" if len(first) > 3 else ""
+            raise ValueError(f"{name}: {reason} in row{'s'[: len(first) > 1]} {', '.join(map(str, first[:3]))}{more}")
 
 
 def forward(
     qs: ArrayLike, qe: ArrayLike, d1: ArrayLike = DEFAULT_D1, d2: ArrayLike = DEFAULT_D2, *, order: Order = "wxyz"
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Floats, Floats]:
     """Return elbow and wrist (N, 3) of arms whose joints are at Qs and Qe, (N, 4) each, in the unit of the lengths.
 
     d1, d2: numbers or (N,).  Any reference axis: it is part of Qs.  Raises ValueError for shapes that do not match.
@@ -151,7 +208,7 @@ def forward(
     return kinematics.forward(_rolled(order, shoulder, 1), _rolled(order, elbow, 1), d1, d2)
 
 
-def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> np.ndarray:
+def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> Floats:
     """Return the swivel angle (N,), rad in [-pi, pi], of arms whose joints are at these points, (N, 3) each or (3,).
 
     Passed to :func:`solve` as phi, it reproduces the elbow.  It is arbitrary where the arm is straight or folded;
@@ -163,6 +220,7 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
     rho = np.hypot(p[:, 0], p[:, 1])
     on_axis = rho == 0  # azimuth 0, as in the core
     c, s = np.where(on_axis, 1.0, p[:, 0]), np.where(on_axis, 0.0, p[:, 1])
+    p[~p.any(axis=1), 2] = 1.0  # the shoulder counts as above itself
     length = np.hypot(c, s)
     c, s = c / length, s / length
     inward = e[:, 0] * c + e[:, 1] * s
@@ -170,16 +228,70 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
     return np.arctan2(aside, (rho * e[:, 2] - p[:, 2] * inward) / np.linalg.norm(p, axis=1))
 
 
+def swivel_toward(points: ArrayLike, pole: ArrayLike, axis: Axis = "z") -> Floats:
+    """Return the swivel angle (N,), rad, for which the elbow points at a pole, as pole vectors do elsewhere.
+
+    The elbow then lies in the half plane of shoulder, wrist and pole.  points (N, 3) or (3,) are wrist targets, the
+    pole (3,) or (N, 3); the shoulder is at the origin.  The angle is arbitrary where the pole is on the line to the
+    wrist.
+    """
+    return swivel((0.0, 0.0, 0.0), pole, points, axis)
+
+
+def soft_reach(points: ArrayLike, d1: ArrayLike = DEFAULT_D1, d2: ArrayLike = DEFAULT_D2, soft: float = 0.05) -> Floats:
+    """Return wrist targets that approach the full stretch smoothly, so that the elbow does not snap straight.
+
+    Beyond L - b, where L = d1 + d2 and b = soft L, the distance r from the shoulder becomes L - b exp((L - b - r) / b);
+    nearer points (N, 3) or (3,) stay.  Raises ValueError for ``soft`` outside 0 to 1.
+    """
+    if not 0 <= soft <= 1:
+        raise ValueError(f"soft {soft!r} is not in 0 to 1")
+    points, reach = np.asarray(points, dtype=np.float64), np.add(d1, d2, dtype=np.float64)[..., None]
+    distance = np.linalg.norm(points, axis=-1, keepdims=True)
+    band = soft * reach
+    with np.errstate(divide="ignore", invalid="ignore"):
+        softened = (reach - band * np.exp((reach - band - distance) / band)) / distance
+    return points * np.where((distance > reach - band) & (band > 0), softened, 1.0)
+
+
+def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
+    """Return the rows of a path at which the elbow jumps, because the wrist has passed close to the reference axis, and
+    an axis that is farther from the path.
+
+    The elbow jumps where it moves by more than a tenth of the reach and four times as far as the wrist, which passes
+    the axis within a quarter of that.  Each arm has a path of its own.
+    """
+    reach = targets.reach.max(initial=1e-300)
+    position, found = targets.core_position / reach, [np.empty(0, dtype=np.intp)]
+    elbow = solve(position, targets.phi % (2 * np.pi), targets.d1 / reach, targets.d2 / reach).elbow
+    arms = np.zeros(len(targets)) if targets.arm is None else targets.arm
+    for own in (np.flatnonzero(arms == arm) for arm in np.unique(arms)):
+        moves = np.diff(position[own], axis=0)
+        moved, swung = (np.linalg.norm(steps, axis=1) for steps in (moves, np.diff(elbow[own], axis=0)))
+        passed = np.hypot(*position[own, :2].T)  # at the nearer end, less the way
+        passed = np.minimum(passed[1:], passed[:-1]) - moved
+        found.append(own[1:][(swung > np.maximum(4 * np.maximum(moved, passed), 0.1 * targets.reach[own[1:]] / reach))])
+    lines = np.array([line for line in product((0.0, 1.0, -1.0), repeat=3) if line > (0.0, 0.0, 0.0)])
+    near = np.abs(targets.position @ lines.T) / np.linalg.norm(lines, axis=1)
+    toward = (near / np.maximum(np.linalg.norm(targets.position, axis=1), 1e-300)[:, None]).max(axis=0)
+    return np.sort(np.concatenate(found)), lines[np.argmin(toward)].tolist()
+
+
 def hanging(axis: Axis = "z") -> float:
     """Return the swivel angle (rad) for which the elbow of an arm that reaches forward (x) hangs straight down (-z).
 
     It is pi for z, 0 for -z.  Where the axis is x itself, the arm reaches to the left (y) instead.
     """
+    return _hanging(axis if isinstance(axis, str) else tuple(direction(axis)))
+
+
+@lru_cache
+def _hanging(axis: str | tuple[float, ...]) -> float:
     reach = (0.0, 1.0, 0.0) if abs(direction(axis)[0]) == 1 else (1.0, 0.0, 0.0)
     return float(swivel((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), reach, axis)[0])
 
 
-def _rolled(order: Order, q: np.ndarray, places: int) -> np.ndarray:
+def _rolled(order: Order, q: Floats, places: int) -> Floats:
     """Return quaternions in another order: `places` is -1 from wxyz to `order`, 1 from `order` to wxyz."""
     if order not in ("wxyz", "xyzw"):
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
@@ -189,7 +301,7 @@ def _rolled(order: Order, q: np.ndarray, places: int) -> np.ndarray:
 # -- the reference axis ----------------------------------------------------------------------------
 
 
-def direction(axis: Axis) -> np.ndarray:
+def direction(axis: Axis) -> Floats:
     """Return the unit vector (3,) of an axis.  Raises ValueError."""
     if isinstance(axis, str) and axis in NAMED_AXES:
         return np.where(np.array(list("xyz")) == axis[-1], -1.0 if axis[0] == "-" else 1.0, 0.0)
@@ -214,13 +326,12 @@ def parse_axis(text: str) -> Axis:
     return axis
 
 
-def to_z(axis: Axis) -> np.ndarray:
+def to_z(axis: Axis) -> Floats:
     """Return the quaternion (4,) w, i, j, k of R, which takes the axis to z."""
     a = direction(axis)
-    for name in NAMED_AXES:
-        if (a == direction(name)).all():
-            turn = np.array(_TO_Z[name[-1]])
-            return multiply(_TO_Z["z"] if name[0] != "-" else _HALF_TURN, turn)
+    if np.count_nonzero(a) == 1:
+        turn = np.array(_TO_Z["xyz"[np.argmax(np.abs(a))]])
+        return multiply(_HALF_TURN, turn) if a.sum() < 0 else turn
     # The shorter way to z or -z: half of it is below 45 degrees, where the sum does not cancel.
     below = a[2] < 0
     x, y, z = a * (1, -1, -1) if below else a

@@ -6,7 +6,10 @@ right-handed rotation (4). Vectors are arrays (N, 3). Nothing here normalizes: a
 rotated vector by its squared length, so errors of length are visible.
 """
 
+from __future__ import annotations
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 
 def multiply(a, b):
@@ -61,26 +64,33 @@ def forward(qs, qe, d1, d2):
     Returns two arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm;
     Qe = -i is the straight arm.
     """
-    qs = np.atleast_2d(np.asarray(qs, dtype=np.float64))
-    qe = np.atleast_2d(np.asarray(qe, dtype=np.float64))
-    e3 = np.array((0.0, 0.0, 1.0))
-    upper_arm = np.broadcast_to(d1, len(qs))[:, None] * e3
-    forearm = np.broadcast_to(d2, len(qs))[:, None] * -e3
-    bent = rotate(np.pad(qe, ((0, 0), (0, 4 - qe.shape[1]))), forearm)
-    return rotate(qs, upper_arm), rotate(qs, upper_arm + bent)
+    q, e = (np.atleast_2d(np.asarray(each, dtype=np.float64)).T for each in (qs, qe))
+    d1, d2 = np.asarray(d1), np.asarray(d2)
+    (_, i, j, k), (ww, ii, jj, kk), (twice_w, twice_i, twice_j, _) = q, q * q, q + q
+    wi, wj, wk, ij, ik, jk = twice_w * i, twice_w * j, twice_w * k, twice_i * j, twice_i * k, twice_j * k
+    y = np.array((ij - wk, (ww + jj) - (ii + kk), jk + wi))  # Qs e2 Qs~
+    z = np.array((ik + wj, jk - wi, (ww + kk) - (ii + jj)))
+    elbow = d1 * z
+    if len(e) == 4 and e[2:].any():
+        return elbow.T, elbow.T + rotate(q.T, rotate(e.T, d2[..., None] * (0.0, 0.0, -1.0)))
+    c, s = e[:2]
+    return elbow.T, (elbow + d2 * ((c + c) * s) * y + d2 * (s * s - c * c) * z).T
 
 
-def continuous(q, arm=None):
-    """Return quaternions (N, 4) in either order with signs chosen so that none is more than 90 degrees from its
+def continuous(q: ArrayLike, arm: ArrayLike | None = None) -> NDArray[np.float64]:
+    """Return quaternions (N, 4) or (4,) in either order with signs chosen so that none is more than 90 degrees from its
     predecessor.
 
     Q and -Q are the same rotation, and the core keeps k >= 0: from one target to the next all four components may
-    change sign, which would break interpolation.  ``arm`` (N,) names the arm of each; arms are processed separately.
+    change sign, which would break interpolation. Rows of nan are passed over. ``arm`` (N,) names the arm of each; arms
+    are processed separately.
     """
     q = np.array(q, dtype=np.float64)
-    of = np.zeros(len(q), dtype=int) if arm is None else np.asarray(arm)
+    rows = q.reshape(-1, 4)  # a view: a single quaternion is one row
+    of = np.zeros(len(rows), dtype=int) if arm is None else np.asarray(arm)
+    present = ~np.isnan(rows).any(axis=1)
     for one in np.unique(of):
-        rows = np.flatnonzero(of == one)
-        against = (q[rows[1:]] * q[rows[:-1]]).sum(axis=1) < 0
-        q[rows[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
+        own = np.flatnonzero((of == one) & present)
+        against = (rows[own[1:]] * rows[own[:-1]]).sum(axis=1) < 0
+        rows[own[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
     return q

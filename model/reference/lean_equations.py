@@ -136,6 +136,8 @@ _CODE = {group: {name: compile(text, name, "eval") for name, text in lines.items
 _HALF = [[compile(text, branch, "eval") for text in parts] for branch, parts in HALF.items()]
 _ZERO = -(1 << 14)  # exponent of 0
 _SPLIT = 2.0**27 + 1
+_LEAST, _MOST = 1e-280, 1e280
+"""Squares between which :func:`solve_direct` computes without scaling."""
 
 
 def _half(part, c, s):
@@ -271,3 +273,92 @@ def solve_lean(x, y, z, phi, d1, d2):
     sign = np.where(values["k_1"] < 0, -1.0, 1.0)
     values |= {name: sign * values[name] for name in ("qs_w", "qs_i", "qs_j", "qs_k")}
     return {name: values[name] for name in NUMBER} | {"flags": flags}
+
+
+# -- the same poses in fewer operations --------------------------------------------------------------------------------
+
+
+def solve_direct(target):
+    """Return the results (6, N) and flags (N,) of :func:`solve_lean` within rounding, in a tenth of its time.
+
+    target (6, N): finite numbers in the order of FIELDS, lengths positive. Each result depends on its own target only.
+    Plain sums suffice unless A or B is small relative to s. Such targets get exact sums, targets on the axis their
+    conventions; `solve_lean` takes those with squares outside `_LEAST` to `_MOST`.
+    """
+    x, y, z, phi, d1, d2 = target
+    with np.errstate(all="ignore"):
+        rho_sq, product = x * x + y * y, d1 * d2
+        s = rho_sq + z * z
+        p, d_sum, d_dif = np.sqrt(s), d1 + d2, d1 - d2
+        squares = np.empty((2, len(x)))  # A, B
+        squares[0], squares[1] = (d_sum - p) * (d_sum + p), (p - d_dif) * (p + d_dif)
+        # of the azimuth and 90 degrees, the tilt, the angle at the shoulder
+        cosines, sines, divisors = np.empty((3, 3, len(x)))
+        cosines[0], cosines[1], cosines[2] = -y, z, s + d_sum * d_dif
+        sines[0], sines[1] = x, np.sqrt(rho_sq)
+        divisors[0], divisors[1], divisors[2] = sines[1], p, (d1 + d1) * p
+        regular = (np.minimum(squares[0], squares[1]) > s * 0.03125) & (rho_sq > _LEAST) & (squares[0] < _MOST)
+        flags, extreme = np.zeros(len(x), dtype=np.int64), False
+        if np.count_nonzero(regular) < len(x):
+            rows = np.flatnonzero(~regular)
+            few, most = target[:, rows], divisors[2, rows]
+            law, squares[:, rows], flags[rows] = _near_limits(few, cosines[2, rows])
+            cosines[2, rows] = np.minimum(np.maximum(law, -most), most)
+            if (on_axis := (few[0] == 0) & (few[1] == 0)).any():
+                at_shoulder = rows[on_axis & (few[2] == 0)]
+                flags[rows] += ON_AXIS * on_axis
+                flags[at_shoulder] += AT_SHOULDER
+                sines[0, rows[on_axis]] = divisors[0, rows[on_axis]] = 1
+                cosines[1, at_shoulder] = divisors[1:, at_shoulder] = 1
+                cosines[2, at_shoulder] = np.where(d_dif[at_shoulder] < 0, -1, 1)
+            size = np.square(few)
+            extreme = ~((size < _MOST) & ((size > _LEAST) | (few == 0))).all(axis=0)
+        roots = np.sqrt(squares)
+        sines[2] = roots[0] * roots[1]
+        results = np.empty((6, len(x)))
+        qs, qe = results[:4], results[4:]
+        np.divide(roots, np.sqrt(4.0 * product), out=qe)
+        np.negative(qe[1], out=qe[1])
+        cosines /= divisors
+        sines /= divisors + divisors
+        toward = cosines >= 0
+        lengths = 0.5 * np.abs(cosines) + 0.5
+        az_c, tilt_c, arm_c = np.where(toward, lengths, sines)
+        az_s, tilt_s, arm_s = np.where(toward, sines, lengths)
+        half = phi * 0.5
+        sin_h, cos_h = np.sin(half), np.cos(half)
+        cc, ss, sc, cs = az_c * cos_h, az_s * sin_h, az_s * cos_h, az_c * sin_h
+        w, i, j, k = tilt_c * (cc - ss), tilt_s * (cc + ss), tilt_s * (sc - cs), tilt_c * (sc + cs)
+        qs[0], qs[1] = w * arm_c + i * arm_s, i * arm_c - w * arm_s
+        qs[2], qs[3] = j * arm_c - k * arm_s, k * arm_c + j * arm_s
+        qs /= np.copysign(np.sqrt(lengths[0] * lengths[1] * lengths[2]), qs[3] + 0.0)  # -0 counts as 0
+    if np.any(extreme):
+        exact = solve_lean(*target[:, rows[extreme]])
+        results[:, rows[extreme]] = [*(exact[f"qs_{unit}"] for unit in "wijk"), exact["qe_w"], exact["qe_i"]]
+        flags[rows[extreme]] = exact["flags"]
+    return results, flags
+
+
+def _near_limits(target, law):
+    """Return K, A and B (2, N), limited to 0 .. 4 d1 d2, and too_far and too_near, from sums in twice the precision."""
+    x, y, z, _, d1, d2 = target
+    v = np.array((x, y, z, d1 + d2, d1 - d2))
+    high = v * _SPLIT
+    high -= high - v
+    low, square = v - high, v * v
+    error = (high * high - square) + 2 * high * low + low * low
+    rho_sq, first = _two_sum(square[0], square[1])
+    s, second = _two_sum(rho_sq, square[2])
+    limit, rest = _two_sum(square[3:], -s)
+    limit += rest + (error[3:] - (error[0] + error[1] + error[2] + first + second))
+    flags = TOO_FAR * (limit[0] < 0) + TOO_NEAR * (limit[1] > 0)
+    doubt = np.minimum(np.abs(limit[0]), np.abs(limit[1])) <= 1e-28 * s
+    if doubt.any():
+        exact = pose_flags(*target[[0, 1, 2, 4, 5]][:, doubt])
+        flags[doubt] = exact & (TOO_FAR | TOO_NEAR)
+    limit += 2 * v[3:] * _two_sum(d1, np.array((d2, -d2)))[1]  # d1 + d2 and d1 - d2 were rounded
+    a, b = limit[0], -limit[1]
+    if (short := 16 * d1 < v[3]).any():  # s + d_sum d_dif would cancel
+        form = np.where(s < 4 * d1 * d1, 2 * d1 * v[4] + b, 2 * d1 * v[3] - a)
+        law = np.where(short, form, law)
+    return law, np.maximum(np.minimum((a, b), 4 * (d1 * d2)), 0), flags

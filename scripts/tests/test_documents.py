@@ -12,6 +12,7 @@ import sys
 import pytest
 import yaml
 
+from model import __version__
 from model.dataflow import fixed
 from model.motion.pose import solve
 from tb.axi.binding import SOURCE, compiled
@@ -126,10 +127,9 @@ def test_fusesoc_has_files_and_version_of_the_project():
     assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
     assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
     assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
-    version = re.search(r'^version = "(.+)"$', read("pyproject.toml"), re.M)[1]
-    names = [f"cga-ik:cga:{module}:{version}" for module in ("ik_axis", "ik_axi")]
+    names = [f"cga-ik:cga:{module}:{__version__}" for module in ("ik_axis", "ik_axi")]
     assert [core["name"] for core in cores] == names and cores[1]["filesets"]["rtl"]["depend"] == names[:1]
-    assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == version
+    assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == __version__
 
 
 DEPENDENT = """CAPI=2:
@@ -203,6 +203,28 @@ def test_only_the_model_is_installed_and_needs_numpy_and_mpmath_only(installed):
     loaded = python(installed, "import sys, cga_ik; print(*{name.partition('.')[0] for name in sys.modules})").split()
     assert not {"model", "cocotb", "sympy", "kingdon", "scipy", "matplotlib"} & set(loaded)
     assert {"numpy", "mpmath", "cga_ik"} <= set(loaded)
+
+
+USER = """
+import cga_ik
+
+pose: cga_ik.Pose = cga_ik.solve([(0.3, 0.1, 0.0)], cga_ik.swivel_toward((0.3, 0.1, 0.0), (0, 0, -1)), axis=(0, -1, 1))
+lost = (pose.flags & (cga_ik.Flag.TOO_FAR | cga_ik.Flag.TOO_NEAR)) != 0
+elbow, wrist = cga_ik.forward(cga_ik.continuous(pose.qs), pose.qe)
+print(cga_ik.__version__, cga_ik.Flag.TOO_FAR.meaning, elbow[~lost] + cga_ik.soft_reach(wrist, soft=0.1))
+{wrong}
+"""
+
+
+@pytest.mark.parametrize(("wrong", "errors"), [("", 0), ("cga_ik.solve([], order='wxzy')", 1)])
+def test_programs_of_users_pass_mypy(installed, tmp_path, wrong, errors):
+    (tmp_path / "user.py").write_text(USER.format(wrong=wrong))
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", "user.py"]
+    env = os.environ | {"PYTHONPATH": str(installed)}
+    ran = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert ran.stdout.count(": error:") == errors and ran.returncode == (errors > 0), ran.stdout + ran.stderr
+    if not errors:
+        assert python(installed, USER.format(wrong=wrong)).startswith(__version__)
 
 
 # -- debugging.md ----------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
 from model.motion import clip as clips
-from model.motion.pose import solve
+from model.motion.pose import soft_reach, solve
 from model.motion.tests import figure, second_reader
 from scripts import run
 from scripts.fpga.designs import clock, load
@@ -108,9 +108,10 @@ def test_rows_without_phi_have_the_elbow_of_a_hanging_arm(cli, axis, phi):
     [
         ("x,y,z\n5,1,2\n0.1,0,0.3\n3,0,0\n", "2 of 3 targets are out of reach of an arm of 0.33 + 0.27 "),
         ("x,y,z,phi\n.3,.1,.2,90\n", "phi reaches 90; its unit is the radian"),
+        ("x,y,z\n-.01,.001,.4\n.01,.001,.4\n", "the elbow jumps at row 3, because the wrist passes close to "),
     ],
 )
-def test_other_units_give_a_warning(cli, content, warning):
+def test_doubts_give_a_warning(cli, content, warning):
     Path("t.csv").write_text(content, encoding="utf-8")
     status, _, err = cli("--trajectory", "t.csv")
     assert (status, len(err)) == (0, 1) and err[0].startswith(f"warning: t.csv: {warning}")
@@ -194,6 +195,27 @@ def test_a_disk_that_fills_up_leaves_all_files_as_they_were(clip_cli, monkeypatc
     said = f"run: cannot read or write 'o/{name}': No space left on device"
     assert clip_cli("--waves", "--phi", "0.5") == (2, [], [said])
     assert {path: path.read_bytes() for path in Path("o").iterdir()} == before
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.bvh"])
+def test_elbows_point_at_the_pole_and_the_reach_is_soft(cli, name):
+    Path("t.csv").write_text("x,y,z,phi\n0.4,0.1,0.1,2\n0,0.6,0,1\n-0.1,0.2,-9,0\n", encoding="utf-8")
+    figure.write(Path("t.bvh").absolute(), frames=3)
+    assert cli("--trajectory", name, "--out", "o")[0] == 0
+    given = table("x", "y", "z")
+    assert cli("--trajectory", name, "--out", "o", "--pole", "50,-30,90", "--soft", "0.3", "--axis", "0,-1,1")[0] == 0
+    clip, shoulders = clips.read(Path("t.bvh")), np.zeros(3)
+    if name == "t.bvh":
+        shoulders = np.stack([clip.positions[:, arm.upper] for arm in clips.arms(clip)], axis=1).reshape(-1, 3)
+    wrist, elbow, lengths = table("x", "y", "z"), table("elbow_x", "elbow_y", "elbow_z"), table("d1", "d2").T
+    normals = np.cross(wrist, elbow), np.cross(wrist, (50, -30, 90) - shoulders)
+    a, b = (normal / np.linalg.norm(normal, axis=1)[:, None] for normal in normals)
+    np.testing.assert_allclose(a, b, atol=1e-5)
+    np.testing.assert_allclose(wrist, soft_reach(given, *lengths, 0.3), atol=1e-8)
+
+
+def table(*names):
+    return np.array([[float(row[name]) for name in names] for row in rows()])
 
 
 def rows():

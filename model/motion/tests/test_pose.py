@@ -8,20 +8,23 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
-from model.io.flags import BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR
+from model.io.flags import ON_AXIS, TOO_FAR, TOO_NEAR, Flag
 from model.io.words import Targets, result_values, to_words
 from model.motion.pose import (
     NAMED_AXES,
-    continuous,
     direction,
+    elbow_jumps,
     forward,
     hanging,
     parse_axis,
+    soft_reach,
     solve,
     swivel,
+    swivel_toward,
     to_z,
 )
-from model.reference.kinematics import matrix, multiply, rotate
+from model.motion.tests.benchmark import targets, two_bones
+from model.reference.kinematics import continuous, matrix, multiply, rotate
 
 AXES = [*NAMED_AXES, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
 D1, D2 = 0.33, 0.27
@@ -48,6 +51,18 @@ def test_hand_and_swivel_in_the_users_frame(reachable, axis, datapath):
     back = swivel((0, 0, 0), pose.elbow, pose.wrist, axis)
     apart = np.abs(np.angle(np.exp(1j * (back - phi))))
     assert apart.max() <= (1e-7 if datapath == "paper" else 1e-12)
+
+
+def test_agrees_with_a_direct_solution():
+    """Reached, clamped and on the axis; the direct solution has half of the digits near a straight arm."""
+    points, phi, d1, d2 = targets(5000)
+    points[:1000] *= 3
+    points[1000:1010, :2] = 0
+    pose = solve(points, phi, d1, d2)
+    direct = two_bones(points, phi, d1, d2)
+    for ours, theirs in zip((pose.qs, pose.qe, pose.flags, pose.elbow, pose.wrist), direct, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-7)
+    assert len(np.unique(pose.flags)) >= 4
 
 
 @pytest.mark.parametrize("axis", AXES)
@@ -93,15 +108,13 @@ def test_a_named_axis_loses_no_bit(reachable, axis):
     [
         ((0, 0.9, 0), D1, TOO_FAR, (0, 0.6, 0)),
         ((0, 0.01, 0), D1, TOO_NEAR, (0, 0.06, 0)),
-        ((0, 0.3, 0), -1, BAD_LENGTH, None),
         ((0, 0, 0.3), D1, ON_AXIS, (0, 0, 0.3)),
     ],
 )
 def test_flags(point, d1, flag, wrist, width):
     pose = solve(point, 0, d1, width=width)
-    assert pose.flags.tolist() == [flag]
-    if wrist:
-        np.testing.assert_allclose(pose.wrist[0], wrist, atol=1e-6)
+    assert pose.flags.tolist() == [flag] and Flag(int(pose.flags[0])) == flag
+    np.testing.assert_allclose(pose.wrist[0], wrist, atol=1e-6)
 
 
 @pytest.mark.parametrize(("axis", "phi"), [("z", np.pi), ("-z", 0), ("y", -np.pi / 2), ("-y", np.pi / 2)])
@@ -137,7 +150,7 @@ def test_order_and_scipy(reachable):
 
 def test_continuous():
     """Components do not jump along an arm, even if arms are interleaved; only signs change."""
-    t = np.linspace(0, 4 * np.pi, 400)
+    t = np.linspace(0, 2 * np.pi, 400)
     circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
     other = np.random.default_rng(3).permutation(circle)
     points, arm = np.stack((circle, other), axis=1).reshape(-1, 3), np.tile(("left", "right"), 400)
@@ -147,16 +160,80 @@ def test_continuous():
     before, after = (np.linalg.norm(np.diff(of[arm == "left"], axis=0), axis=1).max() for of in (q, smooth))
     assert before > 1.9 and after < 0.2
     assert (smooth == np.roll(continuous(np.roll(q, -1, axis=1), arm), 1, axis=1)).all()
-    assert continuous(np.zeros((0, 4))).shape == (0, 4)
+    assert continuous(np.zeros((0, 4))).shape == (0, 4) and (continuous(q[0]) == q[0]).all()
+    gaps = np.insert(q[::2], [3, 3, 9], np.nan, axis=0)
+    np.testing.assert_array_equal(continuous(gaps)[~np.isnan(gaps[:, 0])], continuous(q[::2]))
+
+
+@pytest.mark.parametrize("width", [None, 24])
+def test_rows_of_nan_pass_and_none_is_solved(reachable, width, monkeypatch):
+    """The other rows have the bits that they have alone, in chunks of any size."""
+    points, phi = reachable[0].copy(), reachable[1].copy()
+    points[[3, 70]], phi[9], there = np.nan, np.nan, np.delete(np.arange(COUNT), [3, 9, 70])
+    settings = {"width": width, "order": "xyzw", "axis": (0, -1, 1)}
+    alone = solve(points[there], phi[there], **settings)
+    monkeypatch.setattr("model.motion.pose.CHUNK", 7)
+    monkeypatch.setattr("model.motion.pose.WORDS_CHUNK", 100)
+    passed = solve(points, phi, nan="pass", **settings)
+    for name in ("qs", "qe", "flags", "elbow", "wrist", "phi"):
+        values = getattr(passed, name)
+        np.testing.assert_array_equal(values[there], getattr(alone, name), err_msg=name)
+        assert (np.isnan(values[[3, 9, 70]]) if name != "flags" else values[[3, 9, 70]] == 0).all()
+    for empty in ([], np.zeros((0, 3))):
+        assert solve(empty, width=width).wrist.shape == (0, 3)
+    assert np.isnan(solve((np.nan, 0, 0), width=width, nan="pass").qs).all()
+
+
+def test_angles_of_degrees_warn():
+    with pytest.warns(UserWarning, match="phi reaches 90; its unit is the radian"):
+        solve((0.3, 0, 0), 90)
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_elbow_points_at_the_pole(reachable, axis):
+    """No other swivel angle brings the elbow closer."""
+    points, _ = reachable
+    pole = np.random.default_rng(4).normal(size=(COUNT, 3))
+    phi = swivel_toward(points, pole, axis)
+    best, *others = (np.linalg.norm(solve(points, phi + by, axis=axis).elbow - pole, axis=1) for by in (0, 1e-3, -1e-3))
+    assert (best < np.minimum(*others)).all()
+    assert np.isfinite(swivel_toward((0, 0, 0), pole, axis)).all()
+
+
+def test_soft_reach_is_smooth_and_stays_in_reach():
+    distance = np.linspace(0.01, 1.5, 30000)
+    points = np.outer(distance, (0.6, 0.0, 0.8))
+    soft = np.linalg.norm(soft_reach(points, D1, D2, 0.05), axis=1)
+    near = distance <= 0.95 * 0.6
+    np.testing.assert_allclose(soft[near], distance[near], rtol=1e-15)
+    assert (np.diff(soft) > -1e-15).all() and soft[-1] <= 0.6 and soft[distance.searchsorted(0.6)] < 0.595
+    slopes = np.diff(soft) / np.diff(distance)
+    assert np.abs(np.diff(slopes)).max() < 0.01, "no kink"
+    np.testing.assert_allclose(np.cross(soft_reach(points), points), 0, atol=1e-12)
+    assert (soft_reach(points, soft=0) == points).all()
+    with pytest.raises(ValueError, match="soft 2 is not in 0 to 1"):
+        soft_reach(points, soft=2)
+
+
+@pytest.mark.parametrize(("aside", "rows"), [(0.001, [150, 151, 152]), (0.2, [])])
+def test_elbow_jumps_are_found_with_a_better_axis(aside, rows):
+    path = np.linspace(-0.3, 0.3, 302), aside, 0.4
+    found, better = elbow_jumps(Targets("path", *path, np.pi, D1, D2))
+    assert found.tolist() == rows
+    assert not len(elbow_jumps(Targets("path", *path, hanging(better), D1, D2, frame=to_z(better)))[0])
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"points": (1, 2)}, r"shape \(1, 2\)"),
-        ({"points": (0, 0, np.nan)}, "points: not all numbers are finite"),
-        ({"phi": np.inf}, "phi: not all"),
+        ({"points": (1, 2)}, r"shape \(2,\)"),
+        ({"points": (0, 0, np.nan)}, "points: not finite in row 0$"),
+        ({"points": np.full((9, 3), np.nan)}, "points: not finite in rows 0, 1, 2 and 6 more$"),
+        ({"phi": np.inf, "nan": "pass"}, "phi: not finite"),
+        ({"d1": [0.3, -1]}, "d1: not positive in row 1$"),
+        ({"nan": "skip"}, "nan 'skip'"),
         ({"width": 33}, "width 33"),
+        ({"width": 32.0}, "width 32.0"),
         ({"datapath": "thin"}, "datapath 'thin' is none of"),
         ({"order": "wxzy"}, "order 'wxzy'"),
         ({"axis": "up"}, "axis 'up'"),

@@ -19,7 +19,7 @@ from model.io.stimuli import REGIONS
 from model.io.words import FIELDS, RESULT_FIELDS, from_words
 from model.reference import kinematics
 from model.reference.equations import TEXT, pose_flags, shoulder_quaternion, solve, solve_clamped, swivel_normal
-from model.reference.lean_equations import solve_lean
+from model.reference.lean_equations import solve_direct, solve_lean
 
 SQUARES = ("rho_sq", "s", "a_far", "b_near", "k_law")
 PHIS = np.linspace(-np.pi, np.pi, 17)
@@ -30,7 +30,13 @@ HALF_OF_THE_DIGITS = 6e-8
 ROUNDOFF = 5e-15
 """Bound (rad, and relative to the reach) for the lean equations."""
 
-BOUNDS = {solve: HALF_OF_THE_DIGITS, solve_lean: ROUNDOFF}
+
+def direct(*targets):
+    results, flags = solve_direct(np.array(columns(*targets)))
+    return dict(zip(RESULT_FIELDS, results, strict=True)) | {"flags": flags}
+
+
+BOUNDS = {solve: HALF_OF_THE_DIGITS, solve_lean: ROUNDOFF, direct: ROUNDOFF}
 both = pytest.mark.parametrize("solver", BOUNDS, ids=lambda solver: solver.__name__)
 
 
@@ -333,7 +339,7 @@ def test_clamped_arms_lie_along_the_target(case):
     p = np.stack(targets[:3], axis=-1)
     size = np.linalg.norm(p, axis=1, keepdims=True)
     direction = np.where(size > 0, p / np.maximum(size, 1e-300), (0, 0, 1))
-    for solver in (solve_clamped, solve_lean):
+    for solver in (solve_clamped, solve_lean, *([direct] if min(lengths) > 0 else [])):
         result = solver(*targets)
         assert_defined(result)
         assert (result["flags"] == flags).all(), f"flags {sorted(set(result['flags']))}"
@@ -357,6 +363,10 @@ def test_words_of_the_core():
     for result in (lean, paper):
         assert_defined(result)
         np.testing.assert_array_equal(result["flags"], expected_flags(words, 32))
+    positive = (words[:, 4:] > 0).all(axis=1)
+    plain, same = direct(*(v[positive] for v in targets)), {name: v[positive] for name, v in lean.items()}
+    np.testing.assert_array_equal(plain["flags"], same["flags"])
+    assert angle(plain, same).max() < ROUNDOFF and np.abs(elbow_angle(plain) - elbow_angle(same)).max() < ROUNDOFF
     clamped = lean["flags"] & ~ON_AXIS != 0
     assert 0.1 < clamped.mean() < 0.95, "both kinds"
     assert angle(lean, paper)[clamped].max() < ROUNDOFF
@@ -374,7 +384,7 @@ def test_words_of_the_core():
     [
         *(
             (solver, *row)
-            for solver in BOUNDS
+            for solver in (solve, solve_lean)
             for row in (
                 ((np.nan, 0, 0.5, 0, 0.4, 0.3), "x must be finite"),
                 ((0.1, 0, 0.5, np.inf, 0.4, 0.3), "phi must be finite"),
