@@ -27,7 +27,7 @@ from rich.table import Table
 
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
 from model.dataflow.nodes import WIDTHS
-from model.io.files import number, whole_files
+from model.io.files import Place, number, whole_files
 from model.io.words import TargetError
 from model.motion.clip import TORSO
 from model.motion.pose import Axis, parse_axis
@@ -257,7 +257,7 @@ def _is_same(path: Path, other: Path) -> bool:
 
 
 @contextlib.contextmanager
-def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Iterator[Callable[[Path], Path]]:
+def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Iterator[Place]:
     """Make the folders of `paths`; check that they are writable and that no path is an input; on exit remove empty new
     folders. Yields the function of `whole_files`, so that all outputs appear at once.
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager as ContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,6 +22,7 @@ import numpy as np
 
 from model.bounds.predict import hand_bar
 from model.io import trajectories
+from model.io.files import Place
 from model.io.scoring import Score, score, score_json, tables
 from model.io.words import result_values
 from model.motion import clip as clips
@@ -33,6 +34,9 @@ from scripts.tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, sources, trajectory_options
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG, Job, Run, simulate
+
+Done = Sequence[Sequence[tuple[Run, Score]]]
+"""Runs and scores of the trajectories, for each datapath."""
 
 SCORES = "score.json"
 CLIP_KINDS = ("bvh", "glb")
@@ -107,9 +111,7 @@ def of_datapath(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
     return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
 
 
-def outputs(
-    out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path
-) -> AbstractContextManager[Callable[[Path], Path]]:
+def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path) -> ContextManager[Place]:
     """Return the `output` of all files that `write_results` writes and of others."""
     paths = [*others, *(path for folder in folders for path in of_datapath(folder, prepared)), out / SCORES]
     return output(out, paths, sources(prepared))
@@ -150,13 +152,7 @@ def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
     return {"bvh": clip.content(), "glb": gltf.animated(clip, item.targets.name, item.scale)}
 
 
-def write_results(
-    files: Callable[[Path], Path],
-    out: Path,
-    folders: Iterable[Path],
-    prepared: Sequence[Prepared],
-    done: Sequence[Sequence[tuple[Run, Score]]],
-) -> None:
+def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:
     """Write the files of each datapath for its folder, and one score.json, each to its path from `files`."""
     for folder, scored in zip(folders, done, strict=True):
         for path, item, (ran, result) in zip(result_paths(folder, prepared), prepared, scored, strict=True):
@@ -174,7 +170,7 @@ def write_results(
 # -- the command -----------------------------------------------------------------------------------
 
 
-def _show(done: Sequence[Sequence[tuple[Run, Score]]]) -> None:
+def _show(done: Done) -> None:
     """Print a table for each datapath, or for several on one trajectory a single table next to the paper's."""
     if len(done) > 1 and len(done[0]) == 1:
         show(table_of_datapaths([(result, ran.flags) for ((ran, result),) in done]))

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -34,6 +34,7 @@ from vcd.writer import VCDWriter
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Format, Node
+from model.io.files import Place
 from model.io.words import FIELDS, RESULT_FIELDS, TargetError
 from scripts.console import WORD_LENGTH, command, output
 from tb.sim.job import Difference
@@ -332,7 +333,7 @@ def write_waves(
     datapath: str,
     width: int,
     nodes: Sequence[Node],
-    files: Callable[[Path], Path],
+    files: Place,
 ) -> None:
     """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)
@@ -347,7 +348,7 @@ def write_waves(
         write_save_file(files(path), datapath, width, save, path.name, path == aligned, first, start, marker)
 
 
-def align(vcd: Path, words: np.ndarray, width: int, datapath: str, files: Callable[[Path], Path] = Path) -> None:
+def align(vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path) -> None:
     """Call `write_waves` for the recording of one trajectory with the targets `words` (N, 6)."""
     nodes = list(fixed.run(words, width, datapath).bits.nodes.values())
     recording = read(files(vcd), datapath, nodes)

@@ -23,6 +23,9 @@ from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_er
 REQUIRED = ("x", "y", "z")
 SEPARATORS = (",", ";", "\t")
 
+Place = Callable[[Path], Path]
+"""Function that returns where to write a file for now."""
+
 # Other forms that float() accepts (underscores, non-ASCII digits) are errors in a target file.
 _NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)
 
@@ -183,7 +186,7 @@ def format_csv(targets: Targets) -> str:
 
 
 @contextlib.contextmanager
-def whole_files() -> Iterator[Callable[[Path], Path]]:
+def whole_files() -> Iterator[Place]:
     """Yield a function that returns a temporary path in the folder of a path; rename all temporary files at the end, or
     remove them after an error.
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from vcd.gtkw import GTKWColor, GTKWFlag
-from vcd.writer import VCDWriter
 
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
@@ -145,22 +144,6 @@ def test_aligned_vcd(command, simulator):
     assert start(Path("o/aligned.gtkw")) == (admitted[0] + max(TIMES.values())) * 10_000 - 5_000
     assert start(Path("o/waves.gtkw")) == (admitted[3] + TIMES["w_1"] - 7) * 10_000
     assert (dumpfile, savefile) == ('[dumpfile] "aligned.vcd"', '[savefile] "aligned.gtkw"')
-
-
-@pytest.mark.usefixtures("simulator")
-def test_a_full_disk(command, files, monkeypatch):
-    """Earlier files stay, and no half-written one."""
-    Path("o").mkdir()
-    Path("o/aligned.vcd").write_text("old")
-
-    class Full(VCDWriter):
-        def close(self, timestamp=None):
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(waves, "VCDWriter", Full)
-    status, out, (err,) = command(follow.main, "--target", "3", "--waves", "--out", "o")
-    assert (status, out) == (2, []) and "No space left on device" in err
-    assert files() == ["o/aligned.vcd"] and Path("o/aligned.vcd").read_text() == "old"
 
 
 def test_x_is_a_difference(tmp_path, simulator):
