@@ -15,7 +15,7 @@ endif
 
 # What each target takes on the command line; anything else there is a slip, and is named.
 PATHS          := SIM OUT DATAPATH WIDTH
-TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR
+TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
 TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL FARM AGAINST
@@ -57,7 +57,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
@@ -71,6 +71,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,TRAJECTORY,--trajectory="$$CGA_TRAJECTORY") $(call given,OUT,--out="$$CGA_OUT") \
   $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
   $(call given,AXIS,--axis="$$CGA_AXIS") $(call given,ARM,--arm="$$CGA_ARM") $(call given,JOINTS,--joints="$$CGA_JOINTS") \
+  $(call given,LIMB,--limb="$$CGA_LIMB") \
   $(call given,UP,--up="$$CGA_UP") $(call given,TWIST,--twist="$$CGA_TWIST") $(call given,SCALE,--scale="$$CGA_SCALE") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI") \
   $(call given,POLE,--pole="$$CGA_POLE") $(call given,SOFT,--soft="$$CGA_SOFT") \

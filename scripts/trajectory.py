@@ -61,7 +61,7 @@ def trajectory_options(
         "reference axis of swivel angles in the frame of the targets: z, -z, x, .. or a vector such as 0.3,1,0; choose "
         "a direction that no wrist reaches; torso: outward and up from a clip's torso  [default: z; for a clip: torso]"
     )
-    joints = "clip: joints at the start of upper arm, forearm and hand, if their names are unknown; six for both arms"
+    joints = "clip: joints at the start of upper arm, forearm and hand, if their names are unknown; six for both sides"
     up = "clip: up axis  [default: from the feet to the head]"
     twist = "clip: rotation of each bone about itself, from the clip or from the core  [default: clip]"
     scale = "clip: unit of length; clip.glb is in metres  [default: auto, from the arm lengths]"
@@ -83,7 +83,8 @@ def trajectory_options(
         *(core_options(datapath=datapath, most=most) if core else ()),
         *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
         option("--axis", axis, reference_axis, metavar="AXIS"),
-        option("--arm", "clip: arms to run  [default: both]", click.Choice(["both", *SIDES])),
+        option("--arm", "clip: sides to run  [default: both]", click.Choice(["both", *SIDES])),
+        option("--limb", "clip: limbs to run  [default: arms]", click.Choice([*clips.LIMBS])),
         option("--joints", joints, lambda text: text.split(","), metavar="UPPER,FORE,HAND"),
         option("--up", up, click.Choice(NAMED_AXES)),
         option("--twist", twist, click.Choice(clips.TWISTS)),
@@ -111,7 +112,7 @@ def datapaths(arguments: SimpleNamespace) -> dict[str, Path]:
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
 GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
-GOES_WITH |= dict.fromkeys(("arm", "joints", "up", "twist", "scale"), (CLIP,))
+GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Options that only some kinds of trajectories take."""
 
 OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
@@ -157,7 +158,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
     """Return the arms of a clip as one stream. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory), arguments.up)
-    arms = clips.arms(clip, arguments.arm or "both", arguments.joints)
+    arms = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
     own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]

@@ -33,18 +33,28 @@ ARM_NAMES = (
     ("arm", "forearm|farm|elbow", "hand|wrist|palm"),  # CMU, Mixamo, Rokoko; the shoulder is the collar bone
     ("shldr|shoulder|humerus", "forearm|lowerarm|elbow|radius", "hand|wrist|palm"),  # Poser, Daz, SMPL, Second Life
 )
-"""Names of upper arm, forearm and hand without their side, each at the start of its bone; earlier lines come first."""
+LEG_NAMES = (
+    ("upperleg|upleg|thigh|femur", "leg|lowerleg|lowleg|shin|calf|knee|shank|tibia", "foot|ankle"),
+    ("hip", "knee|shin|calf|leg", "ankle|foot"),  # SMPL, Second Life
+)
+NAMES = {"arm": ARM_NAMES, "leg": LEG_NAMES}
+"""Names of upper arm, forearm and hand, or thigh, shin and foot, without their side, each at the start of its bone;
+earlier lines come first."""
+
+LIMBS = {"arms": ("arm",), "legs": ("leg",), "all": ("arm", "leg")}
 
 HEADS = ("head", "neck")
 FEET = ("foot|feet|ankle", "toe|toes|toebase", "leg|lowerleg|lowleg|shin|calf|knee|shank")
-OF_ARMS = re.compile("arm|hand|wrist|palm|elbow|shldr|shoulder|humerus")
+LIKELY = {"arm": "arm|hand|wrist|palm|elbow|shldr|shoulder|humerus", "leg": "leg|hip|thigh|knee|shin|calf|foot|ankle"}
 DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
 
 
 @dataclass(frozen=True)
 class Arm:
-    """Numbers of an arm's joints, of the torso joint that carries both arms, and of the joint opposite the upper
-    arm: the other upper arm, or the torso joint."""
+    """Numbers of an arm's joints, or a leg's: hip, knee and ankle.
+
+    torso: the joint that carries both arms; opposite: the other upper arm, or the torso joint
+    """
 
     side: str
     upper: int
@@ -52,6 +62,12 @@ class Arm:
     hand: int
     torso: int
     opposite: int
+    limb: str = "arm"
+
+    @property
+    def label(self) -> str:
+        """Name among the limbs of a clip: "left", "left leg"."""
+        return self.side if self.limb == "arm" else f"{self.side} {self.limb}"
 
 
 # -- joints ------------------------------------------------------------------------------------------------------------
@@ -66,34 +82,38 @@ def read(path: Path, up: str | None = None) -> Clip:
     return replace(clip, up=up or up_axis(clip))
 
 
-def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None) -> list[Arm]:
-    """Return the arms of a clip, "left", "right" or "both": found by name, or given by the three joints of each.
+def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, limbs: str = "arms") -> list[Arm]:
+    """Return the arms of a clip, "left", "right" or "both": found by name, or given by the three joints of each; its
+    "legs", or "all".
 
     Raises :class:`ClipError`, which lists the joints, where names are not sufficient.
     """
-    sides = SIDES if which == "both" else (which,)
+    if len(LIMBS[limbs]) > 1:
+        if joints is not None:
+            raise ClipError(f"{clip.path}: joints {','.join(joints)}: LIMB= says which limbs, arms or legs")
+        return [arm for one in ("arms", "legs") for arm in arms(clip, which, None, one)]
+    (limb,), sides = LIMBS[limbs], SIDES if which == "both" else (which,)
     found: dict[str, tuple[int, int, int]] = {}
     if joints is not None:
         text = f"joints {','.join(joints)}"
         if len(sides) == 2 and len(joints) == 3:
-            raise ClipError(f"{clip.path}: {text} are those of one arm: ARM= says which, left or right")
+            raise ClipError(f"{clip.path}: {text} are those of one {limb}: ARM= says which, left or right")
         if len(joints) != 3 * len(sides):
-            raise ClipError(f"{clip.path}: {text}: not the three of upper arm, forearm and hand of each arm")
+            raise ClipError(f"{clip.path}: {text}: not the three of each side, such as upper arm, forearm and hand")
         for n, side in enumerate(sides):
             found[side] = _given(clip, joints[3 * n : 3 * n + 3], list(found.values()))
-    known = {side: three for side in SIDES if (three := found.get(side) or _known(clip, side))}
+    known = {side: three for side in SIDES if (three := found.get(side) or _known(clip, side, NAMES[limb]))}
     for side in sides:
         if side not in known:
-            likely = [name for name in _joint_names(clip) if OF_ARMS.search("".join(_words(name)))]
+            likely = [name for name in _joint_names(clip) if re.search(LIKELY[limb], "".join(_words(name)))]
             names = ", ".join((likely or _joint_names(clip))[:40])
-            raise ClipError(f"{clip.path}: no {side} arm is known by name; JOINTS= names its three of {names}")
+            raise ClipError(f"{clip.path}: no {side} {limb} is known by name; JOINTS= names its three of {names}")
     above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
     for side in sides:
         torso = _torso(clip, known[side][0], above)
-        result.append(
-            Arm(side, *known[side], torso, next((known[other][0] for other in known if other != side), torso))
-        )
+        opposite = next((known[other][0] for other in known if other != side), torso)
+        result.append(Arm(side, *known[side], torso, opposite, limb))
     return result
 
 
@@ -137,10 +157,10 @@ def _given(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]
     raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
 
 
-def _known(clip: Clip, side: str) -> tuple[int, int, int] | None:
-    """Return the joints of an arm by their usual names."""
+def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tuple[int, int, int] | None:
+    """Return the joints of an arm or leg by their usual names."""
     letter = f"(?:{side}|{side[0]})"
-    for parts in ARM_NAMES:
+    for parts in table:
         uppers, fores, hands = (_called(clip, f"{letter}(?:{x})(?:0?1)?|(?:{x})(?:0?1)?{letter}") for x in parts)
         for fore in fores:
             above = [joint for joint in clip.ancestors(fore) if joint in uppers]
@@ -250,7 +270,7 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     rest = [clip.rest[joint] for joint in (arm.upper, arm.fore, arm.hand)]
     d1, d2 = (_lengths(b - a, d - c) for a, b, c, d in ((*rest[:2], shoulder, elbow), (*rest[1:], elbow, wrist)))
     if min(d1.min(), d2.min()) == 0:
-        raise ClipError(f"{clip.path}: the {arm.side} arm has a bone without length")
+        raise ClipError(f"{clip.path}: the {arm.side} {arm.limb} has a bone without length")
     if isinstance(axis, str) and axis == TORSO:
         frame = multiply(to_z(outward_and_up(clip, arm)), conjugate(clip.turn[:, arm.torso]))
     else:
@@ -281,7 +301,7 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
         longer = reach * (1 + 2 * ulp) / np.maximum(distance, reach / 2)
         wrists.append(move.wrist * np.where(distance >= reach * (1 - 2 * ulp), longer, 1.0))
     x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
-    arm = np.tile([move.arm.side for move in moves], count)
+    arm = np.tile([move.arm.label for move in moves], count)
     return Targets(
         name=clip.path.stem,
         path=str(clip.path),

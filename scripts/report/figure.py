@@ -81,7 +81,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     return {
         "rate": float(f"{1 / clip.period:.6g}"),
         "arms": [
-            {"side": move.arm.side} | {part: getattr(move.arm, part) for part in ("upper", "fore", "hand")}
+            {"side": move.arm.label} | {part: getattr(move.arm, part) for part in ("upper", "fore", "hand")}
             for move in moves
         ],
         "parents": clip.parents,

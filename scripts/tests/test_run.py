@@ -289,6 +289,15 @@ def test_another_angle_moves_only_the_arm(clip_cli):
     assert clip_cli("--phi", "1")[0] == 0 and max(float(row["elbow_error"]) for row in rows()) > 0.1
 
 
+@pytest.mark.parametrize(("limb", "labels"), [("legs", {"left leg"}), ("all", {"left", "left leg"})])
+def test_legs(clip_cli, limb, labels):
+    figure.write(Path("t.bvh").absolute(), frames=9, rich=True, two_legs=True)
+    assert clip_cli("--limb", limb, "--arm", "left")[0] == 0
+    assert {row["arm"] for row in rows()} == labels and max(float(row["elbow_error"]) for row in rows()) < 1e-6
+    joints = "LeftUpLeg,LeftLeg,LeftFoot"
+    assert (clip_cli("--limb", limb, "--arm", "left", "--joints", joints)[0] == 0) == (limb == "legs")
+
+
 def test_the_score_of_a_clip_is_that_of_the_written_file(clip_cli, monkeypatch):
     figure.write(Path("t.bvh").absolute(), frames=9)
     turned = clips.turned

@@ -52,6 +52,7 @@ def write(
     frames: int = 60,
     sides: tuple[str, ...] = ("left", "right"),
     rich: bool = False,
+    two_legs: bool = False,
 ) -> Path:
     """Write a figure whose body sways and whose arms swing, smoothly and at random.
 
@@ -91,8 +92,12 @@ def write(
         return collar, mirror * (0.5, 0, 4), [below]
 
     head = ("Head", (0, 0, 5), [(None, (0, 0, 1), [])])
-    leg = ("Leg", (0, 0, -4), [(None, (0, 0, -4), [])])
-    joint("Hips", (0.5, 0, 9), [("Spine", (0, 0, 1), [head, *(arm(side) for side in sides)]), leg], root=True)
+    legs = [("Leg", (0, 0, -4), [(None, (0, 0, -4), [])])]
+    if two_legs:
+        for side, x in (("Left", -0.8), ("Right", 0.8)):
+            foot = (f"{side}Foot", (0, -0.1, -3.8), [(None, (0, 1, 0), [])])
+            legs.append((f"{side}UpLeg", (x, 0, -0.2), [(f"{side}Leg", (0, 0.1, -4.1), [foot])]))
+    joint("Hips", (0.5, 0, 9), [("Spine", (0, 0, 1), [head, *(arm(side) for side in sides)]), *legs], root=True)
     t = np.linspace(0, 2 * np.pi, frames)[:, None]
     angles = random.uniform(-40, 40, channels) + random.uniform(10, 40, channels) * np.sin(
         t * random.integers(1, 3, channels) + random.uniform(0, 6, channels)

@@ -85,7 +85,7 @@ def test_make_from_another_folder(stand_in, tmp_path):
     assert f"exec env PYTHONPATH={ROOT}/ {ROOT}/.venv/bin/python -m scripts.run" in done.stdout
 
 
-RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM JOINTS UP TWIST SCALE D1 D2 PHI BAR"
+RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI BAR"
 
 
 @pytest.mark.parametrize(
