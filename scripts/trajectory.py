@@ -164,7 +164,7 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
     shoulders = np.stack([clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
     targets = _led(clips.targets(clip, moves, phi, arguments.width), arguments, shoulders)
-    scale = clips.metres(arguments.scale or "auto", float(np.median(targets.reach)))
+    scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
     return Prepared(targets, *to_words(targets, arguments.width), clip, moves, arguments.twist or "clip", scale)
 
 

@@ -243,6 +243,11 @@ class Motion:
     phi: np.ndarray
 
     @property
+    def arm_length(self) -> float:
+        """Typical length of the arm, or that of an arm to such a leg."""
+        return float(np.median(self.d1 + self.d2)) * (1.0 if self.arm.limb == "arm" else 0.65)
+
+    @property
     def typical_phi(self) -> float:
         """Mean direction (rad) of the clip's own swivel angles, each weighted by the bend of the arm."""
         bent = np.linalg.norm(np.cross(self.elbow, self.wrist), axis=1)
@@ -276,8 +281,7 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
     else:
         frame = np.broadcast_to(to_z(axis), (count, 4))
     elbow, wrist = elbow - shoulder, wrist - shoulder
-    with np.errstate(invalid="ignore"):  # any angle will do for a wrist at the shoulder
-        phi = np.nan_to_num(swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist)))
+    phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
     return Motion(arm, elbow, wrist, d1, d2, frame, phi)
 
 

@@ -253,7 +253,7 @@ def test_a_wrist_at_the_shoulder(tmp_path):
     (tmp_path / "clip.bvh").write_text(f"{text}\nMOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * 9}")
     clip = read(tmp_path / "clip.bvh")
     move = motion(clip, *arms(clip, "left"), "z")
-    assert not move.wrist.any() and not move.phi.any()
+    assert not move.wrist.any() and np.isfinite(move.phi).all()
 
 
 def test_an_elbow_without_all_channels(tmp_path):
