@@ -20,8 +20,8 @@ from tb.core.random_targets import Core, Found
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 
 EXPLAINED = (
-    "asked: what the error must not exceed, by the table of tolerances or BAR=; predicted: what the roundings can do "
-    "at these poses; it explains an error and is no limit, so it may be above or below what is asked"
+    "limit: of the error, from the table of tolerances or BAR=; predicted: error that rounding can cause at these "
+    "poses, which explains an error and is no limit"
 )
 
 
@@ -37,8 +37,8 @@ def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.1e}"
 
 
-def _asked(bar: float | None) -> str:
-    return "not asked" if bar is None else f"{bar:.3g}"
+def _limit(bar: float | None) -> str:
+    return "none" if bar is None else f"{bar:.3g}"
 
 
 def _verdict(result: Score) -> str:
@@ -60,7 +60,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
         (
             "hand error / reach, largest",
             _number(result.hand_error_max),
-            "-" if result.hand_error_max is None else _asked(result.hand_error_bar),
+            "-" if result.hand_error_max is None else _limit(result.hand_error_bar),
             _number(result.hand_error_predicted),
         ),
     ]
@@ -68,7 +68,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
         rows.append((f"  {result.hand_error_pose}", f"target {result.hand_error_target}"))
     rows.append(("hand error / reach, rms", _number(result.hand_error_rms)))
     if result.hand_error_over_bar is not None:
-        rows.append(("hand error / what is asked", f"{result.hand_error_over_bar:.2g}", "1"))
+        rows.append(("hand error / limit", f"{result.hand_error_over_bar:.2g}", "1"))
     rows += [
         ("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max)),
         ("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max)),
@@ -76,7 +76,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
         ("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max)),
     ]
     if result.clamped_error_max is not None:
-        clamped = _number(result.clamped_error_max), _asked(result.clamped_error_bar)
+        clamped = _number(result.clamped_error_max), _limit(result.clamped_error_bar)
         rows.append(("error of the clamped hand / reach, largest", *clamped))
     rows.append(("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"))
     if result.results_per_cycle:
@@ -90,7 +90,7 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
     """Return the table of one trajectory: a line for each figure, with limit and prediction."""
     title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
     caption = f"{outcome(result)}\n{EXPLAINED}"
-    table = _table(title + result.simulator, ("figure", "measured", "asked", "predicted"), caption=caption)
+    table = _table(title + result.simulator, ("figure", "measured", "limit", "predicted"), caption=caption)
     for row in figures(result, flags):
         table.add_row(*row)
     return table
@@ -99,9 +99,9 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
 def _summary(scores: Sequence[Score]) -> str:
     """Return the number of trajectories that pass, and how many of them have no accuracy limit."""
     passed = [result for result in scores if result.passed]
-    unasked = sum(result.hand_error_bar is None and result.clamped_error_bar is None for result in passed)
+    unlimited = sum(result.hand_error_bar is None and result.clamped_error_bar is None for result in passed)
     share = f"{len(passed)} of {len(scores)} pass"
-    return f"{share}, {unasked} of them by bits, flags and norms: accuracy was not asked for (-)" if unasked else share
+    return f"{share}, {unlimited} of them without a limit, by bits, flags and norms" if unlimited else share
 
 
 def table_of_many(scores: Sequence[Score]) -> Table:
@@ -113,13 +113,13 @@ def table_of_many(scores: Sequence[Score]) -> Table:
         f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
         "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model"
     )
-    headings = ("trajectory", "hand", "at", "asked", "predict", "clamped", "angle", "bits", "flags", "")
+    headings = ("trajectory", "hand", "at", "limit", "predict", "clamped", "angle", "bits", "flags", "")
     table = _table(title, headings, caption=caption, padding=(0, 1, 0, 0))
     for result in scores:
         at = "-" if result.hand_error_target is None else str(result.hand_error_target)
-        asked = "-" if result.hand_error_bar is None else _asked(result.hand_error_bar)
+        limit = "-" if result.hand_error_bar is None else _limit(result.hand_error_bar)
         rest = map(_number, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
-        errors = _number(result.hand_error_max), at, asked, *rest
+        errors = _number(result.hand_error_max), at, limit, *rest
         counts = str(result.bit_mismatches), str(result.flagged)
         table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
     return table
@@ -146,7 +146,7 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
         ("targets", str(found.targets)),
         ("of them in reach", str(found.reachable)),
         ("bits that differ from the bit-true model", "0", "0"),
-        ("hand error / reach, largest", f"{found.hand_error_max:.2e}", "not asked" if most is None else f"{most:.2e}"),
+        ("hand error / reach, largest", f"{found.hand_error_max:.2e}", "none" if most is None else f"{most:.2e}"),
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
         *([] if most else [("targets seen above their prediction", str(found.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),

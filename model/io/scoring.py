@@ -265,15 +265,13 @@ def _pose(distances: dict[str, float]) -> str:
 
 
 def _outcome(passed: bool, bar: float | None, error: float) -> str:
-    """Describe the requested and the measured accuracy; ``error`` is the largest."""
+    """Describe the limit of the error and the largest error."""
     verdict = "pass" if passed else "FAIL"
     if bar is None:
         bits = "bits, flags and norms are right" if passed else "bits, flags or norms are wrong"
-        return f"{verdict}: {bits}; accuracy was not asked for, {error:.1e} of the reach was reached"
-    rest = "" if error > bar else ", but bits, flags or norms are wrong"
-    if passed:
-        return f"{verdict}: within {bar:.3g} of the reach, as asked; {error:.1e} was reached"
-    return f"{verdict}: {bar:.3g} of the reach was asked for, {error:.1e} was reached{rest}"
+        return f"{verdict}: {bits}; error {error:.1e} of the reach, no limit"
+    rest = "" if passed or error > bar else ", but bits, flags or norms are wrong"
+    return f"{verdict}: error {error:.1e} of the reach, limit {bar:.3g}{rest}"
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:

@@ -177,7 +177,7 @@ function writeNow() {
   if (element("plain").textContent !== said) element("plain").textContent = said;
 }
 
-// Centres the view between shoulder and floor, or higher if wrist or elbow would leave it; not below a held wrist.
+// Centres the view between shoulder and floor, or higher if wrist or elbow would leave it; it rests during a drag.
 function frameArm() {
   const reach = ui.target.d1 + ui.target.d2;
   const highest = Math.max(ui.target.z, state.runs[0].elbow.at(-1)?.[2] ?? 0);

@@ -34,7 +34,7 @@ function card(t) {
     write("small", several ? run.datapath : `${t.target.length} targets`, several ? "" : "count");
     write("span", run.passed ? "pass" : "FAIL", run.passed ? "good" : "bad");
     write("small", `hand error ${error(largest(run.hand))}`, "wide");
-    write("small", `asked ${run.bar === null ? "nothing" : error(run.bar)}`, "wide");
+    write("small", run.bar === null ? "no limit" : `limit ${error(run.bar)}`, "wide");
   }
   button.addEventListener("click", () => {
     show(t.name);
@@ -85,8 +85,8 @@ const answer = (t, n) => [
   ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
   ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
   [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
-  ["asked, predicted", `${t.bar === null ? "nothing" : error(t.bar)}, ${error(t.predicted[n])}`],
-  ...(t.clip ? [["elbow from the clip's", `${error(t.elbowError[n])} of the reach`]] : []),
+  ["limit, predicted", `${t.bar === null ? "none" : error(t.bar)}, ${error(t.predicted[n])}`],
+  ...(t.clip ? [["elbow error", `${error(t.elbowError[n])} of the reach`]] : []),
 ];
 
 const KINDS = { csv: "results (CSV)", npz: "results (NumPy)", json: "score (JSON)", bvh: "clip (BVH)", glb: "clip (glTF)" };
@@ -113,8 +113,8 @@ function writeTrajectory() {
   element("arm").disabled = armsIn(t) === 1;
   element("joints-note").textContent = t.clip
     ? "Azimuth of the upper arm from forward to the left and elevation from the horizontal, as the torso sees them; " +
-      "of an arm that hangs straight down azimuth means little. Swivel angle as the core was asked."
-    : "Azimuth of the upper arm from x towards y, elevation from the xy plane; swivel angle as the core was asked.";
+      "of an arm that hangs straight down azimuth means little. Swivel angle of the target."
+    : "Azimuth of the upper arm from x towards y, elevation from the xy plane; swivel angle of the target.";
   t.beside.forEach((run, i) => {
     element("joints-note").textContent += ` ${DASHES[i + 1].name}: the ${run.datapath} datapath.`;
   });
