@@ -356,7 +356,8 @@ def _near_limits(target, law):
     if doubt.any():
         exact = pose_flags(*target[[0, 1, 2, 4, 5]][:, doubt])
         flags[doubt] = exact & (TOO_FAR | TOO_NEAR)
-    limit += 2 * v[3:] * _two_sum(d1, np.array((d2, -d2)))[1]  # d1 + d2 and d1 - d2 were rounded
+    # Flags are of the rounded d1 + d2 and d1 - d2, a pose in reach is of the exact ones.
+    limit += np.where(flags, 0, 2) * v[3:] * _two_sum(d1, np.array((d2, -d2)))[1]
     a, b = limit[0], -limit[1]
     if (short := 16 * d1 < v[3]).any():  # s + d_sum d_dif would cancel
         form = np.where(s < 4 * d1 * d1, 2 * d1 * v[4] + b, 2 * d1 * v[3] - a)

@@ -289,7 +289,9 @@ def test_lean_equations_at_extreme_lengths():
         targets = columns(np.append(near, 0.6 * max(d1, d2)), 0.0, np.append(0 * near, 0.8 * max(d1, d2)), 0.7, d1, d2)
         result = solve_lean(*targets)
         assert_defined(result)
-        assert hand_error(result, targets)[result["flags"] == 0].max(initial=0) < ROUNDOFF
+        for each in (result, direct(*targets)):
+            assert hand_error(each, targets)[result["flags"] == 0].max(initial=0) < ROUNDOFF
+            assert angle(each, result).max() < ROUNDOFF
 
 
 def test_lean_sums_are_exact_next_to_the_limits():
@@ -301,9 +303,17 @@ def test_lean_sums_are_exact_next_to_the_limits():
     x = limit * rng.choice([0.6, 1.0], 400)
     y = np.sqrt(np.maximum(limit * limit - x * x, 0))
     lean = solve_lean(x, y, 0.0, 0.3, d1, d2)
+    assert np.abs(elbow_angle(direct(x, y, 0.0, 0.3, d1, d2)) - elbow_angle(lean)).max() < ROUNDOFF
     for n, row in enumerate(zip(x, y, 0 * x, d1, d2, strict=True)):
         for name, value in exact_sums(*row).items():
             assert abs(Fraction(float(lean[name][n])) - value) <= abs(value) * Fraction(2) ** -52, f"{name} of {row}"
+
+
+def test_flags_are_exact_at_the_limits():
+    """Squares that fill two doubles: 2, 3, 6 and 7 times whole numbers of 50 bits."""
+    unit = np.random.default_rng(11).integers(2**49, 2**50, 500).astype(float)
+    for d1, d2 in ((3, 4), (4, 3), (1, 8), (8, 1)):
+        assert (direct(2 * unit, -3 * unit, 6 * unit, 0.3, d1 * unit, d2 * unit)["flags"] == 0).all()
 
 
 def exact_sums(*lengths):
