@@ -24,13 +24,6 @@ COMMENT = re.compile(r"(?<!\S)(?:#|//).*")
 WORD = re.compile(r"[{}]|[^\s{}]+")
 TABLE = re.compile(r"(?im)^[^\S\n]*MOTION\s+Frames\s*:?\s*(\S+)\s+Frame\s*Time\s*:?\s*(\S+)")
 CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
-ENCODINGS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-    (b"", "utf-8"),
-    (b"", "latin-1"),
-)
 PERIOD = 1 / 30
 """Seconds from frame to frame of a file whose frame time is 0."""
 
@@ -212,15 +205,13 @@ def parse(content: bytes, path: Path) -> Clip:
     """Parse the content of a BVH file; path: for messages.  Raises :class:`ClipError`."""
     if not content.strip():
         raise ClipError(f"{path}: the file is empty")
-    text = encoding = ""
-    for mark, encoding in ENCODINGS:
-        if content.startswith(mark):
-            try:
-                text = content.decode(encoding)
-                break
-            except UnicodeDecodeError:
-                continue
-    if not text or "\0" in text:
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    encoding = "utf-16" if wide else "utf-8-sig" if content.startswith(codecs.BOM_UTF8) else "utf-8"
+    try:
+        text = content.decode(encoding)
+    except UnicodeDecodeError:
+        text, encoding = content.decode("latin-1"), "latin-1"
+    if "\0" in text:
         raise ClipError(f"{path}: no BVH clip: not text")
     return _Parser(path, text, encoding).clip()
 
@@ -254,10 +245,12 @@ class _Parser:
         word = self.words[self.next - 1]
         return self.error(word.start(), f"{word[0][:40]!r} is not {expected}")
 
-    def number(self, where: str) -> float:
+    def number(self, where: str, whole: bool = False) -> float:
         """Return the next word of the hierarchy as a number."""
         if (value := _finite(self.take("a number"))) is None:
             raise self.wrong(f"a finite number{where}")
+        if whole and (value < 0 or value != int(value)):
+            raise self.wrong(f"a whole number{where}")
         return value
 
     def hierarchy(self) -> None:
@@ -280,7 +273,7 @@ class _Parser:
                 case "offset", Node():
                     node.offset = (self.number(where), self.number(where), self.number(where))
                 case "channels", Node():
-                    for _ in range(self.whole(self.number(where))):
+                    for _ in range(int(self.number(where, whole=True))):
                         if not (kind := CHANNEL.fullmatch(self.take("a channel"))):
                             raise self.wrong(f"a position or rotation channel{where}")
                         channel = Channel(kind[2].lower(), "xyz".index(kind[1].lower()), len(self.of_column))
@@ -302,11 +295,6 @@ class _Parser:
                 break
             self.next += 1
         return " ".join(word[0] for word in self.words[first : self.next])
-
-    def whole(self, value: float) -> int:
-        if value < 0 or value != int(value):
-            raise self.wrong("a whole number")
-        return int(value)
 
     def clip(self) -> Clip:
         """Return the clip."""
