@@ -174,13 +174,14 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return the joints of head or neck, and of the feet; empty lists where their names are not known."""
+    """Return the joints of head or neck, or else the shoulders, and the feet; empty lists if they are not known."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((found for names in table if (found := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
         for table in (HEADS, FEET)
     )
-    return (heads[:1], feet) if heads and feet else ([], [])
+    heads = heads[:1] or [known[0] for side in SIDES if (known := _known(clip, side, ARM_NAMES))]
+    return (heads, feet) if heads and feet else ([], [])
 
 
 def up_axis(clip: Clip) -> str:
@@ -189,7 +190,7 @@ def up_axis(clip: Clip) -> str:
     heads, feet = _body(clip)
     if not heads:
         return "y"
-    body = _unit(clip.positions[:, heads[0]] - clip.positions[:, feet].mean(axis=1)).mean(axis=0)
+    body = _unit(clip.positions[:, heads].mean(axis=1) - clip.positions[:, feet].mean(axis=1)).mean(axis=0)
     if np.abs(body).max() < 0.8:
         body = rest_up(clip)
     best = int(np.argmax(np.abs(body)))
@@ -203,7 +204,7 @@ def rest_up(clip: Clip) -> np.ndarray:
         return direction(clip.up)
     above = [set(clip.ancestors(foot)) for foot in feet]
     hips = next((joint for joint in clip.ancestors(feet[0]) if all(joint in of for of in above)), 0)
-    up = _unit(clip.rest[heads[0]] - clip.rest[hips])
+    up = _unit(clip.rest[heads].mean(axis=0) - clip.rest[hips])
     if not up.any():
         return direction(clip.up)
     axis = np.where(np.abs(up) == np.abs(up).max(), np.sign(up), 0.0)
