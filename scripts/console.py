@@ -251,9 +251,8 @@ def swivel_angle(text: str) -> float | str:
 
 def _is_same(path: Path, other: Path) -> bool:
     """Return whether two paths are one file, by links too."""
-    if os.path.exists(path) and os.path.exists(other):
-        return os.path.samefile(path, other)
-    return os.path.realpath(path) == os.path.realpath(other)
+    both = os.path.exists(path) and os.path.exists(other)
+    return os.path.samefile(path, other) if both else os.path.realpath(path) == os.path.realpath(other)
 
 
 @contextlib.contextmanager

@@ -180,11 +180,6 @@ def _show(done: Done) -> None:
         show(table_of_many(scores) if len(ran) > 1 else table_of_one(scores[0], runs[0].flags))
 
 
-def _recordings(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
-    """Return the paths of a recording and its save file, for a single trajectory also of its aligned recording."""
-    return [folder / name for name in WAVES if len(prepared) == 1 or name.stem == Path(VCD).stem]
-
-
 @command(
     "run",
     "Run trajectories through the core in a simulator and score them.",
@@ -203,7 +198,8 @@ def main(arguments: SimpleNamespace) -> int:
     folders = datapaths(arguments)
     # For a long file the prediction takes longer than everything else.
     predict = sum(len(item.words) for item in prepared) < LONG
-    waves = [path for folder in folders.values() if arguments.waves for path in _recordings(folder, prepared)]
+    recorded = WAVES[: 4 if len(prepared) == 1 else 2] if arguments.waves else []  # aligned: for one trajectory
+    waves = [folder / name for folder in folders.values() for name in recorded]
     with outputs(out, folders.values(), prepared, *waves) as files:
         done = []
         for datapath, folder in folders.items():
@@ -216,14 +212,12 @@ def main(arguments: SimpleNamespace) -> int:
         write_results(files, out, folders.values(), prepared, done)
 
     _show(done)
-    many = len(prepared) > 1
-    listed: list[Path | str] = []
-    for folder in folders.values():
-        tables = [folder / "*" / name if many else folder / name for name in ("results.csv", "results.npz")]
-        listed += [f"{path} ({len(prepared)} files)" if many else path for path in tables]
-        listed += [path for path in of_datapath(folder, prepared) if path.suffix not in (".csv", ".npz")]
-    for path in (*listed, out / SCORES, *waves):
-        print(f"wrote {path}")
+    if (count := len(prepared)) == 1:
+        tables = [path for folder in folders.values() for path in of_datapath(folder, prepared)]
+    else:
+        kinds = [f"*/results.{kind} ({count} files)" for kind in ("csv", "npz")]
+        tables = [folder / kind for folder in folders.values() for kind in kinds]
+    print(*(f"wrote {path}" for path in (*tables, out / SCORES, *waves)), sep="\n")
     return verdict("run", [result for ran in done for _, result in ran])
 
 
