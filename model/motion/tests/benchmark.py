@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time and memory of `solve` next to a direct numpy solution of the same arm with the same results.
 
-python -m model.motion.tests.benchmark
+    python -m model.motion.tests.benchmark
+
+Each function's best CPU time counts; the functions take turns.
 """
 
 import resource
@@ -13,7 +15,7 @@ import numpy as np
 from model.motion.pose import solve
 
 SIZES = {1: 2000, 1000: 500, 10**6: 5}
-"""Number of targets -> repetitions; each function's best time counts, and they take turns."""
+"""Number of targets -> repetitions."""
 
 
 def two_bones(points, phi, d1, d2):
@@ -55,12 +57,12 @@ def targets(count, seed=1):
 
 
 def seconds(functions, times):
-    """Return the best time of each function."""
+    """Return the best CPU time of each function."""
     best = [float("inf")] * len(functions)
     for n, function in list(enumerate(functions)) * times:
-        begin = time.perf_counter()
+        begin = time.process_time()
         function()
-        best[n] = min(best[n], time.perf_counter() - begin)
+        best[n] = min(best[n], time.process_time() - begin)
     return best
 
 
