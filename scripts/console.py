@@ -233,8 +233,10 @@ def reference_axis(text: str) -> Axis:
         raise click.BadParameter(str(exc)) from None
 
 
-def point(text: str) -> list[float]:
-    """Convert an option to a point, x,y,z."""
+def point(text: str) -> list[float] | str:
+    """Convert an option to a point, x,y,z, or the name of a joint."""
+    if "," not in text:
+        return text
     numbers = [Finite()(part) for part in text.split(",")]
     if len(numbers) != 3:
         raise click.BadParameter(f"{text!r} is not x,y,z")

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import click
 import numpy as np
+from numpy.typing import ArrayLike
 
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.io import trajectories
@@ -70,7 +71,9 @@ def trajectory_options(
         "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: the clip's own "
         "angles, their mean, or one number (default: clip)"
     )
-    pole = "the elbow points at this point instead: of a CSV file from the shoulder, of a clip in its frame"
+    pole = (
+        "the elbow points at this point instead: of a CSV file from the shoulder, of a clip in its frame, or a joint"
+    )
     soft = "part of the reach, 0 to 1, over which targets of a CSV file or a clip approach the straight arm smoothly"
     bar = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
@@ -92,7 +95,7 @@ def trajectory_options(
         option("--d1", f"upper arm, {row}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
         option("--d2", f"forearm, {row}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
         option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
-        option("--pole", pole, point, metavar="X,Y,Z"),
+        option("--pole", pole, point, metavar="X,Y,Z|JOINT"),
         option("--soft", soft, Finite(0, 1), metavar="PART"),
         option("--bar", bar, POSITIVE, metavar="ERROR"),
     ]
@@ -142,6 +145,8 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         raise InputError("argument --pole: sets the swivel angle, as --phi does")
     if kind == CLIP:
         return [_of_clip(arguments)]
+    if isinstance(arguments.pole, str):
+        raise InputError(f"argument --pole: {arguments.pole!r} is not x,y,z; a joint's name applies to a {CLIP}")
     for given, word in OF_CLIPS:
         if getattr(arguments, given) == word:
             raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
@@ -151,7 +156,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     else:
         found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
-    turned = (_led(replace(one, frame=frame), arguments, np.zeros(3)) for one in found)
+    turned = (_led(replace(one, frame=frame), arguments.pole, arguments.soft) for one in found)
     return [Prepared(each, *to_words(each, width)) for each in turned]
 
 
@@ -162,19 +167,22 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
     own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
-    shoulders = np.stack([clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
-    targets = _led(clips.targets(clip, moves, phi, arguments.width), arguments, shoulders)
+    pole = arguments.pole
+    if pole is not None:
+        at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
+        pole = np.stack([at - clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
+    targets = _led(clips.targets(clip, moves, phi, arguments.width), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
     return Prepared(targets, *to_words(targets, arguments.width), clip, moves, arguments.twist or "clip", scale)
 
 
-def _led(targets: Targets, arguments: SimpleNamespace, shoulders: np.ndarray) -> Targets:
-    """Return the targets with the swivel angles of --pole and the distances of --soft."""
-    if arguments.pole is not None:
-        poles = targets.points_to_core(np.broadcast_to(arguments.pole - shoulders, (len(targets), 3)))
+def _led(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
+    """Return the targets with swivel angles toward a pole, (3,) or (N, 3) from the shoulder, and with a soft reach."""
+    if pole is not None:
+        poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
         targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_position))
-    if arguments.soft is not None:
-        x, y, z = soft_reach(targets.position, targets.d1, targets.d2, arguments.soft).T
+    if soft is not None:
+        x, y, z = soft_reach(targets.position, targets.d1, targets.d2, soft).T
         targets = replace(targets, x=x, y=y, z=z)
     return targets
 

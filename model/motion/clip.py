@@ -145,13 +145,16 @@ def _called(clip: Clip, pattern: str) -> list[int]:
     return [joint for joint, names in enumerate(last) if any(re.fullmatch(pattern, name) for name in names)]
 
 
+def named(clip: Clip, name: str) -> list[int]:
+    """Return the joints of a name.  Raises :class:`ClipError` if there is none."""
+    if found := [k for k, node in enumerate(clip.nodes) if not node.end and node.name == name]:
+        return found
+    raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(_joint_names(clip))}")
+
+
 def _given(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
     """Return the joints of an arm by their names, of which the clip may have several; others: arms that are found."""
-    found = [[k for k, node in enumerate(clip.nodes) if not node.end and node.name == name] for name in joints]
-    for name, those in zip(joints, found, strict=True):
-        if not those:
-            raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(_joint_names(clip))}")
-    for upper, fore, hand in product(*found):
+    for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
     raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
