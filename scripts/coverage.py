@@ -39,12 +39,7 @@ ANNOTATED = ROOT / "build" / "coverage" / "annotated"
 WAIVERS = ROOT / "tb" / "sim" / "coverage_waivers.txt"
 PAGE = GENERATED / "coverage.md"
 
-SUITE = [
-    "tb/units",
-    "tb/core/test_streams.py",
-    "tb/core/test_every_node.py",
-    "tb/axi/test_ik_axi.py",
-]
+SUITE = ["tb/units", "tb/core/test_streams.py", "tb/core/test_every_node.py", "tb/axi/test_ik_axi.py"]
 """Tests that compare every output, or every node, with a reference."""
 LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not storage)"
 """Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""

@@ -58,9 +58,7 @@ for line in sys.argv[1:]:
         sys.exit(1)
 """
 """Program that checks sources with slang, one command line after another."""
-WAIVED = {
-    "shift-count-overflow": "the low part of a product may have no bits (ik_mul3)",
-}
+WAIVED = {"shift-count-overflow": "the low part of a product may have no bits (ik_mul3)"}
 """Warning of slang -> reason why it is off."""
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"

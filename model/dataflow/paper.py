@@ -200,8 +200,7 @@ ARMS = Rule(
     lambda c: (0.5, 0.5) if c.clamped else (0.5 - c.ulp, 1 - c.ulp),
 )
 TARGET = Rule(
-    "2^j |p_a|^2 = |p_w| |p_a|, with |p_a| <= d1 + d2 <= 1",
-    lambda c: (0.0, min(c.p[1] ** 2 * 2.0 ** -c.j[0], c.p[1])),
+    "2^j |p_a|^2 = |p_w| |p_a|, with |p_a| <= d1 + d2 <= 1", lambda c: (0.0, min(c.p[1] ** 2 * 2.0 ** -c.j[0], c.p[1]))
 )
 LAW = Rule("|p_w^2 + d1^2 - d2^2| = 2 d1 |p_w| |cos a| <= 2 d1 |p_w| by the law of cosines", upto(lambda c: c.k_e))
 LAW_PLANE = Rule("k_e times |pi_swivel| <= sqrt 2", upto(lambda c: c.k_e * c.b[1]))
@@ -218,8 +217,7 @@ HEIGHT_SQ = Rule(
 )
 HEIGHT = Rule("its root", lambda c: (0.0, math.sqrt(c.tmp1[1])))
 ELBOW_NUM = Rule(
-    "the numerators of (13) are the components of p_e times |PP^-|^2",
-    upto(lambda c: c.p_e * c.pp[1] ** 2),
+    "the numerators of (13) are the components of p_e times |PP^-|^2", upto(lambda c: c.p_e * c.pp[1] ** 2)
 )
 ELBOW = Rule(
     "the elbow is d1 away from the shoulder (with rounded arms at most |k_e| / 2|p_w|)",

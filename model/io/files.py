@@ -31,11 +31,7 @@ _NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|i
 
 
 def read_csv(
-    path: str | os.PathLike[str],
-    *,
-    d1: float | None = None,
-    d2: float | None = None,
-    phi: float = math.pi,
+    path: str | os.PathLike[str], *, d1: float | None = None, d2: float | None = None, phi: float = math.pi
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
@@ -48,11 +44,7 @@ def read_csv(
     Raises TargetError for any error in the file or in a value.
     """
     path = os.fspath(path)
-    defaults = {
-        "phi": phi,
-        "d1": DEFAULT_D1 if d1 is None else d1,
-        "d2": DEFAULT_D2 if d2 is None else d2,
-    }
+    defaults = {"phi": phi, "d1": DEFAULT_D1 if d1 is None else d1, "d2": DEFAULT_D2 if d2 is None else d2}
     for column, default in defaults.items():
         reason = _value_reason(column, default)
         if reason:

@@ -75,12 +75,7 @@ NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
     "Write a page that runs the Verilog in a browser.",
     [
         option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
-        option(
-            "--datapath",
-            f"some of {', '.join(NAMES)}",
-            some_of(NAMES, len(NAMES)),
-            metavar="NAME[,NAME]",
-        ),
+        option("--datapath", f"some of {', '.join(NAMES)}", some_of(NAMES, len(NAMES)), metavar="NAME[,NAME]"),
         option("--width", "word length of the cores", WORD_LENGTH, metavar="BITS"),
     ],
     passes="the page is written",

@@ -99,11 +99,7 @@ BAD_INPUT = [
     ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6,,here\n"),
     ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,here\n"),
     ("soak --again in.csv", "in.csv: row 2: column d2: '1_0'", f"{HEAD}\nlean,18,1,2,3,4,5,1_0,,here\n"),
-    (
-        "soak --again in.csv",
-        "row 2: column hand_error: '-1.#IND00'",
-        f"{HEAD}\nlean,18,1,2,3,4,5,6,-1.#IND00,here\n",
-    ),
+    ("soak --again in.csv", "row 2: column hand_error: '-1.#IND00'", f"{HEAD}\nlean,18,1,2,3,4,5,6,-1.#IND00,here\n"),
     ("soak --again in.csv", "in.csv: CSV", b"\xff"),
     ("soak_memory --jobs 0", "--jobs 0"),
     ("waves in.vcd peper 32 o.gtkw", "'peper' 'lean', 'paper',", ""),

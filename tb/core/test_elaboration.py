@@ -52,10 +52,7 @@ PAPER = {
     "illegal_DIGIT": [{"DIGIT": 2}, {"DIGIT": -1}],
 }
 FOLD = {
-    "illegal_W": [
-        *({"W": w} for w in (18, 19, 21, 33, 34)),
-        *({"W": w, "TILE": 16} for w in (16, 17, 19, 25, 26)),
-    ],
+    "illegal_W": [*({"W": w} for w in (18, 19, 21, 33, 34)), *({"W": w, "TILE": 16} for w in (16, 17, 19, 25, 26))],
     "illegal_TAG_W": [{"TAG_W": 0}],
     "illegal_TILE": [{"TILE": 17}, {"TILE": 25}],
 }

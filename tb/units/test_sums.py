@@ -115,10 +115,7 @@ def pick(W: int) -> Tests:
         return wrapped(-b if minus else b, words) if use_b else a
 
     return checks(
-        {"a": words, "b": words, "use_b": BIT, "minus": BIT},
-        {"q": words},
-        each(reference),
-        latency=Latency(32)["mux"],
+        {"a": words, "b": words, "use_b": BIT, "minus": BIT}, {"q": words}, each(reference), latency=Latency(32)["mux"]
     )
 
 

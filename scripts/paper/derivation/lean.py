@@ -16,27 +16,13 @@ from model.reference import cga
 from model.reference.cga import symbol
 from model.reference.lean_equations import HALF, LEAN
 from scripts.paper.derivation.paper import normal, of_axes
-from scripts.paper.derivation.proofs import (
-    COS_H,
-    HALF_CIRCLE,
-    PRINTED,
-    SIN_H,
-    Step,
-    corrected,
-    parse,
-    symbols,
-)
+from scripts.paper.derivation.proofs import COS_H, HALF_CIRCLE, PRINTED, SIN_H, Step, corrected, parse, symbols
 
 NORMAL = "vec(cos_phi*u_y + sin_phi*sin_el*u_x, sin_phi*sin_el*u_y - cos_phi*u_x, -sin_phi*cos_el)"
 ACROSS = "vec(sin_phi*u_y - cos_phi*sin_el*u_x, -cos_phi*sin_el*u_y - sin_phi*u_x, cos_phi*cos_el)"
 """Unit vectors n, of the swivel plane, and m, perpendicular to it and to the target."""
 
-CIRCLES = (
-    "u_y**2 = 1 - u_x**2",
-    "cos_el**2 = 1 - sin_el**2",
-    "sin_a**2 = 1 - cos_a**2",
-    "sin_phi**2 = 1 - cos_phi**2",
-)
+CIRCLES = ("u_y**2 = 1 - u_x**2", "cos_el**2 = 1 - sin_el**2", "sin_a**2 = 1 - cos_a**2", "sin_phi**2 = 1 - cos_phi**2")
 SQUARES = (
     "rho**2 = x**2 + y**2",
     "dist**2 = x**2 + y**2 + z**2",
@@ -274,14 +260,4 @@ def length(step: Step) -> None:
     step.prove("q_s = q/length", label="Q_s = q/|q|", q_s=q_s, q=sp.Matrix(symbols("w_1 i_1 j_1 k_1")))
 
 
-STEPS = (
-    directions,
-    swivel,
-    elbow,
-    elbow_quaternion,
-    shoulder,
-    factors,
-    half,
-    product,
-    length,
-)
+STEPS = (directions, swivel, elbow, elbow_quaternion, shoulder, factors, half, product, length)

@@ -197,13 +197,4 @@ def product(step: Step) -> None:
     step.rows("(18)", dict(zip(names, cga.quaternion_coefficients(Q_s), strict=True)))
 
 
-STEPS = (
-    swivel_plane,
-    point_pair,
-    sums,
-    elbow_point,
-    elbow_quaternion,
-    rotate_to_elbow,
-    rotate_to_wrist,
-    product,
-)
+STEPS = (swivel_plane, point_pair, sums, elbow_point, elbow_quaternion, rotate_to_elbow, rotate_to_wrist, product)
