@@ -20,8 +20,8 @@ from tb.core.random_targets import Core, Found
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 
 EXPLAINED = (
-    "limit: of the error, from the table of tolerances or BAR=; predicted: error that rounding can cause at these "
-    "poses, which explains an error and is no limit"
+    "limit: largest permitted error, BAR= or that of the table of tolerances; predicted: error that rounding can cause "
+    "at these poses, an explanation and no limit"
 )
 
 

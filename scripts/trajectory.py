@@ -71,9 +71,7 @@ def trajectory_options(
         "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: the clip's own "
         "angles, their mean, or one number (default: clip)"
     )
-    pole = (
-        "the elbow points at this point instead: of a CSV file from the shoulder, of a clip in its frame, or a joint"
-    )
+    pole = "the elbow points at this point instead: of a CSV file from the shoulder, of a clip in its frame, or a joint"
     soft = "part of the reach, 0 to 1, over which targets of a CSV file or a clip approach the straight arm smoothly"
     bar = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "

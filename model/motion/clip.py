@@ -107,7 +107,8 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
         if side not in known:
             likely = [name for name in _joint_names(clip) if re.search(LIKELY[limb], "".join(_words(name)))]
             names = ", ".join((likely or _joint_names(clip))[:40])
-            raise ClipError(f"{clip.path}: no {side} {limb} is known by name; JOINTS= names its three of {names}")
+            hint = "".join(f"ARM={one} runs the other, " for one in known)
+            raise ClipError(f"{clip.path}: no {side} {limb} is known by name; {hint}JOINTS= names its three of {names}")
     above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
     for side in sides:
