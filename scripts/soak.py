@@ -220,7 +220,7 @@ def code(datapath: str) -> str:
 def _keep(core: Core, of: str, found: Found) -> None:
     """Replace the rows of these targets on the page."""
     key = [core.datapath, str(core.width), of]
-    flags = [flag.name for flag in FLAGS if flag.bit != SATURATED]
+    flags = [name for name, flag in FLAGS.items() if flag != SATURATED]
     errors = found.hand_error_max, tolerances.hand(core.width, core.datapath), found.norm_error_max
     row = [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *map(_number, errors)]
     row += [*(str(found.flags[name]) for name in flags), code(core.datapath)]

@@ -213,5 +213,5 @@ def answer(words: np.ndarray, bits: Bits) -> Answer:
     for name, time in times(bits.width).items() if times else ():
         bits.nodes[name].time = time
     value = {k: n.value for k, n in bits.nodes.items()}
-    flags = sum(value[flag.name] * np.int64(flag.bit) for flag in FLAGS if flag.bit != SATURATED)
+    flags = sum(value[name] * np.int64(flag) for name, flag in FLAGS.items() if flag != SATURATED)
     return Answer(np.stack([value[k] for k in RESULT_FIELDS], axis=1), flags, bits)

@@ -7,7 +7,6 @@ A flagged result is still a defined value: a clamped pose, or a pose by conventi
 from __future__ import annotations
 
 from enum import IntFlag
-from typing import NamedTuple
 
 import numpy as np
 
@@ -39,21 +38,14 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 """Flags of a target whose pose is clamped: the hand cannot reach the target."""
 
 
-class Row(NamedTuple):
-    name: str
-    bit: int
-    meaning: str
-
-
-FLAGS = tuple(Row(name.lower(), int(flag), flag.meaning) for name, flag in Flag.__members__.items())
+FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items()}
 """The flags by the names of the dataflow's nodes."""
 
 
 def names(flags: int) -> str:
     """Return the names of the set flags, joined by '+'; '-' when none is set. An unnamed bit is 'bitN'."""
-    known = {flag.bit: flag.name for flag in FLAGS}
-    bits = [1 << n for n in range(FLAG_BITS) if flags >> n & 1]
-    return "+".join(known.get(bit, f"bit{bit.bit_length() - 1}") for bit in bits) or "-"
+    known = {flag: name for name, flag in FLAGS.items()}
+    return "+".join(known.get(1 << n, f"bit{n}") for n in range(FLAG_BITS) if flags >> n & 1) or "-"
 
 
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:

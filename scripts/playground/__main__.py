@@ -44,7 +44,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
     return {
         "machines": [table(machine) for machine in machines],
         "headroom": HEADROOM_BITS,
-        "flags": [flag._asdict() for flag in FLAGS],
+        "flags": [{"name": name, "bit": int(flag), "meaning": flag.meaning} for name, flag in FLAGS.items()],
         "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
         "trajectories": [{"name": name, "rows": own} for name, own in rows.items()],
         "tools": tools(),

@@ -45,7 +45,7 @@ def bin_of(*values: str) -> Point:
 
 BINS = [
     bin_of(flag, datapath, region, stall)
-    for flag in ["-", *(flag.name for flag in FLAGS if flag.bit != SATURATED)]
+    for flag in ["-", *(name for name, flag in FLAGS.items() if flag != SATURATED)]
     for datapath, region, stall in itertools.product(("lean", "paper", "fold"), REGIONS, STALLS)
     if (flag, region) not in IMPOSSIBLE
 ]

@@ -220,7 +220,7 @@ def judge(
 
     by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: worst_targets.KEPT]
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
-    flagged = Counter({flag.name: int(np.count_nonzero(run.flags & flag.bit)) for flag in FLAGS})
+    flagged = Counter({name: int(np.count_nonzero(run.flags & flag)) for name, flag in FLAGS.items()})
     found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart, flagged)
     return Found() + found, failures, hand
 

@@ -51,7 +51,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     homes = {n.name: ("" if n.name in at_top else f"u_{n.section}", n.format.width) for n in nodes.values()}
     netlist = Netlist(place / "design.json", top, homes)
     out = len(netlist.wire("", "valid"))
-    flags = {flag.bit: flag.name for flag in FLAGS if flag.bit != SATURATED}
+    flags = {flag: name for name, flag in FLAGS.items() if flag != SATURATED}
     expected = {
         "out_data": [
             Bit("node", field, k, clocks=out - nodes[field].time) for field in RESULT_FIELDS for k in range(width)
