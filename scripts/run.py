@@ -16,7 +16,6 @@ from contextlib import AbstractContextManager as ContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -39,7 +38,6 @@ Done = Sequence[Sequence[tuple[Run, Score]]]
 """Runs and scores of the trajectories, for each datapath."""
 
 SCORES = "score.json"
-CLIP_KINDS = ("bvh", "glb")
 
 OPTIONS = [
     *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
@@ -52,17 +50,12 @@ def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
-    settings: dict[str, Any] = {
-        "width": arguments.width,
-        "datapath": datapath,
-        "simulator": arguments.sim,
-        "bar": arguments.bar,
-    }
+    core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
     scored = []
     for item, run in zip(prepared, runs, strict=True):
-        settings["predicted"] = hand_bar(item.words, arguments.width, datapath) if predict else None
-        settings["placed"] = placed(item, run, arguments.width) if item.clip else None
-        scored.append((run, score(item.targets, item.words, item.exponent, run, **settings)))
+        own = {"predicted": hand_bar(item.words, arguments.width, datapath) if predict else None}
+        own["placed"] = placed(item, run, arguments.width) if item.clip else None
+        scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **own)))
     return scored
 
 
@@ -73,15 +66,9 @@ def simulated(
     total = sum(len(item.words) for item in prepared)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
         meter(0, "compiling and starting")
-        return simulate(
-            [Job(item.targets.name, item.words) for item in prepared],
-            simulator=arguments.sim,
-            datapath=datapath,
-            width=arguments.width,
-            waves=waves,
-            progress=lambda done, _: meter(done),
-            cores=arguments.cores,
-        )
+        jobs = [Job(item.targets.name, item.words) for item in prepared]
+        core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
+        return simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
 
 
 def run_and_score(
@@ -107,7 +94,7 @@ def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
 def of_datapath(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
     """Return the paths that `write_results` writes for one datapath."""
     tables = result_paths(folder, prepared)
-    clip = [folder / f"clip.{kind}" for kind in CLIP_KINDS if prepared[0].clip]
+    clip = [folder / name for name in ("clip.bvh", "clip.glb") if prepared[0].clip]
     return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
 
 
@@ -146,12 +133,6 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray
     return of(lambda arm: arm.fore), of(lambda arm: arm.hand)
 
 
-def turned_clip(item: Prepared, ran: Run, width: int) -> dict[str, bytes]:
-    """Return the turned clip as the content of a file for each of CLIP_KINDS."""
-    clip = turned(item, ran, width)
-    return {"bvh": clip.content(), "glb": gltf.animated(clip, item.targets.name, item.scale)}
-
-
 def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:
     """Write the files of each datapath for its folder, and one score.json, each to its path from `files`."""
     for folder, scored in zip(folders, done, strict=True):
@@ -160,8 +141,9 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
             if item.clip:
                 errors = {"elbow_error": elbow_errors(item, result).tolist()}
                 targets = replace(targets, others=targets.others | errors)
-                for kind, content in turned_clip(item, ran, result.width).items():
-                    files(path.with_name(f"clip.{kind}")).write_bytes(content)
+                clip = turned(item, ran, result.width)
+                files(path.with_name("clip.bvh")).write_bytes(clip.content())
+                files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             for suffix, content in tables(targets, ran, result).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

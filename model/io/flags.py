@@ -44,7 +44,7 @@ FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items()}
 
 def names(flags: int) -> str:
     """Return the names of the set flags, joined by '+'; '-' when none is set. An unnamed bit is 'bitN'."""
-    known = {flag: name for name, flag in FLAGS.items()}
+    known = {int(flag): name for name, flag in FLAGS.items()}
     return "+".join(known.get(1 << n, f"bit{n}") for n in range(FLAG_BITS) if flags >> n & 1) or "-"
 
 

@@ -310,20 +310,12 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
         longer = reach * (1 + 2 * ulp) / np.maximum(distance, reach / 2)
         wrists.append(move.wrist * np.where(distance >= reach * (1 - 2 * ulp), longer, 1.0))
     x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
+    columns = [(np.broadcast_to(angle, count), move.d1, move.d2) for angle, move in zip(phi, moves, strict=True)]
+    angles, d1, d2 = np.array(columns).transpose(1, 2, 0).reshape(3, -1)
     arm = np.tile([move.arm.label for move in moves], count)
-    return Targets(
-        name=clip.path.stem,
-        path=str(clip.path),
-        x=x,
-        y=y,
-        z=z,
-        phi=np.stack([np.broadcast_to(angle, count) for angle in phi], axis=1).reshape(-1),
-        d1=np.stack([move.d1 for move in moves], axis=1).reshape(-1),
-        d2=np.stack([move.d2 for move in moves], axis=1).reshape(-1),
-        frame=np.stack([move.frame for move in moves], axis=1).reshape(-1, 4),
-        arm=arm,
-        others={"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()},
-    )
+    others = {"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()}
+    frame = np.stack([move.frame for move in moves], axis=1).reshape(-1, 4)
+    return Targets(clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm)
 
 
 # -- the turned clip ---------------------------------------------------------------------------------------------------

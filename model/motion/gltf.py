@@ -95,14 +95,7 @@ class _Data:
         self.file.bufferViews.append(view)
         table = values.reshape(len(values), -1)
         low, high = (table.min(axis=0).tolist(), table.max(axis=0).tolist()) if bounds else (None, None)
-        self.file.accessors.append(
-            gltf.Accessor(
-                bufferView=len(self.file.bufferViews) - 1,
-                componentType=self.KINDS[values.dtype.str[1:]],
-                count=len(values),
-                type=kind,
-                min=low,
-                max=high,
-            )
-        )
-        return len(self.file.accessors) - 1
+        number, component = len(self.file.accessors), self.KINDS[values.dtype.str[1:]]  # a view for each accessor
+        about = {"bufferView": number, "componentType": component, "count": len(values), "type": kind}
+        self.file.accessors.append(gltf.Accessor(**about, min=low, max=high))
+        return number

@@ -114,23 +114,7 @@ def test_any_file_is_read_as_by_the_second_reader_and_written_as_it_is(tmp_path_
     assert clip.turned({}).content() == clip.content()
 
 
-WORDS = [
-    "{",
-    "}",
-    "JOINT",
-    "ROOT",
-    "End",
-    "OFFSET",
-    "CHANNELS",
-    "MOTION",
-    "Frames:",
-    "0",
-    "-1",
-    "1e999",
-    "1e29",
-    "nan",
-    "\n",
-]
+WORDS = [*"{ } JOINT ROOT End OFFSET CHANNELS MOTION Frames: 0 -1 1e999 1e29 nan".split(), "\n"]
 
 
 @given(st.data())
