@@ -192,11 +192,8 @@ def main(options: SimpleNamespace) -> int:
     if options.only:
         return 0
     found = findings(counts, reasons) + idle
-    print(
-        "\n".join(
-            [*found[:SHOWN], *([f"and {len(found) - SHOWN} more"] if len(found) > SHOWN else [])] or ["no findings"]
-        )
-    )
+    more = [f"and {len(found) - SHOWN} more"] if len(found) > SHOWN else []
+    print(*(found[:SHOWN] + more or ["no findings"]), sep="\n")
     if options.keep and not found:
         write_atomically(PAGE, page(counts, reasons))
         print(f"wrote {PAGE.name}")

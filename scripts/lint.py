@@ -100,10 +100,7 @@ def lint_module(source: Path) -> tuple[str, str]:
     modules = re.findall(r"^module +(\w+)", text, re.MULTILINE) if source.parent == RULES else [name]
     has_width = re.search(r"\bparameter +(integer +)?W *=", text)
     sets = MODULE_SETS.get(name) or ([{"W": 32}, {"W": 18}] if has_width else [{}])
-    folders = [
-        *dict.fromkeys(path.parent for path in sources()),
-        *(ROOT / name for name in (*FOLDERS, "tb/icebreaker")),
-    ]
+    folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / f for f in (*FOLDERS, "tb/icebreaker"))]
     where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
     found, lines = {}, []  # several parameter sets may give the same message

@@ -47,7 +47,7 @@ OPTIONS = [
 
 
 def score_runs(
-    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool
+    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
     core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
@@ -69,17 +69,6 @@ def simulated(
         jobs = [Job(item.targets.name, item.words) for item in prepared]
         core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
         return simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
-
-
-def run_and_score(
-    arguments: SimpleNamespace,
-    datapath: str,
-    prepared: Sequence[Prepared],
-    waves: Path | None = None,
-    predict: bool = True,
-) -> list[tuple[Run, Score]]:
-    """Run and score all trajectories in one simulation. Raises SimulationError."""
-    return score_runs(arguments, datapath, prepared, simulated(arguments, datapath, prepared, waves), predict)
 
 
 # -- files -----------------------------------------------------------------------------------------
@@ -186,7 +175,8 @@ def main(arguments: SimpleNamespace) -> int:
         done = []
         for datapath, folder in folders.items():
             vcd = folder / VCD
-            done.append(run_and_score(arguments, datapath, prepared, files(vcd) if arguments.waves else None, predict))
+            runs = simulated(arguments, datapath, prepared, files(vcd) if arguments.waves else None)
+            done.append(score_runs(arguments, datapath, prepared, runs, predict))
             if arguments.waves and len(prepared) == 1:
                 align(vcd, prepared[0].words, arguments.width, datapath, files)
             elif arguments.waves:

@@ -324,10 +324,8 @@ def _again(arguments: SimpleNamespace) -> int:
         found, failures, _ = judge(core, words, range(len(words)))
         _report(failures, words, lambda n, group=group: group[n].found)
         status |= bool(failures)
-        print(
-            f"{core}: {len(words)} targets, largest hand error / reach {found.hand_error_max:.3e}: "
-            f"{'FAIL' if failures else 'pass'}"
-        )
+        verdict = "FAIL" if failures else "pass"
+        print(f"{core}: {len(words)} targets, largest hand error / reach {found.hand_error_max:.3e}: {verdict}")
     return status
 
 

@@ -38,12 +38,8 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
     parameters, echo = INSTANCES[number % len(INSTANCES)]
     what = f"{'echo' if echo else 'core'} {named(parameters)}"
     with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:
-        env = {
-            "IK_AXI_SEED": str(seed * 1_000_000 + number + 1),
-            "IK_AXI_JOBS": str(PIECE * 4 // 5),
-            "IK_AXI_DONE": done.name,
-            "COCOTB_TEST_FILTER": "many_jobs",
-        }
+        env = {"IK_AXI_SEED": str(seed * 1_000_000 + number + 1), "IK_AXI_JOBS": str(PIECE * 4 // 5)}
+        env |= {"IK_AXI_DONE": done.name, "COCOTB_TEST_FILTER": "many_jobs"}
         options = {"root": ECHO_PLACE, "name": "echo"} if echo else {}
         env |= {"IK_AXI_CORE": "echo"} if echo else {}
         failed = ""

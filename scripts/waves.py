@@ -194,11 +194,8 @@ class _Save:
             return
         shown = min(fmt.width, SHOWN_BITS)
         frac = fmt.frac - (fmt.width - shown)
-        options = {
-            "datafmt": "signed" if fmt.signed else "dec",
-            "extraflags": GTKWFlag.fpdecshift if frac else GTKWFlag.none,
-            "color": color,
-        }
+        flags = GTKWFlag.fpdecshift if frac else GTKWFlag.none
+        options = {"datafmt": "signed" if fmt.signed else "dec", "extraflags": flags, "color": color}
         if frac:  # pyvcd does not write this line
             self.stream.write(f"[fpshift_count] {frac}\n")
         if of is None and shown == fmt.width:
@@ -239,10 +236,8 @@ def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
     signals = Signals(vcd)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
     shown = [(words[node.name], signals[place(datapath, node)].code) for node in nodes]
-    clk, handshake = (
-        signals[("clk",)].code,
-        [signals[(name,)].code for name in ("rst", "s_axis_tvalid", "s_axis_tready")],
-    )
+    clk = signals[("clk",)].code
+    handshake = [signals[(name,)].code for name in ("rst", "s_axis_tvalid", "s_axis_tready")]
     edges: list[int] = []
     admitted: list[int] = []
     before = "x"

@@ -167,10 +167,8 @@ def score(
     d1, d2 = np.ldexp(targets.d1, exponent), np.ldexp(targets.d2, exponent)
     reach = d1 + d2
     pose = solve_clamped(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
-    pose_qs, pose_qe, pose_elbow = (
-        np.column_stack([pose[name] for name in names])
-        for names in (RESULT_FIELDS[:4], RESULT_FIELDS[4:], ("p_e_x", "p_e_y", "p_e_z"))
-    )
+    parts = RESULT_FIELDS[:4], RESULT_FIELDS[4:], ("p_e_x", "p_e_y", "p_e_z")
+    pose_qs, pose_qe, pose_elbow = (np.column_stack([pose[name] for name in names]) for names in parts)
     values = result_values(run.results, width)
     qs, qe = values[:, :4], values[:, 4:]
 

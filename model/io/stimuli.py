@@ -215,15 +215,9 @@ def mixed(count: int, width: int, seed: int) -> np.ndarray:
     random = np.random.default_rng((seed, width, 4))
     rows = np.array(list(corners(width).values()), dtype=np.int64)
     rest = max(0, count - len(rows))
-    rows = np.concatenate(
-        [
-            random.permutation(rows)[:count],
-            random_reachable(rest - 2 * (rest // 4), width, seed),
-            unreachable(rest // 4, width, seed),
-            extremes(rest // 4, width, seed),
-        ]
-    )
-    return random.permutation(rows)
+    others = [kind(rest // 4, width, seed) for kind in (unreachable, extremes)]
+    reachable = random_reachable(rest - 2 * (rest // 4), width, seed)
+    return random.permutation(np.concatenate([random.permutation(rows)[:count], reachable, *others]))
 
 
 REGIONS = {

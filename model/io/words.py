@@ -162,22 +162,16 @@ def scale_exponent(targets: Targets, width: int) -> int:
     else:
         size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
-        raise targets.error(
-            int(n),
-            FIELDS[axis],
-            f"is too far out: for the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
-            f"the format ends at {math.ldexp(2.0, -exponent):.6g}",
-        )
+        arm = f"for the longest arm, {reach[longest]:.6g}{targets.arm_note}"
+        reason = f"is too far out: {arm}, the format ends at {math.ldexp(2.0, -exponent):.6g}"
+        raise targets.error(int(n), FIELDS[axis], reason)
 
     for column in ARMS:
         words = _quantise(_ldexp(getattr(targets, column), exponent), width)
         if not words.all():
-            raise targets.error(
-                int(np.argmin(words != 0)),
-                column,
-                f"is too short: beside the longest arm, {reach[longest]:.6g}{targets.arm_note}, "
-                f"its word of {width} bits is 0",
-            )
+            arm = f"beside the longest arm, {reach[longest]:.6g}{targets.arm_note}"
+            reason = f"is too short: {arm}, its word of {width} bits is 0"
+            raise targets.error(int(np.argmin(words != 0)), column, reason)
     return exponent
 
 
@@ -221,14 +215,9 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
     Exact for lengths; phi is in [-pi, pi). `to_words(..., exponent=exponent)` gives `words` again.
     """
-    columns = np.asarray(words, dtype=np.int64).T
-    values = {
-        name: np.ldexp(column.astype(np.float64), 2 - width - exponent)
-        for name, column in zip(FIELDS, columns, strict=True)
-        if name in LENGTHS
-    }
-    values["phi"] = np.ldexp(columns[FIELDS.index("phi")].astype(np.float64), -width) * (2 * np.pi)
-    return Targets(name=name, **values)
+    columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T.astype(np.float64), strict=True))
+    values = {length: np.ldexp(columns[length], 2 - width - exponent) for length in LENGTHS}
+    return Targets(name=name, **values, phi=np.ldexp(columns["phi"], -width) * (2 * np.pi))
 
 
 def pack(fields: np.ndarray, width: int) -> list[int]:

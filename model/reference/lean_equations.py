@@ -266,9 +266,8 @@ def solve_lean(x, y, z, phi, d1, d2):
     # Where d1 + d2 or d1 - d2 is not a double, a target may be out of reach by less than its rounding; then A or B is
     # negative and the other value of each pair above 1, and the target counts as at the limit.
     for name, case in CASES.items():
-        values[name] = np.select(
-            [cases[c] for c in reversed(case)], [*reversed(case.values())], np.clip(values[name], -1, 1)
-        )
+        last_first = [cases[c] for c in reversed(case)], [*reversed(case.values())]
+        values[name] = np.select(*last_first, np.clip(values[name], -1, 1))
     evaluate(group for group in LEAN if group not in (*EXACT, *SCALED))
     sign = np.where(values["k_1"] < 0, -1.0, 1.0)
     values |= {name: sign * values[name] for name in ("qs_w", "qs_i", "qs_j", "qs_k")}

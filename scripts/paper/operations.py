@@ -51,9 +51,7 @@ UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
 """Table 4 as printed."""
 
 
-PRINTED = {
-    number: {name: parse(text, evaluate=False) for name, text in lines.items()} for number, lines in TEXT.items()
-}
+PRINTED = {n: {name: parse(text, evaluate=False) for name, text in lines.items()} for n, lines in TEXT.items()}
 """Equation -> line -> right side as printed, unevaluated, so that operations can be counted."""
 
 

@@ -33,7 +33,7 @@ from scripts.console import command
 from scripts.generate.render import TEMPLATES
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
-from scripts.run import SCORES, elbow_errors, of_datapath, outputs, result_paths, run_and_score, write_results
+from scripts.run import SCORES, elbow_errors, of_datapath, outputs, result_paths, score_runs, simulated, write_results
 from scripts.tables import figures, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run
@@ -165,7 +165,8 @@ def main(parsed: SimpleNamespace) -> int:
     prepared = prepare(parsed)
     folders = datapaths(parsed)
     with outputs(parsed.out, folders.values(), prepared, path) as files:
-        done = [run_and_score(parsed, datapath, prepared) for datapath in folders]
+        runs = [simulated(parsed, datapath, prepared) for datapath in folders]
+        done = [score_runs(parsed, datapath, prepared, ran) for datapath, ran in zip(folders, runs, strict=True)]
         shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
         text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)

@@ -40,10 +40,8 @@ def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
         simulate(ROOT, *points, fails=True)
     simulate(ROOT, *points)
     simulate(ROOT, *points)
-    assert read(tmp_path / "counts") == {
-        Point(FIFO, 13, 3, "toggle", "clk:0->1"): 10,
-        Point(FIFO, 40, 3, "branch", "if"): 0,
-    }
+    counts = {Point(FIFO, 13, 3, "toggle", "clk:0->1"): 10, Point(FIFO, 40, 3, "branch", "if"): 0}
+    assert read(tmp_path / "counts") == counts
 
 
 def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):

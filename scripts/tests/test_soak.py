@@ -252,10 +252,8 @@ CORE_24 = random_targets.Core("icarus", "lean", 24)
 def test_the_model_agrees_with_c(width):
     """The difference is little more than half an LSB; counts of parts of a set of targets add up."""
     words = chunk(0, width, 3)[:4000]
-    parts = [
-        judge(random_targets.Core("icarus", "lean", width), part, range(2000), soak.opinions)
-        for part in np.split(words, 2)
-    ]
+    core = random_targets.Core("icarus", "lean", width)
+    parts = [judge(core, part, range(2000), soak.opinions) for part in np.split(words, 2)]
     found = parts[0][0] + parts[1][0]
     assert not parts[0][1] and not parts[1][1]
     (lean_n, lean), (paper_n, paper) = found.apart.values()

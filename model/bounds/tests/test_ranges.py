@@ -24,9 +24,7 @@ WIDTHS = (16, 18, 24, 32)
 # -- paper -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "width", [w if w in (16, 32) else pytest.param(w, marks=[pytest.mark.slow]) for w in ALL_WIDTHS]
-)
+@pytest.mark.parametrize("width", [w if w in (16, 32) else pytest.param(w, marks=pytest.mark.slow) for w in ALL_WIDTHS])
 def test_nothing_saturates_but_by_design(width):
     """t_e only for clamped targets, where there is no elbow; c4_quo is limited to [-1, 1] by (14)."""
     only_clamped: dict[str, bool] = {}

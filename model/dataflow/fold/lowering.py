@@ -331,10 +331,8 @@ class Lowering(Domain):
             words = term.addend.startswith("half")
             addend = "hold" if number else "T_half" if words else "T"
             carry = "minus" if of.minus and not words and not of.inverse else ""
-            made = replace(
-                term, name=of.name, term=of.term, addend=addend, addend_by=NEVER, minus=of.minus, carry=carry
-            )
-            self._extend(group, at + 2 + number, replace(made, write=of.write))
+            made = replace(term, name=of.name, term=of.term, minus=of.minus, write=of.write)
+            self._extend(group, at + 2 + number, replace(made, addend=addend, addend_by=NEVER, carry=carry))
 
 
 def lower(width: int) -> tuple[Lowering, Groups]:

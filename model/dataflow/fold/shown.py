@@ -103,11 +103,8 @@ class _Finder:
 
     def pairs(self) -> None:
         for first, second in self.lowering.pairs.values():
-            clocks = tuple(
-                p.at + timing.WRITE
-                for p in self.program.steps
-                if p.step.write and isinstance(p.step.write.to, Pick) and p.step.write.to.pair == first
-            )
+            writes = ((p.at + timing.WRITE, p.step.write.to) for p in self.program.steps if p.step.write)
+            clocks = tuple(clock for clock, to in writes if isinstance(to, Pick) and to.pair == first)
             for name, which in ((first, "!"), (second, "")):
                 text = self.bits("w", self.place(name), name)
                 self.found[name] = Shown(self.nodes[name], clocks, text, f"{which}w_place[0]")

@@ -117,9 +117,7 @@ def test_hand_error_is_measured_at_the_users_target():
     np.testing.assert_array_equal(case.words, words)
     values = result_values(case.results, 16)
     _, wrist = forward(values[:, :4], values[:, 4:], aside.d1, aside.d2)
-    from_aside, from_grid = (
-        np.linalg.norm(wrist - targets.position, axis=1) / targets.reach for targets in (aside, on_grid)
-    )
+    from_aside, from_grid = (np.linalg.norm(wrist - t.position, axis=1) / t.reach for t in (aside, on_grid))
     np.testing.assert_allclose(case.score().each.hand_error, from_aside, rtol=1e-9)
     assert np.abs(from_aside - from_grid).max() > 1e-6
 

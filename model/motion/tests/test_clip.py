@@ -106,12 +106,13 @@ def test_angles_stay_near_the_original_ones(tmp_path):
 
 def hinged(path):
     """Make the elbow a hinge, as in the core."""
-    clip = read(path)
-    for arm in arms(clip):
-        columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
-        clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
-    path.write_bytes(clip.content())
-    return clip
+
+    def bend(clip):
+        for arm in arms(clip):
+            columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
+            clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
+
+    return changed(path, bend)
 
 
 def test_twist_of_the_core(tmp_path):
@@ -296,17 +297,11 @@ def spoil(text, line, column, word):
         (lambda text: spoil(text, 5, 3, "-1.#IND00"), r"line \d\d, joint Hips: '-1.#IND00' is not a finite number"),
         (lambda text: spoil(text, 1, 1, "many"), r"line \d\d: 'many' is not a finite number"),
         (lambda text: spoil(text, 2, 2, "nan"), r"line \d\d: 'nan' is not a finite number"),
-        (
-            lambda text: text.replace("0.000000 1.0", "inf 1.0", 1),
-            r"line 8: 'inf' is not a finite number \(joint Spine\)",
-        ),
+        (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), r"line 8: 'inf' is not a finite number .joint Spine"),
         (lambda text: text.replace("Zrotation", "Wrotation", 1), "line 5: 'Wrotation' is not a position or rotation"),
         (lambda text: text.replace("CHANNELS 6", "CHANNELS 6.5"), "line 5: '6.5' is not a whole number"),
-        (
-            lambda text: text.replace("OFFSET", "OFFSTE", 1),
-            "line 4: 'OFFSTE' is not OFFSET, CHANNELS, JOINT, End Site or }",
-        ),
-        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6: 'ROOT' is not OFFSET"),
+        (lambda text: text.replace("OFFSET", "OFFSTE", 1), "line 4: 'OFFSTE' is not .*, JOINT, End Site or }"),
+        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6: 'ROOT' is not OFFSET, CHANNELS, JOINT"),
         (lambda text: text.replace("ROOT", "JOINT"), "line 2: 'JOINT' is not ROOT"),
         (lambda text: text.replace("{", "", 1), "line 4: 'OFFSET' is not {"),
         (lambda text: b"\xff\xfe\x00" * 51, "no BVH clip: not text"),

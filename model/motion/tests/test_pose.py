@@ -64,9 +64,7 @@ def test_swivel_turns_the_elbow_about_the_line_to_the_wrist(reachable, axis):
     np.testing.assert_allclose(rotate(about, zero.elbow), turned.elbow, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("datapath", "width"), [("lean", 18), ("lean", 32), ("lean25", 18), ("paper", 18), ("paper", 32)]
-)
+@pytest.mark.parametrize("datapath, width", [("lean", 18), ("lean", 32), ("lean25", 18), ("paper", 18), ("paper", 32)])
 def test_a_width_gives_the_words_of_the_core(reachable, datapath, width):
     points, phi = reachable
     words, _ = to_words(Targets("t", *points.T, phi, D1, D2), width)

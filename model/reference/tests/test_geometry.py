@@ -149,11 +149,8 @@ def test_geometry_gives_the_equations():
     for bound, names in ((1e-9, "qs_w qs_i qs_j qs_k qe_w qe_i"), (1e-11, "l_sw p_e_x p_e_y p_e_z c4 c3 sign")):
         for name in names.split():
             close(GEOMETRY[name], printed[name], name, bound)
-    plane, pair, (w, *q12) = (
-        GEOMETRY["pi_swivel"],
-        cga.dual(GEOMETRY["PP"]),
-        cga.quaternion_coefficients(GEOMETRY["Q_12"]),
-    )
+    plane, pair = GEOMETRY["pi_swivel"], cga.dual(GEOMETRY["PP"])
+    w, *q12 = cga.quaternion_coefficients(GEOMETRY["Q_12"])
     found = {f"pi_swivel_{axis}": value for axis, value in zip("xyz", (plane.e1, plane.e2, plane.e3), strict=True)}
     found |= {f"pp_{unit}": value for unit, value in zip("ijk", cga.quaternion_coefficients(pair)[1:], strict=True)}
     found |= {f"pp_{blade}": getattr(pair, f"e{blade}") for blade in (14, 15, 24, 25, 34, 35)}

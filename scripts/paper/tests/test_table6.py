@@ -46,11 +46,8 @@ def difference(answers, expected):
 @pytest.mark.parametrize("way", WAYS)
 def test_c_gives_the_models_answers(way, real):
     """The paper's equations are compared away from singular poses: the model computes three sums in another form."""
-    for name, solve, targets in (
-        ("lean", solve_lean, REACH),
-        ("paper", equations.solve, REACH),
-        ("lean", solve_lean, RANDOM),
-    ):
+    cases = ("lean", solve_lean, REACH), ("paper", equations.solve, REACH), ("lean", solve_lean, RANDOM)
+    for name, solve, targets in cases:
         answers = Solver(columns(targets), name, real, way)(2)
         if real == "double" or targets is REACH:
             assert difference(answers, by_model(targets, solve)) < (1e-12 if real == "double" else 2e-5)
@@ -153,11 +150,8 @@ def test_errors_are_one_line(command, monkeypatch, tmp_path):
     monkeypatch.setattr(compiled, "SOURCE", broken)
     compiled.library.cache_clear()
     missing = "table6: no C compiler: cc is not in PATH (on Debian: apt-get install gcc)"
-    for key, path, expected in (
-        ("fortran", None, "c-lean-double-chain"),
-        ("c-", None, "cannot compile broken.c"),
-        ("c-", "", missing),
-    ):
+    cases = ("fortran", None, "c-lean-double-chain"), ("c-", None, "cannot compile broken.c"), ("c-", "", missing)
+    for key, path, expected in cases:
         if path is not None:
             monkeypatch.setenv("PATH", path)
         status, out, err = command(table6.main, "--targets", "50", "--only", key)

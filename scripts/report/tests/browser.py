@@ -47,12 +47,8 @@ class Browser:
         command += ["--disable-dev-shm-usage", "--disable-background-networking", f"--user-data-dir={profile}"]
         command += ["--remote-debugging-pipe", "about:blank"]
         shell = f'exec 8<&{there} 9>&{back}; exec 3<&8 4>&9 8<&- 9>&-; exec "$@"'  # moved twice: they may be 3 and 4
-        self._process = subprocess.Popen(
-            ["bash", "-c", shell, "bash", *command],
-            pass_fds=(there, back),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self._process = subprocess.Popen(["bash", "-c", shell, "bash", *command], pass_fds=(there, back), **quiet)
         os.close(there)
         os.close(back)
 
