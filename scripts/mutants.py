@@ -87,18 +87,11 @@ def page(results: list[Result], count: int, seed: int) -> str:
     """Return docs/generated/mutants.md."""
     commit = ["git", "describe", "--always", "--dirty"]
     commit = subprocess.run(commit, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
-    return render(
-        "mutants",
-        today=date.today().isoformat(),
-        commit=commit or "unknown",
-        count=count,
-        seed=seed,
-        head=HEAD,
-        rows=campaign.rows(results),
-        designs=[design.name for design in campaign.DESIGNS],
-        mean=sum(result.seconds for result in results) / max(len(results), 1),
-        survivors=sorted(result.mutant for result in results if result.verdict == SURVIVED),
-    )
+    about = {"today": date.today().isoformat(), "commit": commit or "unknown", "count": count, "seed": seed}
+    mean = sum(result.seconds for result in results) / max(len(results), 1)
+    survivors = sorted(result.mutant for result in results if result.verdict == SURVIVED)
+    found = {"head": HEAD, "rows": campaign.rows(results), "mean": mean, "survivors": survivors}
+    return render("mutants", designs=[design.name for design in campaign.DESIGNS], **about, **found)
 
 
 if __name__ == "__main__":

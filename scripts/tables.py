@@ -55,14 +55,10 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
 
     flags (N,): the core's flag bits.
     """
+    limit = "-" if result.hand_error_max is None else _limit(result.hand_error_bar)
     rows: list[tuple[str, ...]] = [
         ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
-        (
-            "hand error / reach, largest",
-            _number(result.hand_error_max),
-            "-" if result.hand_error_max is None else _limit(result.hand_error_bar),
-            _number(result.hand_error_predicted),
-        ),
+        ("hand error / reach, largest", _number(result.hand_error_max), limit, _number(result.hand_error_predicted)),
     ]
     if result.hand_error_pose is not None:
         rows.append((f"  {result.hand_error_pose}", f"target {result.hand_error_target}"))

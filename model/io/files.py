@@ -113,13 +113,8 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
     columns = [cell.strip() for cell in header]
     columns = [column.lower() if column.lower() in FIELDS else column for column in columns]
     if not set(columns) & set(REQUIRED):
-        raise cell_error(
-            path,
-            row,
-            columns[0] or "(no name)",
-            ",".join(columns),
-            f"is no header of targets, which names {','.join(REQUIRED)} and maybe {','.join(FIELDS[3:])}",
-        )
+        reason = f"is no header of targets, which names {','.join(REQUIRED)} and maybe {','.join(FIELDS[3:])}"
+        raise cell_error(path, row, columns[0] or "(no name)", ",".join(columns), reason)
     for n, column in enumerate(columns, 1):
         if columns.count(column) > 1 and column:
             raise cell_error(path, row, column, header[n - 1].strip(), "appears twice in the header")

@@ -57,16 +57,10 @@ NAMES = KINDS | {"fifo": "output FIFO"}
 
 def scores_page(scores: dict[str, list[dict]]) -> str:
     """Return scores.md. scores: datapath -> objects of its score.json."""
-    return render(
-        "scores",
-        scores=scores,
-        lean_bar=f"{tolerances.LEAN[32]:.0e}",
-        regular_bar=f"{tolerances.REGULAR:.0e}",
-        region_targets=accuracy.TARGETS,
-        by_region=accuracy.by_region(),
-        regions=REGIONS,
-        described=[(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES],
-    )
+    bars = {"lean_bar": f"{tolerances.LEAN[32]:.0e}", "regular_bar": f"{tolerances.REGULAR:.0e}"}
+    regions = {"region_targets": accuracy.TARGETS, "by_region": accuracy.by_region(), "regions": REGIONS}
+    described = [(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES]
+    return render("scores", scores=scores, described=described, **bars, **regions)
 
 
 def latency_page() -> str:

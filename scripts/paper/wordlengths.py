@@ -77,18 +77,9 @@ def page(observed: Observed) -> str:
     for name, cells in proved_cells().items():
         seen, ulp = observed.nodes[name], proofs[name].node.format.ulp
         rows.append((name, *cells, _bounds(seen.low * ulp, seen.high * ulp)))
-    return render(
-        "wordlengths",
-        width=WIDTH,
-        widths=WIDTHS,
-        observed=observed,
-        seed=SEED,
-        regular_poses=REGULAR_POSES,
-        regular_distance=REGULAR_DISTANCE,
-        reach=REACH,
-        errors=hand_error_by_width(),
-        all_nodes=rows,
-    )
+    about = {"regular_poses": REGULAR_POSES, "regular_distance": REGULAR_DISTANCE, "reach": REACH}
+    about |= {"errors": hand_error_by_width(), "seed": SEED}
+    return render("wordlengths", width=WIDTH, widths=WIDTHS, observed=observed, all_nodes=rows, **about)
 
 
 def problems(observed: Observed) -> list[str]:

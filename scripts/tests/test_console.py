@@ -134,15 +134,12 @@ def test_a_signal_ends_command_and_simulator(tmp_path, number, to, message):
     (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
     (tmp_path / "tmp").mkdir()
     ignored = ["--ignore-signal=HUP"] if to == "nohup" else []
-    make = subprocess.Popen(
-        ["env", "--default-signal", *ignored, "make", "run"],
-        cwd=tmp_path,
-        start_new_session=True,
-        text=True,
-        env=environment() | {"TMPDIR": str(tmp_path / "tmp")},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+    words = ["env", "--default-signal", *ignored, "make", "run"]
+    env, pipes = (
+        environment() | {"TMPDIR": str(tmp_path / "tmp")},
+        {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE},
     )
+    make = subprocess.Popen(words, cwd=tmp_path, start_new_session=True, text=True, env=env, **pipes)
     command, simulator = (int(pid) for pid in make.stdout.readline().split())
     assert alive(command) and alive(simulator)
     send, pid = {"make": (os.kill, make.pid), "command": (os.kill, command)}.get(to, (os.killpg, make.pid))

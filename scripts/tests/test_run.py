@@ -395,16 +395,12 @@ def test_the_page_of_scores_is_up_to_date(outcome):
 
 
 if simulator_of_tests() == "verilator":
+    SLOW = partial(pytest.param, marks=pytest.mark.slow)
 
     @pytest.mark.sim
     @pytest.mark.parametrize(
         ("datapath", "sim"),
-        [
-            pytest.param("lean", "icarus", marks=pytest.mark.slow),
-            pytest.param("paper", "icarus", marks=pytest.mark.slow),
-            ("lean", "verilator"),
-            pytest.param("paper", "verilator", marks=pytest.mark.slow),
-        ],
+        [SLOW("lean", "icarus"), SLOW("paper", "icarus"), ("lean", "verilator"), SLOW("paper", "verilator")],
     )
     def test_icarus_and_the_native_harness_write_the_same_files(datapath, sim, outcome, tmp_path, monkeypatch):
         """Verilator's native harness runs long files."""

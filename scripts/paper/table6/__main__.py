@@ -219,16 +219,8 @@ def main(options: SimpleNamespace) -> int:
         return write(kept | {"software": [*(before | new).values()]})
     if options.only:
         return 0
-    return write(
-        {
-            "date": today,
-            "targets": options.targets,
-            "seed": options.seed,
-            "machine": about,
-            "software": software,
-            "hardware": list(core(words)),
-        }
-    )
+    run = {"date": today, "targets": options.targets, "seed": options.seed, "machine": about}
+    return write(run | {"software": software, "hardware": list(core(words))})
 
 
 def _short(found: dict[str, Any]) -> str:

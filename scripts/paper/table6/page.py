@@ -89,15 +89,9 @@ def _waits(figures: dict, fpga: dict) -> Iterator[list[str]]:
 
 def page(figures: dict, fpga: dict) -> str:
     """Return table6.md."""
-    return render(
-        "table6",
-        figures=figures,
-        machine=figures["machine"],
-        busy=figures["machine"]["load"] > BUSY * figures["machine"]["cores"],
-        rows=[*(_times("quoted", name, us) for name, us, _ in QUOTED), *_software(figures), *_hardware(figures, fpga)],
-        waits=list(_waits(figures, fpga)),
-        memory_mhz=clock(fpga, "echo", 32),
-        batch=tables.TARGETS,
-        c_unanswered=[r for r in figures["software"] if r["key"].startswith("c-") and r["random"]["unanswered"]],
-        number=number,
-    )
+    machine = figures["machine"]
+    quoted = (_times("quoted", name, us) for name, us, _ in QUOTED)
+    found = {"rows": [*quoted, *_software(figures), *_hardware(figures, fpga)], "waits": list(_waits(figures, fpga))}
+    found["c_unanswered"] = [r for r in figures["software"] if r["key"][:2] == "c-" and r["random"]["unanswered"]]
+    found |= {"busy": machine["load"] > BUSY * machine["cores"], "memory_mhz": clock(fpga, "echo", 32)}
+    return render("table6", figures=figures, machine=machine, batch=tables.TARGETS, number=number, **found)
