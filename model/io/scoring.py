@@ -208,6 +208,8 @@ def score(
         *_bar_failures("abs(norm^2-1) of Qe", qe_norm, norm_bar, everywhere),
     ]
     largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
+    judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
+    each = Each(at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle)
     return Score(
         trajectory=targets.name,
         datapath=datapath,
@@ -239,16 +241,7 @@ def score(
         passed=not failures,
         outcome=_outcome(not failures, bar, max(error for error in (largest, furthest) if error is not None)),
         failures=tuple(failures),
-        each=Each(
-            elbow=targets.points_from_core(elbow),
-            wrist=targets.points_from_core(wrist),
-            clamped=clamped,
-            hand_error=hand_error,
-            judged_error=np.where(clamped, clamped_error, hand_error),
-            predicted=predicted,
-            shoulder_angle_error=shoulder_angle,
-            elbow_angle_error=elbow_angle,
-        ),
+        each=each,
     )
 
 

@@ -146,26 +146,16 @@ def schedule(nodes: Nodes) -> str:
             }
         y += 30 + ROW * len(own)
     kinds = {kind(node) for node in nodes.values()} - {"input"}
-    return render(
-        "schedule.svg",
-        title=f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}",
-        wide=LABEL + scale * (latest - first) + 150,
-        high=y + 20,
-        label=LABEL,
-        row_height=ROW,
-        scale=scale,
-        x=x,
-        ticks=range(-(-first // 10) * 10, latest + 1, 10),
-        heads=heads,
-        rows={name: rows[name] for name in nodes},
-        path=path,
-        wires=[arrow for arrow in _arrows(nodes) if arrow not in steps],
-        steps=sorted(steps, key=lambda step: nodes[step[1]].time),
-        flip_flops=sum(delay.flip_flops for delay in waits.values()),
-        latest=latest,
-        colours={name: colours for name, (_, *colours) in KINDS.items()},
-        legend=[(name, flow.KINDS[name]) for name in KINDS if name in kinds],
-    )
+    title = f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}"
+    size = {"wide": LABEL + scale * (latest - first) + 150, "high": y + 20, "label": LABEL, "row_height": ROW}
+    axis = {"scale": scale, "x": x, "ticks": range(-(-first // 10) * 10, latest + 1, 10), "latest": latest}
+    wires = [arrow for arrow in _arrows(nodes) if arrow not in steps]
+    drawn = {"heads": heads, "rows": {name: rows[name] for name in nodes}, "path": path, "wires": wires}
+    drawn["steps"] = sorted(steps, key=lambda step: nodes[step[1]].time)
+    drawn["flip_flops"] = sum(delay.flip_flops for delay in waits.values())
+    drawn["colours"] = {name: colours for name, (_, *colours) in KINDS.items()}
+    drawn["legend"] = [(name, flow.KINDS[name]) for name in KINDS if name in kinds]
+    return render("schedule.svg", title=title, **size, **axis, **drawn)
 
 
 # -- files -------------------------------------------------------------------------------------------------------------

@@ -207,26 +207,14 @@ def page() -> str:
         for datapath, digit in (("paper", {"DIGIT": 1}), ("lean", {}))  # dividers and roots built from rows
     }
     print_, guard, everything = total(lines.values()), sections["guard"], sum(sections.values(), Ops())
-    return render(
-        "operations",
-        old=UNOPTIMIZED,
-        new=OPTIMIZED,
-        print=print_,
-        cse=shared(lines),
-        print_19=total(lines_19.values()),
-        cse_19=shared(lines_19),
-        rtl=Ops(*map(operator.sub, everything, guard)),
-        everything=everything,
-        lean=sum(by_section("lean").values(), Ops()),
-        spread=print_.div + 4 - 1,  # 4 halvings in roots, sign/|sign|
-        guard=guard,
-        sections={SECTIONS[section]: ops for section, ops in sections.items()},
-        equations={k: total(PRINTED[k].values()) for k in PRINTED},
-        bullet=_bullet,
-        at_once=at_once,
-        together={datapath: found["add"] + found["mul"] for datapath, found in at_once.items()},
-        width=WIDTH,
-    )
+    paper = {"old": UNOPTIMIZED, "new": OPTIMIZED, "print": print_, "print_19": total(lines_19.values())}
+    paper |= {"cse": shared(lines), "cse_19": shared(lines_19), "spread": print_.div + 4 - 1}  # 4 in roots, sign/|sign|
+    rtl = {"everything": everything, "guard": guard, "rtl": Ops(*map(operator.sub, everything, guard))}
+    rtl |= {"lean": sum(by_section("lean").values(), Ops()), "at_once": at_once, "width": WIDTH}
+    rtl["together"] = {datapath: found["add"] + found["mul"] for datapath, found in at_once.items()}
+    paper["equations"] = {k: total(PRINTED[k].values()) for k in PRINTED}
+    named = {SECTIONS[section]: ops for section, ops in sections.items()}
+    return render("operations", sections=named, bullet=_bullet, **paper, **rtl)
 
 
 def write() -> int:

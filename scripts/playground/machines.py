@@ -142,22 +142,14 @@ def table(machine: Machine) -> dict[str, Any]:
             "section": "inputs" if node.op == "input" else node.section,
             "equation": node.equation,
             "of": made_of(node),
-            "width": node.format.width,
-            "frac": node.format.frac,
-            "signed": node.format.signed,
+            "time": node.time,
+            **{name: getattr(node.format, name) for name in ("width", "frac", "signed")},
             "format": f"Q{node.format.width - node.format.frac}.{node.format.frac}"
             + ", unsigned" * (not node.format.signed),
-            "time": node.time,
         }
         for node in nodes_of(machine.datapath, machine.width)
     ]
-    return {
-        "name": machine.name,
-        "datapath": machine.datapath,
-        "width": machine.width,
-        "latency": fixed.latency(machine.datapath, machine.width),
-        "period": path.period,
-        "folded": path.times is not None,
-        "sections": [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)],
-        "nodes": nodes,
-    }
+    of = {"name": machine.name, "datapath": machine.datapath, "width": machine.width, "period": path.period}
+    of |= {"latency": fixed.latency(machine.datapath, machine.width), "folded": path.times is not None}
+    used = [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)]
+    return {**of, "sections": used, "nodes": nodes}
