@@ -27,14 +27,8 @@ def proofs(tmp_path, monkeypatch):
 
         return Task(name, "nothing overflows", "z3", lambda: "0123456789abcdef", run)
 
-    values = {
-        "ROOT": tmp_path,
-        "BUILD": tmp_path / "build",
-        "PAGE": tmp_path / "proofs.md",
-        "missing": list,
-        "versions": lambda: "z3-solver 1.2",
-        "TASKS": (task("good", ()), task("bad", ("a: counterexample",))),
-    }
+    values = {"ROOT": tmp_path, "BUILD": tmp_path / "build", "PAGE": tmp_path / "proofs.md", "missing": list}
+    values |= {"versions": lambda: "z3-solver 1.2", "TASKS": (task("good", ()), task("bad", ("a: counterexample",)))}
     for name, value in values.items():
         monkeypatch.setattr(formal, name, value)
     return runs
