@@ -44,6 +44,8 @@ VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
 """Files that :func:`write_waves` writes: two recordings and their save files."""
 
+Nodes = Sequence[Node]
+
 SHOWN_BITS = 64
 """Longest word that GTKWave shows as a decimal number."""
 
@@ -180,13 +182,7 @@ class _Save:
         self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
     def word(
-        self,
-        path: tuple[str, ...],
-        fmt: Format,
-        label: str,
-        lowest: int = 0,
-        of: int | None = None,
-        color: GTKWColor | None = None,
+        self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None, color=None
     ) -> None:
         """Add a word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
         if fmt.width == 1:
@@ -231,7 +227,7 @@ class Recording:
         return words[clock - 1] if clock <= len(words) else "x" * node.format.width
 
 
-def read(vcd: Path, datapath: str, nodes: Sequence[Node]) -> Recording:
+def read(vcd: Path, datapath: str, nodes: Nodes) -> Recording:
     """Read the VCD of a run of one trajectory. Raises TargetError for a VCD of another design."""
     signals = Signals(vcd)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
@@ -266,7 +262,7 @@ def model_bits(node: Node, target: int) -> str:
     return format(int(node.value[target]) & ((1 << node.format.width) - 1), f"0{node.format.width}b")
 
 
-def differences(recording: Recording, nodes: Sequence[Node]) -> Iterator[Difference]:
+def differences(recording: Recording, nodes: Nodes) -> Iterator[Difference]:
     """Yield the differences between RTL and model, target by target, each in dataflow order."""
     for target, clock in enumerate(recording.admitted):
         for node in nodes:
@@ -278,12 +274,12 @@ def differences(recording: Recording, nodes: Sequence[Node]) -> Iterator[Differe
 # -- aligned -------------------------------------------------------------------------------------------------------
 
 
-def column(recording: Recording, nodes: Sequence[Node], target: int) -> int:
+def column(recording: Recording, nodes: Nodes, target: int) -> int:
     """Return the clock in which the aligned VCD shows a target: the clock of its last node."""
     return recording.admitted[target] + max(node.time for node in nodes)
 
 
-def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Sequence[Node], wrong: set[int]) -> None:
+def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes, wrong: set[int]) -> None:
     """Write a VCD with every node delayed to the clock of the last one, so that all words of a clock belong to one
     target.
 
@@ -322,13 +318,7 @@ def variable(writer: VCDWriter, path: tuple[str, ...], bits: int):
 
 
 def write_waves(
-    vcd: Path,
-    recording: Recording,
-    found: Sequence[Difference],
-    datapath: str,
-    width: int,
-    nodes: Sequence[Node],
-    files: Place,
+    vcd: Path, recording: Recording, found: Sequence[Difference], datapath: str, width: int, nodes: Nodes, files: Place
 ) -> None:
     """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)

@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """BVH clips of a synthetic figure in many variants: names, up direction, order of angles."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 
 NAMES = {
@@ -44,16 +40,7 @@ def called(names: str, side: str) -> tuple[str, ...]:
     return tuple(form.format(Side=side.title(), S=side[0].upper(), s=side[0]) for form in NAMES[names])
 
 
-def write(
-    path: Path,
-    names: str = "cmu",
-    up: str = "y",
-    order: str = "ZYX",
-    frames: int = 60,
-    sides: tuple[str, ...] = ("left", "right"),
-    rich: bool = False,
-    two_legs: bool = False,
-) -> Path:
+def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "right"), rich=False, two_legs=False):
     """Write a figure whose body sways and whose arms swing, smoothly and at random.
 
     rich: each joint has position channels, which move it near its OFFSET, and each upper arm a joint within.
