@@ -23,6 +23,7 @@ from model.motion.pose import (
     swivel_toward,
     to_z,
 )
+from model.motion.tests.benchmark import targets, two_bones
 from model.reference.kinematics import continuous, matrix, multiply, rotate
 
 AXES = [*NAMED_AXES, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
@@ -50,6 +51,18 @@ def test_hand_and_swivel_in_the_users_frame(reachable, axis, datapath):
     back = swivel((0, 0, 0), pose.elbow, pose.wrist, axis)
     apart = np.abs(np.angle(np.exp(1j * (back - phi))))
     assert apart.max() <= (1e-7 if datapath == "paper" else 1e-12)
+
+
+def test_agrees_with_a_direct_solution():
+    """Reached, clamped and on the axis; the direct solution has half of the digits near a straight arm."""
+    points, phi, d1, d2 = targets(5000)
+    points[:1000] *= 3
+    points[1000:1010, :2] = 0
+    pose = solve(points, phi, d1, d2)
+    direct = two_bones(points, phi, d1, d2)
+    for ours, theirs in zip((pose.qs, pose.qe, pose.flags, pose.elbow, pose.wrist), direct, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-7)
+    assert len(np.unique(pose.flags)) >= 4
 
 
 @pytest.mark.parametrize("axis", AXES)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Software in table 6: C, numpy, cga_ik, JAX and EAIK. Each solves its targets repeatedly.
+"""Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
 The lean equations for arrays are made from the table of :mod:`model.reference.lean_equations`. Like equations.c, they
 are for targets in reach: each sum is rounded and there are no flags.
@@ -24,7 +24,6 @@ import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
 from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
-from model.motion.pose import solve
 from model.reference.cga import symbol
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import LEAN, solve_lean
@@ -137,14 +136,6 @@ def _bind_numpy(kind: type, targets: Targets) -> Bound:
     return _repeated(lambda: solve(*given), lambda answers: hand_errors(np.stack(answers, axis=1), targets))
 
 
-def _bind_package(width: int | None, targets: Targets) -> Bound:
-    def answers() -> np.ndarray:
-        pose = solve(targets.position, targets.phi, targets.d1, targets.d2, width=width)
-        return np.hstack((pose.qs, pose.qe[:, :2]))
-
-    return _repeated(answers, partial(hand_errors, targets=targets))
-
-
 def _bind_jax(device: Any, kind: type, targets: Targets) -> Bound:
     jax = found("jax")
     given = [jax.device_put(c.astype(kind), device) for c in columns(targets)]
@@ -219,8 +210,6 @@ def contenders() -> list[Contender]:
     ]
     for real, kind in REALS.items():
         every.append(Contender(f"numpy-{real}", "numpy", f"lean, {real}", partial(_bind_numpy, kind)))
-    for name, width in (("double", None), ("words", 32)):
-        every.append(Contender(f"cga_ik-{name}", "cga_ik", f"solve, {name}", partial(_bind_package, width)))
     lacks = "" if found("eaik.IK_HP") else "not installed"
     pose = "4 joints, the hand's whole pose given, all solutions"
     return [*every, *_jax(), Contender("eaik", "EAIK", pose, _bind_eaik, lacks, 1000)]
