@@ -56,7 +56,7 @@ from scripts.console import (
     whole,
 )
 from scripts.generate.render import read_table, render
-from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, library
+from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import worst_targets
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
@@ -268,7 +268,7 @@ def _soak(arguments: SimpleNamespace) -> int:
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
         if arguments.against:
             for name in EQUATIONS:
-                library(name, "long double", SCALAR)  # fail without a compiler before the run
+                shared_object(name, "long double", SCALAR)  # fail without a compiler before the run
         core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)
         name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)

@@ -30,7 +30,7 @@ MOST_DATAPATHS = 3
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trajectory ready to run: its targets and their words (N, 6). Of a clip, scale: metres in its unit of length."""
+    """A trajectory ready to run: its targets and their words (N, 6); scale: metres in a clip's unit of length."""
 
     targets: Targets
     words: np.ndarray
@@ -154,7 +154,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     else:
         found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
-    turned = (_led(replace(one, frame=frame), arguments.pole, arguments.soft) for one in found)
+    turned = (_guided(replace(one, frame=frame), arguments.pole, arguments.soft) for one in found)
     return [Prepared(each, *to_words(each, width)) for each in turned]
 
 
@@ -169,12 +169,12 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
         pole = np.stack([at - clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
-    targets = _led(clips.targets(clip, moves, phi, arguments.width), pole, arguments.soft)
+    targets = _guided(clips.targets(clip, moves, phi, arguments.width), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
     return Prepared(targets, *to_words(targets, arguments.width), clip, moves, arguments.twist or "clip", scale)
 
 
-def _led(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
+def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
     """Return the targets with swivel angles toward a pole, (3,) or (N, 3) from the shoulder, and with a soft reach."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))

@@ -258,8 +258,8 @@ def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
     """Return the rows of a path at which the elbow jumps, because the wrist has passed close to the reference axis, and
     an axis that is farther from the path.
 
-    The elbow jumps where it moves by more than a tenth of the reach and four times as far as the wrist, which passes
-    the axis within a quarter of that.  Each arm has a path of its own.
+    It jumps where it moves by more than a tenth of the reach and by more than four times both the wrist's own move and
+    the wrist's distance from the axis, less that move.  Each arm has a path of its own.
     """
     reach = targets.reach.max(initial=1e-300)
     position, found = targets.core_position / reach, [np.empty(0, dtype=np.intp)]

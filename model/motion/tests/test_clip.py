@@ -165,11 +165,13 @@ def test_up_does_not_depend_on_the_first_frame(tmp_path, first, head):
     np.testing.assert_allclose((left, right), [(-1, 1, 0), (1, 1, 0)], atol=1e-12)
 
 
-@pytest.mark.parametrize("head", ["Head", "DEF-spine.006"])
-def test_up_of_a_body_whose_rest_pose_lies(tmp_path, head):
+@pytest.mark.parametrize(
+    ("head", "foot"), [("Head", "Leg"), ("Neck", "Bob_LeftFoot"), ("Head", "ankle_r"), ("DEF-spine.006", "Leg")]
+)
+def test_up_of_a_body_whose_rest_pose_lies(tmp_path, head, foot):
     """The torso's axis is from its own rest pose."""
     path = figure.write(tmp_path / "clip.bvh", up="z")
-    path.write_text(path.read_text().replace("Head", head))
+    path.write_text(path.read_text().replace("Head", head).replace("Leg", foot))
 
     def stand(clip):
         clip.table[:] = 0

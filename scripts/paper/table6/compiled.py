@@ -45,7 +45,7 @@ def compiler_version() -> str:
 
 
 @cache
-def library(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.CDLL:
+def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.CDLL:
     """Compile and load a set of equations for a type. Raises InputError if compilation fails."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         command = [compiler(), "-shared", "-fPIC", "-o", f"{folder}/equations.so", *FLAGS, *extra]
@@ -62,7 +62,7 @@ class Solver:
 
     def __init__(self, columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"):
         name, extra = WAYS[way]
-        self._function = getattr(library(equations, real, extra), name)
+        self._function = getattr(shared_object(equations, real, extra), name)
         self._columns = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
         self._answers = np.full((len(columns), len(columns[0])), np.nan, dtype=self._columns[0].dtype)
 

@@ -148,7 +148,7 @@ def test_errors_are_one_line(command, monkeypatch, tmp_path):
     broken = tmp_path / "broken.c"
     broken.write_text("int main(void) { return nonsense; }\n")
     monkeypatch.setattr(compiled, "SOURCE", broken)
-    compiled.library.cache_clear()
+    compiled.shared_object.cache_clear()
     missing = "table6: no C compiler: cc is not in PATH (on Debian: apt-get install gcc)"
     cases = ("fortran", None, "c-lean-double-chain"), ("c-", None, "cannot compile broken.c"), ("c-", "", missing)
     for key, path, expected in cases:
