@@ -104,7 +104,7 @@ function writeTrajectory() {
   const t = state.shown;
   element("about").textContent = t.about;
   element("arm-title").textContent = t.clip
-    ? "The figure, its arms from the core's quaternions"
+    ? "The figure, its limbs from the core's quaternions"
     : "The arm, from the core's quaternions";
   element("scrub").max = framesIn(t) - 1;
   document.documentElement.dataset.clip = Boolean(t.clip);
