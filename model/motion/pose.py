@@ -66,7 +66,7 @@ _TO_Z = {"x": (0.5, -0.5, -0.5, -0.5), "y": (0.5, 0.5, 0.5, 0.5), "z": (1.0, 0.0
 NAMED_AXES = ("z", "-z", "x", "-x", "y", "-y")
 
 
-_NO_AXIS = f"is none of {', '.join(NAMED_AXES)} and no vector of three finite numbers, one of which is not 0"
+_NO_AXIS = f"must be {', '.join(NAMED_AXES)} or a nonzero vector of three finite numbers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ def solve(
         raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
     widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS] if width is not None else []
     if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
-        raise ValueError(f"width {width!r} is none of {', '.join(map(str, widths))}, and not None")
+        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
     if order not in ("wxyz", "xyzw"):
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
     if nan not in ("raise", "pass"):

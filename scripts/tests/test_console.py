@@ -37,6 +37,13 @@ def test_errors_become_a_status_and_one_line(error, status, message, capsys):
     assert capsys.readouterr().err == f"some: {message}\n"
 
 
+def test_options_are_those_of_make(monkeypatch, capsys):
+    monkeypatch.setattr(console, "end_with_parent", lambda: None)
+    monkeypatch.setenv("MAKELEVEL", "1")
+    assert raising(InputError("argument --count: '--sum' is not --counted"))([]) == 2
+    assert capsys.readouterr().err == "some: argument COUNT=: '--sum' is not --counted\n"
+
+
 @pytest.mark.usefixtures("interruptible")
 def test_a_second_signal_does_not_stop_the_clean_up():
     cleaned = []

@@ -191,7 +191,7 @@ def test_unit_of_length(reach, unit):
 def test_names_of_joints(tmp_path, names):
     clip = read(figure.write(tmp_path / "clip.bvh", names, rich=names == "rigify"))
     if names == "own":
-        with pytest.raises(ClipError, match="no left arm is known by name; JOINTS= names its three of Hips, Spine,"):
+        with pytest.raises(ClipError, match="no left arm recognized; choose its three with JOINTS= from Hips, Spine,"):
             arms(clip)
     else:
         assert [arm.side for arm in arms(clip)] == ["left", "right"]
@@ -211,7 +211,7 @@ def test_likely_joints_are_listed(tmp_path):
     path = figure.write(tmp_path / "clip.bvh")
     path.write_text(path.read_text().replace("LeftForeArm", "LeftMiddle"))
     likely = "LeftShoulder, LeftArm, LeftHand, RightShoulder, RightArm, RightForeArm, RightHand"
-    with pytest.raises(ClipError, match=f"ARM=right runs the other, JOINTS= names its three of {likely}$"):
+    with pytest.raises(ClipError, match=f"ARM=right runs the other, or choose its three with JOINTS= from {likely}$"):
         arms(read(path))
 
 
@@ -228,8 +228,8 @@ def test_a_lone_arm(tmp_path):
     [
         ("both", ("LeftArm", "LeftForeArm", "LeftHand"), "ARM= says which, left or right"),
         ("left", ("LeftArm", "LeftElbow", "LeftHand"), "no joint 'LeftElbow' among Hips, Spine"),
-        ("left", ("LeftArm", "LeftHand"), "not the three"),
-        ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "not the three"),
+        ("left", ("LeftArm", "LeftHand"), "expected three per side"),
+        ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "expected three per side"),
         ("left", ("LeftArm", "Hips end", "LeftHand"), "no joint 'Hips end'"),
         ("left", ("LeftForeArm", "LeftArm", "LeftHand"), "not one below the other"),
     ],

@@ -21,6 +21,9 @@ def make(*words, cwd=ROOT, **env):
 def test_help_is_the_default():
     printed = make("help").stdout
     assert make().stdout == printed and "make run" in printed
+    taken = make("-n", "run", "x=1").stderr.strip().partition(" it takes ")[2].removesuffix(".  Stop.").split()
+    (line,) = (line for line in printed.splitlines() if line.startswith("  make run "))
+    assert taken and [name for name in taken if f" {name}=" not in line.replace("[", " ")] == []
 
 
 @pytest.fixture
@@ -85,7 +88,7 @@ def test_make_from_another_folder(stand_in, tmp_path):
     assert f"exec env PYTHONPATH={ROOT}/ {ROOT}/.venv/bin/python -m scripts.run" in done.stdout
 
 
-RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI BAR"
+RUN = "TRAJECTORY OUT DATAPATH WIDTH AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR"
 
 
 @pytest.mark.parametrize(
