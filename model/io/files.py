@@ -72,8 +72,8 @@ def read_csv(
     default_arm = tuple(name for name, given in (("d1", d1), ("d2", d2)) if given is None and name not in columns)
     lines = np.array([row for row, _ in rows[1:]])
     arm = next((np.array(cells) for name, cells in others.items() if name.lower() == "arm"), None)
-    own = {"default_arm": default_arm, "others": others, "arm": arm}
-    return Targets(name=Path(path).stem, path=path, rows=lines, **own, **values)
+    name = Path(path).stem
+    return Targets(name, path=path, rows=lines, default_arm=default_arm, others=others, arm=arm, **values)
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
