@@ -15,6 +15,7 @@ import yaml
 from model import __version__
 from model.dataflow import fixed
 from model.motion.pose import solve
+from model.motion.tests import figure, second_reader
 from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
 from tb.sim.runner import MAKE_ARGS
@@ -190,11 +191,16 @@ def python(installed, code):
     return ran.stdout
 
 
-def test_examples_of_the_package(installed):
-    for page in ("README.md", "docs/targets.md"):
+def test_examples_of_the_package(installed, tmp_path):
+    figure.write(tmp_path / "clip.bvh")
+    for page, count in (("README.md", 1), ("docs/targets.md", 2)):
         blocks = re.findall(r"(?:^    .*\n|^\n)+", read(page), re.M)
-        (example,) = (re.sub("^    ", "", block, flags=re.M) for block in blocks if "import" in block)
-        assert "nan" not in python(installed, f"from cga_ik.motion import clip, gltf\n{example}"), page
+        examples = [re.sub("^    ", "", block, flags=re.M) for block in blocks if "import" in block]
+        assert len(examples) == count, page
+        for example in examples:
+            code = f"import os, cga_ik.motion.gltf\nos.chdir({str(tmp_path)!r})\n{example}"
+            assert "nan" not in python(installed, code), page
+    second_reader.compare(tmp_path / "clip.bvh", tmp_path / "turned.bvh", positions=1e-3, angles=1e-3)
 
 
 def test_only_the_model_is_installed_and_needs_numpy_and_mpmath_only(installed):
