@@ -110,7 +110,7 @@ test: ## quick tests [SIM=icarus, or verilator: simulations only; CORES=behaviou
 	@$(pytest) -m "$(only_sim)$(quick)"
 
 test-all: ## all tests except those marked release [SIM=icarus, or verilator: simulations only; CORES=behavioural|digit]
-	@$(SETUP) checkout $(sort icarus verilator $(SIM)) fpga farm litex
+	@$(SETUP) checkout $(sort icarus verilator $(SIM)) fpga farm litex arms
 	@$(pytest) -m "$(only_sim)"
 
 test-browser: ## test report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: slow tests as well]
@@ -203,7 +203,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
 lock: ## regenerate the lock files of requirements/ (needs uv)
 	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
 	$(compile) --extra run --constraint requirements/checkout.lock --output-file requirements/run.lock pyproject.toml
-	for name in fpga table6 schedule playground farm litex; do $(compile) --constraint requirements/checkout.lock \
+	for name in fpga table6 schedule playground farm litex arms; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
 	  --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,8 +42,10 @@ from ..io.words import (
 )
 from ..reference import kinematics
 from ..reference.equations import solve_clamped
+from ..reference.joints import angles, flexion, outside, settled, wrist_quaternion
 from ..reference.kinematics import conjugate, matrix, multiply
 from ..reference.lean_equations import solve_direct
+from .hands import Hands, checked_limits, refuse
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -53,8 +55,8 @@ Floats = NDArray[np.float64]
 Order = Literal["wxyz", "xyzw"]
 """Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
 
-CHUNK, WORDS_CHUNK = 2048, 16384
-"""Targets solved at a time, in double precision and in words: intermediate arrays stay in the cache."""
+CHUNK, HANDS_CHUNK, WORDS_CHUNK = 2048, 8192, 16384
+"""Targets solved at a time, in double precision, with hands, and in words: intermediate arrays stay in the cache."""
 
 Axis = str | Sequence[float] | NDArray[Any]
 """A name of :data:`NAMED_AXES`, or a vector of three, of any length."""
@@ -95,6 +97,23 @@ class Pose:
         return Rotation.from_quat(self.qs, scalar_first=first), Rotation.from_quat(self.qe, scalar_first=first)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArmPose(Pose):
+    """N poses of the whole arm.
+
+    * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
+    * hand (N, 3): the hand's point from forward kinematics
+    * joints (N, 7): th1 .. th7, rad in -pi to pi
+    * over_limit (N, 7): whether a joint is outside its limits
+    """
+
+    qw: Floats
+    hand: Floats
+    joints: Floats
+    over_limit: NDArray[np.bool_]
+
+
+@overload
 def solve(
     points: ArrayLike,
     phi: ArrayLike | None = None,
@@ -106,22 +125,64 @@ def solve(
     datapath: str = "lean",
     order: Order = "wxyz",
     nan: Literal["raise", "pass"] = "raise",
-) -> Pose:
-    """Return shoulder and elbow of arms for wrist targets, (10)-(18) of the paper.
+) -> Pose: ...
 
-    * points (N, 3) or (3,): wrist targets, the shoulder at the origin
+
+@overload
+def solve(
+    points: ArrayLike,
+    phi: ArrayLike | None = None,
+    d1: ArrayLike = DEFAULT_D1,
+    d2: ArrayLike = DEFAULT_D2,
+    *,
+    axis: Axis = "z",
+    width: None = None,
+    datapath: str = "lean",
+    order: Order = "wxyz",
+    nan: Literal["raise", "pass"] = "raise",
+    hand: ArrayLike,
+    tool: ArrayLike = 0.0,
+    branch: ArrayLike = 0,
+    limits: ArrayLike | None = None,
+) -> ArmPose: ...
+
+
+def solve(
+    points: ArrayLike,
+    phi: ArrayLike | None = None,
+    d1: ArrayLike = DEFAULT_D1,
+    d2: ArrayLike = DEFAULT_D2,
+    *,
+    axis: Axis = "z",
+    width: int | None = None,
+    datapath: str = "lean",
+    order: Order = "wxyz",
+    nan: Literal["raise", "pass"] = "raise",
+    hand: ArrayLike | None = None,
+    tool: ArrayLike = 0.0,
+    branch: ArrayLike = 0,
+    limits: ArrayLike | None = None,
+) -> Pose:
+    """Return shoulder and elbow of arms for wrist targets, (10)-(18) of the paper, or all seven joints for hand poses.
+
+    * points (N, 3) or (3,): wrist targets, the shoulder at the origin; with ``hand``, the hand's points
     * phi: swivel angle, rad: 0 is the elbow in the plane of axis and wrist, on the side to which the axis points.
       None is :func:`hanging`
     * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
-    * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three
+    * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three; th1 turns about it
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
     * datapath: "lean", "paper", or "lean25", which is lean with products cut for 25x18-bit multipliers
     * nan: "pass" gives rows with a nan a pose of nan and the flags 0; "raise" refuses them
+    * hand (N, 4) or (4,): orientation of the hand, unit quaternions; not in words
+    * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
+    * branch: bits of :class:`Branch`, one of eight solutions for the joints; a number or (N,)
+    * limits (7, 2): lower and upper limit of each joint, rad, for ``over_limit``; the pose is the same, but where
+      th2 or th6 is 0 or pi, limits choose between equivalent pairs of the angles around it
 
     An unreachable target gets the nearest pose, and a flag.  Warns of phi beyond a turn, as of degrees.  Raises
-    ValueError for shapes that do not broadcast, numbers that are not finite, lengths that are not positive, an unknown
-    width, datapath or order, and (as its subclass TargetError) for a target that does not fit the core's format
-    together with the others.
+    ValueError for shapes that do not broadcast, numbers that are not finite, lengths that are not positive, a hand
+    that is no unit quaternion, limits in the wrong order, an unknown width, datapath, order or branch, and (as its
+    subclass TargetError) for a target that does not fit the core's format together with the others.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
@@ -132,15 +193,22 @@ def solve(
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
     if nan not in ("raise", "pass"):
         raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
+    if hand is not None and width is not None:
+        raise ValueError(f"width {width}: the bits of the core end at the wrist; with hand, width must be None")
+    hands = None if hand is None else Hands(hand, tool, branch, order)
+    bounds = None if limits is None else checked_limits(limits)
     position = np.asarray(points, dtype=np.float64)
     position = position.reshape(-1, 3) if position.ndim < 2 and position.size in (0, 3) else position
     if position.ndim != 2 or position.shape[1] != 3:
         raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
     given = [np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2)]
-    count = ({len(position), *(v.size for v in given)} - {1} or {1}).pop()
+    count = ({len(position), *(v.size for v in given), hands.count if hands else 1} - {1} or {1}).pop()
     table = np.empty((len(FIELDS), count))
     table[:3], table[3], table[4], table[5] = position.T, *given
     lost: Any = None  # rows of nan, which repeat another row until the end
+    if hands and hands.lost.any():
+        refuse("hand and tool", hands.lost & (nan == "raise"), "not finite")
+        table[0, hands.lost if len(hands.lost) > 1 else slice(None)] = np.nan
     if np.count_nonzero(np.isfinite(table)) < table.size:
         _refuse(table, np.isinf(table) if nan == "pass" else ~np.isfinite(table), "not finite")
         lost = np.isnan(table).any(axis=0)
@@ -156,9 +224,14 @@ def solve(
     qs, qe, flags, asked = np.empty((count, 4)), np.zeros((count, 4)), np.empty(count, dtype=np.int64), table[3].copy()
     elbow, wrist = np.empty((2, count, 3))
     w, i = (0, 1) if order == "wxyz" else (3, 0)
-    step = CHUNK if width is None else WORDS_CHUNK
+    qw, found, reached = (np.empty((count if hands else 0, size)) for size in (4, 7, 3))
+    over = np.zeros(found.shape, dtype=bool)
+    step = HANDS_CHUNK if hands else CHUNK if width is None else WORDS_CHUNK
     for rows in (slice(start, start + step) for start in range(0, count, step)):
         part = table[:, rows]
+        if hands:
+            q, offset, own_branch = hands.part(rows)
+            part = np.concatenate((part[:3] - offset, part[3:]))
         if width is None:
             part = part if frame is None else np.concatenate((targets(*part).core_position.T, part[3:]))
             results, flags[rows] = solve_direct(part) if datapath != "paper" else _by_the_paper(part)
@@ -167,10 +240,20 @@ def solve(
         turned = results[:4].T if frame is None else multiply(conjugate(frame), results[:4].T)
         elbow[rows], wrist[rows] = kinematics.forward(turned, results[4:].T, part[4], part[5])
         qs[rows], qe[rows, w], qe[rows, i] = _rolled(order, turned, -1), results[4], results[5]
+        if hands:
+            turn = wrist_quaternion(turned.T, results[4:], q)
+            th = angles(results[:4], flexion(results[4:]), turn, own_branch)
+            qw[rows], reached[rows] = _rolled(order, turn.T, -1), wrist[rows] + offset.T
+            if bounds is not None:
+                th = settled(th, bounds)
+                over[rows] = outside(th, bounds).T
+            found[rows] = th.T
     if lost is not None:
-        for values in (qs, qe, elbow, wrist, asked, flags):
+        for values in (qs, qe, elbow, wrist, asked, flags, *((qw, found, reached, over) if hands else ())):
             values[lost] = np.nan if values.dtype.kind == "f" else 0
-    return Pose(qs, qe, flags, elbow, wrist, asked, order)
+    if hands is None:
+        return Pose(qs, qe, flags, elbow, wrist, asked, order)
+    return ArmPose(qs, qe, flags, elbow, wrist, asked, order, qw=qw, hand=reached, joints=found, over_limit=over)
 
 
 def _by_the_paper(part: Floats) -> tuple[Floats, NDArray[np.int64]]:
@@ -188,10 +271,7 @@ def _in_words(targets: Targets, width: int, exponent: int, datapath: str) -> tup
 def _refuse(table: Floats, wrong: NDArray[np.bool_], reason: str) -> None:
     """Raise ValueError, which names the first rows with a number (6, N) that is wrong, if there are any."""
     for name, rows in (("points", wrong[:3].any(axis=0)), *zip(FIELDS[3:], wrong[3:], strict=True)):
-        if rows.any():
-            first = np.flatnonzero(rows)
-            more = f" and {len(first) - 3} more" if len(first) > 3 else ""
-            raise ValueError(f"{name}: {reason} in row{'s'[: len(first) > 1]} {', '.join(map(str, first[:3]))}{more}")
+        refuse(name, rows, reason)
 
 
 def forward(

@@ -31,7 +31,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 SYSTEM_PYTHON = "/usr/bin/python3"
 PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # from ROOT, where main works
-EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "farm", "litex"]
+EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "farm", "litex", "arms"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "make", "g++"],
@@ -248,7 +248,7 @@ def set_up(needs):
         if not error:
             ready.add(extra)
             write_stamp(libpython, ready)
-        elif extra in ("table6", "litex"):  # their users work without packages that fail to install
+        elif extra in ("table6", "litex", "arms"):  # their users work without packages that fail to install
             say(f"could not add {what}, continuing without them (more in build/setup.log)")
         else:
             die(f"could not add {what}: {error}")

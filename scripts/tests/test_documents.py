@@ -193,7 +193,7 @@ def python(installed, code):
 
 def test_examples_of_the_package(installed, tmp_path):
     figure.write(tmp_path / "clip.bvh")
-    for page, count in (("README.md", 1), ("docs/targets.md", 2)):
+    for page, count in (("README.md", 1), ("docs/targets.md", 3)):
         blocks = re.findall(r"(?:^    .*\n|^\n)+", read(page), re.M)
         examples = [re.sub("^    ", "", block, flags=re.M) for block in blocks if "import" in block]
         assert len(examples) == count, page
@@ -218,6 +218,10 @@ pose: cga_ik.Pose = cga_ik.solve([(0.3, 0.1, 0.0)], cga_ik.swivel_toward((0.3, 0
 lost = (pose.flags & (cga_ik.Flag.TOO_FAR | cga_ik.Flag.TOO_NEAR)) != 0
 elbow, wrist = cga_ik.forward(cga_ik.continuous(pose.qs), pose.qe)
 print(cga_ik.__version__, cga_ik.Flag.TOO_FAR.meaning, elbow[~lost] + cga_ik.soft_reach(wrist, soft=0.1))
+arm = cga_ik.arms.IIWA14
+swivels: cga_ik.Swivels = arm.feasible_swivel(*arm.forward([(0.1, 0.7, 0.0, -1.4, 0.0, 1.0, 0.0)]))
+whole: cga_ik.ArmPose = cga_ik.solve(wrist, swivels.nearest(), hand=(1, 0, 0, 0), branch=cga_ik.Branch.ELBOW)
+print(cga_ik.continuous_joints(whole.joints), whole.over_limit.any())
 {wrong}
 """
 

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 
 from model.motion.pose import solve
+from model.reference.joints import tool_offset
 
 SIZES = {1: 2000, 1000: 500, 10**6: 5}
 """Number of targets -> repetitions."""
@@ -74,6 +75,13 @@ def main():
     for size, times in SIZES.items():
         each = seconds([partial(function, *targets(size)) for function in (solve, two_bones)], times)
         print(f"{size} targets, double precision: solve {1e3 * each[0]:.3f} ms, direct {1e3 * each[1]:.3f} ms")
+    random = np.random.default_rng(2)
+    hand = random.normal(size=(10**6, 4))
+    hand /= np.linalg.norm(hand, axis=1)[:, None]
+    points, limits = given[0] + tool_offset(hand.T, 0.1).T, random.uniform(2.0, 3.0, (7, 1)) * (-1, 1)
+    arm = partial(solve, points, *given[1:], hand=hand, tool=0.1, limits=limits)
+    whole, core = seconds([arm, partial(solve, *given)], 5)
+    print(f"10^6 hand poses within limits: {whole:.2f} s, {whole / core:.2f} times as long as their wrists")
 
 
 if __name__ == "__main__":

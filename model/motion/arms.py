@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arms of seven joints in a robot's own terms: base, zero positions, directions and limits; from a URDF file as well.
+
+Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle of :mod:`cga_ik.reference.joints`. Built
+in are `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomical limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..io.words import DEFAULT_D1, DEFAULT_D2
+from ..reference import joints
+from ..reference.kinematics import conjugate, multiply, rotate
+from .hands import Hands, checked_limits
+from .pose import ArmPose, Floats, solve
+from .swivels import Swivels, feasible_swivel
+
+UNIT = (1.0, 0.0, 0.0, 0.0)
+TOLERANCE = 1e-6
+"""Largest distance of axes that meet, in sizes of the chain, and largest cosine between perpendicular ones."""
+
+
+def _vector(name: str, values: ArrayLike, size: int) -> Floats:
+    found = np.asarray(values, dtype=np.float64)
+    if found.shape != (size,):
+        raise ValueError(f"{name} of the arm: shape {found.shape}, not ({size},)")
+    return found
+
+
+class Arm:
+    """An arm with three joint axes that meet in the shoulder, one in the elbow, and three that meet in the wrist.
+
+    * d1, d2: shoulder to elbow, elbow to wrist
+    * tool: wrist to tip, along axis 7, or (3,) in the hand's frame, whose z is axis 7
+    * offsets (7,) rad, signs (7,) of 1 or -1: joint = sign * th + offset
+    * limits (7, 2): lower and upper limit of each joint, rad
+    * base (3,), mount (4,): position of the shoulder, and turn of its frame, whose z is axis 1, in the base frame
+    * tip (4,): turn of the tip's frame in the hand's
+    * upper, fore (4,): turn of the upper arm in the frame of axis 3 (z), and of the frame of axis 5 in the forearm's; a
+      turn about anything but z stands for a bent link
+    * names (7,): of the joints
+
+    Quaternions are w, i, j, k.  Points and orientations in the methods are those of the tip, in the base frame.
+    """
+
+    def __init__(
+        self,
+        d1: float,
+        d2: float,
+        tool: ArrayLike = 0.0,
+        offsets: ArrayLike = (0.0,) * 7,
+        signs: ArrayLike = (1.0,) * 7,
+        limits: ArrayLike = ((-np.inf, np.inf),) * 7,
+        *,
+        base: ArrayLike = (0.0, 0.0, 0.0),
+        mount: ArrayLike = UNIT,
+        tip: ArrayLike = UNIT,
+        upper: ArrayLike = UNIT,
+        fore: ArrayLike = UNIT,
+        names: Sequence[str] = ("joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"),
+    ) -> None:
+        """Take the attributes.  Raises ValueError for limits in the wrong order and wrong shapes."""
+        self.d1, self.d2, self.names, self.limits = float(d1), float(d2), tuple(names), checked_limits(limits)
+        along: Any = np.asarray(tool, dtype=np.float64)
+        self.tool = _vector("tool", along if along.ndim else along * (0.0, 0.0, 1.0), 3)
+        self.offsets, self.signs = _vector("offsets", offsets, 7), _vector("signs", signs, 7)
+        self.base, self.mount, self.tip = _vector("base", base, 3), _vector("mount", mount, 4), _vector("tip", tip, 4)
+        self.upper, self.fore = _vector("upper", upper, 4), _vector("fore", fore, 4)
+
+    @property
+    def _bounds(self) -> Floats:
+        """Limits of th1 .. th7, (7, 2)."""
+        return np.sort((self.limits - self.offsets[:, None]) * self.signs[:, None], axis=1)
+
+    @property
+    def _bent(self) -> tuple[Floats, Floats] | None:
+        """upper and fore, if they are not 1."""
+        return None if np.array_equal((self.upper, self.fore), (UNIT, UNIT)) else (self.upper, self.fore)
+
+    def _wrists(self, points: ArrayLike, hand: ArrayLike) -> tuple[Floats, Floats]:
+        """Return wrist targets (N, 3) and orientations of the hand (N, 4) in the shoulder's frame."""
+        q = Hands(hand, 0.0, 0).part(slice(None))[0].T
+        q = multiply(multiply(conjugate(self.mount), q), conjugate(self.tip))
+        return rotate(conjugate(self.mount), np.asarray(points, dtype=np.float64) - self.base) - rotate(q, self.tool), q
+
+    def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:
+        """Return the poses of N tips, points (N, 3) and orientations (N, 4), or of one.
+
+        joints, over_limit and names are the robot's own; a joint is put into its limits by whole turns where that is
+        possible.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is :func:`hanging`.
+        Raises ValueError, as :func:`cga_ik.solve` does.
+        """
+        wrists, q = self._wrists(points, hand)
+        pose = solve(wrists, phi, self.d1, self.d2, hand=q, branch=branch)
+        if self._bent:
+            branches = np.broadcast_to(branch, len(pose.qs))
+            own = joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branches, *self._bent)
+            pose = replace(pose, joints=joints.angles(*own).T)
+        th = joints.settled(pose.joints.T, self._bounds).T
+        low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
+        own = joints.wrap(th * self.signs + self.offsets)
+        for turn in (-2 * np.pi, 2 * np.pi):
+            own = np.where(((own < low) | (own > high)) & (own + turn >= low) & (own + turn <= high), own + turn, own)
+        elbow, wrist = (self.base + rotate(self.mount, each) for each in (pose.elbow, pose.wrist))
+        reached = wrist + rotate(self.mount, rotate(q, self.tool))
+        over = joints.outside(th.T, self._bounds).T
+        qs = multiply(self.mount, pose.qs)
+        return replace(pose, qs=qs, elbow=elbow, wrist=wrist, hand=reached, joints=own, over_limit=over)
+
+    def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
+        """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
+        th = ((np.atleast_2d(np.asarray(positions, dtype=np.float64)) - self.offsets) * self.signs).T
+        qs = multiply(joints.turned(*th[:3]).T, self.upper)
+        qf = multiply(qs, joints.turned(0 * th[3], th[3], 0 * th[3]).T)
+        qh = multiply(multiply(qf, self.fore), joints.turned(*th[4:]).T)
+        point = rotate(qs, (0, 0, self.d1)) + rotate(qf, (0, 0, self.d2)) + rotate(qh, self.tool)
+        return self.base + rotate(self.mount, point), multiply(self.mount, multiply(qh, self.tip))
+
+    def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
+        """Return the swivel angles for which the joints of N tips are within their limits."""
+        wrists, q = self._wrists(points, hand)
+        return feasible_swivel(wrists, q, self.d1, self.d2, limits=self._bounds, branch=branch, bent=self._bent)
+
+    def choose_swivel(
+        self,
+        points: ArrayLike,
+        hand: ArrayLike,
+        branch: ArrayLike = 0,
+        *,
+        near: ArrayLike | None = None,
+        margin: float = 0.0,
+    ) -> Floats:
+        """Return the feasible swivel angle (N,) nearest to ``near``, or nan; :meth:`Swivels.nearest` has the rules."""
+        return self.feasible_swivel(points, hand, branch).nearest(near, margin)
+
+    @classmethod
+    def from_urdf(cls, path: str | Path, base: str, tip: str) -> Arm:
+        """Return the arm between two links of a URDF file.
+
+        Raises OSError, and ValueError for a file that is no URDF, a chain without seven turning joints, and axes that
+        do not meet as they have to; the message has their distances.
+        """
+        try:
+            names, axes, points, limits, end = _chain(ElementTree.parse(path).getroot(), base, tip)
+            return cls(**_from_axes(np.array(axes), np.array(points), end), limits=limits, names=names)
+        except (ElementTree.ParseError, KeyError) as error:
+            raise ValueError(f"{path}: not a URDF file: {error}") from None
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+
+
+def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list, list, list, Floats]:
+    """Return names, axes, points and limits of the joints of a URDF between two links, and the tip (4, 4), all at 0."""
+    above = {
+        _attributes(joint, "child")["link"]: joint for joint in robot.iter("joint") if joint.find("child") is not None
+    }
+    chain: list[ElementTree.Element] = []
+    link = tip
+    while link != base:
+        if link not in above or len(chain) > len(above):
+            raise ValueError(f"no chain of joints leads from {base} to {tip}")
+        chain.append(above[link])
+        link = _attributes(above[link], "parent")["link"]
+    frame = np.eye(4)
+    names, axes, points, limits = [], [], [], []
+    for joint in reversed(chain):
+        name, kind = joint.attrib["name"], joint.attrib["type"]
+        roll, pitch, yaw = _numbers(joint, "origin", "rpy", "0 0 0")
+        turn = _about("z", yaw) @ _about("y", pitch) @ _about("x", roll)
+        frame = frame @ _placed(turn, _numbers(joint, "origin", "xyz", "0 0 0"))
+        if kind == "fixed":
+            continue
+        if kind not in ("revolute", "continuous"):
+            raise ValueError(f"joint {name} is {kind}; all joints have to turn")
+        axis = frame[:3, :3] @ _numbers(joint, "axis", "xyz", "1 0 0")
+        if not axis.any():
+            raise ValueError(f"joint {name} has the axis 0 0 0")
+        limited = kind == "revolute" and joint.find("limit") is not None
+        sides = (("lower", "0"), ("upper", "0")) if limited else (("", "-inf"), ("", "inf"))
+        names.append(name)
+        axes.append(axis / np.linalg.norm(axis))
+        points.append(frame[:3, 3])
+        limits.append([_numbers(joint, "limit", *side)[0] for side in sides])
+    if len(names) != 7:
+        raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
+    return names, axes, points, limits, frame
+
+
+def _attributes(joint: ElementTree.Element, part: str) -> dict[str, str]:
+    found = joint.find(part)
+    return {} if found is None else found.attrib
+
+
+def _numbers(joint: ElementTree.Element, part: str, name: str, default: str) -> Floats:
+    """Return the numbers of an attribute of a joint's part in a URDF."""
+    text = _attributes(joint, part).get(name, default)
+    found = np.array(text.split(), dtype=np.float64)
+    if len(found) != len(default.split()) or np.isnan(found).any():
+        raise ValueError(f"joint {joint.attrib['name']}: {part} {name} {text!r}")
+    return found
+
+
+def _about(axis: str, angle: float) -> Floats:
+    """Return the rotation (3, 3) about x, y or z."""
+    c, s, n = np.cos(angle), np.sin(angle), "xyz".index(axis)
+    return np.roll(((c, -s, 0), (s, c, 0), (0, 0, 1)), (n + 1, n + 1), axis=(0, 1))
+
+
+def _quaternion(m: Floats) -> Floats:
+    """Return the unit quaternion (4,) of a rotation matrix (3, 3)."""
+    squares = 1 + np.array((1, 1, 1)) @ (np.array(((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))) * np.diag(m)).T
+    rows = np.array(
+        (
+            (squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]),
+            (m[2, 1] - m[1, 2], squares[1], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0]),
+            (m[0, 2] - m[2, 0], m[1, 0] + m[0, 1], squares[2], m[2, 1] + m[1, 2]),
+            (m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], squares[3]),
+        )
+    )
+    q = rows[np.argmax(squares)]
+    return q / np.linalg.norm(q)
+
+
+def _placed(turn: Floats, point: Floats) -> Floats:
+    """Return the frame (4, 4) of an orientation (3, 3) at a point."""
+    return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
+
+
+def _centre(axes: Floats, points: Floats) -> Floats:
+    """Return the point nearest to three axes (3, 3) through points (3, 3)."""
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]  # removes the part along each axis
+    return np.linalg.solve(across.sum(axis=0), (across @ points[:, :, None]).sum(axis=0)[:, 0])
+
+
+def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
+    """Return the fields of an arm from its axes (7, 3) through points (7, 3), and the tip (4, 4), all joints at 0."""
+    size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
+    centres = []
+    for first, name in ((0, "shoulder"), (4, "wrist")):
+        own = slice(first, first + 3)
+        for one, other in ((first, first + 1), (first + 1, first + 2)):
+            if abs(axes[one] @ axes[other]) > TOLERANCE:
+                angle = np.degrees(np.arccos(abs(axes[one] @ axes[other])))
+                raise ValueError(f"axes {one + 1} and {other + 1} are {angle:.6g} degrees apart, not 90")
+        centre = _centre(axes[own], points[own])
+        away = np.linalg.norm(np.cross(centre - points[own], axes[own]), axis=1)
+        if away.max() > TOLERANCE * size:
+            pairs = ((first, first + 1), (first, first + 2), (first + 1, first + 2))
+            apart = ", ".join(f"{a + 1} and {b + 1}: {_apart(axes, points, a, b):.6g}" for a, b in pairs)
+            raise ValueError(f"the axes of the {name} do not meet; distances of axes {apart}")
+        centres.append(centre)
+    shoulder, wrist = centres
+    elbow = points[3] + axes[3] * ((shoulder - points[3]) @ axes[3])
+    aside = (wrist - elbow) @ axes[3]
+    if abs(aside) > TOLERANCE * size:
+        raise ValueError(f"shoulder and wrist are {abs(aside):.6g} apart along axis 4, not 0")
+    d1, d2 = np.linalg.norm(elbow - shoulder), np.linalg.norm(wrist - elbow)
+    if min(d1, d2) <= TOLERANCE * size:
+        raise ValueError(f"axis 4 passes through the {'shoulder' if d1 < d2 else 'wrist'}")
+    u, f, reach = (elbow - shoulder) / d1, (wrist - elbow) / d2, end[:3, 3] - wrist
+    signs = np.ones(7)
+    signs[2], signs[4], signs[6] = (
+        1.0 if along >= 0 else -1.0 for along in (axes[2] @ u, axes[4] @ f, axes[6] @ reach)
+    )
+    a = axes * signs[:, None]
+
+    def frame(x, z):
+        return np.column_stack((x, np.cross(z, x), z))
+
+    def tilt(first, second, third):  # angle about the second axis from the first to the third
+        return np.arctan2(third @ np.cross(second, first), third @ first)
+
+    def spin(m):  # angle of a turn about z
+        return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - TOLERANCE**2 else None
+
+    flexion = np.arctan2(axes[3] @ np.cross(u, f), u @ f)
+    mount, upper_arm = frame(a[1], a[0]), frame(axes[3], u)
+    upper = _about("x", -tilt(a[0], a[1], a[2])) @ mount.T @ upper_arm
+    wrist_frame = frame(a[5], a[4])
+    fore = (upper_arm @ _about("x", flexion)).T @ wrist_frame
+    to_hand = _about("x", -tilt(a[4], a[5], a[6])) @ wrist_frame.T
+    th = np.array((0, tilt(a[0], a[1], a[2]), spin(upper) or 0, flexion, spin(fore) or 0, tilt(a[4], a[5], a[6]), 0))
+    return {
+        "d1": d1,
+        "d2": d2,
+        "tool": to_hand @ reach,
+        "offsets": -signs * th,
+        "signs": signs,
+        "base": shoulder,
+        "mount": _quaternion(mount),
+        "tip": _quaternion(to_hand @ end[:3, :3]),
+        "upper": UNIT if spin(upper) is not None else _quaternion(upper),
+        "fore": UNIT if spin(fore) is not None else _quaternion(fore),
+    }
+
+
+def _apart(axes: Floats, points: Floats, one: int, other: int) -> float:
+    """Return the distance between two axes."""
+    across = np.cross(axes[one], axes[other])
+    if np.linalg.norm(across) < TOLERANCE:
+        return float(np.linalg.norm(np.cross(points[other] - points[one], axes[one])))
+    return float(abs((points[other] - points[one]) @ across) / np.linalg.norm(across))
+
+
+IIWA14 = Arm(
+    d1=0.42,
+    d2=0.4,
+    tool=0.126,
+    offsets=np.radians((-90, 0, 180, 0, -180, 0, 90)),
+    limits=np.radians([(-d, d) for d in (170, 120, 170, 120, 170, 120, 175)]),
+    base=(0.0, 0.0, 0.36),
+    names=tuple(f"A{n}" for n in range(1, 8)),
+)
+"""KUKA LBR iiwa 14 R820, to its flange (m); the base frame stands on the ground, z up."""
+
+_DOWN, _FORWARD, _RIGHT = np.array((0.0, 0.0, -1.0)), np.array((1.0, 0.0, 0.0)), np.array((0.0, -1.0, 0.0))
+
+HUMAN = Arm(
+    **_from_axes(
+        axes=np.array((_DOWN, _FORWARD, _DOWN, _RIGHT, _DOWN, -_FORWARD, _RIGHT)),
+        points=np.array((0.0, 0.0, 0.0, DEFAULT_D1, *[DEFAULT_D1 + DEFAULT_D2] * 3))[:, None] * _DOWN,
+        end=_placed(np.column_stack((_FORWARD, _RIGHT, _DOWN)), (DEFAULT_D1 + DEFAULT_D2 + 0.08) * _DOWN),
+    ),
+    limits=np.radians(((-45, 135), (0, 180), (-120, 70), (0, 150), (-80, 80), (-70, 80), (-30, 20))),
+    names=("plane", "elevation", "rotation", "elbow", "pronation", "flexion", "deviation"),
+)
+"""Left arm of a person (m): the arm hangs at zero, the thumb forward, x forward, y to the left, z up.
+
+The shoulder turns by the plane of elevation (0 sideways, 90 degrees forward), the elevation, and inward; the wrist
+flexes toward the palm and deviates toward the thumb. The hand's frame has x along the thumb, y out of the palm, and z
+along the fingers; the tip is in the palm. Limits are the norms of the AAOS, with more room for outward rotation, as it
+is measured with the arm held sideways.
+"""

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Poses of a hand: checks, wrist targets, and the seven joint angles of the arm that holds it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..reference import joints
+
+Floats = NDArray[np.float64]
+
+LENGTH_TOLERANCE = 2.0**-8
+"""Largest error of a hand quaternion's length; `ik_arm` flags longer and shorter ones with bad_hand."""
+
+
+class Hands:
+    """Orientations of N hands or of one, and what goes with them.
+
+    * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
+    * branch: bits of :class:`Branch`; a number or (N,)
+    * lost (N,): rows with a nan in hand or tool, which are replaced
+    """
+
+    def __init__(self, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz") -> None:
+        """Take hands (N, 4) or (4,).  Raises ValueError for rows that are not of length 1, and wrong arguments."""
+        if order not in ("wxyz", "xyzw"):
+            raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
+        q = np.atleast_2d(np.asarray(hand, dtype=np.float64))
+        if q.ndim != 2 or q.shape[1] != 4:
+            raise ValueError(f"hand has the shape {np.shape(hand)}, not (N, 4)")
+        length = np.sqrt(np.einsum("ij,ij->i", q, q))
+        self.tool, self.branch = np.asarray(tool, dtype=np.float64), np.asarray(branch)
+        wrong = (np.abs(length - 1) > LENGTH_TOLERANCE) | (length == np.inf)
+        refuse("hand", wrong, f"length {length[wrong.argmax()]:.6g}, not 1," if wrong.any() else "")
+        self.lost = np.isnan(length) | np.isnan(self.tool)
+        if self.lost.any():
+            q, length = np.where(self.lost[:, None], 0.5, q), np.where(self.lost, 1.0, length)
+            self.tool = np.where(np.isnan(self.tool), 0.0, self.tool)
+        self._rows, self._length, self._from = q, length, [0, 1, 2, 3] if order == "wxyz" else [3, 0, 1, 2]
+        if self.branch.dtype.kind not in "iu" or ((self.branch < 0) | (self.branch >= 2 ** len(joints.Branch))).any():
+            raise ValueError(f"branch {branch!r} is no combination of {', '.join(joints.Branch.__members__)}")
+        if np.isinf(self.tool).any():
+            raise ValueError("tool: not finite")
+        self.count = max(len(q), self.tool.size, self.branch.size)
+
+    def part(self, rows: slice) -> tuple[Any, Any, Any]:
+        """Return Qh (4, n), unit quaternions w, i, j, k, the vectors to the hand's point (3, n), and branches."""
+        q, length, tool, branch = (  # one for all, or one for each
+            each if each.ndim == 0 or len(each) == 1 else each[rows]
+            for each in (self._rows, self._length, self.tool, self.branch)
+        )
+        q = q.T[self._from] / length
+        return q, joints.tool_offset(q, tool), branch
+
+
+def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
+    """Raise ValueError, which names the first of the rows (N,) that are True, if there are any."""
+    if rows.any():
+        first = np.flatnonzero(rows)
+        more = f" and {len(first) - 3} more" if len(first) > 3 else ""
+        raise ValueError(f"{name}: {reason} in row{'s'[: len(first) > 1]} {', '.join(map(str, first[:3]))}{more}")
+
+
+def checked_limits(limits: ArrayLike) -> Floats:
+    """Return limits (7, 2) of the joints, rad.  Raises ValueError."""
+    found = np.asarray(limits, dtype=np.float64)
+    if found.shape != (7, 2):
+        raise ValueError(f"limits have the shape {found.shape}, not (7, 2)")
+    if (wrong := np.flatnonzero(~(found[:, 0] <= found[:, 1]))).size:
+        low, high = found[wrong[0]]
+        raise ValueError(f"limits of joint {wrong[0] + 1}: {low:.6g} to {high:.6g}")
+    return found

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Swivel angles that keep all seven joints within their limits, in closed form, and joints along a path.
+
+The arm of a hand pose turns about the line from shoulder to wrist, so every element of a rotation matrix between two
+bones is A sin(phi) + B cos(phi) + C. A ball joint Rz(a) Rx(b) Rz(c) has
+
+    tan a = M02 / -M12,  cos b = M22,  tan c = M20 / M21
+
+and reaches a limit where such a form is 0: at most two phi for each limit (Shimizu et al., IEEE T-RO 24(5), 2008).
+Between neighbouring ones, the circle of phi is feasible or infeasible as a whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..io.words import DEFAULT_D1, DEFAULT_D2
+from ..reference import joints
+from .hands import Hands, checked_limits
+from .pose import Axis, Floats, Order, hanging, solve, to_z
+
+CHUNK = 1024
+TURN = 2 * np.pi
+ROOTS = 28  # two for each limit of six joints, and for a straight arm two for each ball joint
+
+
+@dataclass(frozen=True, eq=False)
+class Swivels:
+    """Swivel angles of N hand poses for which all joints are within their limits.
+
+    * intervals (N, K, 2): first and last angle of each closed interval, rad: the first in -pi to pi, the last up to a
+      turn above it; nan beyond a pose's own number of intervals
+    * over_limit (N, 7): the joints outside their limits where the fewest are; all False for a feasible pose
+    * distance, reach: (N,) from shoulder to wrist, and (N, 2) least and largest distance of the arm
+    * start: swivel angle at which the elbow hangs
+    """
+
+    intervals: Floats
+    over_limit: NDArray[np.bool_]
+    distance: Floats
+    reach: Floats
+    start: float
+
+    @property
+    def feasible(self) -> NDArray[np.bool_]:
+        """Whether a pose has any interval, (N,)."""
+        return np.asarray(np.isfinite(self.intervals[..., 0]).any(axis=1))
+
+    def reason(self, n: int) -> str:
+        """Return why pose n is impossible, as text; empty if it is possible."""
+        (near, far), distance = self.reach[n], self.distance[n]
+        if _beyond(distance, near, far):
+            return f"wrist {distance:.6g} from the shoulder, where the arm reaches {near:.6g} to {far:.6g}"
+        over = [str(1 + one) for one in np.flatnonzero(self.over_limit[n])]
+        return f"joint{'s'[: len(over) > 1]} {', '.join(over)} outside the limits" if over else ""
+
+    def nearest(self, near: ArrayLike | None = None, margin: float = 0.0) -> Floats:
+        """Return the feasible swivel angle (N,) nearest to ``near``, rad in -pi to pi; nan where there is none.
+
+        near: a number or (N,); None takes the poses for a path: each is near the one before, the first near
+        ``start``.  margin: distance (rad) from both ends of an interval; a shorter interval gives its middle.
+        """
+        first, last = np.moveaxis(self.intervals, 2, 0)
+        inset = np.minimum(margin, (last - first) / 2)
+        whole = last - first >= TURN
+        first, last = np.where(whole, first, first + inset), np.where(whole, last, last - inset)
+        if near is not None:
+            return _nearest(first, last, np.broadcast_to(np.asarray(near, dtype=np.float64), len(first)))
+        found, before = np.empty(len(first)), np.array([self.start])
+        for n in range(len(first)):
+            found[n] = _nearest(first[n : n + 1], last[n : n + 1], before)[0]
+            before = found[n : n + 1] if np.isfinite(found[n]) else before
+        return found
+
+
+def _beyond(distance, near, far):
+    """Return whether distances are outside the reach of an arm by more than rounding."""
+    return np.abs(distance - np.clip(distance, near, far)) > joints.ROUNDING * far
+
+
+def _nearest(first: Floats, last: Floats, near: Floats) -> Floats:
+    """Return the angles (N,) of the intervals (N, K) that are nearest to ``near`` (N,)."""
+    ahead = np.mod(near[:, None] - first, TURN)
+    inside = ahead <= last - first
+    to_first, to_last = joints.wrap(first - near[:, None]), joints.wrap(last - near[:, None])
+    step = np.where(inside, 0.0, np.where(np.abs(to_first) <= np.abs(to_last), to_first, to_last))
+    best = np.nanargmin(np.where(np.isnan(step), np.inf, np.abs(step)), axis=1)
+    return joints.wrap(near + np.take_along_axis(step, best[:, None], 1)[:, 0])
+
+
+def feasible_swivel(
+    points: ArrayLike,
+    hand: ArrayLike,
+    d1: ArrayLike = DEFAULT_D1,
+    d2: ArrayLike = DEFAULT_D2,
+    tool: ArrayLike = 0.0,
+    limits: ArrayLike | None = None,
+    branch: ArrayLike = 0,
+    *,
+    axis: Axis = "z",
+    order: Order = "wxyz",
+    bent: tuple[ArrayLike, ArrayLike] | None = None,
+) -> Swivels:
+    """Return all swivel angles for which the seven joints of hand poses are within their limits.
+
+    Arguments as for :func:`solve`; without limits every angle is feasible.  Isolated angles count as intervals of
+    length 0.  ``bent`` is upper and fore of an :class:`Arm`.  Raises ValueError, as :func:`solve` does.
+    """
+    q, offset, branch = Hands(hand, tool, branch, order).part(slice(None))
+    wrists = np.asarray(points, dtype=np.float64) - offset.T
+    poses = [solve(wrists, phi, d1, d2, axis=axis) for phi in (0.0, np.pi / 2, np.pi)]
+    count, frame = len(poses[0].qs), to_z(axis)
+    bounds = checked_limits(limits if limits is not None else [(-np.inf, np.inf)] * 7)
+    lengths = [np.broadcast_to(np.asarray(d, dtype=np.float64), count) for d in (d1, d2)]
+    reach = np.column_stack((np.abs(lengths[0] - lengths[1]), lengths[0] + lengths[1]))
+    distance = np.broadcast_to(np.linalg.norm(np.atleast_2d(wrists), axis=1), count)
+    unreachable = _beyond(distance, *reach.T)
+    hand_q, branches = np.broadcast_to(q, (4, count)), np.broadcast_to(branch, count)
+    parts = []
+    for rows in (slice(start, start + CHUNK) for start in range(0, max(count, 1), CHUNK)):
+        at_0, at_quarter, at_half = (pose.qs[rows].T for pose in poses)
+        # Q(phi) = cos(phi/2) Q(0) + sin(phi/2) Q(pi); a solved quaternion may have the other sign.
+        at_half = at_half * np.sign((at_quarter * at_0).sum(axis=0) * (at_quarter * at_half).sum(axis=0))
+        qe, ends = poses[0].qe[rows, :2].T, []
+        for qs in (at_0, at_half):
+            qw = joints.wrist_quaternion(qs, qe, hand_q[:, rows])
+            found = joints.product(frame, qs), joints.flexion(qe), qw, branches[rows]
+            qs, flexion, qw, own_branch = found if bent is None else joints.bent(*found, *bent)
+            ends.append((qs, qw))
+        parts.append(_intervals(np.array(ends), flexion, bounds, own_branch, unreachable[rows]))
+    most = max(1, *(part.shape[1] for part, _ in parts))
+    padded = [np.pad(p, ((0, 0), (0, most - p.shape[1]), (0, 0)), constant_values=np.nan) for p, _ in parts]
+    over_limit = np.concatenate([over for _, over in parts])
+    return Swivels(np.concatenate(padded), over_limit, distance, reach, hanging(axis))
+
+
+def _elements(q):
+    """Return M02, -M12, M22, M20, M21 of quaternions' matrices, (5, N)."""
+    w, i, j, k = q
+    return np.array(
+        (
+            2 * (i * k + w * j),
+            2 * (w * i - j * k),
+            (w * w + k * k) - (i * i + j * j),
+            2 * (i * k - w * j),
+            2 * (j * k + w * i),
+        )
+    )
+
+
+def _at(ends, flexion, branch, phi, bounds):
+    """Return th1 .. th7 (7, N, K) at swivel angles phi (N, K); ends (2, 2, 4, N) are Qs and Qw at 0 and at pi."""
+    qs, qw = ends[0, ..., None] * np.cos(phi / 2) + ends[1, ..., None] * np.sin(phi / 2)
+    th4, branches = (np.broadcast_to(each[:, None], phi.shape) for each in (flexion, branch))
+    return joints.settled(joints.angles(qs, th4, qw, branches), bounds)
+
+
+def _roots(ends, branch, bounds):
+    """Return the swivel angles (N, ROOTS) at which a joint may be at a limit; nan for those that do not exist."""
+    each = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
+    at_0, at_quarter, at_half = (np.array([_elements(q) for q in one]) for one in each)  # (ball joint, element, N)
+    constant, cosine = (at_0 + at_half) / 2, (at_0 - at_half) / 2
+    form = np.array((at_quarter - constant, cosine, constant))
+    bounded = np.where((bounds[:, 1] - bounds[:, 0] < TURN)[:, None], bounds, np.nan)
+    found = []
+    for ball, first in ((0, 0), (1, 4)):
+        u1, v1, cos_b, u3, v3 = np.moveaxis(form[:, ball], 1, 0)  # each (3, N)
+        for limit in bounded[first]:
+            found.append(u1 * np.cos(limit) - v1 * np.sin(limit))
+        for limit in bounded[first + 1]:
+            found.append(cos_b - np.array((0, 0, np.cos(limit)))[:, None])
+        for limit in bounded[first + 2]:
+            found.append(u3 * np.cos(limit) - v3 * np.sin(limit))
+    a, b, c = np.moveaxis(np.array(found), 1, 0)  # (12, N): a sin(phi) + b cos(phi) + c = 0
+    size = np.hypot(a, b)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = -c / size
+    ratio = np.where(np.abs(ratio) > 1, np.where(np.abs(ratio) < 1 + 1e-12, np.sign(ratio), np.nan), ratio)
+    middle, half = np.arctan2(a, b), np.arccos(ratio)
+    # Where the arm is straight along an axis, a + c or a - c is the swivel angle but for a constant.
+    straight, (centre, width) = [], joints.centred(bounds)
+    for ball, first in ((0, 0), (1, 4)):
+        w, i, j, k = ends[0][ball]
+        sum_counts = w * w + k * k >= i * i + j * j  # the middle angle is 0, not pi
+        begin, quarter = (2 * np.where(sum_counts, *np.arctan2(q[ball][[3, 2]], q[ball][:2])) for q in each[:2])
+        rate, sign = np.sign(joints.wrap(quarter - begin)), np.where(sum_counts, 1, -1)
+        goal = centre[first] + sign * centre[first + 2] + np.pi * (branch & joints.Branch.ELBOW != 0) - begin
+        straight += [rate * (goal + side * (width[first] + width[first + 2])) for side in (-1, 1)]
+    return joints.wrap(np.concatenate((middle - half, middle + half, straight))).T
+
+
+def _intervals(ends, flexion, bounds, branch, unreachable):
+    """Return the intervals (N, K, 2) and the joints over their limits (N, 7) where the fewest are."""
+    found = np.sort(_roots(ends, branch, bounds), axis=1)  # nan last
+    last = np.nanmax(np.where(np.isnan(found), -np.pi, found), axis=1, keepdims=True)
+    found = np.where(np.isnan(found), last, found)
+    following = np.concatenate((found[:, 1:], found[:, :1] + TURN), axis=1)
+    tried = np.concatenate((found, (found + following) / 2), axis=1)
+    outside = joints.outside(_at(ends, flexion, branch, tried, bounds), bounds) | unreachable[:, None]
+    fewest = np.take_along_axis(outside, outside.sum(axis=0).argmin(axis=1)[None, :, None], 2)[..., 0].T
+    at_root, arc = np.split(~outside.any(axis=0), 2, axis=1)
+    arc = np.where(following == found, at_root, arc)  # of length 0
+    at_root |= arc | np.roll(arc, 1, axis=1)
+    ring = np.stack((at_root, arc), axis=2).reshape(len(found), 2 * ROOTS)
+    whole = ring.all(axis=1)
+    begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)
+    counts = np.maximum(begins.sum(axis=1), whole)
+    intervals = np.full((len(found), counts.max(initial=1), 2), np.nan)
+    present = np.arange(intervals.shape[1]) < counts[:, None]
+    intervals[whole, 0] = -np.pi, np.pi
+    present[whole] = False
+    for side, marks in enumerate((begins, ends)):
+        row, place = np.nonzero(marks)
+        intervals[..., side][present] = found[row, place // 2]
+    wrapped = intervals[:, :1, 1] < intervals[:, :1, 0]  # the first end belongs to the last interval
+    for n in np.flatnonzero(wrapped[:, 0]) if wrapped.size else ():
+        own = intervals[n, : counts[n], 1]
+        own[:] = np.append(own[1:], own[0] + TURN)
+    return intervals, fewest
+
+
+def choose_swivel(
+    points: ArrayLike,
+    hand: ArrayLike,
+    d1: ArrayLike = DEFAULT_D1,
+    d2: ArrayLike = DEFAULT_D2,
+    tool: ArrayLike = 0.0,
+    limits: ArrayLike | None = None,
+    branch: ArrayLike = 0,
+    *,
+    near: ArrayLike | None = None,
+    margin: float = 0.0,
+    axis: Axis = "z",
+    order: Order = "wxyz",
+) -> Floats:
+    """Return the swivel angle (N,) nearest to ``near`` for which the joints are within their limits, or nan.
+
+    :func:`feasible_swivel` and :meth:`Swivels.nearest` describe the arguments.
+    """
+    return feasible_swivel(points, hand, d1, d2, tool, limits, branch, axis=axis, order=order).nearest(near, margin)
+
+
+def continuous_joints(angles: ArrayLike) -> Floats:
+    """Return joints (N, 7) of a path without jumps: each pose in the branch and the turns nearest to the pose before.
+
+    Rows of nan are passed over.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, only a sum or difference of the
+    two angles around it counts; the first of them then keeps its angle.
+    """
+    found = np.array(angles, dtype=np.float64)
+    present = np.flatnonzero(np.isfinite(found).all(axis=1))
+    own = found[present].T
+    for first, tilt, third in ((0, 1, 2), (4, 5, 6)):
+        away = np.cos(own[tilt]) < 0
+        regular = np.abs(np.sin(own[tilt])) > joints.SINGULAR
+        before = np.maximum.accumulate(np.where(regular, np.arange(len(present)), 0))
+        kept = np.where(regular, own[first], own[first, before])
+        own[third] += np.where(away, kept - own[first], own[first] - kept)
+        own[first] = kept
+    branches = np.array([joints.branched(own, branch) for branch in range(8)])  # (branch, 7, N)
+    chosen, branch = np.zeros(len(present), dtype=int), 0
+    for start in range(1, len(present), CHUNK):
+        rows = slice(start, start + CHUNK)
+        move = joints.wrap(branches[None, ..., rows] - branches[:, None, :, start - 1 : start - 1 + len(own[0, rows])])
+        nearest = np.square(move).sum(axis=2).argmin(axis=1)  # (branch before, row)
+        for n, row in enumerate(nearest.T.tolist(), start):
+            chosen[n] = branch = row[branch]
+    found[present] = np.unwrap(branches[chosen, :, np.arange(len(present))], axis=0)
+    return found

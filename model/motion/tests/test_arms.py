@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arms in a robot's own terms, from URDF files written here, against products of the chains' matrices and others."""
+
+import numpy as np
+import pytest
+
+from model.motion.arms import HUMAN, IIWA14, Arm
+from model.motion.tests.test_joints import apart, turn
+from model.reference.kinematics import matrix
+
+O, X, Y, Z = (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)
+DOWN, RIGHT = (0, 0, -1), (0, -1, 0)
+TIP = ((0.02, 0.03, 0.1), (0.1, 0.2, 0.3))
+
+
+def bones(axes, shoulder=(0, 0, 0.3), elbow=(0, 0, 0.42), wrist=(0, 0, 0.4), rpy=O):
+    """Return a chain: position and turn of each joint in the frame of the one before, and its axis."""
+    places = [(shoulder, rpy), (O, O), (O, O), (elbow, O), (wrist, O), (O, O), (O, O)]
+    return [(*place, axis) for place, axis in zip(places, axes, strict=True)]
+
+
+SERIAL = (Z, Y, Z, RIGHT, Z, Y, Z)
+IIWA = bones(SERIAL)
+CHAINS = {
+    "iiwa": IIWA,
+    "human": bones((Y, X, Z, Y, Z, Y, X), (0.1, 0.2, 1.4), (0, 0, -0.3), (0, 0, -0.25), (0.3, -0.2, 0.5)),
+    "reversed": bones((DOWN, RIGHT, DOWN, RIGHT, DOWN, Y, DOWN), rpy=(0.1, 0.2, 0.3)),
+    "long axes": bones((Z, Y, (0, 0, 2.5), Y, Z, (-3, 0, 0), Z)),
+    "bent": bones((Z, Y, Z, Y, Z, Y, Z), elbow=(0.045, 0, 0.55), wrist=(-0.045, 0, 0.3)),
+    "across": bones((Z, X, Y, Z, Y, X, Z), elbow=(0.3, 0, 0), wrist=(0.25, 0, 0)),
+}
+
+
+def urdf(path, chain, tip=TIP, limits=((-2.9, 2.9),) * 7, kind="revolute"):
+    """Write a URDF from link base through l1, l2, ... to tip; joints without limits are `continuous`."""
+    text, links = '<robot name="r">', ["base", *(f"l{n}" for n in range(1, 8)), "tip"]
+    for n, (xyz, rpy, axis) in enumerate([*chain, (*tip, Z)]):
+        bound = (
+            f'<limit lower="{limits[n][0]}" upper="{limits[n][1]}" effort="1" velocity="1"/>'
+            if n < 7 and limits[n]
+            else ""
+        )
+        sort = "fixed" if n == 7 else kind if bound else "continuous"
+        xyz, rpy, axis = (" ".join(map(str, v)) for v in (xyz, rpy, axis))
+        text += f"""<joint name="j{n + 1}" type="{sort}"><parent link="{links[n]}"/><child link="{links[n + 1]}"/>
+            <origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/>{bound}</joint>"""
+    path.write_text(text + "".join(f'<link name="{link}"/>' for link in links) + "</robot>")
+    return path
+
+
+def tips(chain, th, tip=TIP):
+    """Return points (N, 3) and orientations (N, 3, 3) of the tip for joints (N, 7)."""
+    point, m = np.zeros((len(th), 3)), np.eye(3)[None].repeat(len(th), axis=0)
+    for (xyz, rpy, axis), angle in zip([*chain, (*tip, Z)], [*th.T[:, :, None, None], 0.0], strict=True):
+        point, m = point + m @ xyz, m @ turn(2, rpy[2]) @ turn(1, rpy[1]) @ turn(0, rpy[0])
+        k = np.cross(np.eye(3), np.array(axis) / np.linalg.norm(axis))  # k v is axis x v
+        m = m @ (np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k)
+    return point, m
+
+
+def assert_same(one, other, atol):
+    """Compare points (N, 3), and quaternions (N, 4) or matrices with matrices (N, 3, 3)."""
+    np.testing.assert_allclose(one[0], other[0], rtol=0, atol=atol)
+    np.testing.assert_allclose(matrix(one[1]) if one[1].shape[1] == 4 else one[1], other[1], rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_urdf_and_back(name, tmp_path):
+    chain, random = CHAINS[name], np.random.default_rng(4)
+    limits = [(-0.35, 5.6), (-2.4, 2.4), (-2.6, 2.7), (-2.3, 2.3), None, (-2.2, 2.3), (-5.8, 0.35)]
+    arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", chain, limits=limits), "base", "tip")
+    assert arm.names == tuple(f"j{n}" for n in range(1, 8))
+    np.testing.assert_array_equal(arm.limits, [limit or (-np.inf, np.inf) for limit in limits])
+    th, (low, high) = random.uniform(-2, 2, (300, 7)), arm.limits.T + [[-1e-8], [1e-8]]
+    (points, m), (_, q) = tips(chain, th), arm.forward(th)
+    assert_same(arm.forward(th), (points, m), 1e-14)
+    for branch in range(8):
+        pose = arm.solve(points, q, random.uniform(-3, 3, 300), branch)
+        assert_same(tips(chain, pose.joints), (points, m), 1e-13)
+        np.testing.assert_allclose(pose.hand, points, rtol=0, atol=1e-13)
+        np.testing.assert_array_equal(pose.over_limit, (pose.joints < low) | (pose.joints > high))
+        chosen = arm.choose_swivel(points, q, branch, near=0.4)
+        some = np.isfinite(chosen)
+        safe = arm.solve(points[some], q[some], chosen[some], branch).joints
+        assert some.mean() > 0.2 and ((safe >= low) & (safe <= high)).all()
+
+
+def moved(joint, xyz=None, axis=None):
+    chain = list(IIWA)
+    chain[joint] = (xyz or chain[joint][0], O, axis or chain[joint][2])
+    return chain
+
+
+@pytest.mark.parametrize(
+    ("chain", "given", "message"),
+    [
+        (moved(6, (0.088, 0, 0)), {}, "wrist do not meet; .* 5 and 6: 0, 5 and 7: 0.088, 6 and 7: 0.088"),
+        (moved(1, (0.03, 0, 0)), {}, "shoulder do not meet; .* 1 and 2: 0.03, 1 and 3: 0.03, 2 and 3: 0$"),
+        (moved(1, axis=(0, 1, 1)), {}, "axes 1 and 2 are 45 degrees apart, not 90"),
+        (moved(3, O), {}, "axis 4 passes through the shoulder"),
+        (moved(4, O), {}, "axis 4 passes through the wrist"),
+        (moved(4, (0, 0.01, 0.4)), {}, "0.01 apart along axis 4"),
+        (moved(2, axis=O), {}, "joint j3 has the axis 0 0 0"),
+        (moved(2, axis=(1, 2)), {}, "joint j3: axis xyz '1 2'"),
+        (moved(2, (0, np.nan, 0)), {}, "joint j3: origin xyz '0 nan 0'"),
+        (IIWA, {"tip": "l6"}, "6 joints between base and l6; an arm has 7"),
+        (IIWA, {"tip": "hand"}, "no chain of joints leads from base to hand"),
+        (IIWA, {"kind": "prismatic"}, "joint j1 is prismatic"),
+        (IIWA, {"limits": [(1, 2), (3, 2), *[(1, 2)] * 5]}, "limits of joint 2: 3 to 2"),
+        (IIWA, {"replaced": ("</robot>", "")}, "not a URDF"),
+        (IIWA, {"replaced": (' type="fixed"', "")}, "not a URDF"),
+        (IIWA, {"replaced": ("0.42", "a")}, "'a'"),
+        (IIWA, {"replaced": ('"l7"', '"tip"')}, "no chain of joints"),  # a joint is its own parent
+    ],
+)
+def test_refused_chains(chain, given, message, tmp_path):
+    path = urdf(tmp_path / "arm.urdf", chain, **{k: v for k, v in given.items() if k in ("kind", "limits")})
+    path.write_text(path.read_text().replace(*given.get("replaced", ("", ""))))
+    with pytest.raises(ValueError, match=f"arm.urdf: .*{message}"):
+        Arm.from_urdf(path, "base", given.get("tip", "tip"))
+    with pytest.raises(OSError, match=r"absent\.urdf"):
+        Arm.from_urdf(tmp_path / "absent.urdf", "base", "tip")
+    with pytest.raises(ValueError, match=r"signs of the arm: shape \(6,\)"):
+        Arm(0.3, 0.3, signs=np.ones(6))
+
+
+def test_iiwa14(tmp_path):
+    (up, along), (q, _) = IIWA14.forward([np.zeros(7), np.radians((0, 90, 0, 0, 0, 0, 0))])
+    np.testing.assert_allclose((up, along), ((0, 0, 0.36 + 0.42 + 0.4 + 0.126), (0.946, 0, 0.36)), atol=1e-15)
+    np.testing.assert_allclose(matrix(q), np.eye(3), atol=1e-15)
+    chain, tip, bounds = (
+        bones(SERIAL, (0, 0, 0.36)),
+        ((0, 0, 0.126), O),
+        np.radians((170, 120, 170, 120, 170, 120, 175)),
+    )
+    th = np.random.default_rng(2).uniform(*IIWA14.limits.T, (200, 7))
+    points, q = IIWA14.forward(th)
+    assert_same((points, q), tips(chain, th, tip), 1e-14)
+    arm = Arm.from_urdf(
+        urdf(tmp_path / "iiwa14.urdf", chain, tip, np.stack((-bounds, bounds), axis=1).tolist()), "base", "tip"
+    )
+    np.testing.assert_array_equal(IIWA14.limits, arm.limits)
+    one, other = (each.solve(points, q, 0.3, np.arange(200) % 8) for each in (arm, IIWA14))
+    assert apart(one.joints, other.joints).max() < 1e-12
+    np.testing.assert_array_equal(one.over_limit, other.over_limit)
+
+
+def test_human():
+    def palm(*degrees):
+        point, q = HUMAN.forward(np.radians([degrees]))
+        return np.concatenate((point, matrix(q)[0].T)).round(12).tolist()  # point, thumb, out of the palm, fingers
+
+    assert palm(0, 0, 0, 0, 0, 0, 0) == [[0, 0, -0.68], [1, 0, 0], [0, -1, 0], [0, 0, -1]]
+    assert palm(0, 0, 0, 90, 0, 0, 0)[0] == [0.35, 0, -0.33]
+    assert palm(0, 90, 0, 0, 0, 0, 0)[0] == [0, 0.68, 0]
+    assert palm(90, 90, 0, 0, 0, 0, 0)[0] == [0.68, 0, 0]
+    assert palm(0, 0, 70, 90, 0, 0, 0)[0][1] < -0.3  # inward: to the right
+    assert palm(0, 0, 0, 90, 80, 0, 0)[2][2] < -0.9  # pronated: the palm down
+    assert palm(0, 0, 0, 0, 0, 80, 0)[0][1] < -0.07 and palm(0, 0, 0, 0, 0, 0, 20)[0][0] > 0.02
+    assert ((HUMAN.limits[:, 0] <= 0) & (HUMAN.limits[:, 1] > 0)).all()
+    th = np.random.default_rng(3).uniform(*HUMAN.limits.T, (500, 7))
+    points, q = HUMAN.forward(th)
+    pose = HUMAN.solve(points, q, HUMAN.choose_swivel(points, q, near=0.0))
+    assert not pose.over_limit.any()
+    assert_same(HUMAN.forward(pose.joints), (points, matrix(q)), 1e-13)
+
+
+NARROW = np.radians([(-40, 60), (-9, 100), (-30, 20), (-9, 100), (-35, 30), (-9, 100), (-25, 45)])
+
+
+@pytest.mark.parametrize("arm", [IIWA14, HUMAN, Arm(0.33, 0.27, 0.1, limits=NARROW)], ids=["iiwa14", "human", "narrow"])
+def test_straight_arms(arm):
+    """Arm and hand are straight: only sums of th1 and th3, and of th5 and th7, count; some lie along axis 1, too."""
+    th = np.random.default_rng(4).uniform(*arm.limits.T, (40, 7)) * (1, 1, 1, 0, 1, 0, 1)
+    th[:, 1], th[0], th[1:10, 1] = np.abs(th[:, 1]), 0, 0
+    points, q = arm.forward(th)
+    swivels = arm.feasible_swivel(points, q)
+    pose = arm.solve(points, q, swivels.nearest(near=0.5))
+    assert swivels.feasible.all() and not pose.over_limit.any()
+    assert_same(arm.forward(pose.joints), (points, matrix(q)), 3e-7)
+    first, last = np.moveaxis(swivels.intervals, 2, 0)
+    for phi in np.linspace(-3.1, 3.1, 60):
+        within = (np.mod(phi - first, 2 * np.pi) <= last - first).any(axis=1)
+        assert (within == ~arm.solve(points, q, phi).over_limit.any(axis=1)).all()
+
+
+@pytest.fixture
+def other(tmp_path):
+    """Return a chain, its URDF file, tips (N, 4, 4) from pinocchio, and our joints, by which it gets there as well."""
+    pin = pytest.importorskip("pinocchio")
+    chain, random = bones(SERIAL, elbow=(0, 0, 0.37), wrist=(0, 0, 0.28)), np.random.default_rng(6)
+    path = urdf(tmp_path / "arm.urdf", chain)
+    arm, robot = Arm.from_urdf(path, "base", "tip"), pin.buildModelFromXML(path.read_text())
+    data, frame = robot.createData(), robot.getFrameId("tip")
+
+    def ends(joints):
+        each = (pin.framesForwardKinematics(robot, data, th) or data.oMf[frame].homogeneous.copy() for th in joints)
+        return np.array(list(each))
+
+    found = ends(random.uniform(-2.5, 2.5, (50, 7)))
+    q = np.array([pin.Quaternion(m).coeffs()[[3, 0, 1, 2]] for m in found[:, :3, :3]])
+    joints = arm.solve(found[:, :3, 3], q, random.uniform(-3, 3, 50), np.arange(50) % 8).joints
+    np.testing.assert_allclose(ends(joints), found, rtol=0, atol=1e-13)
+    return chain, path, found, joints
+
+
+@pytest.mark.slow
+def test_among_the_solutions_of_eaik(other):
+    solver, (chain, _, ends, joints) = pytest.importorskip("eaik.IK_HP"), other
+    axes, places = np.array([a for *_, a in chain], dtype=float), np.array([p for p, *_ in [*chain, TIP]], dtype=float)
+    ends[:, :3, :3] @= tips([(O, O, Z)] * 7, np.zeros((1, 7)))[1][0].T  # the hand, not the tip
+    for end, th in zip(ends, joints, strict=True):
+        found = np.array(solver.HPRobot(axes, places, [(2, th[2])]).IK(end).Q)
+        assert apart(found, th).max(axis=1).min() < 1e-9

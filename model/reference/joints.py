@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Seven joint angles of the whole arm: three of the shoulder, one of the elbow, three of the wrist.
+
+    Qs = Rz(th1) Rx(th2) Rz(th3)                         th4 = 2 atan2(qe_w, -qe_i)
+    Qw = (Qs Rx(th4))~ Qh = Rz(th5) Rx(th6) Rz(th7)      hand point = wrist + Qh (tool e3) Qh~
+
+z points along each bone, and all angles are 0 where the arm is straight along z. For a quaternion Rz(a) Rx(b) Rz(c):
+
+    s = atan2(k, w),  d = atan2(j, i),  a = s + d,  c = s - d,  b = 2 atan2(|(i, j)|, |(w, k)|)
+
+Arrays here have components first: quaternions (4, N), angles (7, N) in radians, between -pi and pi.
+"""
+
+from __future__ import annotations
+
+from enum import IntFlag
+
+import numpy as np
+
+from .kinematics import conjugate
+
+
+class Branch(IntFlag):
+    """Bits that select one of the eight solutions for the joints of a pose; the arm itself is the same in all."""
+
+    SHOULDER = 1  # th1 + pi, -th2, th3 + pi
+    ELBOW = 2  # th3 + pi, -th4, th5 + pi
+    WRIST = 4  # th5 + pi, -th6, th7 + pi
+
+
+TURNED = np.array(((1, 0, 0), (0, 0, 0), (1, 1, 0), (0, 0, 0), (0, 1, 1), (0, 0, 0), (0, 0, 1)))
+NEGATED = np.array(((0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 0), (0, 0, 1), (0, 0, 0)))
+"""Joints (7) that each bit of a branch (3) turns by pi, or negates."""
+
+
+def wrap(angle):
+    """Return angles in -pi to pi."""
+    return angle - 2 * np.pi * np.rint(angle * (0.5 / np.pi))
+
+
+def branched(joints, branch):
+    """Return joints (7, ...) of branch 0 in another branch, an integer or (...), wrapped."""
+    bits = np.asarray(branch) >> np.arange(3).reshape(3, *[1] * np.ndim(branch)) & 1
+    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED, NEGATED))
+    turned, negated = (which.reshape(7, *which.shape[1:] or [1] * (joints.ndim - 1)) for which in (turned, negated))
+    return wrap(np.where(negated, -joints, joints) + np.pi * turned)
+
+
+def zxz(q):
+    """Return a, b, c of unit quaternions Rz(a) Rx(b) Rz(c), (4, ...)."""
+    w, i, j, k = q
+    s, d = np.arctan2(k, w), np.arctan2(j, i)
+    found = np.empty((3, *s.shape))
+    found[1] = s - d
+    found[0], found[2] = wrap(s + d), wrap(found[1])
+    with np.errstate(divide="ignore"):
+        found[1] = 2 * np.arctan(np.sqrt((i * i + j * j) / (w * w + k * k)))
+    return found
+
+
+def product(p, q):
+    """Return the Hamilton product p q of quaternions (4, N) or (4,)."""
+    (a_w, a_i, a_j, a_k), (b_w, b_i, b_j, b_k) = p, q
+    return np.array(
+        (
+            a_w * b_w - a_i * b_i - a_j * b_j - a_k * b_k,
+            a_w * b_i + a_i * b_w + a_j * b_k - a_k * b_j,
+            a_w * b_j - a_i * b_k + a_j * b_w + a_k * b_i,
+            a_w * b_k + a_i * b_j - a_j * b_i + a_k * b_w,
+        )
+    )
+
+
+def wrist_quaternion(qs, qe, hand):
+    """Return Qw (4, N) from Qs (4, N), qe_w and qe_i (2, N), and Qh (4, N)."""
+    (w, i, j, k), s, c = qs, qe[0], -qe[1]
+    return product((w * c - i * s, -w * s - i * c, -j * c - k * s, j * s - k * c), hand)  # (Qs Rx(th4))~ Qh
+
+
+def tool_offset(hand, tool):
+    """Return Qh (tool e3) Qh~, (3, N), of quaternions Qh (4, N)."""
+    w, i, j, k = hand
+    return np.array((2 * (i * k + w * j), 2 * (j * k - w * i), (w * w + k * k) - (i * i + j * j))) * tool
+
+
+def flexion(qe):
+    """Return th4 (N,) of qe_w and qe_i (2, N)."""
+    with np.errstate(divide="ignore"):
+        return 2 * np.arctan(qe[0] / np.abs(qe[1]))
+
+
+def angles(qs, th4, qw, branch=0):
+    """Return th1 .. th7 (7, N) of Qs (4, N), th4 (N,) and Qw (4, N), unit quaternions."""
+    found = np.empty((7, *th4.shape))
+    found[:3], found[3], found[4:] = zxz(qs), th4, zxz(qw)
+    return branched(found, branch) if np.any(branch) else found
+
+
+def bent(qs, th4, qw, branch, upper, fore):
+    """Return Qs, th4, Qw and the branch for joints at an angle to their bones.
+
+    upper, fore (4,): upper arm in the frame of axis 3, frame of axis 5 in the forearm's. The other solution of such an
+    elbow turns the bones by pi about themselves, so th1 .. th3 and th5 .. th7 all change.
+    """
+    other = branch & Branch.ELBOW != 0
+    half, back = np.array((0.0, 0.0, 0.0, 1.0)), np.array((0.0, 0.0, 0.0, -1.0))
+    qs, qw = np.where(other, product(qs, half), qs), np.where(other, product(back, qw), qw)
+    qs, qw = product(qs, conjugate(upper)), product(conjugate(fore), qw)
+    return qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW
+
+
+def turned(a, b, c):
+    """Return the quaternions Rz(a) Rx(b) Rz(c), (4, N)."""
+    s, d, half = (a + c) / 2, (a - c) / 2, b / 2
+    return np.array(
+        (np.cos(half) * np.cos(s), np.sin(half) * np.cos(d), np.sin(half) * np.sin(d), np.cos(half) * np.sin(s))
+    )
+
+
+def centred(limits):
+    """Return the middles and halves (J, 2) of limits (J, 2), rad; at most a turn each."""
+    low, high = np.where((limits[:, 1] - limits[:, 0] >= 2 * np.pi)[:, None], (-np.pi, np.pi), limits).T
+    return (low + high) / 2, (high - low) / 2
+
+
+def outside(joints, limits):
+    """Return whether joints (7, ...) are outside their limits (7, 2) in every turn, by more than ROUNDING."""
+    middle, half = (each.reshape(7, *[1] * (joints.ndim - 1)) for each in centred(limits))
+    return np.abs(wrap(joints - middle)) > half + ROUNDING
+
+
+def settled(joints, limits):
+    """Return joints (7, ...) in which th1, th3 and th5, th7 are within their limits (7, 2) if they can be where th2 or
+    th6 is 0 or pi within STRAIGHT: only the sum or difference of such a pair counts."""
+    middle, half = centred(limits)
+    found, beyond = joints, outside(joints, limits)
+    for a, tilt, c in ((0, 1, 2), (4, 5, 6)):
+        moved = (beyond[a] | beyond[c]) & (np.abs(np.sin(joints[tilt])) < STRAIGHT)
+        if moved.any():
+            found = found.copy() if found is joints else found
+            sign = np.where(np.cos(joints[tilt]) < 0, -1, 1)
+            both = joints[a] + sign * joints[c]
+            gap = wrap(both - (middle[a] + sign * middle[c]))
+            first = middle[a] + gap * (half[a] / ((half[a] + half[c]) or 1.0))
+            found[a] = np.where(moved, wrap(first), joints[a])
+            found[c] = np.where(moved, wrap(sign * (both - first)), joints[c])
+    return found
+
+
+STRAIGHT = 1e-7
+"""Angle (rad) from 0 or pi below which th2 or th6 counts as 0 or pi for limits; th4 of a straight arm has half of a
+double's digits."""
+
+SINGULAR = 1e-9
+"""The same along a path."""
+
+ROUNDING = 1e-9
+"""Tolerance of a limit (rad): a joint that has been put on its limit is within it."""
