@@ -131,7 +131,7 @@ def write_save_file(
     GTKWave opens at the time ``start``; with a ``first`` difference its section is open and its node red.
     ``aligned``: the VCD is one by `write_aligned`, which has no streams.
     """
-    nodes = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
+    nodes = fixed.nodes(datapath, width)
     core = f"g_{CONFIGURATIONS[datapath].rtl}", "u_core"
     how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
     with open(path, "w", encoding="utf-8", newline="\n") as stream:

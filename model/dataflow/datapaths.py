@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from ..io.flags import FLAG_BITS, FLAGS, SATURATED
+from ..io.words import FIELDS, RESULT_FIELDS
 from . import lean, paper
 from .fold import program, shown
 from .nodes import WIDTHS
@@ -23,6 +25,8 @@ class Datapath:
     ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.operations.mul3` is cut.
     ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
     ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
+    ``top`` is the module around it, ``inputs`` and ``results`` are the words of a target and of a result, lowest bits
+    first; ``flags``: node -> its bit among the ``flag_bits`` above the tag.
     """
 
     name: str
@@ -35,10 +39,15 @@ class Datapath:
     times: Callable[[int], Mapping[str, int]] | None = None
     period: int = 1
     behind: int = 2
+    top: str = "ik_axis"
+    inputs: tuple[str, ...] = FIELDS
+    results: tuple[str, ...] = RESULT_FIELDS
+    flags: Mapping[str, int] = field(default_factory=lambda: {k: v for k, v in FLAGS.items() if v != SATURATED})
+    flag_bits: int = FLAG_BITS
 
     @property
     def parameters(self) -> dict[str, int]:
-        """Parameters of ``ik_axis`` that select the datapath."""
+        """Parameters of its top that select the datapath."""
         return {"DATAPATH": self.number} | ({"TILE": self.tile} if self.equations == "lean" else {})
 
     @property

@@ -14,8 +14,6 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from ..io.flags import FLAGS, SATURATED
-from ..io.words import FIELDS, LENGTHS, RESULT_FIELDS
 from .datapaths import CONFIGURATIONS
 from .nodes import Domain, Format, Node, effective_width
 from .operations import even, mul3, round_shift, wrap
@@ -26,6 +24,9 @@ SINCOS_GUARD = 6
 
 FIFO_CLOCKS = 2
 """Clocks that the output FIFO of ``ik_axis`` adds to a datapath's latency: memory, output register."""
+
+WIDE = 0.999 * 2.0**62
+"""Largest sum of squares that is computed in 64 bits."""
 
 TABLE_BITS = 48
 """Fraction bits of the CORDIC's tables, before they are rounded to the word length in use."""
@@ -119,16 +120,13 @@ class Bits(Domain):
         self.datapath = datapath
         self.overflow: dict[str, np.ndarray] = {}
 
-    def inputs(self, value):
-        # Squares of the lean datapath's words, and their sums, can exceed 64 bits, though not for a target in reach of
-        # an arm shorter than 2: then all lengths are Python integers.
-        nodes = super().inputs(value)
-        if self.width > 31 and CONFIGURATIONS[self.datapath].equations == "lean":
-            x, y, z, d1, d2 = (np.abs(nodes[name].value, dtype=np.float64) for name in LENGTHS)
-            if max(np.max(x * x + y * y + z * z, initial=0), np.max(d1 + d2, initial=0) ** 2) > 0.999 * 2.0**62:
-                for name in LENGTHS:
-                    nodes[name].value = nodes[name].value.astype(object)
-        return nodes
+    def summed(self, names, size):
+        # Sums of squares can exceed 64 bits, though not for a target in reach of an arm shorter than 2: then the words
+        # are Python integers.
+        nodes = [self.nodes[name] for name in names]
+        if self.width > 31 and np.max(size(*(np.abs(n.value, dtype=np.float64) for n in nodes)), initial=0) > WIDE:
+            for node in nodes:
+                node.value = node.value.astype(object)
 
     def constant(self, value, fmt):
         return Node("", "", "", "constant", (), fmt, None, 0, np.int64(round(value * 2.0**fmt.frac)))
@@ -186,8 +184,8 @@ class Bits(Domain):
 
 @dataclass(frozen=True)
 class Answer:
-    """Outputs of the datapath for N targets: ``results`` (N, 6) words in the order of ``RESULT_FIELDS``, ``flags``
-    (N,), and every node."""
+    """Outputs of the datapath for N targets: ``results`` (N, 6) words in the order of the datapath's results,
+    ``flags`` (N,), and every node."""
 
     results: np.ndarray
     flags: np.ndarray
@@ -195,23 +193,28 @@ class Answer:
 
 
 def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
-    """Run N targets, (N, 6) input words in the order of ``FIELDS``, through a datapath."""
+    """Run N targets, (N, 6) input words in the order of the datapath's inputs, through a datapath."""
     return answer(words, Bits(width, datapath))
+
+
+def nodes(datapath: str, width: int) -> dict[str, Node]:
+    """Return the nodes of a datapath in dataflow order, with their formats and clocks; their values are of one
+    target."""
+    return run(np.zeros((1, len(CONFIGURATIONS[datapath].inputs)), dtype=np.int64), width, datapath).bits.nodes
 
 
 def latency(datapath: str, width: int) -> int:
     """Return the clocks of ``ik_axis`` from a target's input to its result's output, without stalls."""
-    nodes = run(np.zeros((1, len(FIELDS)), dtype=np.int64), width, datapath).bits.nodes
-    return max(node.time for node in nodes.values()) + CONFIGURATIONS[datapath].behind
+    return max(node.time for node in nodes(datapath, width).values()) + CONFIGURATIONS[datapath].behind
 
 
 def answer(words: np.ndarray, bits: Bits) -> Answer:
     """Run N targets, as :func:`run`, in an unused domain."""
-    columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T, strict=True))
-    CONFIGURATIONS[bits.datapath].flow(bits, bits.inputs(lambda name, fmt: columns[name]))
-    times = CONFIGURATIONS[bits.datapath].times
-    for name, time in times(bits.width).items() if times else ():
+    path = CONFIGURATIONS[bits.datapath]
+    columns = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
+    path.flow(bits, bits.inputs(lambda name, fmt: columns[name], path.inputs))
+    for name, time in path.times(bits.width).items() if path.times else ():
         bits.nodes[name].time = time
     value = {k: n.value for k, n in bits.nodes.items()}
-    flags = sum(value[name] * np.int64(flag) for name, flag in FLAGS.items() if flag != SATURATED)
-    return Answer(np.stack([value[k] for k in RESULT_FIELDS], axis=1), flags, bits)
+    flags = sum(value[name] * np.int64(flag) for name, flag in path.flags.items())
+    return Answer(np.stack([value[k] for k in path.results], axis=1), flags, bits)

@@ -23,6 +23,7 @@ from functools import partial
 
 import numpy as np
 
+from ..io.words import LENGTHS
 from . import operations as ops
 from .annotations import SUM, Growth, Limited, Within
 from .nodes import FLOOR, HALF_UP, Domain, Format, Node, effective_width, inner_frac, root_frac
@@ -122,6 +123,7 @@ def guard(d: Domain, target: dict[str, Node]) -> None:
     f = Lean(d.width)
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
+    d.summed(LENGTHS, lambda x, y, z, d1, d2: np.maximum(x * x + y * y + z * z, (d1 + d2) ** 2))
     d.mask("bad_length", (d1, d2), lambda a, b: (a <= 0) | (b <= 0))
     d.mask("on_axis", (x, y), lambda a, b: (a == 0) & (b == 0))
     d.mask("at_shoulder", (x, y, z), lambda a, b, c: (a == 0) & (b == 0) & (c == 0))

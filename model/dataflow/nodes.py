@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from ..io.words import FIELDS, LENGTHS
+from ..io.words import FIELDS
 from .annotations import Case, Facts, Within, leading
 from .operations import TILE, Unrounded, mul3_error, room
 from .quadratic import INVERSE_ROOT, SINE, SINE_FRACS, rsqrt_places
@@ -259,10 +259,13 @@ class Domain:
         self.nodes[name] = node
         return node
 
-    def inputs(self, value: Callable[[str, Format], Value]) -> dict[str, Node]:
+    def inputs(self, value: Callable[[str, Format], Value], fields: tuple[str, ...] = FIELDS) -> dict[str, Node]:
         """Create the input words, in the clock in which the target is accepted."""
-        formats = {name: self.word(int(name in LENGTHS)) for name in FIELDS}
+        formats = {name: self.word(int(name != "phi")) for name in fields}
         return {name: self.make(name, "input", (), fmt, None, value(name, fmt)) for name, fmt in formats.items()}
+
+    def summed(self, names: tuple[str, ...], size: Callable) -> None:
+        """Prepare words for exact sums of their squares; ``size`` of their magnitudes is the largest sum."""
 
     # ---- hooks for ranges ----------------------------------------------------------------------------------------
 

@@ -29,6 +29,16 @@ ARMS = ("d1", "d2")
 
 LENGTHS = ("x", "y", "z", *ARMS)
 
+ARM_FIELDS = ("hand_x", "hand_y", "hand_z", "phi", "d1", "d2", "tool", "qh_w", "qh_i", "qh_j", "qh_k")
+"""Fields of a target word of the whole arm, lowest bits first: the hand's point and orientation; all but phi have
+width-2 fraction bits."""
+
+JOINTS = tuple(f"th{k}" for k in range(1, 8))
+"""Joint angles of the whole arm, one turn = 2^width."""
+
+ARM_RESULT_FIELDS = (*RESULT_FIELDS, "qw_w", "qw_i", "qw_j", "qw_k", *JOINTS)
+"""Fields of a result word of the whole arm, lowest bits first."""
+
 DEFAULT_D1 = 0.33
 """Upper arm of the default arm (m); with `DEFAULT_D2` it reaches the 0.6 m of the paper group's arm."""
 
@@ -221,9 +231,8 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
-    """Return the tdata integers of signed words `fields` (N, 6): field 0 in the lowest `width` bits.
-
-    Works for targets (`FIELDS`) and results (`RESULT_FIELDS`). Raises ValueError for a word that does not fit.
+    """Return the tdata integers of signed words `fields` (N, fields of a target or a result): field 0 in the lowest
+    `width` bits.  Raises ValueError for a word that does not fit.
     """
     half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
@@ -233,12 +242,12 @@ def pack(fields: np.ndarray, width: int) -> list[int]:
     return [sum((word & mask) << (width * i) for i, word in enumerate(row)) for row in array.tolist()]
 
 
-def unpack(data: list[int], width: int) -> np.ndarray:
-    """Return the signed words (N, 6) int64 of tdata integers; the inverse of `pack`."""
+def unpack(data: list[int], width: int, count: int = len(FIELDS)) -> np.ndarray:
+    """Return the signed words (N, `count`) int64 of tdata integers; the inverse of `pack`."""
     half = 2 ** (width - 1)
     mask = 2**width - 1
-    rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(len(FIELDS))] for value in data]
-    return np.array(rows, dtype=np.int64).reshape(len(rows), len(FIELDS))
+    rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(count)] for value in data]
+    return np.array(rows, dtype=np.int64).reshape(len(rows), count)
 
 
 def result_values(words: np.ndarray, width: int) -> np.ndarray:

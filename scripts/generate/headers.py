@@ -10,17 +10,14 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
-from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, Bits, atan_table, cordic_gain, run
+from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, nodes
 from model.dataflow.fold import steps as timing
 from model.dataflow.fold.program import CODES, FIELDS, WIDTH, program
 from model.dataflow.fold.shown import Shown, shown
 from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node, inner_frac
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, Form, Table, table_rows
-from model.io.words import RESULT_FIELDS
 from scripts.generate.render import update
 from tb.sim.env import ROOT
 
@@ -34,18 +31,17 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 # -- formats and clocks of nodes -----------------------------------------------------------------------------------
 
 
-def traced(datapath: str) -> dict[int, Bits]:
-    """Run a dataflow at every width on one target; formats and clocks do not depend on the target."""
-    one = {w: 1 << (w - 3) for w in CONFIGURATIONS[datapath].widths}
-    return {w: run(np.array([[d, 0, 0, 0, d, d]]), w, datapath).bits for w, d in one.items()}
+def traced(datapath: str) -> dict[int, dict[str, Node]]:
+    """Return the nodes of a dataflow at every width, with their formats and clocks."""
+    return {w: nodes(datapath, w) for w in CONFIGURATIONS[datapath].widths}
 
 
-def _start(operands: tuple[Node, ...], runs: dict[int, Bits]) -> str:
+def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
     """Return the T_ of the last ready operand. Raises ValueError if it depends on the width."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
-            times.setdefault(tuple(run.nodes[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
+            times.setdefault(tuple(run[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
     last = tuple(max(column) for column in zip(*times, strict=True))
     if last not in times:
         raise ValueError(f"none of {sorted(times.values())} is the last at every width")
@@ -67,7 +63,7 @@ localparam integer ROOT_FRAC = (W < 19) ? {short} : ((FRAC < {long}) ? FRAC : {l
 def node_formats(datapath: str) -> str:
     """Return the text of ``ik_<datapath>_nodes.vh``."""
     runs = traced(datapath)
-    nodes = runs[WIDTHS[-1]].nodes
+    nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
     parameters = "parameter W" if datapath == "paper" else "parameters W and TILE"
     lines = [
@@ -96,7 +92,7 @@ def node_formats(datapath: str) -> str:
         parts = [f"F_{name} = {node.format.frac_expr}"] if node.format.signed else []
         parts.append(f"T_{name} = {' + '.join(clocks) or '0'}")
         lines.append(f"localparam integer {', '.join(parts)};{_comment(node)}")
-    outputs = _start(tuple(nodes[n] for n in RESULT_FIELDS), runs)
+    outputs = _start(tuple(nodes[n] for n in DATAPATHS[datapath].results), runs)
     return "\n".join([*lines, "", "// All results leave together.", f"localparam integer T_OUT = {outputs};"])
 
 
@@ -107,9 +103,9 @@ def _comment(node: Node) -> str:
 def latencies() -> str:
     """Return the text of ``ik_latency.vh``."""
     cases = [
-        f"      {key + width}: datapath_latency = {max(node.time for node in bits.nodes.values())};"
+        f"      {key + width}: datapath_latency = {max(node.time for node in found.values())};"
         for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items()
-        for width, bits in traced(name).items()
+        for width, found in traced(name).items()
     ]
     return f"""\
 // For the body of ik_axis: clocks of a datapath, T_OUT of its own header. lean: 1 for the lean one, 0 for the paper's,

@@ -21,7 +21,7 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import Node
-from model.io.words import FIELDS, pack, unpack
+from model.io.words import pack, unpack
 from tb.core import functional_coverage
 from tb.sim.job import KEPT, Difference, report
 
@@ -100,10 +100,11 @@ class Pipeline:
         self.dut, self.core = dut, getattr(dut, "u", dut)  # a wrapper of tb/sim/wrapper_top.py has the core in u
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
-        data, tag = len(FIELDS) * self.slot, self.tag_width
-        ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
-        assert [len(port) for port in ports] == [data, tag, data, tag + 8]
         self.datapath = configuration(dut)
+        path, tag = CONFIGURATIONS[self.datapath], self.tag_width
+        ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
+        data = [len(words) * self.slot for words in (path.inputs, path.results)]
+        assert [len(port) for port in ports] == [data[0], tag, data[1], tag + path.flag_bits]
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -113,14 +114,12 @@ class Pipeline:
         self.sink = AxiStreamSink(
             AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
         )
-        probe = fixed.run(np.zeros((1, len(FIELDS)), dtype=np.int64), self.width, self.datapath).bits.nodes
-        self.scoreboard = Scoreboard(self._handle, probe.values() if nodes else ())
-        path = CONFIGURATIONS[self.datapath]
+        self.scoreboard = Scoreboard(self._handle, fixed.nodes(self.datapath, self.width).values() if nodes else ())
         self.period, self.behind = path.period, path.behind
         self.go = getattr(self.core, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
-        self.words = np.zeros((0, len(FIELDS)), dtype=np.int64)  # all announced targets, in order
+        self.words = np.zeros((0, len(path.inputs)), dtype=np.int64)  # all announced targets, in order
         self.answer_results: list[tuple[int, ...]] = []
         self.answer_flags: list[int] = []
         self.tags: list[int] = []
@@ -173,7 +172,7 @@ class Pipeline:
         self.scoreboard.expect(answer)
 
     def send(self, words: np.ndarray) -> None:
-        """Queue targets, (N, 6) signed words, with incrementing tags."""
+        """Queue targets, (N, words of a target), with incrementing tags."""
         self.announce(words)
         padding = np.random.default_rng(len(words)).integers(1 << self.slot - self.width, size=words.shape)
         half = 1 << self.slot - 1
@@ -258,15 +257,15 @@ class Pipeline:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
             self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
             return
-        words = tuple(unpack([int(data, 2)], self.slot)[0].tolist())
+        path = CONFIGURATIONS[self.datapath]
+        words = tuple(unpack([int(data, 2)], self.slot, len(path.results))[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
             self.errors.append(f"a result with tag {tag} in clock {self.clock} without a target")
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
-        path = CONFIGURATIONS[self.datapath].rtl
-        functional_coverage.sample(flags, path, self.words[target], self.gaps[target], self.held)
+        functional_coverage.sample(flags, path.rtl, self.words[target], self.gaps[target], self.held)
         self.held = False
         self.latencies.append(self.clock - self.admitted[target])
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])

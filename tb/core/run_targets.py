@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """cocotb side of ``tb/sim/simulate.py``: runs jobs of targets through ``ik_axis`` without stalls.
 
-IK_JOBS names an .npz file with one (N, 6) word array per job; IK_RESULTS the .npz file to write, with for job k the
-arrays ``results_k`` (N, 6), ``flags_k`` (N,), ``facts_k`` = latency, clocks from first in to last out, mismatching
+IK_JOBS names an .npz file with one array of target words per job; IK_RESULTS the .npz file to write, with for job k the
+arrays ``results_k`` (N, words), ``flags_k`` (N,), ``facts_k`` = latency, clocks from first in to last out, mismatching
 bits, and ``first_k``, the first difference as text. IK_PROGRESS names a file for the number of results so far.
 """
 

@@ -33,8 +33,7 @@ async def started(dut, nodes: bool = False) -> Pipeline:
 
 def datapath_latency(bench: Pipeline) -> int:
     """Return the latency of the datapath in clocks, as scheduled in the model."""
-    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), bench.width, bench.datapath).bits.nodes
-    return max(node.time for node in nodes.values())
+    return max(node.time for node in fixed.nodes(bench.datapath, bench.width).values())
 
 
 def places(bench: Pipeline) -> int:

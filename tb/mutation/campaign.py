@@ -46,9 +46,9 @@ class Design:
 
 
 def core(*benches: NodeBench) -> Design:
-    """Return a design of ``ik_axis``; its benches differ only in their targets."""
+    """Return a design of a core; its benches differ only in their targets."""
     name = " ".join(benches[0].name.split()[1:-1])
-    return Design(name, "ik_axis", benches[0].parameters, tuple(map(Nodes, benches)))
+    return Design(name, benches[0].path.top, benches[0].parameters, tuple(map(Nodes, benches)))
 
 
 def memory(log2_burst: int, data_w: int) -> Design:

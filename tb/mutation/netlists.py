@@ -153,7 +153,7 @@ class Netlist:
                 mutant = Mutant(self, file, len(rows) + 1, int(line[1]) if line else 1, command)
                 if mutant.options["port"] not in EXCLUDED and not unchanged(mutant, modules):
                     rows.append([file, mutant.number, mutant.line, command])
-        if self.top == "ik_axis":
+        if self.top != "ik_axi":
             lines = [f"{command} -ctrl {SELECT} {BITS} {number}" for _, number, _, command in rows]
             run("mutate", [design, *lines, f"write_verilog -noattr {within}/netlist.v"])
         (folder / "mutants.json").write_text(json.dumps(rows))

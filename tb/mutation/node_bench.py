@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verilog bench of ``ik_axis`` that compares every node of a netlist: under stalls, with a full FIFO, after a reset.
+"""Verilog bench of a core that compares every node of a netlist: under stalls, with a full FIFO, after a reset.
 
 Under Icarus it finishes in the few seconds that cocotb takes to start. It stops at the first difference. A plusarg
 selects a mutant.
@@ -16,7 +16,6 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, Datapath
 from model.io.stimuli import mixed
-from model.io.words import FIELDS
 from tb.core.corner_targets import corner_targets
 from tb.mutation.netlists import BITS, SELECT
 from tb.sim.native_run import columns
@@ -47,7 +46,7 @@ class NodeBench:
 
     @property
     def parameters(self) -> dict[str, int]:
-        """Parameters of ``ik_axis``."""
+        """Parameters of the top."""
         return {"W": self.width, "TAG_W": TAG_W, "DIGIT": self.digit, **self.path.parameters}
 
     def words(self) -> np.ndarray:
@@ -63,7 +62,7 @@ class NodeBench:
         answer = fixed.run(words, self.width, self.datapath)
         nodes = list(answer.bits.nodes.values())
         rows, at = [0] * len(words), 0
-        for values, bits in fields(words, answer, nodes, self.width):
+        for values, bits in fields(words, answer, nodes, self.width, self.path.flag_bits):
             rows = [row | (int(v) & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
             at += bits
         (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
@@ -74,7 +73,8 @@ class NodeBench:
     def _text(self, nodes: list, count: int, bits: int) -> str:
         path, w = self.path, self.width
         core = f"u_axis.\\g_{path.rtl}.u_core "
-        at = 2 * len(FIELDS) * w + 8
+        sizes = len(path.inputs) * w, len(path.results) * w, path.flag_bits
+        at = sum(sizes)
         by_time: dict[int, list[str]] = {}
         for node in nodes:
             within = ".".join(part for part in (node.instance, node.name) if part)
@@ -91,7 +91,10 @@ class NodeBench:
         latest = max(by_time)
         return BENCH.format(
             top=TOP,
-            w=w,
+            core=path.top,
+            asked=sizes[0],
+            given=sizes[1],
+            flags=sizes[2],
             n=count,
             bits=bits,
             tag=TAG_W,
@@ -105,11 +108,11 @@ class NodeBench:
         )
 
 
-def fields(words: np.ndarray, answer, nodes: list, width: int) -> Iterator[tuple[np.ndarray, int]]:
+def fields(words: np.ndarray, answer, nodes: list, width: int, flag_bits: int) -> Iterator[tuple[np.ndarray, int]]:
     """Yield the columns of the data with their widths: targets, results, flags, nodes; the first in the low bits."""
     for table in (words, answer.results):
-        yield from ((table[:, k], width) for k in range(len(FIELDS)))
-    yield answer.flags, 8
+        yield from ((column, width) for column in table.T)
+    yield answer.flags, flag_bits
     for node in nodes:
         for number, limb in enumerate(columns(node)):
             yield limb, min(64, node.format.width - 64 * number)
@@ -119,23 +122,23 @@ BENCH = """\
 // Written by tb/mutation/node_bench.py.
 `timescale 1ns / 1ps
 module {top};
-  localparam W = {w}, N = {n}, FULL = {full};
+  localparam IN = {asked}, OUT = {given}, FLAGS = {flags}, N = {n}, FULL = {full};
   reg clk, rst, in_valid, out_ready;
   reg [{bits}-1:0] data[0:N-1];
   reg [{bits}-1:0] want, next, owed;
   wire in_ready, out_valid;
-  wire [6*W-1:0] result;
-  wire [{tag}+8-1:0] user;
+  wire [OUT-1:0] result;
+  wire [{tag}+FLAGS-1:0] user;
   integer sent, left, clock, ran, target, first, blocked, held, k, seed;
   integer ring[0:{ring}-1];
   reg stalled;
   reg [8*1000-1:0] file;
-  reg [6*W+{tag}+8-1:0] stood;
+  reg [OUT+{tag}+FLAGS-1:0] stood;
   reg [{tag}-1:0] tag;
   reg [{select_bits}-1:0] selected;
-  ik_axis u_axis (
+  {core} u_axis (
       .clk(clk), .rst(rst), .{select}(selected),
-      .s_axis_tdata(next[6*W-1:0]), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
+      .s_axis_tdata(next[IN-1:0]), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(result), .m_axis_tuser(user), .m_axis_tvalid(out_valid), .m_axis_tready(out_ready)
   );
   task fails(input [8*40-1:0] why);
@@ -185,8 +188,8 @@ module {top};
           owed = data[left];
           k = left;
           if (user[{tag}-1:0] !== k[{tag}-1:0]) fails("tag");
-          if (result !== owed[12*W-1:6*W]) fails("result");
-          if (user[{tag}+:8] !== owed[12*W+:8]) fails("flags");
+          if (result !== owed[IN+:OUT]) fails("result");
+          if (user[{tag}+:FLAGS] !== owed[IN+OUT+:FLAGS]) fails("flags");
           if (left == 0) $display("latency %0d", clock - first);
           left = left + 1;
         end

@@ -4,9 +4,9 @@
 //     Vtop RESULTS < STREAM
 //
 // Built around the wrapper from native_run.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
-// little-endian words: the word length, the number of nodes, and clock and width of each; then frames: a count n, followed
-// by columns of n words each: six input words, six result words, flags, and the nodes, with as many columns as each needs.
-// A frame of 0 targets ends the stream. RESULTS receives seven columns per frame: result words (unsigned) and flags.
+// little-endian words: the word length, the numbers of input words, result words and nodes, and clock and width of each; then frames: a count n, followed
+// by columns of n words each: input words, result words, flags, and the nodes, with as many columns as each needs.
+// A frame of 0 targets ends the stream. RESULTS receives columns of each frame: result words (unsigned) and flags.
 //
 // Prints "done TARGETS LATENCY CLOCKS BITS": clocks from first in to first out, from first in to last out, differing bits;
 // and for the first differences "differs NODE TARGET CLOCK RTL MODEL" with hexadecimal words. A broken stream prints a line
@@ -28,10 +28,8 @@
 
 namespace {
 
-constexpr int kFields = 6, kKept = 1000, kMostClocks = 20000, kAfterLast = 8;
+constexpr int kKept = 1000, kMostClocks = 20000, kAfterLast = 8;
 constexpr uint64_t kTags = 256;
-constexpr size_t kFlags = 2 * kFields;    // column of the flags
-constexpr size_t kNodes = 2 * kFields + 1;  // column of the first node
 
 [[noreturn]] void stop(int status, const std::string& why) {
   std::fprintf(stderr, "%s\n", why.c_str());
@@ -58,9 +56,9 @@ struct Frame {
   uint64_t first, count;
   std::vector<uint64_t> words, results;
 
-  Frame(uint64_t first_, uint64_t count_, size_t columns) : first(first_), count(count_) {
+  Frame(uint64_t first_, uint64_t count_, size_t columns, size_t out) : first(first_), count(count_) {
     words.resize(columns * count);
-    results.resize((kFields + 1) * count);
+    results.resize((out + 1) * count);
     if (std::fread(words.data(), sizeof(uint64_t), words.size(), stdin) != words.size()) stop(2, "a frame ends early");
   }
   uint64_t at(size_t column, uint64_t row) const { return words[column * count + row]; }
@@ -97,9 +95,11 @@ int main(int argc, char** argv) {
     unsigned width, word;
     size_t column;
   };
+  const size_t inputs = read_word(), outputs = read_word();
+  const size_t flags = inputs + outputs;  // column of the flags, before the nodes
   std::vector<Node> nodes(read_word());
   std::vector<std::vector<Limb>> by_time;
-  size_t columns = kNodes;
+  size_t columns = flags + 1;
   unsigned port = 0;
   for (unsigned k = 0; k < nodes.size(); ++k) {
     const unsigned time = read_word(), bits = read_word();
@@ -141,7 +141,7 @@ int main(int argc, char** argv) {
     const uint64_t count = read_word();
     more = count != 0;
     row = 0;
-    if (more) frames.push_back(std::make_unique<Frame>(sent, count, columns));
+    if (more) frames.push_back(std::make_unique<Frame>(sent, count, columns, outputs));
     frame = more ? frames.back().get() : nullptr;
   };
   next_frame();
@@ -154,7 +154,7 @@ int main(int argc, char** argv) {
   for (unsigned after = 0; after < kAfterLast; ++clock) {
     top.in_valid = more;
     if (more) {
-      for (int k = 0; k < kFields; ++k) top.target[k] = frame->at(k, row) & mask;
+      for (size_t k = 0; k < inputs; ++k) top.target[k] = frame->at(k, row) & mask;
       top.tag = sent % kTags;
     }
     top.eval();
@@ -208,10 +208,10 @@ int main(int argc, char** argv) {
                     std::to_string(latency));
       }
       Frame& of = *target.frame;
-      for (int k = 0; k < kFields; ++k) of.results[k * of.count + target.row] = top.result[k];
-      of.results[kFields * of.count + target.row] = top.out_flags;
-      bool differs = top.out_flags != of.at(kFlags, target.row);
-      for (int k = 0; k < kFields; ++k) differs |= top.result[k] != (of.at(kFields + k, target.row) & mask);
+      for (size_t k = 0; k < outputs; ++k) of.results[k * of.count + target.row] = top.result[k];
+      of.results[outputs * of.count + target.row] = top.out_flags;
+      bool differs = top.out_flags != of.at(flags, target.row);
+      for (size_t k = 0; k < outputs; ++k) differs |= top.result[k] != (of.at(inputs + k, target.row) & mask);
       if (differs && !bits) stop(1, "target " + std::to_string(left) + ": its nodes are right, its result or flags are not");
       ++left;
       last_out = clock;

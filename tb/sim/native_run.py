@@ -19,7 +19,6 @@ import numpy as np
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.dataflow.nodes import WIDTHS, Node
-from model.io.words import FIELDS
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
 from tb.sim.job import Difference, Job, Run, SimulationError, report
@@ -37,12 +36,12 @@ FRAME = 5000
 
 def nodes_of(datapath: str, width: int) -> list[Node]:
     """Return the named nodes of a datapath, in dataflow order."""
-    return list(fixed.run(np.zeros((1, len(FIELDS)), np.int64), width, datapath).bits.nodes.values())
+    return list(fixed.nodes(datapath, width).values())
 
 
 def wrapper(datapath: str, width: int, digit: int) -> str:
-    """Return a top around ``ik_axis``, or around the datapath alone below 16 bits: fields in 32-bit lanes, and every
-    node on one port, aligned to 32 bits."""
+    """Return a top around the core, or around the datapath alone below 16 bits: fields in 32-bit lanes, and every node
+    on one port, aligned to 32 bits."""
     path = CONFIGURATIONS[datapath]
     core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
     chosen = ", ".join(f".{key}({value})" for key, value in path.parameters.items())
@@ -53,14 +52,14 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
         signal = ".".join(part for part in (core, node.instance, node.name) if part)
         parts.append(f"{{{pad}'d0, {signal}}}" if pad else signal)
         words += (bits + pad) // 32
-    lanes = range(len(FIELDS))
+    lanes, of_answer = range(len(path.inputs)), range(len(path.results))
     pad = f"{32 - width}'d0, " if width < 32 else ""
     asked = ", ".join(f"target[{32 * k + width - 1}:{32 * k}]" for k in reversed(lanes))
-    given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(lanes))
+    given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
     lines = ",\n      ".join(reversed(parts))
     if width in WIDTHS:
         instance = f"""\
-  ik_axis #(
+  {path.top} #(
       .W({width}), .TAG_W(8), {chosen}, .DIGIT({digit})
   ) u_axis (
       .clk(clk), .rst(rst),
@@ -83,11 +82,12 @@ module {TOP} (
     input wire [7:0] tag,
     input wire [{32 * len(lanes) - 1}:0] target,
     output wire in_ready, out_valid,
-    output wire [7:0] out_tag, out_flags,
-    output wire [{32 * len(lanes) - 1}:0] result,
+    output wire [7:0] out_tag,
+    output wire [{path.flag_bits - 1}:0] out_flags,
+    output wire [{32 * len(of_answer) - 1}:0] result,
     output wire [{32 * words - 1}:0] nodes
 );
-  wire [{len(lanes) * width - 1}:0] answer;
+  wire [{len(of_answer) * width - 1}:0] answer;
 {instance}
   assign result = {{{given}}};
   assign nodes = {{
@@ -147,7 +147,7 @@ def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: 
 
 
 def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
-    """Yield targets (N, 6) and the model's answers in frames."""
+    """Yield targets and the model's answers in frames."""
     for start in range(0, len(words), FRAME):
         piece = words[start : start + FRAME]
         yield piece, fixed.run(piece, width, datapath)
@@ -176,8 +176,9 @@ def compare(
     ``progress(done)`` is called after each frame. ``root`` is the RTL copy that the program was built from. Raises
     :class:`SimulationError` for lost or reordered results, a changing latency, or a program that stops early.
     """
-    nodes = nodes_of(datapath, width)
-    header = [width, len(nodes), *(fact for node in nodes for fact in (node.time, node.format.width))]
+    nodes, of = nodes_of(datapath, width), CONFIGURATIONS[datapath]
+    header = [width, len(of.inputs), len(of.results), len(nodes)]
+    header += (fact for node in nodes for fact in (node.time, node.format.width))
     sizes = []
     with coverage.counting(root) as counts, tempfile.NamedTemporaryFile(prefix="ik_") as file:
         process = subprocess.Popen(
@@ -208,7 +209,7 @@ def compare(
         if process.returncode:
             raise SimulationError(f"the native simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
         back = np.fromfile(file.name, dtype="<i8")
-    return _run(out.decode(), back, sizes, nodes, width)
+    return _run(out.decode(), back, sizes, nodes, width, len(of.results) + 1)
 
 
 def run(
@@ -228,14 +229,14 @@ def run(
     return runs
 
 
-def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int) -> Run:
-    """Parse the program's output and its results ``back``."""
+def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int, count: int) -> Run:
+    """Parse the program's output and its results ``back``, ``count`` words of each target."""
     done, *differs = said.splitlines()
     targets, latency, clocks, bits = map(int, done.split()[1:])
-    if targets != sum(sizes) or len(back) != (len(FIELDS) + 1) * targets:
+    if targets != sum(sizes) or len(back) != count * targets:
         raise SimulationError(f"{sum(sizes)} targets were sent, {targets} results came back")
-    ends = np.cumsum(sizes)[:-1] * (len(FIELDS) + 1)
-    rows = np.concatenate([part.reshape(len(FIELDS) + 1, -1).T for part in np.split(back, ends)])
+    ends = np.cumsum(sizes)[:-1] * count
+    rows = np.concatenate([part.reshape(count, -1).T for part in np.split(back, ends)])
     half = 1 << (width - 1)
     differences = []
     for line in differs:

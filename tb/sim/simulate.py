@@ -57,7 +57,7 @@ def simulate(
             np.savez(file, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
         command = runner.command(
-            "ik_axis",
+            CONFIGURATIONS[datapath].top,
             "tb.core.run_targets",
             parameters={"W": width, **CONFIGURATIONS[datapath].parameters},
             sim=simulator,

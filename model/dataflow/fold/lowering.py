@@ -81,8 +81,8 @@ class Lowering(Domain):
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
         self.picks: dict[str, Pick] = {}  # place of a squared length, or a word that a flag replaces by 0
 
-    def inputs(self, value=lambda name, fmt: None):
-        inputs = super().inputs(value)
+    def inputs(self, value=lambda name, fmt: None, *fields):
+        inputs = super().inputs(value, *fields)
         self.weight |= dict.fromkeys(inputs, EXACT_WEIGHT)
         return inputs
 

@@ -222,7 +222,7 @@ DECLARED = re.compile(
 
 def test_lean_nodes_have_the_numbers_of_the_table():
     """Every line is the node of its name; a node without a number is a decision."""
-    nodes = fixed.run(np.array([[1 << 29] * 6]), 32, "lean").bits.nodes
+    nodes = fixed.nodes("lean", 32)
     assert {name: nodes[name].equation for name in NUMBER if name in nodes} == NUMBER
     for node in nodes.values():
         decision = node.format.width == 1 and not node.equation
@@ -234,7 +234,7 @@ def test_the_verilog_has_each_number_at_the_declaration_of_a_node(section):
     lean = DATAPATHS["lean"]
     text = (Path(__file__).parents[3] / lean.folder / f"{lean.module(section)}.v").read_text(encoding="utf-8")
     in_rtl = {m["name"]: re.findall(r"\(L\d+\)", m["comment"] or "") for m in DECLARED.finditer(text)}
-    nodes = fixed.run(np.array([[1 << 29] * 6]), 32, "lean").bits.nodes.values()
+    nodes = fixed.nodes("lean", 32).values()
     own = {n.name: [n.equation] if n.equation else [] for n in nodes if n.section == section and n.operands}
     assert own == {name: in_rtl.get(name) for name in own}
     assert not {name for name, found in in_rtl.items() if found and name not in own}, "numbers at other signals"
@@ -263,7 +263,7 @@ def test_every_node_is_shown_before_the_result_leaves():
     lowering, made = program(24)
     last = max(placed.at + WRITE for placed in made.steps if placed.step.result)
     found = shown(lowering, made)
-    assert list(found) == list(fixed.run([[0] * 6], 24, "lean").bits.nodes)
+    assert list(found) == list(fixed.nodes("lean", 24))
     assert max(of.time for of in found.values()) == last + 1
     assert fixed.latency("fold", 24) == last + 1 - max(made.loads.values())
     without = replace(made, steps=[placed for placed in made.steps if placed.step.name != "az_tilt_sq"])

@@ -39,11 +39,11 @@ def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_pa
     latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latencies()))
     runs = headers.traced(datapath)
     assert tuple(runs) == tuple(CONFIGURATIONS[datapath].widths)
-    for width, bits in runs.items():
+    for width, nodes in runs.items():
         values = evaluated(text, datapath, width, tmp_path)
-        for name, node in bits.nodes.items():
+        for name, node in nodes.items():
             assert values[f"T_{name.upper()}"] == node.time, f"W={width}: clock of {name}"
             if node.format.signed:
                 assert values[f"F_{name.upper()}"] == node.format.frac, f"W={width}: fraction bits of {name}"
-        leave = max(node.time for node in bits.nodes.values())
+        leave = max(node.time for node in nodes.values())
         assert values["T_OUT"] == leave == int(latencies[str(key + width)])

@@ -7,13 +7,10 @@ the latency of valid.
 
 import shutil
 
-import numpy as np
 import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
-from model.io.flags import FLAG_BITS, FLAGS, SATURATED
-from model.io.words import RESULT_FIELDS
 from tb.formal.netlist import DELAYS, Bit, Netlist
 from tb.formal.tools import missing, yosys
 from tb.sim.env import ROOT
@@ -46,23 +43,23 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     lines = [f"read_verilog -defer {include} {own}", f"hierarchy -check -top {top} {sets}", "proc"]
     assert not yosys(place, "elaborate", [*lines, f"write_json {here}/design.json"])
 
-    nodes = fixed.run(np.zeros((1, 6), dtype=np.int64), width, name).bits.nodes
+    nodes = fixed.nodes(name, width)
     at_top = [n.name for n in nodes.values() if n.op == "input" or n.section == "results"]
     homes = {n.name: ("" if n.name in at_top else f"u_{n.section}", n.format.width) for n in nodes.values()}
     netlist = Netlist(place / "design.json", top, homes)
     out = len(netlist.wire("", "valid"))
-    flags = {flag: name for name, flag in FLAGS.items() if flag != SATURATED}
+    flags = {flag: name for name, flag in path.flags.items()}
     expected = {
         "out_data": [
-            Bit("node", field, k, clocks=out - nodes[field].time) for field in RESULT_FIELDS for k in range(width)
+            Bit("node", field, k, clocks=out - nodes[field].time) for field in path.results for k in range(width)
         ],
         "out_flags": [
             Bit("node", flags[1 << k], clocks=out - nodes[flags[1 << k]].time) if 1 << k in flags else Bit("constant")
-            for k in range(FLAG_BITS)
+            for k in range(path.flag_bits)
         ],
         "out_tag": [Bit("port", "in_tag", k, clocks=out) for k in range(TAG_W)],
     }
-    found = [f"valid takes {out} clocks"] if out != max(nodes[field].time for field in RESULT_FIELDS) else []
+    found = [f"valid takes {out} clocks"] if out != max(nodes[field].time for field in path.results) else []
     if netlist.wire("", "out_valid") != netlist.wire("", "valid")[-1:]:
         found.append("out_valid is not the last of valid")
     for port, bits in expected.items():
