@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ..io.flags import FLAG_BITS, FLAGS, SATURATED
-from ..io.words import FIELDS, RESULT_FIELDS
-from . import lean, paper
+from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CORE_FLAGS, FLAG_BITS
+from ..io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, FIELDS, RESULT_FIELDS
+from . import arm, lean, paper
 from .fold import program, shown
 from .nodes import WIDTHS
 from .operations import TILE
@@ -26,7 +26,8 @@ class Datapath:
     ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
     ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
     ``top`` is the module around it, ``inputs`` and ``results`` are the words of a target and of a result, lowest bits
-    first; ``flags``: node -> its bit among the ``flag_bits`` above the tag.
+    first; ``side``: bits of a target above its tag; ``flags``: node -> its bit among the ``flag_bits`` of a result
+    above the tag.
     """
 
     name: str
@@ -41,8 +42,9 @@ class Datapath:
     behind: int = 2
     top: str = "ik_axis"
     inputs: tuple[str, ...] = FIELDS
+    side: tuple[str, ...] = ()
     results: tuple[str, ...] = RESULT_FIELDS
-    flags: Mapping[str, int] = field(default_factory=lambda: {k: v for k, v in FLAGS.items() if v != SATURATED})
+    flags: Mapping[str, int] = field(default_factory=lambda: CORE_FLAGS)
     flag_bits: int = FLAG_BITS
 
     @property
@@ -88,3 +90,11 @@ CONFIGURATIONS = {path.name: path for path in (LEAN, PAPER, *TILED, FOLD, FOLD16
 """Everything that can be run, by its ``DATAPATH=`` name: the dataflows, the lean one with products cut for multipliers
 of 25x18 or 16x16 bits, the latter with small tables, and the lean one as a program for a single multiplier, with
 tiles of 18x18 or 16x16 bits."""
+
+ARM = replace(
+    LEAN, name="arm", flow=arm.arm, after_guard=arm.sections, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
+    inputs=ARM_FIELDS, side=BRANCHES, results=ARM_RESULT_FIELDS, flags=ARM_FLAGS, flag_bits=ARM_FLAG_BITS,
+)  # fmt: skip
+
+MODELS = {**CONFIGURATIONS, "arm": ARM}
+"""Everything that the model computes: the configurations, and the whole arm around the lean datapath."""

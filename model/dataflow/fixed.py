@@ -14,8 +14,9 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from .datapaths import CONFIGURATIONS
-from .nodes import Domain, Format, Node, effective_width
+from .angles import TABLE_BITS, atan_table, iterate, vector
+from .datapaths import MODELS
+from .nodes import Domain, Format, Limits, Node, effective_width
 from .operations import even, mul3, round_shift, wrap
 from .quadratic import SINE_FRACS, half_sincos, rsqrt
 
@@ -27,17 +28,6 @@ FIFO_CLOCKS = 2
 
 WIDE = 0.999 * 2.0**62
 """Largest sum of squares that is computed in 64 bits."""
-
-TABLE_BITS = 48
-"""Fraction bits of the CORDIC's tables, before they are rounded to the word length in use."""
-
-
-@cache
-def atan_table() -> tuple[int, ...]:
-    """Return round(atan(2^-i) / pi * 2^TABLE_BITS), i = 0..31: the CORDIC's angles as fractions of half a turn."""
-    with mpmath.workprec(200):
-        angles = (mpmath.atan(mpmath.mpf(2) ** -i) / mpmath.pi for i in range(32))
-        return tuple(int(mpmath.nint(a * 2**TABLE_BITS)) for a in angles)
 
 
 @cache
@@ -114,10 +104,10 @@ def sincos_bound(width: int) -> float:
 class Bits(Domain):
     """Dataflow in integers.  ``overflow`` maps every product, sum and quotient to a mask of words that did not fit."""
 
-    def __init__(self, width: int, datapath: str = "paper") -> None:
-        path = CONFIGURATIONS[datapath]
+    def __init__(self, width: int, datapath: str = "paper", limits: Limits | None = None) -> None:
+        path = MODELS[datapath]
         super().__init__(width, path.widths, path.tile)
-        self.datapath = datapath
+        self.datapath, self.limits = datapath, limits
         self.overflow: dict[str, np.ndarray] = {}
 
     def summed(self, names, size):
@@ -178,6 +168,10 @@ class Bits(Domain):
         empty = np.logical_and.reduce([w.value == 0 for w in words])
         return np.where(empty, fill, word.value << counts.value)
 
+    def polar(self, names, x, y, sign):
+        of = vector if x.format.frac == self.width - 2 else iterate  # words, or lengths
+        return of(x.value, sign * y.value, self.width)
+
     def cordic(self, names, phi):
         return cordic(phi.value, self.width)
 
@@ -192,27 +186,31 @@ class Answer:
     bits: Bits
 
 
-def run(words: np.ndarray, width: int, datapath: str = "paper") -> Answer:
-    """Run N targets, (N, 6) input words in the order of the datapath's inputs, through a datapath."""
-    return answer(words, Bits(width, datapath))
+def run(words: np.ndarray, width: int, datapath: str = "paper", branch=0, limits: Limits | None = None) -> Answer:
+    """Run N targets, input words in the order of the datapath's inputs, through a datapath.
+
+    For the whole arm: ``branch``, a number or (N,), and the joints' limits, seven pairs of words; none by default.
+    """
+    return answer(words, Bits(width, datapath, limits), branch)
 
 
 def nodes(datapath: str, width: int) -> dict[str, Node]:
     """Return the nodes of a datapath in dataflow order, with their formats and clocks; their values are of one
     target."""
-    return run(np.zeros((1, len(CONFIGURATIONS[datapath].inputs)), dtype=np.int64), width, datapath).bits.nodes
+    return run(np.zeros((1, len(MODELS[datapath].inputs)), dtype=np.int64), width, datapath).bits.nodes
 
 
 def latency(datapath: str, width: int) -> int:
     """Return the clocks of ``ik_axis`` from a target's input to its result's output, without stalls."""
-    return max(node.time for node in nodes(datapath, width).values()) + CONFIGURATIONS[datapath].behind
+    return max(node.time for node in nodes(datapath, width).values()) + MODELS[datapath].behind
 
 
-def answer(words: np.ndarray, bits: Bits) -> Answer:
+def answer(words: np.ndarray, bits: Bits, branch=0) -> Answer:
     """Run N targets, as :func:`run`, in an unused domain."""
-    path = CONFIGURATIONS[bits.datapath]
+    path = MODELS[bits.datapath]
     columns = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
-    path.flow(bits, bits.inputs(lambda name, fmt: columns[name], path.inputs))
+    columns |= {name: np.broadcast_to(branch, len(words)) >> k & 1 for k, name in enumerate(path.side)}
+    path.flow(bits, bits.inputs(lambda name, fmt: columns[name], (*path.inputs, *path.side)))
     for name, time in path.times(bits.width).items() if path.times else ():
         bits.nodes[name].time = time
     value = {k: n.value for k, n in bits.nodes.items()}

@@ -21,13 +21,13 @@ proof (:mod:`model.bounds.ranges`) only nodes with ``limited`` ever saturate.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ..io.words import FIELDS
+from ..io.words import BRANCHES, FIELDS
 from .annotations import Case, Facts, Within, leading
 from .operations import TILE, Unrounded, mul3_error, room
 from .quadratic import INVERSE_ROOT, SINE, SINE_FRACS, rsqrt_places
@@ -104,6 +104,11 @@ class Latency:
         "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
         "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
         "rsqrt_far": (0, 0, "the table's address, and the same"),
+        "vector": (1, 0, "CORDIC: an iteration for each bit but one, output"),
+        "vector_x": (0.5, 0.5, "the iterations that change its length"),
+        "vector_y": (0.5, 0, "the others"),
+        "target": (0, 2, "subtract and round, saturate"),
+        "limit": (0, 2, "three comparisons, result"),
         "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
     }
 
@@ -121,7 +126,7 @@ class Latency:
             bits = root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width)
             return table.clocks(bits, self.tile) + more
         bits, besides, _ = self.TABLE[kind]
-        return bits * self.width + besides
+        return int(bits * self.width + besides)
 
     @classmethod
     def expression(cls, kind: str) -> str:
@@ -131,6 +136,8 @@ class Latency:
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))
             return f"(TILE < {TILE} || {frac} > {table.short_frac}) ? {long} : {short}"
         bits, besides, _ = cls.TABLE[kind]
+        if bits == 0.5:
+            return "(W + 1) / 2" if besides else "W / 2"
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
 
@@ -201,8 +208,14 @@ class Negated:
     node: Node
 
 
+Limits = Sequence[tuple[int, int]]
+"""Lower and upper limit of each joint, words of a turn."""
+
+
 class Domain:
-    """Operations of a dataflow.  Each creates one or more named nodes."""
+    """Operations of a dataflow.  Each creates one or more named nodes.  ``limits``: of the whole arm's joints."""
+
+    limits: Limits | None = None
 
     def __init__(self, width: int, widths: range = WIDTHS, tile=TILE) -> None:
         if width not in widths:
@@ -261,7 +274,7 @@ class Domain:
 
     def inputs(self, value: Callable[[str, Format], Value], fields: tuple[str, ...] = FIELDS) -> dict[str, Node]:
         """Create the input words, in the clock in which the target is accepted."""
-        formats = {name: self.word(int(name != "phi")) for name in fields}
+        formats = {name: self.bit if name in BRANCHES else self.word(int(name != "phi")) for name in fields}
         return {name: self.make(name, "input", (), fmt, None, value(name, fmt)) for name, fmt in formats.items()}
 
     def summed(self, names: tuple[str, ...], size: Callable) -> None:
@@ -368,6 +381,18 @@ class Domain:
         values = zip(names, self.cordic(names, phi), strict=True)
         return tuple(self.make(n, "sincos", (phi,), self.word(1), "sincos", v, error=CORDIC) for n, v in values)
 
+    def vector(self, length: str | None, angle: str, x: Node, y: Node | Negated, within: tuple[Within, ...]) -> None:
+        """Create the angle of a vector of two words, or two lengths, and its length if that has a name
+        (:mod:`model.dataflow.angles`)."""
+        sign, other = (-1, y.node) if isinstance(y, Negated) else (1, y)
+        self.facts |= {n: Facts(within=w) for n, w in zip([n for n in (length, angle) if n], within, strict=True)}
+        values, bits, after = self.polar((length, angle), x, other, sign), self.width + 4, None
+        if length:
+            fmt = Format(bits, bits - 3, "W + 1", signed=False)
+            after = self.make(length, "vector", (x, other), fmt, "vector_x", values[0])
+        kind, fmt = "vector_y" if length else "vector", Format(bits, bits - 1, "W + 3")
+        self.make(angle, "vector", (x, other), fmt, kind, values[1], after)
+
     def normalize(self, names: tuple[str, ...], words: tuple[Node, ...], count: str, **facts) -> Node:
         """Shift words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
 
@@ -402,6 +427,7 @@ class Domain:
     even_mantissa: Callable[..., tuple[Value, Value]]  # shift count, mantissa
     reciprocal_root: Callable[..., Value]
     half_sincos: Callable[..., tuple[Value, ...]]  # sine and cosine of phi/2
+    polar: Callable[..., tuple[Value, Value]]  # length and angle
 
     def decides(self, fmt: Format) -> bool:
         """Return whether the next node is computed in integers only: a mask, a shift count, or a node of the guard."""

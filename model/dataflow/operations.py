@@ -242,3 +242,66 @@ def part_sum(g, s, none, *, sign: int):
 def turned(whole, part, swap):
     """Return the first operand minus the second; their sum where the mask is set."""
     return np.where(swap, whole + part, whole - part)
+
+
+# ---- the whole arm, by name ------------------------------------------------------------------------------------------
+
+
+def off_one(square, *, frac: int, places: int):
+    """Return whether the root of a word is below 1 - 2^-places, or not below 1 + 2^-places."""
+    one = 1 << frac
+    even, odd = one + (one >> 2 * places), one >> places - 1
+    return (square < even - odd) | (square >= even + odd)
+
+
+def chosen(word, mask, *, unit: int | None):
+    """Return a word; where the mask is set, 0, or 2^unit."""
+    return np.where(mask, 0 if unit is None else 1 << unit, word)
+
+
+def half_row(a, b, *, signs: tuple[int, int], half: int, width: int):
+    """Return the sum of two words with signs and a constant, in ``width`` bits."""
+    return wrap(signs[0] * a + signs[1] * b + half, width)
+
+
+def difference(point, off, *, up: int, drop: int):
+    """Return point 2^up - off, rounded."""
+    return round_shift((point << up) - off, drop)
+
+
+def target(point, off, *, top: int, **shifts: int):
+    """Return :func:`difference`, saturated."""
+    return saturate(difference(point, off, **shifts), top, -top - 1)
+
+
+def outside_format(*words, top: int, **shifts: int):
+    """Return whether one of three differences, words in pairs, saturates."""
+    found = [difference(*words[k : k + 2], **shifts) for k in (0, 2, 4)]
+    return np.any([(v > top) | (v < -top - 1) for v in found], axis=0)
+
+
+def four(*words, signs: tuple[int, ...]):
+    """Return the sum of words with signs."""
+    return sum(sign * word for sign, word in zip(signs, words, strict=True))
+
+
+def two(a, b, *, sign: int, drop: int):
+    """Return sign b - a, rounded."""
+    return round_shift(sign * b - a, drop)
+
+
+def joint(s, d, *turned, sign: int, drop: int, width: int):
+    """Return s + sign d, rounded; half a turn more where one of the masks is set, but not both."""
+    half = np.bitwise_xor.reduce(np.asarray(turned, dtype=np.int64)) << width - 1
+    return wrap(round_shift(s + sign * d, drop) + half, width)
+
+
+def twice(half, negated, *, drop: int, width: int):
+    """Return 2 half, rounded; -2 half where the mask is set."""
+    return wrap(round_shift(np.where(negated, -2, 2) * half, drop), width)
+
+
+def outside(angle, *, low: int, high: int, width: int):
+    """Return whether an angle is not on the arc from low to high."""
+    turn = (1 << width) - 1
+    return (angle - low & turn) > (high - low & turn)

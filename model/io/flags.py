@@ -27,9 +27,10 @@ class Flag(IntFlag):
     AT_SHOULDER = 8, "target at the shoulder: it has no direction"
     BAD_LENGTH = 16, "d1 or d2 is not positive"
     SATURATED = 32, "reserved, always 0: by proof no internal value leaves its format"
+    BAD_HAND = 256, "the hand's quaternion is not of length 1: no rotation and no tool are taken"
 
 
-TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED = map(int, Flag)
+TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED, BAD_HAND = map(int, Flag)
 
 FLAG_BITS = 8
 """Width of the flag field; unnamed bits are 0."""
@@ -38,8 +39,16 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 """Flags of a target whose pose is clamped: the hand cannot reach the target."""
 
 
-FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items()}
+FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items() if flag < 1 << FLAG_BITS}
 """The flags by the names of the dataflow's nodes."""
+
+CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}
+"""Flags of the core."""
+
+ARM_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"over_{k}": BAD_HAND << k for k in range(1, 8)}}
+"""Flags of the whole arm: a wrist target outside the format is saturated; a joint is over its limits."""
+
+ARM_FLAG_BITS = 16
 
 
 def names(flags: int) -> str:

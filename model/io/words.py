@@ -33,6 +33,9 @@ ARM_FIELDS = ("hand_x", "hand_y", "hand_z", "phi", "d1", "d2", "tool", "qh_w", "
 """Fields of a target word of the whole arm, lowest bits first: the hand's point and orientation; all but phi have
 width-2 fraction bits."""
 
+BRANCHES = ("branch_shoulder", "branch_elbow", "branch_wrist")
+"""Bits of a target of the whole arm above its tag, lowest first: which of the eight solutions for the joints."""
+
 JOINTS = tuple(f"th{k}" for k in range(1, 8))
 """Joint angles of the whole arm, one turn = 2^width."""
 

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dataflow of the whole arm around the lean one: hand pose to seven joint angles.
+
+The input words are the hand's point, its quaternion Qh and the tool's length; the core's target is the wrist:
+
+    (L62) n = |Qh|^2                               bad_hand: |Qh| outside [1 - 2^-8, 1 + 2^-8)
+    (L63) h = Qh, or 1 for a bad hand              (L64) t = tool, or 0 for a bad hand
+    (L65) r_x = ik + wj    (L66) r_y = jk - wi     (L67) r_z = 1/2 - ii - jj      half the third column of Qh's rotation
+    (L68) .. (L70) x, y, z = hand - 2 t r          saturated
+
+The wrist's orientation and all angles are computed from the words Qs and Qe that leave, so roundings of Qs and Qe do
+not turn the hand:
+
+    (L71) .. (L74) G = Qs~ h                       (L75) .. (L78) Qw = (-qe_i + qe_w i)~ G = (Qs Rx(th4))~ Qh
+    d = atan2(j, i), l_ij = K |(i, j)|, s = atan2(k, w), l_wk = K |(w, k)|, b = atan2(l_ij, l_wk)   of Qs, and of Qw
+    (L79) .. (L84)  th1 = s + d, th2 = 2 b, th3 = s - d of Qs
+    (L85) (L86)     th4 = 2 e, e = atan2(qe_w, -qe_i)
+    (L87) .. (L92)  th5, th6, th7 of Qw, as th1, th2, th3
+
+K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Bits of the branch turn joints by half a
+turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outside its limits, exactly.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..io.words import BRANCHES, JOINTS
+from . import lean
+from . import operations as ops
+from .angles import ANGLE
+from .annotations import SUM, Limited, Within
+from .lean import PART, SQUARES, Lean
+from .nodes import HALF_UP, Domain, Node
+
+SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
+"""Section name -> description; those of the core are the lean datapath's."""
+
+ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
+OFFSET = Within(-1.02, 1.02, "half a component of the tool's offset")
+WRIST = Limited("a wrist outside the format is brought to its edge")
+TURN = Within(-1.0, 1.0, "a binary angle, which wraps", below=True)
+GAINED = Within(0.0, 1.66, "K times a part of a quaternion no longer than 1")
+
+TURNED = (("branch_shoulder",), (), ("branch_shoulder", "branch_elbow"), (), ("branch_elbow", "branch_wrist"), ())
+TURNED = dict(zip(JOINTS, (*TURNED, ("branch_wrist",)), strict=True))
+NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
+"""Joint -> the bits of the branch that turn it by half a turn, or negate it."""
+
+
+def arm(d: Domain, target: dict[str, Node]) -> None:
+    """Build the whole datapath, from the input words to results and flags."""
+    hand(d, target)
+    lean.guard(d, d.nodes)
+    sections(d, target["phi"])
+
+
+def sections(d: Domain, phi: Node) -> None:
+    """Build everything after the exact decisions."""
+    lean.sections(d, phi)
+    frame(d)
+    joints(d)
+
+
+def hand(d: Domain, target: dict[str, Node]) -> None:
+    """Build the wrist's point, the words of Qh that the wrist's orientation uses, and their flags."""
+    f, L = Lean(d.width), d.line
+    d.at("hand")
+    squares = {c: L(62).op(f"h{c}_sq", (f"qh_{c}",), f.exact, ops.square, "square", within=_sum(1)) for c in "ijkw"}
+    d.summed(tuple(node.name for node in squares.values()), lambda *n: sum(n))
+    total = "hi_sq"
+    for number, (name, c) in enumerate((("hij_sq", "j"), ("hijk_sq", "k"), ("hand_sq", "w")), start=2):
+        operands, total = (total, f"h{c}_sq"), name
+        L(62).op(name, operands, f.exact, ops.plus, "wide", within=_sum(number), grows=SUM)
+    d.at()
+    bad = d.mask("bad_hand", (total,), partial(ops.off_one, frac=f.exact.frac, places=8))
+    for c in "wijk":
+        unit = f.result.frac if c == "w" else None
+        L(63).op(f"h_{c}", (f"qh_{c}", bad), f.result, partial(ops.chosen, unit=unit), within=PART)
+    L(64).op("tool_h", ("tool", bad), f.result, partial(ops.chosen, unit=None), within=Within(-2.0, 2.0, "a word"))
+
+    wrist = []
+    for number, axis, (first, second), signs in ((0, "x", ("ik", "wj"), (1, 1)), (1, "y", ("jk", "wi"), (1, -1)),
+                                                 (2, "z", ("ii", "jj"), (-1, -1))):  # fmt: skip
+        for a, b in (first, second):
+            L(65 + number).mul3(f"h_{a}{b}", target[f"qh_{a}"], target[f"qh_{b}"], f.inner, within=PART)
+        row = partial(ops.half_row, signs=signs, half=(1 << f.frac - 1) * (axis == "z"), width=f.inner.width)
+        L(65 + number).op(f"r_{axis}", (f"h_{first}", f"h_{second}"), f.inner, row, within=ROW, grows=SUM)
+        L(68 + number).mul3(
+            f"off_{axis}", d.nodes[f"r_{axis}"], d.nodes["tool_h"], f.inner, kind="mul3_far", within=OFFSET
+        )
+        wrist += [f"hand_{axis}", f"off_{axis}"]
+    shifts = {"up": f.drop - 1, "drop": f.drop - 1}  # off is half the offset
+    for number, axis in enumerate("xyz"):
+        how = partial(ops.target, **shifts, top=f.result.high)
+        operands = wrist[2 * number : 2 * number + 2]
+        L(68 + number).op(axis, operands, f.result, how, "target", HALF_UP, within=Within(-2.0, 2.0, ""), limited=WRIST)
+    d.at()
+    d.mask("saturated", wrist, partial(ops.outside_format, **shifts, top=f.result.high), "target")
+
+
+def _sum(count: int) -> Within:
+    return Within(0.0, 4.0 * count, SQUARES)
+
+
+def frame(d: Domain) -> None:
+    """Build Qw."""
+    f, n, L = Lean(d.width), d.nodes, d.line
+    d.at("frame")
+    rows = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik+", "k": "wk+ kw- ij- ji+"}
+    for line, (c, terms) in enumerate(rows.items(), start=71):
+        for a, b, _ in terms.split():
+            L(line).mul3(f"g_{a}{b}", n[f"qs_{a}"], n[f"h_{b}"], f.inner, kind="mul3_far", within=PART)
+        how = partial(ops.four, signs=tuple(1 if term[2] == "+" else -1 for term in terms.split()))
+        operands = tuple(f"g_{term[:2]}" for term in terms.split())
+        L(line).op(f"g_{c}", operands, f.inner, how, "sum3", within=PART, grows=SUM)
+    for line, (c, other, sign) in enumerate((("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)), start=75):
+        L(line).mul3(f"f_{c}{c}", n[f"g_{c}"], n["qe_i"], f.inner, kind="mul3_far", within=PART)
+        L(line).mul3(f"f_{c}{other}", n[f"g_{other}"], n["qe_w"], f.inner, kind="mul3_far", within=PART)
+        how = partial(ops.two, sign=sign, drop=f.drop)
+        L(line).op(f"qw_{c}", (f"f_{c}{c}", f"f_{c}{other}"), f.result, how, "sum2", HALF_UP, within=PART, grows=SUM)
+
+
+def joints(d: Domain) -> None:
+    """Build the seven angles, and which of them are outside their limits."""
+    L = d.line
+    d.at("joints")
+    _ball(d, 79, "qs", JOINTS[:3])
+    L(85).vector(None, "qe_e", d.nodes["qe_i"], -d.nodes["qe_w"], within=(TURN,))
+    _twice(L(86), "th4", "qe_e")
+    _ball(d, 87, "qw", JOINTS[4:])
+    d.at()
+    free = -(1 << d.width - 1), (1 << d.width - 1) - 1
+    for k, (low, high) in enumerate(d.limits or [free] * 7, start=1):
+        d.mask(f"over_{k}", (f"th{k}",), partial(ops.outside, low=low, high=high, width=d.width), "limit")
+
+
+def _ball(d: Domain, line: int, q: str, names: tuple[str, ...]) -> None:
+    """Build the three angles of a ball joint with the quaternion ``q``."""
+    n, L = d.nodes, d.line
+    L(line).vector(f"{q}_ij", f"{q}_d", n[f"{q}_i"], n[f"{q}_j"], within=(GAINED, TURN))
+    L(line + 1).vector(f"{q}_wk", f"{q}_s", n[f"{q}_w"], n[f"{q}_k"], within=(GAINED, TURN))
+    L(line + 2).vector(None, f"{q}_b", n[f"{q}_wk"], n[f"{q}_ij"], within=(TURN,))
+    for number, (name, sign) in enumerate(((names[0], 1), (names[2], -1))):
+        how = partial(ops.joint, sign=sign, drop=ANGLE, width=d.width)
+        operands = f"{q}_s", f"{q}_d", *TURNED[name]
+        L(line + 3 + 2 * number).op(name, operands, d.word(0), how, "sum2", HALF_UP, within=TURN)
+    _twice(L(line + 4), names[1], f"{q}_b")
+
+
+def _twice(d: Domain, name: str, half: str) -> None:
+    how = partial(ops.twice, drop=ANGLE, width=d.width)
+    d.op(name, (half, NEGATED[name]), d.word(0), how, "sum2", HALF_UP, within=TURN)
