@@ -49,6 +49,21 @@ of a result at 16 bits and half an ulp at 32, account for the remainder.  Search
 PAPER_NORM = 16.0
 """Norm tolerance of the paper datapath, either quaternion, in ulps; the largest value observed is 9.4."""
 
+ARM_ULPS = 12.5, 19.5
+"""Errors of the seven joint angles' hand, in ulps of a result: of its point / reach with the tool, and of its
+orientation in rad.  Below the limits 3e-8 and 2e-8 at W = 32, 3e-6 and 5e-6 at 24, 2e-4 and 3e-4 at 18."""
+
+WRIST_ULPS = 3**0.5 * 0.75
+"""Further error of the hand's point in ulps of a length: each coordinate of the wrist is rounded to a word, after its
+offset to an inner word, which has at least three bits more."""
+
+
+def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
+    """Return the largest error of the hand's point for poses (N, 11), (N,) in words, and of its orientation, rad."""
+    reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
+    point, orientation = (ulps * 2.0 ** (2 - width) for ulps in ARM_ULPS)
+    return point * reach + WRIST_ULPS, orientation
+
 
 def lean(width: int) -> float:
     """Return the largest hand error / reach of the lean datapath at a word length."""

@@ -10,6 +10,8 @@ from math import isqrt
 
 import numpy as np
 
+from ..reference.joints import turned
+from ..reference.kinematics import multiply, rotate
 from ..reference.lean_equations import solve_lean
 from .flags import UNREACHABLE, expected_flags
 from .words import FIELDS
@@ -343,3 +345,42 @@ def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
     half = 1 << (width - 1)
     rows[:, 3] = (phi + random.integers(-2, 3, len(rows)) + half) % (2 * half) - half
     return rows
+
+
+# ---- the whole arm: columns are ARM_FIELDS of model.io.words --------------------------------------------------------
+
+
+def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
+    """Return poses (N, 11) of hands whose wrists are at reachable targets (N, 6): a third of them in any orientation,
+    the others with th6 near 0, or near a half turn, a tenth of these as near as doubles permit.
+
+    The tool is at most as long as the arm, and so short that the hand's point fits the format.
+    """
+    random, count, top = np.random.default_rng((seed, width, 4)), len(targets), (1 << width - 1) - 1
+    near = np.exp2(random.uniform(-34, -3, count)) * (random.random(count) < 0.9)
+    bent = np.choose(np.arange(count) % 3, (random.uniform(0, np.pi, count), near, np.pi - near))
+    pose = solve_lean(*targets[:, :3].T, targets[:, 3] * (2 * np.pi / (1 << width)), *targets[:, 4:].T)
+    fore = multiply(
+        np.column_stack([pose[f"qs_{c}"] for c in "wijk"]),
+        np.column_stack([-pose["qe_i"], pose["qe_w"], *np.zeros((2, count))]),
+    )
+    hand = multiply(fore, turned(random.uniform(-np.pi, np.pi, count), bent, random.uniform(-np.pi, np.pi, count)).T)
+    hand *= random.choice((-1, 1), (count, 1))
+    words = np.clip(np.rint(hand * (1 << width - 2)), -top - 1, top).astype(np.int64)
+    tool = random.uniform(-1, 1, count) * targets[:, 4:].sum(axis=1) * (random.random(count) < 0.8)
+    axis, point = rotate(hand, (0.0, 0.0, 1.0)), targets[:, :3]
+    for _ in range(width + 1):
+        tool = np.rint(np.clip(tool, -top, top))
+        moved = targets[:, :3] + np.rint(tool[:, None] * axis)
+        fits = (np.abs(moved) <= top).all(axis=1)
+        point, tool = np.where(fits[:, None], moved, targets[:, :3]), np.where(fits, tool, tool / 2)
+    return np.column_stack([point, targets[:, 3:], np.where(fits, tool, 0), words]).astype(np.int64)
+
+
+def any_hands(count: int, width: int, seed: int) -> np.ndarray:
+    """Return input words (N, 11) of the whole arm without a meaning: those of :func:`mixed` and any tool and hand, half
+    of them words at the ends of the format, 0 or 1."""
+    random, low = np.random.default_rng((seed, width, 5)), -(1 << width - 1)
+    anything = random.integers(low, -low, (count, 5))
+    edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))
+    return np.column_stack([mixed(count, width, seed), np.where(np.arange(count)[:, None] % 2, edge, anything)])

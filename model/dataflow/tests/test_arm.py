@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bit-true whole arm: accuracy through forward kinematics in double, singular poses, any words, branches and limits."""
+
+import numpy as np
+import pytest
+
+from model.bounds import tolerances
+from model.dataflow import fixed
+from model.dataflow.nodes import WIDTHS
+from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, any_hands, hand_poses, region
+from model.reference.joints import NEGATED, TURNED, product, turned
+from model.reference.kinematics import angle_between, rotate
+
+TESTED = (16, 18, 24, 27, 32)
+every_width = pytest.mark.parametrize("width", TESTED)
+
+KNOWN = {
+    18: (
+        (-12435, 6039, 10585, -8571, 8677, 19448, 15155, 3706, 35337, 48626, -25846),
+        (
+            -8102,
+            -5526,
+            9163,
+            64147,
+            17768,
+            -63081,
+            -8331,
+            51334,
+            -35146,
+            18843,
+            -103189,
+            13685,
+            -17399,
+            22910,
+            57857,
+            104387,
+            107951,
+        ),
+    ),
+    24: (
+        (-3639, -31745, 219740, 3500164, 168743, 131134, -164403, -695008, 3320657, 1058999, -2227309),
+        (
+            -3797019,
+            830490,
+            1465887,
+            579908,
+            2818188,
+            -3106445,
+            -306959,
+            -2345841,
+            861447,
+            3354534,
+            -5975345,
+            2207478,
+            5165983,
+            3934679,
+            -4890376,
+            3408614,
+            -3010917,
+        ),
+    ),
+    32: (
+        (
+            15928231,
+            -6863261,
+            2339996,
+            -722335346,
+            22392678,
+            21753374,
+            17882765,
+            483987980,
+            657244334,
+            256040285,
+            648961014,
+        ),
+        (
+            -866929967,
+            -292393277,
+            -479611086,
+            292973227,
+            1072213740,
+            -57264296,
+            -66108615,
+            504230995,
+            -897105114,
+            299173310,
+            476732146,
+            752640418,
+            -922271551,
+            2074537873,
+            498684709,
+            1751877462,
+            1946117371,
+        ),
+    ),
+}
+"""Word length -> a pose and its results, from an independent program of the same nodes."""
+
+
+def reached(results: np.ndarray, words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return point (N, 3), in words, and orientation (N, 4) of the hand at seven angles."""
+    th = results[:, 10:].T * (2 * np.pi / (1 << width))
+    upper = turned(*th[:3])
+    fore = product(upper, turned(0 * th[3], th[3], 0 * th[3]))
+    hand = product(fore, turned(*th[4:]))
+    bones = zip(words[:, 4:7].T, (upper, fore, hand), strict=True)
+    return sum(length[:, None] * rotate(q.T, (0.0, 0.0, 1.0)) for length, q in bones), hand.T
+
+
+def errors(answer: fixed.Answer, words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the errors of the hand's point and orientation, relative to their tolerances, of poses in reach."""
+    point, hand = reached(answer.results, words, width)
+    bars = tolerances.arm(words, width)
+    found = np.linalg.norm(point - words[:, :3], axis=1) / bars[0], angle_between(hand, words[:, 7:]) / bars[1]
+    clamped = answer.flags & (UNREACHABLE | SATURATED | BAD_HAND) != 0
+    return tuple(np.where(clamped, 0, error) for error in found)
+
+
+def assert_accurate(words: np.ndarray, width: int, branch=0) -> None:
+    answer = fixed.run(words, width, "arm", branch)
+    for name, error in zip(("point", "orientation"), errors(answer, words, width), strict=True):
+        n = int(error.argmax())
+        assert error[n] <= 1, f"{name} is off by {error[n]:.3g} of the tolerance at {words[n].tolist()}"
+
+
+@every_width
+@pytest.mark.parametrize("name", REGIONS)
+def test_the_arm_is_accurate_in_each_region(name, width):
+    words = hand_poses(region(name, 900, width, seed=1), width, 1)
+    flags = fixed.run(words, width, "arm").flags
+    assert not (flags & (SATURATED | BAD_HAND)).any() and (flags & UNREACHABLE == 0).mean() > 0.5
+    assert_accurate(words, width, np.arange(len(words)) % 8)
+
+
+@pytest.mark.parametrize("width", KNOWN)
+def test_words_of_another_program(width):
+    pose, results = KNOWN[width]
+    assert fixed.run([pose], width, "arm").results.tolist() == [[*results]]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_input_has_an_answer(width):
+    words = any_hands(3000, width, 1)
+    answer = fixed.run(words, width, "arm")
+    nodes = {name: node.value for name, node in answer.bits.nodes.items()}
+    for name, node in answer.bits.nodes.items():
+        value = np.asarray(node.value)
+        assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
+    # flags, in Python's integers
+    one, (low, high) = 1 << width - 2, (-(1 << width - 1), (1 << width - 1) - 1)
+    square = (words[:, 7:].astype(object) ** 2).sum(axis=1)
+    bad = (256**2 * square < (255 * one) ** 2) | (256**2 * square >= (257 * one) ** 2)
+    assert (answer.flags & BAD_HAND > 0).tolist() == bad.tolist() and 0.5 < bad.mean() < 1
+    core = np.column_stack([*(nodes[axis] for axis in "xyz"), words[:, 3:6]])
+    assert (answer.flags & 31 == expected_flags(core, width)).all()
+    # the wrist: exact without a tool, at the edge of the format beyond it
+    hand = np.where(bad[:, None], (1, 0, 0, 0), words[:, 7:] / one)
+    offset = rotate(hand, (0.0, 0.0, 1.0)) * np.where(bad, 0, words[:, 6])[:, None]
+    offset[:, 2] += (1 - (hand**2).sum(axis=1)) * np.where(bad, 0, words[:, 6])  # 1 - 2 ii - 2 jj
+    wrist = words[:, :3] - offset
+    assert np.abs(core[:, :3] - np.clip(wrist, low, high)).max() <= 1.5  # roundings of r, times a tool of 2
+    beyond = ((wrist > high + 1.5) | (wrist < low - 1.5)).any(axis=1)
+    inside = ((wrist < high - 1) & (wrist > low + 1)).all(axis=1)
+    saturated = answer.flags & SATURATED > 0
+    assert saturated[beyond].all() and not saturated[inside].any() and beyond.any()
+    # Qw is as long as the product that it is
+    squares = [((answer.results[:, part] / one) ** 2).sum(axis=1) for part in (slice(4), slice(4, 6), slice(6, 10))]
+    assert np.abs(squares[2] - squares[0] * squares[1] * (hand**2).sum(axis=1)).max() <= 3 / one
+    assert answer.flags.max() < 512
+
+
+@every_width
+def test_poses_with_exact_angles(width):
+    """Straight up with any turn of the hand: th2, th4 and th6 are exactly 0.  Folded: th4 is half a turn."""
+    one, half = 1 << width - 2, 1 << width - 1
+    arm = 0, one // 2, one // 2, 0  # phi, d1, d2, tool
+    hands = np.array([(one, 0, 0, 0), (-one, 0, 0, 0), (0, 0, 0, one), (one, 0, 0, 0), (0, one, 0, 0)])
+    heights = np.array([one, one, one, 0, one])[:, None]
+    words = np.column_stack([0 * heights, 0 * heights, heights, np.tile(arm, (5, 1)), hands])
+    th = fixed.run(words, width, "arm").results[:, 10:]
+    assert (th[:3, [1, 3, 5]] == 0).all() and abs(th[3, 3]) >= half - 1 and abs(th[4, 5]) >= half - 1
+    sums = (th[:3, [0, 2, 4, 6]].sum(axis=1) + half) % (2 * half) - half
+    assert (np.abs(sums[:2]) <= 2).all() and abs(abs(sums[2]) - half) <= 2
+
+
+@every_width
+def test_a_branch_turns_and_negates_words(width):
+    words, half = any_hands(400, width, 2), 1 << width - 1
+    own = fixed.run(words, width, "arm").results
+    for branch in range(1, 8):
+        found = fixed.run(words, width, "arm", branch).results
+        bits = np.array([branch >> k & 1 for k in range(3)])
+        moved = np.where(NEGATED @ bits & 1, -own[:, 10:], own[:, 10:]) + half * (TURNED @ bits & 1)
+        off = (found[:, 10:] - moved) % (2 * half)
+        assert (found[:, :10] == own[:, :10]).all() and set(off.ravel().tolist()) <= {0, 1}  # 1: a negated tie
+        assert (off[:, ~(NEGATED @ bits & 1).astype(bool)] == 0).all()
+
+
+@every_width
+def test_over_limit_is_exact(width):
+    half = 1 << width - 1
+    words, random = any_hands(600, width, 3), np.random.default_rng(width)
+    th = fixed.run(words, width, "arm").results[:, 10:]
+    for _ in range(12):
+        limits = np.where(
+            random.random((7, 2)) < 0.5, th[random.integers(len(th)), :, None], random.integers(-half, half, (7, 2))
+        )
+        limits += random.integers(-1, 2, limits.shape)
+        limits[random.integers(7)] = -half, half - 1
+        limits = (limits + half) % (2 * half) - half
+        over = fixed.run(words, width, "arm", 0, limits.tolist()).flags >> 9
+        for k, (low, high) in enumerate(limits.tolist()):
+            arc = [(low <= v <= high) if low <= high else (v >= low or v <= high) for v in th[:, k].tolist()]
+            assert (over >> k & 1).tolist() == [not within for within in arc]
