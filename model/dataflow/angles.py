@@ -44,7 +44,8 @@ def atan_table() -> tuple[int, ...]:
 
 def iterations(width: int) -> tuple[int, int]:
     """Return (M, N): iterations in which X changes, and all."""
-    return (width + 1) // 2 - 1, width - 1
+    head = (width + 1) // 2 - 1
+    return head, min(width + 1, head + 16)
 
 
 @cache

@@ -30,12 +30,13 @@ from . import lean
 from . import operations as ops
 from .angles import ANGLE
 from .annotations import SUM, Limited, Within
-from .lean import PART, SQUARES, Lean
+from .lean import PART, Lean
 from .nodes import HALF_UP, Domain, Node
 
 SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
 """Section name -> description; those of the core are the lean datapath's."""
 
+LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
 OFFSET = Within(-1.02, 1.02, "half a component of the tool's offset")
 WRIST = Limited("a wrist outside the format is brought to its edge")
@@ -66,14 +67,15 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     """Build the wrist's point, the words of Qh that the wrist's orientation uses, and their flags."""
     f, L = Lean(d.width), d.line
     d.at("hand")
-    squares = {c: L(62).op(f"h{c}_sq", (f"qh_{c}",), f.exact, ops.square, "square", within=_sum(1)) for c in "ijkw"}
-    d.summed(tuple(node.name for node in squares.values()), lambda *n: sum(n))
-    total = "hi_sq"
-    for number, (name, c) in enumerate((("hij_sq", "j"), ("hijk_sq", "k"), ("hand_sq", "w")), start=2):
-        operands, total = (total, f"h{c}_sq"), name
-        L(62).op(name, operands, f.exact, ops.plus, "wide", within=_sum(number), grows=SUM)
+    # Four squares can be 16, and wrap at 8: the wrapped sum is that of no good hand.
+    exact, total = Format(2 * d.width, 2 * d.width - 4, "2*W - 4"), "hi_sq"
+    for c in "ijkw":
+        L(62).op(f"h{c}_sq", (f"qh_{c}",), exact, ops.square, "square", within=LENGTH)
+    for name, c in (("hij_sq", "j"), ("hijk_sq", "k"), ("hand_sq", "w")):
+        how = partial(ops.plus_wrapped, width=exact.width)
+        total = L(62).op(name, (total, f"h{c}_sq"), exact, how, "wide", within=LENGTH, grows=SUM)
     d.at()
-    bad = d.mask("bad_hand", (total,), partial(ops.off_one, frac=f.exact.frac, places=8))
+    bad = d.mask("bad_hand", (total,), partial(ops.off_one, frac=exact.frac, places=8))
     for c in "wijk":
         unit = f.result.frac if c == "w" else None
         L(63).op(f"h_{c}", (f"qh_{c}", bad), f.result, partial(ops.chosen, unit=unit), within=PART)
@@ -97,10 +99,6 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
         L(68 + number).op(axis, operands, f.result, how, "target", HALF_UP, within=Within(-2.0, 2.0, ""), limited=WRIST)
     d.at()
     d.mask("saturated", wrist, partial(ops.outside_format, **shifts, top=f.result.high), "target")
-
-
-def _sum(count: int) -> Within:
-    return Within(0.0, 4.0 * count, SQUARES)
 
 
 def frame(d: Domain) -> None:

@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from ..io.words import BRANCHES, FIELDS
+from .angles import iterations
 from .annotations import Case, Facts, Within, leading
 from .operations import TILE, Unrounded, mul3_error, room
 from .quadratic import INVERSE_ROOT, SINE, SINE_FRACS, rsqrt_places
@@ -104,12 +105,19 @@ class Latency:
         "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
         "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
         "rsqrt_far": (0, 0, "the table's address, and the same"),
-        "vector": (1, 0, "CORDIC: an iteration for each bit but one, output"),
-        "vector_x": (0.5, 0.5, "the iterations that change its length"),
-        "vector_y": (0.5, 0, "the others"),
+        "vector": (0, 0, "CORDIC: one iteration a clock, output"),
+        "vector_x": (0, 0, "the iterations that change its length, output"),
+        "vector_y": (0, 0, "the other iterations"),
         "target": (0, 2, "subtract and round, saturate"),
         "limit": (0, 2, "three comparisons, result"),
         "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
+    }
+
+    # kind -> clocks as a Verilog expression, see :func:`model.dataflow.angles.iterations`
+    VECTORS = {
+        "vector": "(W + 1) / 2 + ((W < 28) ? W / 2 + 2 : 16)",
+        "vector_x": "(W + 1) / 2",
+        "vector_y": "(W < 28) ? W / 2 + 2 : 16",
     }
 
     # kind -> (fraction bits that select the form, table, further clocks)
@@ -125,8 +133,11 @@ class Latency:
             frac, table, more = self.FORMS[kind]
             bits = root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width)
             return table.clocks(bits, self.tile) + more
+        if kind in self.VECTORS:
+            head, last = iterations(self.width)
+            return {"vector": last + 1, "vector_x": head + 1, "vector_y": last - head}[kind]
         bits, besides, _ = self.TABLE[kind]
-        return int(bits * self.width + besides)
+        return bits * self.width + besides
 
     @classmethod
     def expression(cls, kind: str) -> str:
@@ -135,9 +146,9 @@ class Latency:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))
             return f"(TILE < {TILE} || {frac} > {table.short_frac}) ? {long} : {short}"
+        if kind in cls.VECTORS:
+            return cls.VECTORS[kind]
         bits, besides, _ = cls.TABLE[kind]
-        if bits == 0.5:
-            return "(W + 1) / 2" if besides else "W / 2"
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
 

@@ -254,6 +254,11 @@ def off_one(square, *, frac: int, places: int):
     return (square < even - odd) | (square >= even + odd)
 
 
+def plus_wrapped(a, b, *, width: int):
+    """Return the low ``width`` bits, at most 64, of a + b."""
+    return a + b << 64 - width >> 64 - width
+
+
 def chosen(word, mask, *, unit: int | None):
     """Return a word; where the mask is set, 0, or 2^unit."""
     return np.where(mask, 0 if unit is None else 1 << unit, word)
