@@ -31,7 +31,7 @@ from . import operations as ops
 from .angles import ANGLE
 from .annotations import SUM, Limited, Within
 from .lean import PART, Lean
-from .nodes import HALF_UP, Domain, Node
+from .nodes import HALF_UP, Domain, Format, Node
 
 SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
 """Section name -> description; those of the core are the lean datapath's."""
