@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..dataflow import fixed
-from ..dataflow.datapaths import CONFIGURATIONS
+from ..dataflow.angles import gain
+from ..dataflow.datapaths import MODELS
 from ..dataflow.nodes import Domain, Node, real_value
 from ..io.words import ARMS, RESULT_FIELDS
 from ..reference.kinematics import forward
@@ -26,14 +27,14 @@ class Real(Domain):
     """
 
     def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
-        super().__init__(bits.width, CONFIGURATIONS[bits.datapath].widths, bits.tile)
+        super().__init__(bits.width, MODELS[bits.datapath].widths, bits.tile)
         self.bits = bits
         self.moves = moves
         for name, node in bits.nodes.items():
             if node.section == "guard":
                 value = np.asarray(node.value * node.format.ulp, float) if node.format.signed else node.value
                 self.nodes[name] = replace(node, value=self._moved(name, value, node.format))
-        CONFIGURATIONS[bits.datapath].after_guard(self, self.nodes["phi"])
+        MODELS[bits.datapath].after_guard(self, self.nodes["phi"])
 
     def _moved(self, name, value, fmt):
         return value + self.moves[name] * fmt.ulp if name in self.moves else value
@@ -85,6 +86,15 @@ class Real(Domain):
     def half_sincos(self, names, phi, fmt):
         half = phi.value * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
         return tuple(self._moved(n, v, fmt) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
+
+    # the whole arm
+
+    def words(self, *names):
+        for name in names:
+            self.nodes[name].value = self.bits.nodes[name].value * self.nodes[name].format.ulp
+
+    def polar(self, names, x, y, sign):
+        return gain(self.width) * np.hypot(x.value, y.value), np.arctan2(sign * y.value, x.value) / np.pi
 
     def points(self, d1, d2) -> tuple[np.ndarray, np.ndarray]:
         """Return elbow and wrist (N, 3) of an arm d1, d2 in the computed pose."""

@@ -23,7 +23,7 @@ from functools import cache, reduce
 import numpy as np
 
 from ..dataflow.annotations import ANYTHING, Case, Given, Rule, Within, cases
-from ..dataflow.lean import lean
+from ..dataflow.datapaths import MODELS
 from ..dataflow.nodes import CORDIC, EXACT, Domain, Format, Node, real_value
 from ..dataflow.paper import paper
 from ..io.words import ARMS
@@ -288,11 +288,20 @@ def check(width: int) -> None:
 
 
 class LeanRanges(Intervals):
-    """Lean dataflow on bounds."""
+    """Lean dataflow, or the whole arm around it, on bounds."""
 
-    def __init__(self, width: int, formats: dict[str, Format] | None = None) -> None:
+    def __init__(self, width: int, formats: dict[str, Format] | None = None, datapath: str = "lean") -> None:
         super().__init__(width, formats)
-        lean(self, self.inputs(lambda name, fmt: Bound((1 if name in ARMS else fmt.low) * fmt.ulp, fmt.high * fmt.ulp)))
+        path = MODELS[datapath]
+
+        def word(name, fmt):
+            return Bound((1 if name in ARMS else fmt.low) * fmt.ulp, fmt.high * fmt.ulp)
+
+        path.flow(self, self.inputs(word, (*path.inputs, *path.side)))
+
+    def words(self, *names):
+        for node in (self.nodes[name] for name in names):
+            node.value = Bound(*_on_grid(node.value.word, node.format))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=EXACT):
         if op in ("rsqrt", "trig", "mul3"):  # the operation states its own rounding
@@ -331,3 +340,7 @@ class LeanRanges(Intervals):
 
     def half_sincos(self, names, phi, fmt):
         return tuple(self._bound(name, 0.0) for name in names)
+
+    def polar(self, names, x, y, sign):
+        # The error of an angle has no bound but half a turn: it grows as its vector gets shorter.
+        return tuple(self._bound(name, 0.0) if name else None for name in names)

@@ -25,12 +25,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..io.words import BRANCHES, JOINTS
+from ..io.words import BRANCHES, JOINTS, RESULT_FIELDS
 from . import lean
 from . import operations as ops
 from .angles import ANGLE
-from .annotations import SUM, Limited, Within
-from .lean import PART, Lean
+from .annotations import SAME, SUM, Growth, Limited, Within
+from .lean import Lean
 from .nodes import HALF_UP, Domain, Format, Node
 
 SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
@@ -38,10 +38,14 @@ SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wr
 
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
+PART = Within(-1.01, 1.01, "parts of quaternions no longer than 1 + 2^-8")
+POINT = Within(-2.0, 2.0, "a word", below=True)
 OFFSET = Within(-1.02, 1.02, "half a component of the tool's offset")
 WRIST = Limited("a wrist outside the format is brought to its edge")
 TURN = Within(-1.0, 1.0, "a binary angle, which wraps", below=True)
 GAINED = Within(0.0, 1.66, "K times a part of a quaternion no longer than 1")
+
+ROUNDED_SUM = Growth(added=True)
 
 TURNED = (("branch_shoulder",), (), ("branch_shoulder", "branch_elbow"), (), ("branch_elbow", "branch_wrist"), ())
 TURNED = dict(zip(JOINTS, (*TURNED, ("branch_wrist",)), strict=True))
@@ -53,13 +57,20 @@ def arm(d: Domain, target: dict[str, Node]) -> None:
     """Build the whole datapath, from the input words to results and flags."""
     hand(d, target)
     lean.guard(d, d.nodes)
-    sections(d, target["phi"])
+    _from_core(d, target["phi"])
 
 
-def sections(d: Domain, phi: Node) -> None:
-    """Build everything after the exact decisions."""
+def after_guard(d: Domain, phi: Node) -> None:
+    """Build everything but the core's exact decisions, whose nodes are in ``d.nodes``, as are the input words."""
+    hand(d, d.nodes)
+    _from_core(d, phi)
+
+
+def _from_core(d: Domain, phi: Node) -> None:
     lean.sections(d, phi)
+    d.words(*RESULT_FIELDS)
     frame(d)
+    d.words("qw_w", "qw_i", "qw_j", "qw_k")
     joints(d)
 
 
@@ -70,7 +81,7 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     # Four squares can be 16, and wrap at 8: the wrapped sum is that of no good hand.
     exact, total = Format(2 * d.width, 2 * d.width - 4, "2*W - 4"), "hi_sq"
     for c in "ijkw":
-        L(62).op(f"h{c}_sq", (f"qh_{c}",), exact, ops.square, "square", within=LENGTH)
+        L(62).op(f"h{c}_sq", (f"qh_{c}",), exact, ops.square, "square", within=LENGTH, grows=SAME)
     for name, c in (("hij_sq", "j"), ("hijk_sq", "k"), ("hand_sq", "w")):
         how = partial(ops.plus_wrapped, width=exact.width)
         total = L(62).op(name, (total, f"h{c}_sq"), exact, how, "wide", within=LENGTH, grows=SUM)
@@ -78,8 +89,8 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     bad = d.mask("bad_hand", (total,), partial(ops.off_one, frac=exact.frac, places=8))
     for c in "wijk":
         unit = f.result.frac if c == "w" else None
-        L(63).op(f"h_{c}", (f"qh_{c}", bad), f.result, partial(ops.chosen, unit=unit), within=PART)
-    L(64).op("tool_h", ("tool", bad), f.result, partial(ops.chosen, unit=None), within=Within(-2.0, 2.0, "a word"))
+        L(63).op(f"h_{c}", (f"qh_{c}", bad), f.result, partial(ops.chosen, unit=unit), within=PART, grows=SAME)
+    L(64).op("tool_h", ("tool", bad), f.result, partial(ops.chosen, unit=None), within=POINT, grows=SAME)
 
     wrist = []
     for number, axis, (first, second), signs in ((0, "x", ("ik", "wj"), (1, 1)), (1, "y", ("jk", "wi"), (1, -1)),
@@ -96,9 +107,12 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     for number, axis in enumerate("xyz"):
         how = partial(ops.target, **shifts, top=f.result.high)
         operands = wrist[2 * number : 2 * number + 2]
-        L(68 + number).op(axis, operands, f.result, how, "target", HALF_UP, within=Within(-2.0, 2.0, ""), limited=WRIST)
+        L(68 + number).op(
+            axis, operands, f.result, how, "target", HALF_UP, within=POINT, grows=Growth((1.0, 2.0)), limited=WRIST
+        )
     d.at()
     d.mask("saturated", wrist, partial(ops.outside_format, **shifts, top=f.result.high), "target")
+    d.words("x", "y", "z")
 
 
 def frame(d: Domain) -> None:
@@ -116,7 +130,9 @@ def frame(d: Domain) -> None:
         L(line).mul3(f"f_{c}{c}", n[f"g_{c}"], n["qe_i"], f.inner, kind="mul3_far", within=PART)
         L(line).mul3(f"f_{c}{other}", n[f"g_{other}"], n["qe_w"], f.inner, kind="mul3_far", within=PART)
         how = partial(ops.two, sign=sign, drop=f.drop)
-        L(line).op(f"qw_{c}", (f"f_{c}{c}", f"f_{c}{other}"), f.result, how, "sum2", HALF_UP, within=PART, grows=SUM)
+        L(line).op(
+            f"qw_{c}", (f"f_{c}{c}", f"f_{c}{other}"), f.result, how, "sum2", HALF_UP, within=PART, grows=ROUNDED_SUM
+        )
 
 
 def joints(d: Domain) -> None:
@@ -142,10 +158,10 @@ def _ball(d: Domain, line: int, q: str, names: tuple[str, ...]) -> None:
     for number, (name, sign) in enumerate(((names[0], 1), (names[2], -1))):
         how = partial(ops.joint, sign=sign, drop=ANGLE, width=d.width)
         operands = f"{q}_s", f"{q}_d", *TURNED[name]
-        L(line + 3 + 2 * number).op(name, operands, d.word(0), how, "sum2", HALF_UP, within=TURN)
+        L(line + 3 + 2 * number).op(name, operands, d.word(0), how, "sum2", HALF_UP, within=TURN, grows=ROUNDED_SUM)
     _twice(L(line + 4), names[1], f"{q}_b")
 
 
 def _twice(d: Domain, name: str, half: str) -> None:
     how = partial(ops.twice, drop=ANGLE, width=d.width)
-    d.op(name, (half, NEGATED[name]), d.word(0), how, "sum2", HALF_UP, within=TURN)
+    d.op(name, (half, NEGATED[name]), d.word(0), how, "sum2", HALF_UP, within=TURN, grows=Growth((2.0, 0.0)))

@@ -92,7 +92,7 @@ of 25x18 or 16x16 bits, the latter with small tables, and the lean one as a prog
 tiles of 18x18 or 16x16 bits."""
 
 ARM = replace(
-    LEAN, name="arm", flow=arm.arm, after_guard=arm.sections, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
+    LEAN, name="arm", flow=arm.arm, after_guard=arm.after_guard, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
     inputs=ARM_FIELDS, side=BRANCHES, results=ARM_RESULT_FIELDS, flags=ARM_FLAGS, flag_bits=ARM_FLAG_BITS,
 )  # fmt: skip
 

@@ -296,6 +296,9 @@ class Domain:
     def learn(self, fact: Callable[[Case], Case]) -> None:
         """Tighten the length bounds of a case from the nodes so far; only ranges are computed case by case."""
 
+    def words(self, *names: str) -> None:
+        """Treat the words of these nodes as exact: what follows is stated for any words."""
+
     def restart(self, *names: str) -> None:
         """Treat the words of these nodes, a plane, as exact: everything after them holds for any plane."""
 

@@ -16,8 +16,7 @@ from model.dataflow.nodes import WIDTHS as ALL_WIDTHS
 from model.dataflow.nodes import real_value
 from model.io import monte_carlo
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.stimuli import REGIONS, corners, edges, extremes, random_reachable, region, unreachable
-from model.io.words import FIELDS
+from model.io.stimuli import REGIONS, corners, edges, extremes, hand_poses, random_reachable, region, unreachable
 
 WIDTHS = (16, 18, 24, 32)
 
@@ -92,7 +91,7 @@ def test_proved_errors_hold_in_the_swivel_plane(width):
 
 @pytest.mark.parametrize("width", ALL_WIDTHS)
 def test_every_lean_node_fits(width):
-    assert ranges.LeanRanges(width).failed == {}
+    assert ranges.LeanRanges(width).failed == ranges.LeanRanges(width, datapath="arm").failed == {}
 
 
 @pytest.mark.parametrize(
@@ -106,12 +105,16 @@ def test_a_lean_format_too_short_is_named(name, width, spare):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_targets_stay_inside_the_lean_ranges(width):
+@pytest.mark.parametrize("datapath", ["lean", "arm"])
+def test_targets_stay_inside_the_lean_ranges(datapath, width):
     words = np.concatenate([region(name, 2000, width, 5) for name in REGIONS])
     words = words[expected_flags(words, width) & UNREACHABLE == 0]
-    bits = fixed.run(words, width, "lean").bits
-    usual = ~np.asarray(bits.nodes["clamp"].value).astype(bool)
-    bounds, exact = ranges.LeanRanges(width).nodes, Real(bits, {}).nodes
+    if datapath == "arm":
+        words = hand_poses(words, width, 5)
+        words[:, 7:] = words[:, 7:] * np.random.default_rng(width).uniform(0.9965, 1.0035, (len(words), 1))
+    bits = fixed.run(words, width, datapath).bits
+    usual = usual_targets(bits)
+    bounds, exact = ranges.LeanRanges(width, datapath=datapath).nodes, Real(bits, {}).nodes
     for node in bits.nodes.values():
         if not node.format.frac:
             continue
@@ -119,10 +122,16 @@ def test_targets_stay_inside_the_lean_ranges(width):
         value = np.broadcast_to(np.asarray(node.value * ulp, dtype=np.float64), usual.shape)[usual]
         low, high = bound.low - bound.error, bound.high + bound.error
         assert (value >= low - 1e-9 * ulp).all() and (value <= high + 1e-9 * ulp).all(), node.name
-        if node.section not in ("guard", "results") and node.name != "phi":
+        if node.section not in ("guard", "results", "joints") and node.name != "phi":
             real = np.broadcast_to(np.asarray(exact[node.name].value, dtype=np.float64), usual.shape)[usual]
             # double precision has a few more digits than the longest word
             assert (np.abs(value - real) <= bound.error + 1e-13).all(), node.name
+
+
+def usual_targets(bits):
+    """Return the targets, (N,), whose words are all in use: reachable, with a good hand."""
+    nodes = (bits.nodes[name].value for name in ("clamp", "bad_hand", "saturated") if name in bits.nodes)
+    return ~np.any([np.asarray(value, dtype=bool) for value in nodes], axis=0)
 
 
 def test_a_node_without_a_rule_is_named(monkeypatch):
@@ -147,10 +156,10 @@ class Moved(fixed.Bits):
 
     def apply(self, name, operands, fmt, words):
         value = super().apply(name, operands, fmt, words)
-        if self.decides(fmt):
+        if self.decides(fmt) or self._section == "joints":  # angles wrap
             return value
         off = [OFF * n.format.ulp if n.section != "guard" and n.format.frac else 0.0 for n in operands]
-        usual = ~np.asarray(self.nodes["clamp"].value).astype(bool)
+        usual = usual_targets(self) & np.ones(np.shape(value), dtype=bool)
         exact = []
         for node, error in zip(operands, off, strict=True):
             if error:  # no decision that the error could reverse
@@ -169,9 +178,9 @@ class Moved(fixed.Bits):
 
 
 @pytest.mark.parametrize("width", (17, 18, 32))
-@pytest.mark.parametrize("datapath", DATAPATHS)
+@pytest.mark.parametrize("datapath", [*DATAPATHS, "arm"])
 def test_errors_grow_no_more_than_the_dataflow_states(datapath, width):
     words = np.concatenate([random_reachable(2000, width, 9), *(region(name, 500, width, 9) for name in REGIONS)])
     domain = Moved(width, datapath)
-    DATAPATHS[datapath].flow(domain, domain.inputs(lambda name, fmt: words[:, FIELDS.index(name)]))
+    fixed.answer(hand_poses(words, width, 9) if datapath == "arm" else words, domain)
     assert domain.seen > 20 and domain.beyond == {}
