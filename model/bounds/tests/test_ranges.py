@@ -153,12 +153,19 @@ class Moved(fixed.Bits):
     def __init__(self, width, datapath):
         super().__init__(width, datapath)
         self.random, self.seen, self.beyond = np.random.default_rng(width), 0, {}
+        self.exact: set[str] = set()
+
+    def words(self, *names):
+        self.exact |= {*names}
 
     def apply(self, name, operands, fmt, words):
         value = super().apply(name, operands, fmt, words)
-        if self.decides(fmt) or self._section == "joints":  # angles wrap
+        if self.decides(fmt) or self._section == "joints" or fmt.width > 60:  # angles wrap; a double is too short
             return value
-        off = [OFF * n.format.ulp if n.section != "guard" and n.format.frac else 0.0 for n in operands]
+        off = [
+            OFF * n.format.ulp if n.section != "guard" and n.format.frac and n.name not in self.exact else 0.0
+            for n in operands
+        ]
         usual = usual_targets(self) & np.ones(np.shape(value), dtype=bool)
         exact = []
         for node, error in zip(operands, off, strict=True):
