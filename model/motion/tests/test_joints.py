@@ -159,7 +159,8 @@ def test_poses_without_an_answer():
         ({"limits": [*LIMITS[:4], (1.0, 0.5), *LIMITS[5:]]}, "limits of joint 5: 1 to 0.5"),
         ({"limits": [*LIMITS[:6], (np.nan, 0.5)]}, "limits of joint 7: nan to 0.5"),
         ({"tool": np.inf}, "tool: not finite"),
-        ({"width": 32}, "width 32.*with hand"),
+        ({"width": 32, "datapath": "paper"}, "datapath 'paper': with hand and width it must be 'lean'"),
+        ({"width": 32, "tool": 20.0}, "tool: 20 is too long"),
         ({"order": "ijkw"}, "order 'ijkw'"),
     ],
 )
@@ -168,6 +169,48 @@ def test_wrong_arguments_are_named(given, message):
     for function in (solve,) if "width" in given else (solve, feasible_swivel):
         with pytest.raises(ValueError, match=message):
             function(**arguments)
+
+
+@pytest.mark.parametrize("order", ["wxyz", "xyzw"])
+@pytest.mark.parametrize("axis", ["z", "-x", (0.3, 1.0, -0.2)])
+@pytest.mark.parametrize(("width", "off"), [(18, 3e-4), (32, 3e-8)])
+def test_words_are_near_the_pose_in_double(width, off, axis, order):
+    """Names of branches, limits inward, rows without a pose, and a scale that leaves room for the tool."""
+    points, q, phi = poses(300, 5)
+    branch, hand = np.arange(300) % 8, q if order == "wxyz" else np.roll(q, -1, axis=1)
+    points[7], tool = np.nan, np.where(np.arange(300) == 9, np.nan, TOOL)
+    arguments = {"hand": hand, "tool": tool, "branch": branch, "axis": axis, "order": order, "nan": "pass"}
+    double = solve(points, phi, limits=LIMITS, **arguments)
+    words = solve(points, phi, limits=LIMITS, width=width, **arguments)
+    np.testing.assert_array_equal(words.flags, double.flags)
+    for name in ("hand", "wrist", "elbow"):
+        np.testing.assert_allclose(getattr(words, name), getattr(double, name), rtol=0, atol=4 * off)
+    # near a singular pose only the sums of angles are the same: compare hands
+    keep = np.delete(np.arange(300), [7, 9])
+    for pose in (words, double):
+        reached, m = chain(pose.joints[keep])
+        np.testing.assert_allclose(reached @ matrix(to_z(axis)), points[keep], rtol=0, atol=off)
+        np.testing.assert_allclose(matrix(to_z(axis)).T @ m, matrix(q[keep]), rtol=0, atol=3 * off)
+    clear = apart(words.joints[keep, :, None], LIMITS).min(axis=-1) > 100 * off
+    assert (words.over_limit[keep] == double.over_limit[keep])[clear].all() and clear.mean() > 0.8
+    assert np.isnan(words.joints[[7, 9]]).all() and not words.over_limit[[7, 9]].any()
+    far = solve(points[:5], phi[:5], hand=hand[:5], tool=3.0, axis=axis, order=order, width=width)
+    assert far.flags.any() and np.isfinite(far.joints).all()
+
+
+@pytest.mark.parametrize("width", [16, 24, 32])
+def test_limits_in_words_are_rounded_inward(width):
+    points, q, phi = poses(200, 6)
+    th = solve(points, phi, hand=q, tool=TOOL, width=width).joints
+    unit = 2 * np.pi / 2**width
+    for joint in range(7):
+        limits, at = FREE.copy(), th[joint, joint]
+        for low, high, over in ((at - 0.1 * unit, at + 0.1 * unit, False), (at + 0.1 * unit, at + 1.0, True),
+                                (at - 1.0, at - 0.1 * unit, True), (at + 0.1 * unit, at + 0.9 * unit, True),
+                                (at - 0.9 * unit + 2 * np.pi, at + 0.1 + 2 * np.pi, False)):  # fmt: skip
+            limits[joint] = low, high
+            found = solve(points[joint], phi[joint], hand=q[joint], tool=TOOL, width=width, limits=limits).over_limit
+            assert found[0].tolist() == [k == joint and over for k in range(7)]
 
 
 @pytest.mark.parametrize("axis", ["z", (0.3, 1.0, -0.2)])
