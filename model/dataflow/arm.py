@@ -12,10 +12,11 @@ The wrist's orientation and all angles are computed from the words Qs and Qe tha
 not turn the hand:
 
     (L71) .. (L74) G = Qs~ h                       (L75) .. (L78) Qw = (-qe_i + qe_w i)~ G = (Qs Rx(th4))~ Qh
-    d = atan2(j, i), l_ij = K |(i, j)|, s = atan2(k, w), l_wk = K |(w, k)|, b = atan2(l_ij, l_wk)   of Qs, and of Qw
-    (L79) .. (L84)  th1 = s + d, th2 = 2 b, th3 = s - d of Qs
-    (L85) (L86)     th4 = 2 e, e = atan2(qe_w, -qe_i)
-    (L87) .. (L92)  th5, th6, th7 of Qw, as th1, th2, th3
+
+    (L79) d = atan2(j, i), K |(i, j)|              (L80) s = atan2(k, w), K |(w, k)|      of Qs
+    (L81) b = atan2(|(i, j)|, |(w, k)|)            (L82) .. (L84) th1 = s + d, th2 = 2 b, th3 = s - d
+    (L85) e = atan2(-qe_w, qe_i)                   (L86) th4 = 2 e
+    (L87) .. (L92) the same of Qw: th5, th6, th7
 
 K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Bits of the branch turn joints by half a
 turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outside its limits, exactly.
@@ -47,10 +48,9 @@ GAINED = Within(0.0, 1.66, "K times a part of a quaternion no longer than 1")
 
 ROUNDED_SUM = Growth(added=True)
 
-TURNED = (("branch_shoulder",), (), ("branch_shoulder", "branch_elbow"), (), ("branch_elbow", "branch_wrist"), ())
-TURNED = dict(zip(JOINTS, (*TURNED, ("branch_wrist",)), strict=True))
+TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
 NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
-"""Joint -> the bits of the branch that turn it by half a turn, or negate it."""
+"""Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
 
 
 def arm(d: Domain, target: dict[str, Node]) -> None:
@@ -82,36 +82,33 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     exact, total = Format(2 * d.width, 2 * d.width - 4, "2*W - 4"), "hi_sq"
     for c in "ijkw":
         L(62).op(f"h{c}_sq", (f"qh_{c}",), exact, ops.square, "square", within=LENGTH, grows=SAME)
-    for name, c in (("hij_sq", "j"), ("hijk_sq", "k"), ("hand_sq", "w")):
-        how = partial(ops.plus_wrapped, width=exact.width)
-        total = L(62).op(name, (total, f"h{c}_sq"), exact, how, "wide", within=LENGTH, grows=SUM)
+    for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
+        operands, total = (total, f"h{c}_sq"), name
+        L(62).op(name, operands, exact, partial(ops.plus_wrapped, width=exact.width), "wide", within=LENGTH, grows=SUM)
     d.at()
-    bad = d.mask("bad_hand", (total,), partial(ops.off_one, frac=exact.frac, places=8))
+    d.mask("bad_hand", (total,), partial(ops.off_one, frac=exact.frac, places=8))
     for c in "wijk":
-        unit = f.result.frac if c == "w" else None
-        L(63).op(f"h_{c}", (f"qh_{c}", bad), f.result, partial(ops.chosen, unit=unit), within=PART, grows=SAME)
-    L(64).op("tool_h", ("tool", bad), f.result, partial(ops.chosen, unit=None), within=POINT, grows=SAME)
+        how = partial(ops.chosen, unit=f.result.frac if c == "w" else None)
+        L(63).op(f"h_{c}", (f"qh_{c}", "bad_hand"), f.result, how, within=PART, grows=SAME)
+    L(64).op("tool_h", ("tool", "bad_hand"), f.result, partial(ops.chosen, unit=None), within=POINT, grows=SAME)
 
-    wrist = []
-    for number, axis, (first, second), signs in ((0, "x", ("ik", "wj"), (1, 1)), (1, "y", ("jk", "wi"), (1, -1)),
-                                                 (2, "z", ("ii", "jj"), (-1, -1))):  # fmt: skip
-        for a, b in (first, second):
-            L(65 + number).mul3(f"h_{a}{b}", target[f"qh_{a}"], target[f"qh_{b}"], f.inner, within=PART)
-        row = partial(ops.half_row, signs=signs, half=(1 << f.frac - 1) * (axis == "z"), width=f.inner.width)
-        L(65 + number).op(f"r_{axis}", (f"h_{first}", f"h_{second}"), f.inner, row, within=ROW, grows=SUM)
-        L(68 + number).mul3(
-            f"off_{axis}", d.nodes[f"r_{axis}"], d.nodes["tool_h"], f.inner, kind="mul3_far", within=OFFSET
-        )
-        wrist += [f"hand_{axis}", f"off_{axis}"]
-    shifts = {"up": f.drop - 1, "drop": f.drop - 1}  # off is half the offset
-    for number, axis in enumerate("xyz"):
-        how = partial(ops.target, **shifts, top=f.result.high)
-        operands = wrist[2 * number : 2 * number + 2]
-        L(68 + number).op(
-            axis, operands, f.result, how, "target", HALF_UP, within=POINT, grows=Growth((1.0, 2.0)), limited=WRIST
-        )
+    half = 1 << f.frac - 1
+    rows = ("x", "ik", "wj", (1, 1), 0), ("y", "jk", "wi", (1, -1), 0), ("z", "ii", "jj", (-1, -1), half)
+    for line, (axis, first, second, signs, one) in enumerate(rows, start=65):
+        terms = first, second
+        for term in terms:
+            L(line).mul3(f"h_{term}", target[f"qh_{term[0]}"], target[f"qh_{term[1]}"], f.inner, within=PART)
+        how = partial(ops.half_row, signs=signs, half=one, width=f.inner.width)
+        L(line).op(f"r_{axis}", [f"h_{term}" for term in terms], f.inner, how, within=ROW, grows=SUM)
+    shifts = {"up": f.drop - 1, "drop": f.drop - 1, "top": f.result.high}  # off is half the offset
+    wrist: list[str] = []
+    for line, axis in enumerate("xyz", start=68):
+        row, wrist = d.nodes[f"r_{axis}"], [*wrist, f"hand_{axis}", f"off_{axis}"]
+        L(line).mul3(wrist[-1], row, d.nodes["tool_h"], f.inner, kind="mul3_far", within=OFFSET)
+        facts = {"within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
+        L(line).op(axis, wrist[-2:], f.result, partial(ops.target, **shifts), "target", HALF_UP, **facts)
     d.at()
-    d.mask("saturated", wrist, partial(ops.outside_format, **shifts, top=f.result.high), "target")
+    d.mask("saturated", wrist, partial(ops.outside_format, **shifts), "target")
     d.words("x", "y", "z")
 
 
@@ -120,19 +117,18 @@ def frame(d: Domain) -> None:
     f, n, L = Lean(d.width), d.nodes, d.line
     d.at("frame")
     rows = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik+", "k": "wk+ kw- ij- ji+"}
-    for line, (c, terms) in enumerate(rows.items(), start=71):
-        for a, b, _ in terms.split():
-            L(line).mul3(f"g_{a}{b}", n[f"qs_{a}"], n[f"h_{b}"], f.inner, kind="mul3_far", within=PART)
-        how = partial(ops.four, signs=tuple(1 if term[2] == "+" else -1 for term in terms.split()))
-        operands = tuple(f"g_{term[:2]}" for term in terms.split())
-        L(line).op(f"g_{c}", operands, f.inner, how, "sum3", within=PART, grows=SUM)
+    for line, (c, row) in enumerate(rows.items(), start=71):
+        terms = [(f"g_{term[:2]}", n[f"qs_{term[0]}"], n[f"h_{term[1]}"]) for term in row.split()]
+        for name, a, b in terms:
+            L(line).mul3(name, a, b, f.inner, kind="mul3_far", within=PART)
+        how = partial(ops.four, signs=tuple(1 if sign == "+" else -1 for sign in row[2::4]))
+        L(line).op(f"g_{c}", [name for name, *_ in terms], f.inner, how, "sum3", within=PART, grows=SUM)
     for line, (c, other, sign) in enumerate((("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)), start=75):
-        L(line).mul3(f"f_{c}{c}", n[f"g_{c}"], n["qe_i"], f.inner, kind="mul3_far", within=PART)
-        L(line).mul3(f"f_{c}{other}", n[f"g_{other}"], n["qe_w"], f.inner, kind="mul3_far", within=PART)
-        how = partial(ops.two, sign=sign, drop=f.drop)
-        L(line).op(
-            f"qw_{c}", (f"f_{c}{c}", f"f_{c}{other}"), f.result, how, "sum2", HALF_UP, within=PART, grows=ROUNDED_SUM
-        )
+        products = f"f_{c}{c}", f"f_{c}{other}"
+        for name, of, half in zip(products, (c, other), "iw", strict=True):
+            L(line).mul3(name, n[f"g_{of}"], n[f"qe_{half}"], f.inner, kind="mul3_far", within=PART)
+        facts, how = {"within": PART, "grows": ROUNDED_SUM}, partial(ops.two, sign=sign, drop=f.drop)
+        L(line).op(f"qw_{c}", products, f.result, how, "sum2", HALF_UP, **facts)
 
 
 def joints(d: Domain) -> None:

@@ -359,7 +359,8 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     random, count, top = np.random.default_rng((seed, width, 4)), len(targets), (1 << width - 1) - 1
     near = np.exp2(random.uniform(-34, -3, count)) * (random.random(count) < 0.9)
     bent = np.choose(np.arange(count) % 3, (random.uniform(0, np.pi, count), near, np.pi - near))
-    pose = solve_lean(*targets[:, :3].T, targets[:, 3] * (2 * np.pi / (1 << width)), *targets[:, 4:].T)
+    x, y, z, phi, d1, d2 = targets.T
+    pose = solve_lean(x, y, z, phi * (2 * np.pi / (1 << width)), d1, d2)
     fore = multiply(
         np.column_stack([pose[f"qs_{c}"] for c in "wijk"]),
         np.column_stack([-pose["qe_i"], pose["qe_w"], *np.zeros((2, count))]),
@@ -367,7 +368,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     hand = multiply(fore, turned(random.uniform(-np.pi, np.pi, count), bent, random.uniform(-np.pi, np.pi, count)).T)
     hand *= random.choice((-1, 1), (count, 1))
     words = np.clip(np.rint(hand * (1 << width - 2)), -top - 1, top).astype(np.int64)
-    tool = random.uniform(-1, 1, count) * targets[:, 4:].sum(axis=1) * (random.random(count) < 0.8)
+    tool = random.uniform(-1, 1, count) * (d1 + d2) * (random.random(count) < 0.8)
     axis, point = rotate(hand, (0.0, 0.0, 1.0)), targets[:, :3]
     for _ in range(width + 1):
         tool = np.rint(np.clip(tool, -top, top))
