@@ -196,7 +196,8 @@ def test_a_branch_turns_and_negates_words(width):
         moved = np.where(NEGATED @ bits & 1, -own[:, 10:], own[:, 10:]) + half * (TURNED @ bits & 1)
         off = (found[:, 10:] - moved) % (2 * half)
         assert (found[:, :10] == own[:, :10]).all() and set(off.ravel().tolist()) <= {0, 1}  # 1: a negated tie
-        assert off.any(axis=0).tolist() == (NEGATED @ bits & 1 > 0).tolist()
+        ties = (NEGATED @ bits & 1 > 0) & (width > 16)  # at 16 bits the sum of the table's angles is odd
+        assert off.any(axis=0).tolist() == ties.tolist()
 
 
 @every_width
