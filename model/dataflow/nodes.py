@@ -402,7 +402,7 @@ class Domain:
         self.facts |= {n: Facts(within=w) for n, w in zip([n for n in (length, angle) if n], within, strict=True)}
         values, bits, after = self.polar((length, angle), x, other, sign), self.width + 4, None
         if length:
-            fmt = Format(bits, bits - 3, "W + 1", signed=False)
+            fmt = Format(bits - 1, bits - 3, "W + 1", signed=False)
             after = self.make(length, "vector", (x, other), fmt, "vector_x", values[0])
         kind, fmt = "vector_y" if length else "vector", Format(bits, bits - 1, "W + 3")
         self.make(angle, "vector", (x, other), fmt, kind, values[1], after)
