@@ -37,7 +37,7 @@ from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.io.files import write_atomically
-from model.io.flags import FLAGS, SATURATED, expected_flags
+from model.io.flags import CORE_FLAGS, expected_flags
 from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, SPECIAL, mixed, region
 from model.io.words import FIELDS, from_words
@@ -220,10 +220,9 @@ def code(datapath: str) -> str:
 def _keep(core: Core, of: str, found: Found) -> None:
     """Replace the rows of these targets on the page."""
     key = [core.datapath, str(core.width), of]
-    flags = [name for name, flag in FLAGS.items() if flag != SATURATED]
     errors = found.hand_error_max, tolerances.hand(core.width, core.datapath), found.norm_error_max
     row = [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *map(_number, errors)]
-    row += [*(str(found.flags[name]) for name in flags), code(core.datapath)]
+    row += [*(str(found.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
     last = 2.0 ** (2 - core.width)
     apart = [
         [of, *key, str(n), _number(most), f"{most / last:.2f}", _number(tolerances.lean(core.width))]
@@ -231,7 +230,7 @@ def _keep(core: Core, of: str, found: Found) -> None:
     ]
     rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
     apart = sorted([*apart, *(other for other in read_table(PAGE, "equations") if other[1:4] != key)])
-    write_atomically(PAGE, render("soak", flags=flags, rows=rows, apart=apart))
+    write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows, apart=apart))
 
 
 def _number(value: float | None) -> str:

@@ -26,7 +26,10 @@ class Flag(IntFlag):
     ON_AXIS = 4, "target on the z axis: azimuth 0 is taken"
     AT_SHOULDER = 8, "target at the shoulder: it has no direction"
     BAD_LENGTH = 16, "d1 or d2 is not positive"
-    SATURATED = 32, "reserved, always 0: by proof no internal value leaves its format"
+    SATURATED = (
+        32,
+        "the wrist of a hand pose is outside the format: its nearest edge is taken; always 0 for a wrist target",
+    )
     BAD_HAND = 256, "the hand's quaternion is not of length 1: no rotation and no tool are taken"
 
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, nodes
 from model.dataflow.fold import steps as timing
 from model.dataflow.fold.program import CODES, FIELDS, WIDTH, program
@@ -33,7 +33,7 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 
 def traced(datapath: str) -> dict[int, dict[str, Node]]:
     """Return the nodes of a dataflow at every width, with their formats and clocks."""
-    return {w: nodes(datapath, w) for w in CONFIGURATIONS[datapath].widths}
+    return {w: nodes(datapath, w) for w in MODELS[datapath].widths}
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
@@ -83,7 +83,7 @@ def node_formats(datapath: str) -> str:
     for node in nodes.values():
         if node.section != section:
             section = node.section
-            lines += ["", f"// {DATAPATHS[datapath].sections[section]}"]
+            lines += ["", f"// {MODELS[datapath].sections[section]}"]
         name = node.name.upper()
         waits_for = (*node.operands, node.after) if node.after else node.operands
         clocks = [f"LAT_{node.latency.upper()}"] if node.latency else []
@@ -92,7 +92,7 @@ def node_formats(datapath: str) -> str:
         parts = [f"F_{name} = {node.format.frac_expr}"] if node.format.signed else []
         parts.append(f"T_{name} = {' + '.join(clocks) or '0'}")
         lines.append(f"localparam integer {', '.join(parts)};{_comment(node)}")
-    outputs = _start(tuple(nodes[n] for n in DATAPATHS[datapath].results), runs)
+    outputs = _start(tuple(nodes[n] for n in (*MODELS[datapath].results, *MODELS[datapath].flags)), runs)
     return "\n".join([*lines, "", "// All results leave together.", f"localparam integer T_OUT = {outputs};"])
 
 

@@ -15,7 +15,7 @@ from math import isqrt
 
 import numpy as np
 
-from model.io.flags import FLAGS, SATURATED, expected_flags, names
+from model.io.flags import CORE_FLAGS, expected_flags, names
 from model.io.stimuli import mixed
 from model.io.words import FIELDS
 from tb.sim import coverage
@@ -45,7 +45,7 @@ def bin_of(*values: str) -> Point:
 
 BINS = [
     bin_of(flag, datapath, region, stall)
-    for flag in ["-", *(name for name, flag in FLAGS.items() if flag != SATURATED)]
+    for flag in ["-", *CORE_FLAGS]
     for datapath, region, stall in itertools.product(("lean", "paper", "fold"), REGIONS, STALLS)
     if (flag, region) not in IMPOSSIBLE
 ]
