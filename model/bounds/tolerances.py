@@ -54,8 +54,8 @@ ARM_ULPS = 12.5, 19.5
 orientation in rad.  Below the limits 3e-8 and 2e-8 at W = 32, 3e-6 and 5e-6 at 24, 2e-4 and 3e-4 at 18."""
 
 WRIST_ULPS = 3**0.5 * 0.9
-"""Further error of the hand's point in ulps of a length: each coordinate of the wrist is rounded to a word, and half its
-offset to an inner word, which at W = 32 has three bits more.  Searches find 1.4 at W = 32, for arms of a few ulps."""
+"""Further error of the hand's point in ulps of a length: each coordinate of the wrist is rounded to a word, half its
+offset to an inner word, which at W = 32 has three bits more.  Searches find 1.4 there, for arms of a few ulps."""
 
 
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seven joints of a hand pose: through matrices of the chain back to the hand, limits, feasible swivels, paths."""
 
+import warnings
 from functools import partial
 from itertools import product
 
@@ -181,7 +182,9 @@ def test_words_are_near_the_pose_in_double(width, off, axis, order):
     points[7], tool = np.nan, np.where(np.arange(300) == 9, np.nan, TOOL)
     arguments = {"hand": hand, "tool": tool, "branch": branch, "axis": axis, "order": order, "nan": "pass"}
     double = solve(points, phi, limits=LIMITS, **arguments)
-    words = solve(points, phi, limits=LIMITS, width=width, **arguments)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        words = solve(points, phi, limits=LIMITS, width=width, **arguments)
     np.testing.assert_array_equal(words.flags, double.flags)
     for name in ("hand", "wrist", "elbow"):
         np.testing.assert_allclose(getattr(words, name), getattr(double, name), rtol=0, atol=4 * off)
@@ -194,8 +197,16 @@ def test_words_are_near_the_pose_in_double(width, off, axis, order):
     clear = apart(words.joints[keep, :, None], LIMITS).min(axis=-1) > 100 * off
     assert (words.over_limit[keep] == double.over_limit[keep])[clear].all() and clear.mean() > 0.8
     assert np.isnan(words.joints[[7, 9]]).all() and not words.over_limit[[7, 9]].any()
-    far = solve(points[:5], phi[:5], hand=hand[:5], tool=3.0, axis=axis, order=order, width=width)
-    assert far.flags.any() and np.isfinite(far.joints).all()
+
+
+@pytest.mark.parametrize("tool", [0.4, 2.5])
+def test_a_tool_has_room_in_the_format(tool):
+    """Its components are shorter than the tool itself, along the diagonal."""
+    q = np.array((np.sqrt(3) + 1, -np.sqrt(2), np.sqrt(2), 0.0)) / np.sqrt(8 + 2 * np.sqrt(3))
+    point = np.array((0.2, 0.1, 0.3)) + tool * matrix(q)[:, 2]
+    pose = solve(point, 0.3, hand=q, tool=tool, width=32)
+    assert pose.flags == 0 and np.abs(matrix(q)[:, 2]).max() < 0.8
+    np.testing.assert_allclose(chain(pose.joints, tool)[0], [point], rtol=0, atol=1e-7)
 
 
 @pytest.mark.parametrize("width", [16, 24, 32])
