@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..dataflow import fixed
+from ..io.flags import BAD_HAND
+from ..io.words import HEADROOM_BITS, Targets, from_words, result_values, to_words
 from ..reference import joints
 
 Floats = NDArray[np.float64]
@@ -54,6 +58,48 @@ class Hands:
         )
         q = q.T[self._from] / length
         return q, joints.tool_offset(q, tool), branch
+
+    def scale_exponent(self, exponent: int) -> int:
+        """Return the exponent of the host's scaling, less where the tool would leave the format.  Raises ValueError."""
+        longest = float(np.max(np.abs(self.tool), initial=0.0))
+        least = 1 - math.frexp(longest)[1] if longest else exponent
+        if least < exponent - HEADROOM_BITS:
+            raise ValueError(f"tool: {longest:.6g} is too long beside the arm")
+        return min(exponent, least)
+
+    def in_words(self, rows: slice, targets: Targets, exponent: int, width: int, bounds: Floats | None) -> tuple:
+        """Return what ``ik_arm`` computes for these hands at ``targets``: results of the core (6, n), flags and swivel
+        angles (n,), Qw (4, n), joints and whether they are outside their limits (7, n)."""
+        (q, _, branch), high = self.part(rows), 2 ** (width - 1) - 1
+        q = q if targets.frame is None else joints.product(targets.frame, q)
+        tool = self.tool[rows] if self.tool.ndim and len(self.tool) > 1 else self.tool
+        words, _ = to_words(targets, width, exponent)
+        more = np.empty((len(words), 5))
+        more[:, 0], more[:, 1:] = np.ldexp(tool, exponent), q.T
+        more = np.clip(np.rint(np.ldexp(more, width - 2)), -high - 1, high)
+        limits = limit_words(bounds, width)
+        run = fixed.run(np.hstack((words, more.astype(np.int64))), width, "arm", branch, limits)
+        over = run.flags >> 9 + np.arange(7)[:, None] & 1 > 0
+        over |= np.array([[last < first] for first, last in limits])  # there is no word within them
+        found, th = result_values(run.results[:, :10], width).T, run.results[:, 10:].T * (2 * np.pi / 2**width)
+        asked = from_words(words, exponent, width, targets.name).phi
+        return found[:6], run.flags & 2 * BAD_HAND - 1, asked, found[6:], th, over
+
+    def reached(self, rows: slice, qs: Floats, qe: Floats, qw: Floats) -> Floats:
+        """Return vectors (3, n) from the wrist to the hand's point for Qs (4, n), qe_w and qe_i (2, n), Qw (4, n)."""
+        q = joints.product(joints.product(qs, np.array((-qe[1], qe[0], 0 * qe[0], 0 * qe[0]))), qw)
+        tool = self.tool[rows] if self.tool.ndim and len(self.tool) > 1 else self.tool
+        return joints.tool_offset(q / np.linalg.norm(q, axis=0), tool)
+
+
+def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:
+    """Return the lowest and highest word of each joint within its limits; a joint without limits has a whole turn."""
+    half, unit, found = 2 ** (width - 1), 2**width / (2 * np.pi), []
+    for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
+        free = not high - low < 2 * np.pi
+        first, last = (-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit))
+        found.append((first, min(last, first + 2 * half - 1)))
+    return found
 
 
 def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:

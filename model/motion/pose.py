@@ -136,7 +136,7 @@ def solve(
     d2: ArrayLike = DEFAULT_D2,
     *,
     axis: Axis = "z",
-    width: None = None,
+    width: int | None = None,
     datapath: str = "lean",
     order: Order = "wxyz",
     nan: Literal["raise", "pass"] = "raise",
@@ -173,11 +173,12 @@ def solve(
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
     * datapath: "lean", "paper", or "lean25", which is lean with products cut for 25x18-bit multipliers
     * nan: "pass" gives rows with a nan a pose of nan and the flags 0; "raise" refuses them
-    * hand (N, 4) or (4,): orientation of the hand, unit quaternions; not in words
+    * hand (N, 4) or (4,): orientation of the hand, unit quaternions; in words, with datapath "lean" only
     * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
     * branch: bits of :class:`Branch`, one of eight solutions for the joints; a number or (N,)
     * limits (7, 2): lower and upper limit of each joint, rad, for ``over_limit``; the pose is the same, but where
-      th2 or th6 is 0 or pi, limits choose between equivalent pairs of the angles around it
+      th2 or th6 is 0 or pi, limits choose between equivalent pairs of the angles around it; in
+      words they do not, and are rounded inward
 
     An unreachable target gets the nearest pose, and a flag.  Warns of phi beyond a turn, as of degrees.  Raises
     ValueError for shapes that do not broadcast, numbers that are not finite, lengths that are not positive, a hand
@@ -193,8 +194,8 @@ def solve(
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
     if nan not in ("raise", "pass"):
         raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
-    if hand is not None and width is not None:
-        raise ValueError(f"width {width}: the bits of the core end at the wrist; with hand, width must be None")
+    if hand is not None and width is not None and datapath != "lean":
+        raise ValueError(f"datapath {datapath!r}: with hand and width it must be 'lean'")
     hands = None if hand is None else Hands(hand, tool, branch, order)
     bounds = None if limits is None else checked_limits(limits)
     position = np.asarray(points, dtype=np.float64)
@@ -221,33 +222,39 @@ def solve(
     frame = None if isinstance(axis, str) and axis == "z" else to_z(axis)
     targets = partial(Targets, "targets", frame=frame)
     exponent = scale_exponent(targets(*table), width) if width and count else 0
+    exponent = hands.scale_exponent(exponent) if hands and width else exponent
     qs, qe, flags, asked = np.empty((count, 4)), np.zeros((count, 4)), np.empty(count, dtype=np.int64), table[3].copy()
     elbow, wrist = np.empty((2, count, 3))
     w, i = (0, 1) if order == "wxyz" else (3, 0)
     qw, found, reached = (np.empty((count if hands else 0, size)) for size in (4, 7, 3))
     over = np.zeros(found.shape, dtype=bool)
-    step = HANDS_CHUNK if hands else CHUNK if width is None else WORDS_CHUNK
+    step = WORDS_CHUNK if width else HANDS_CHUNK if hands else CHUNK
     for rows in (slice(start, start + step) for start in range(0, count, step)):
         part = table[:, rows]
-        if hands:
+        if hands and width is None:
             q, offset, own_branch = hands.part(rows)
             part = np.concatenate((part[:3] - offset, part[3:]))
         if width is None:
             part = part if frame is None else np.concatenate((targets(*part).core_position.T, part[3:]))
             results, flags[rows] = solve_direct(part) if datapath != "paper" else _by_the_paper(part)
+        elif hands:
+            all_of_it = hands.in_words(rows, targets(*part), exponent, width, bounds)
+            results, flags[rows], asked[rows], turn, th, own_over = all_of_it
         else:
             results, flags[rows], asked[rows] = _in_words(targets(*part), width, exponent, datapath)
         turned = results[:4].T if frame is None else multiply(conjugate(frame), results[:4].T)
         elbow[rows], wrist[rows] = kinematics.forward(turned, results[4:].T, part[4], part[5])
         qs[rows], qe[rows, w], qe[rows, i] = _rolled(order, turned, -1), results[4], results[5]
-        if hands:
+        if hands and width is None:
             turn = wrist_quaternion(turned.T, results[4:], q)
             th = angles(results[:4], flexion(results[4:]), turn, own_branch)
-            qw[rows], reached[rows] = _rolled(order, turn.T, -1), wrist[rows] + offset.T
             if bounds is not None:
                 th = settled(th, bounds)
                 over[rows] = outside(th, bounds).T
-            found[rows] = th.T
+        elif hands:
+            offset, over[rows] = hands.reached(rows, turned.T, results[4:], turn), own_over.T
+        if hands:
+            qw[rows], reached[rows], found[rows] = _rolled(order, turn.T, -1), wrist[rows] + offset.T, th.T
     if lost is not None:
         for values in (qs, qe, elbow, wrist, asked, flags, *((qw, found, reached, over) if hands else ())):
             values[lost] = np.nan if values.dtype.kind == "f" else 0
