@@ -97,8 +97,7 @@ def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:
     half, unit, found = 2 ** (width - 1), 2**width / (2 * np.pi), []
     for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
         free = not high - low < 2 * np.pi
-        first, last = (-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit))
-        found.append((first, min(last, first + 2 * half - 1)))
+        found.append((-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit)))
     return found
 
 
