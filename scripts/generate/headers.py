@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from model.dataflow import angles
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, nodes
 from model.dataflow.fold import steps as timing
@@ -140,6 +141,32 @@ function [{TABLE_BITS - 1}:0] atan_turn(input integer k);
     endcase
   end
 endfunction"""
+
+
+def vector_table() -> str:
+    return f"""\
+// For the body of a module with parameter W: iterations in which X changes, and all; bits of X, Y and the angle;
+// the angle of iteration k, one turn = 2^ZW, of those after HEAD half the one before.
+
+/* verilator lint_off UNUSEDPARAM */  // the gain
+/* verilator lint_off UNUSEDSIGNAL */  // bits of a turn above 1/4
+`include "ik_sincos_table.vh"
+
+localparam integer HEAD = (W + 1) / 2 - 1;
+localparam integer LAST = W - 1;
+localparam integer XW = W + {angles.GUARD};
+localparam integer YW = W + {angles.GUARD + 2};
+localparam integer ZW = W + {angles.ANGLE};
+
+function [ZW-1:0] turn(input integer k);
+  reg [TABLE_BITS-1:0] rounded;
+  begin
+    rounded = (atan_turn(k < HEAD ? k : HEAD) + ({TABLE_BITS}'d1 << (TABLE_BITS - ZW))) >> (TABLE_BITS - ZW + 1);
+    turn = rounded[ZW-1:0] >> (k < HEAD ? 0 : k - HEAD);
+  end
+endfunction
+/* verilator lint_on UNUSEDSIGNAL */
+/* verilator lint_on UNUSEDPARAM */"""
 
 
 def _choose(numbers: dict[str, dict[str, int]]) -> str:
@@ -399,6 +426,7 @@ def texts() -> dict[Path, str]:
             f"{model}/quadratic.py",
         ),
         "trig_table": (quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks"), f"{model}/quadratic.py"),
+        "vector_table": (vector_table(), f"{model}/angles.py"),
         "fold_codes": (fold_codes(), f"{model}/fold/program.py"),
         "fold_fields": (fold_fields(), f"{model}/fold/program.py"),
         "fold_formats": (fold_formats(), f"{model}/nodes.py"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""File lists of the core's Verilog, ``rtl/ik_axis.f`` and ``rtl/ik_axi.f``, AXI rules in it, and digests of sources.
+"""File lists of the Verilog, ``rtl/ik_axis.f``, ``ik_axi.f`` and ``ik_arm.f``, AXI rules in it, and digests of sources.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
 ``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read that. ``root`` is the checkout or a
@@ -20,13 +20,15 @@ from tb.sim.env import ROOT
 LIST = "rtl/ik_axis.f"
 MEMORY = "rtl/ik_axi.f"
 """List of the memory wrapper around the core."""
+ARM = "rtl/ik_arm.f"
+"""List of the whole arm around the core."""
 INCLUDE = "+incdir+"
 
 
 def _entries(root: Path) -> tuple[list[Path], list[Path]]:
-    """Return header folders and files, in list order; a copy may lack the second list."""
+    """Return header folders and files, in list order; a copy may have the first list only."""
     folders, files = {}, []
-    for path in [root / LIST, *(path for path in [root / MEMORY] if path.exists())]:
+    for path in [root / LIST, *(path for path in (root / MEMORY, root / ARM) if path.exists())]:
         for line in path.read_text(encoding="utf-8").splitlines():
             found = line.partition("//")[0].strip()
             if found.startswith(INCLUDE):

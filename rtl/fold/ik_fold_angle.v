@@ -1,0 +1,144 @@
+// Rounds half up: an angle, or the sum or difference of two, from 4 guard bits. Rounding constant: start of the angle.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The CORDIC of ik_vector, bit for bit, one iteration per clock in two stages. The first makes the HEAD iterations that
+// change X; the second makes the others, while the first begins the next vector.
+// x is loaded, taken one clock later, then y is loaded, which starts the iterations. `over` hands the vector over to the
+// second stage at least HEAD + 1 clocks later; it clears Y, to which loads add. With `again` the length that was handed
+// over before is the Y of the next vector, which has the present length as its X and starts at once: the angle between
+// (i, j) and (w, k) of a quaternion.
+// Throughput: one vector per HEAD + 4 clocks with go high.
+// Latency: LAST - HEAD + 1 clocks from `over` to the angle; it stays until the next one.
+`default_nettype none
+
+module ik_fold_angle #(
+    parameter integer W = 24  // word length, 5 to 32
+) (
+    input  wire         clk,
+    input  wire         go,
+    // Load x or y; with y or `again` also the rounding constant's two bits and the angle's sign
+    input  wire [W-1:0] word,
+    input  wire         load_x,
+    input  wire         load_y,
+    input  wire         opposite,  // y = -word
+    input  wire [  1:0] rounding,  // 10: angle + or - h; 01: twice the angle; 00: angle to h
+    input  wire         negative,  // minus the angle
+    // Hand over
+    input  wire         over,
+    input  wire         again,     // with over
+    input  wire         to_h,      // h = angle of the second stage
+    // Result: angle + h, angle - h or twice the angle; plus half a turn
+    input  wire         minus,
+    input  wire         twice,
+    input  wire         half,
+    output wire [W-1:0] th
+);
+
+  `include "ik_vector_table.vh"
+
+  localparam integer GUARD = XW - W;
+  localparam integer ANGLE = ZW - W;
+  localparam integer TW = ZW - HEAD;  // angles of the second stage: twice one below 2^-HEAD rad, and the sign
+
+  reg [XW-1:0] x_2;  // length of the vector in the second stage
+
+  // ---- first stage ----
+
+  reg [XW-1:0] x;
+  reg [YW-1:0] y;
+  reg [ZW-1:0] z;
+  reg [3:0] i;
+  reg taken, run, left, flat, negative_1;
+  wire load = load_x || load_y;
+
+  wire below = y[YW-1];
+  wire [YW-1:0] size = y ^ {YW{below}};  // |Y| as a one's complement
+  wire [YW-1:0] step = size >> {i, 1'b0};
+  wire [YW-1:0] x_half = {{(YW - XW + 1) {word[W-1]}}, word, {(GUARD - 1) {1'b0}}};
+  wire subtract = load ? load_y && (left ^ opposite) : !below;
+  wire [YW-1:0] term = (load ? x_half : {2'b00, x}) ^ {YW{subtract}};
+  wire [YW-1:0] nearer = y + term + {{(YW - 1) {1'b0}}, subtract};
+
+  // The turn of iteration i
+  wire [ZW-1:0] turns[0:15];
+  genvar n;
+  generate
+    for (n = 0; n < 16; n = n + 1) begin : g_turn
+      localparam [ZW-1:0] TURN = turn(n);
+      assign turns[n] = (n < HEAD) ? TURN : {ZW{1'b0}};
+    end
+  endgenerate
+  wire clockwise = below ^ negative_1;
+  wire [ZW-1:0] turn_i = turns[i] ^ {ZW{clockwise}};
+
+  // A vector on the x axis keeps the angle at its start.
+  wire first = i == 4'd0;
+  wire on_axis = first ? size == {YW{1'b0}} : flat;
+  localparam integer HEAD_END = HEAD - 1;
+
+  always @(posedge clk)
+    if (go) begin
+      taken <= load_x;
+      run   <= load_y || again || (run && i != HEAD_END[3:0]);
+      i     <= run ? i + 4'd1 : 4'd0;
+      if (taken) left <= below;
+      if (taken) x <= size[XW-1:0];
+      else if (run) x <= x + step[XW-1:0];
+      if (again) y <= {2'b00, x_2};
+      else if (taken || over) y <= {YW{1'b0}};
+      else if (load || run) y <= nearer << 1;
+      if (load_y || again) negative_1 <= negative;
+      if (load_y || again) z <= {{W{1'b0}}, rounding, {(ANGLE - 2) {1'b0}}};
+      else if (run && !on_axis) z <= z + turn_i + {{(ZW - 1) {1'b0}}, clockwise};
+      if (run && first) flat <= on_axis;
+    end
+
+  // ---- second stage ----
+
+  reg [YW-1:0] y_2;
+  reg [ZW-1:0] z_2;
+  reg [TW-1:0] t_2;  // turn of the present iteration; 0 for a vector on the x axis
+  reg [4:0] i_2;
+  reg left_2, negative_2;
+
+  localparam [ZW-1:0] TURN_2 = turn(HEAD);
+  localparam integer LAST_END = LAST - HEAD - 1;
+  wire above_2 = !y_2[YW-1];
+  wire [YW-1:0] nearer_2 = y_2 + ({2'b00, x_2} ^ {YW{above_2}}) + {{(YW - 1) {1'b0}}, above_2};
+  wire clockwise_2 = above_2 == negative_2;
+
+  always @(posedge clk)
+    if (go) begin
+      if (over) begin
+        x_2 <= x;
+        y_2 <= y;
+        z_2 <= z;
+        t_2 <= TURN_2[TW-1:0] & {TW{!flat}};
+        i_2 <= 5'd0;
+        left_2 <= left;
+        negative_2 <= negative_1;
+      end else if (!i_2[4]) begin
+        y_2 <= nearer_2 << 1;
+        z_2 <= z_2 + ({{HEAD{1'b0}}, t_2} ^ {ZW{clockwise_2}}) + {{(ZW - 1) {1'b0}}, clockwise_2};
+        t_2 <= t_2 >> 1;
+        i_2 <= (i_2 == LAST_END[4:0]) ? 5'd16 : i_2 + 5'd1;
+      end
+    end
+
+  // ---- result ----
+
+  reg [ZW-1:0] h;
+  reg left_h;
+  always @(posedge clk)
+    if (go && to_h) begin
+      h <= z_2;
+      left_h <= left_2;
+    end
+  wire [ZW-1:0] other = (twice ? z_2 : h) ^ {ZW{minus}};
+  wire [ZW-1:0] sum = z_2 + other + {{(ZW - 1) {1'b0}}, minus};
+  assign th = {sum[ZW-1] ^ half ^ (!twice && left_2 ^ left_h), sum[ZW-2:ANGLE]};
+  wire unused = &{1'b0, step, nearer[YW-1], nearer_2[YW-1], sum};
+
+endmodule
+
+`default_nettype wire

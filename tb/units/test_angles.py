@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``ik_vector`` and ``ik_fold_angle`` against their model, ``ik_limit`` against its definition."""
+
+from __future__ import annotations
+
+import itertools
+import random
+
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge
+
+from model.dataflow import angles
+from model.dataflow.operations import round_shift
+from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, corners, each, runs, sets_of, signed, some, unsigned
+
+
+def words(W: int, count: int = 2000) -> list[Vector]:
+    """Return vectors of words in random order: all of them up to EVERY, else ``count``, a quarter along an axis."""
+    if 1 << 2 * W <= EVERY:
+        return random.sample(list(itertools.product(signed(W), signed(W))), 1 << 2 * W)
+    found = [(x * random.choice((0, 1, 1, 1)), y) for x, y in some(count, signed(W), signed(W))]
+    return [pair if random.random() < 0.8 else pair[::-1] for pair in found]
+
+
+def vector(W: int) -> Tests:
+    """The length is checked at its own latency."""
+    head, last = angles.iterations(W)
+    inputs = {"x": signed(W + 4), "y": signed(W + 4)}
+
+    def of_words():
+        return [(x << angles.GUARD, y << angles.GUARD) for x, y in words(W)]
+
+    def of_lengths():
+        return [(abs(x) >> 1, abs(y) >> 1) for x, y in some(500, *inputs.values())]
+
+    def bench(which: int, outputs: dict[str, range], latency: int, named: list) -> Tests:
+        def model(x, y):
+            return (angles.iterate(np.array(x), np.array(y), W)[which],)
+
+        found = checks(inputs, outputs, model, of_words, of_lengths, latency=latency, corners=named, good=(9, 4))
+        return {f"{name}_{port}": test for port in outputs for name, test in found.items()}
+
+    exact = [((x, 0), 0) for x in (0, 8, 1 << W)] + [((x, 0), -(1 << W + 3)) for x in (-8, -(1 << W))]
+    return bench(0, {"length": unsigned(W + 3)}, head + 1, []) | bench(1, {"angle": signed(W + 4)}, last + 1, exact)
+
+
+def fold_angle(W: int) -> Tests:
+    """The program of a ball joint, again and again: (i, j) to h, (w, k), the angle between both; an elbow after some."""
+    head, last = angles.iterations(W)
+    rest = last - head  # iterations of the second stage
+
+    async def joints(dut) -> None:
+        """Angles of random quaternions, of words on axes among them, for both signs and with half turns."""
+        quaternions = [(*a, *b) for a, b in zip(words(W, 300), words(W, 300), strict=True)]
+        random.shuffle(quaternions)
+        events, wanted, clock = [], {}, 0
+
+        def at(when: int, **ports: int) -> None:
+            events.append((when, ports))
+
+        def load(x: int, y: int, rounding: int, negative: int, opposite: int = 0) -> int:
+            """Load a vector from `clock` on; return the clock in which its first stage is over."""
+            one, two = clock + random.choice((0, 0, 1)), clock + random.choice((3, 3, 5))
+            at(one, load_x=1, word=x % (1 << W))
+            at(two, load_y=1, word=y % (1 << W), rounding=rounding, negative=negative, opposite=opposite)
+            return two + head + 1
+
+        def show(when: int, angle: int, minus: int = 0, twice: int = 0) -> None:
+            half = random.getrandbits(1)
+            at(when, minus=minus, twice=twice, half=half)
+            wanted[when] = (round_shift(angle, angles.ANGLE) + (half << W - 1)) % (1 << W)
+
+        def signs(angle) -> tuple[int, int]:
+            negative = random.getrandbits(1)
+            return negative, int(-angle if negative else angle)
+
+        w, i, j, k = np.array(quaternions).T
+        ij, wk = angles.vector(i, j, W), angles.vector(w, k, W)
+        tilts, elbows = angles.iterate(wk[0], ij[0], W)[1], angles.vector(i, -w, W)[1]
+        at(0, over=1)  # clears Y
+        for n, (w, i, j, k) in enumerate(quaternions):
+            clock += 1
+            negative, d = signs(ij[1][n])
+            clock = load(i, j, 0b00, negative)
+            at(clock, over=1)
+            of_h = clock + rest + 1
+            clock += 1
+            if random.random() < 0.3:  # h stays while an elbow passes
+                at(of_h, to_h=1)
+                negative_4, elbow = signs(elbows[n])
+                clock = max(load(i, w, 0b01, negative_4, opposite=1), of_h)
+                at(clock, over=1)
+                show(clock + rest + 1, 2 * elbow, twice=1)
+                clock = max(clock + 1, clock + rest + 1 - head)
+                tilt = None
+            else:
+                at(of_h + random.choice((0, 0, 1)) * (head + 3 > rest + 1), to_h=1)
+                tilt = tilts[n]
+            negative, s = signs(wk[1][n])
+            clock = load(w, k, 0b10, negative)
+            negative, b = signs(tilts[n])
+            if tilt is None:
+                at(clock, over=1)
+            else:
+                at(clock, over=1, again=1, rounding=0b01, negative=negative)
+            show(clock + rest + 1, s + d)
+            show(clock + rest + 2, s - d, minus=1)
+            clock += max(head + 1, rest + 2)
+            if tilt is not None:
+                at(clock, over=1)
+                show(clock + rest + 1, 2 * b, twice=1)
+
+        program: list[dict[str, int]] = [{} for _ in range(max(when for when, _ in events) + 1)]
+        for when, ports in events:
+            assert not program[when].keys() & ports.keys(), f"two in clock {when}"
+            program[when] |= ports
+        idle = dict.fromkeys(("load_x", "load_y", "over", "again", "to_h"), 0)
+        free = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "twice": 1, "half": 1}
+        Clock(dut.clk, 10, unit="ns").start()
+        now = 0
+        while now < len(program):
+            go = random.random() < 0.8
+            await RisingEdge(dut.clk)
+            dut.go.value = int(go)
+            junk = {port: random.getrandbits(bits) for port, bits in free.items()}
+            for port, word in (idle | junk | program[now]).items():
+                getattr(dut, port).value = word
+            await FallingEdge(dut.clk)
+            if now in wanted:
+                found, right = str(dut.th.value), f"{wanted[now]:0{W}b}"
+                assert found == right, f"{dut._name}, clock {now} of the program: {found} instead of {right}"
+            now += go
+
+    return {"joints": joints}
+
+
+def limit(W: int) -> Tests:
+    one = 1 << W
+
+    def over(go: int, th: int, low: int, high: int) -> int:
+        return int((th - low) % one > (high - low) % one)
+
+    angle = unsigned(W)
+    return checks({"go": range(1, 2), "th": angle, "low": angle, "high": angle}, {"over": BIT}, each(over), latency=1)
+
+
+test_angles = runs(
+    Case("ik_vector", vector, sets_of("W", (7,), (24,)), sets_of("W", (5,), (6,), (16,), (17,), (18,), (31,), (32,))),
+    Case("ik_fold_angle", fold_angle, sets_of("W", (6,), (32,)), sets_of("W", (5,), (16,), (17,), (18,), (24,), (31,))),
+    Case("ik_limit", limit, sets_of("W", (4,), (32,))),
+)
