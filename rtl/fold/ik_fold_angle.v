@@ -4,7 +4,7 @@
 // The CORDIC of ik_vector, bit for bit, one iteration per clock in two stages. The first makes the HEAD iterations that
 // change X; the second makes the others, while the first begins the next vector.
 // x is loaded, taken one clock later, then y is loaded, which starts the iterations. `over` hands the vector over to the
-// second stage at least HEAD + 1 clocks later; it clears Y, to which loads add. With `again` the length that was handed
+// second stage at least HEAD + 1 clocks later; it clears X and Y, to which loads add. With `again` the length that was handed
 // over before is the Y of the next vector, which has the present length as its X and starts at once: the angle between
 // (i, j) and (w, k) of a quaternion.
 // Throughput: one vector per HEAD + 4 clocks with go high.
@@ -73,17 +73,17 @@ module ik_fold_angle #(
 
   // A vector on the x axis keeps the angle at its start.
   wire first = i == 4'd0;
-  wire on_axis = first ? size == {YW{1'b0}} : flat;
+  wire on_axis = first ? y == {YW{1'b0}} : flat;
   localparam integer HEAD_END = HEAD - 1;
 
   always @(posedge clk)
     if (go) begin
       taken <= load_x;
-      run   <= load_y || again || (run && i != HEAD_END[3:0]);
-      i     <= run ? i + 4'd1 : 4'd0;
+      run   <= load_y || again || (run && !over && i != HEAD_END[3:0]);
+      i     <= (run && !over) ? i + 4'd1 : 4'd0;
       if (taken) left <= below;
-      if (taken) x <= size[XW-1:0];
-      else if (run) x <= x + step[XW-1:0];
+      if (over && !again) x <= {XW{1'b0}};
+      else if (taken || run) x <= x + step[XW-1:0];
       if (again) y <= {2'b00, x_2};
       else if (taken || over) y <= {YW{1'b0}};
       else if (load || run) y <= nearer << 1;

@@ -3,7 +3,7 @@
 //
 // over: the angle lies outside the closed arc from low upwards to high, (th - low) mod 2^W > (high - low) mod 2^W. As
 // unsigned comparisons, without a subtractor; each changes where its arc passes 0. high = low - 1: no limit.
-// Throughput: one angle per clock with go high.
+// Throughput: one angle per clock.
 // Latency: 1 clock.
 `default_nettype none
 
@@ -11,14 +11,13 @@ module ik_limit #(
     parameter integer W = 32  // word length
 ) (
     input  wire         clk,
-    input  wire         go,
     input  wire [W-1:0] th,
     input  wire [W-1:0] low,
     input  wire [W-1:0] high,
     output reg          over
 );
 
-  always @(posedge clk) if (go) over <= (th < low) ^ (high < th) ^ (high < low);
+  always @(posedge clk) over <= (th < low) ^ (high < th) ^ (high < low);
 
 endmodule
 
