@@ -124,13 +124,15 @@ def fold_angle(W: int) -> Tests:
             go = random.random() < 0.8
             await RisingEdge(dut.clk)
             dut.go.value = int(go)
-            port = random.choice(list(free))  # of no effect unless the program uses it
-            ports = dict.fromkeys(free, 0) | driven | {port: random.getrandbits(free[port])} | idle | program[now]
+            # Words that the program does not use have no effect; nor has any without `go`.
+            port = random.choice(list(free))
+            step = idle | program[now] if go else {strobe: random.getrandbits(1) for strobe in idle}
+            ports = dict.fromkeys(free, 0) | driven | {port: random.getrandbits(free[port])} | step
             for port, word in ports.items() - driven.items():
                 getattr(dut, port).value = word
             driven = ports
             await FallingEdge(dut.clk)
-            if now in wanted:
+            if go and now in wanted:
                 found, right = str(dut.th.value), f"{wanted[now]:0{W}b}"
                 assert found == right, f"{dut._name}, clock {now} of the program: {found} instead of {right}"
             now += go
