@@ -122,14 +122,16 @@ def test_attributes_associate_all_buses_with_the_clock(module):
 
 
 def test_fusesoc_has_files_and_version_of_the_project():
-    cores = [yaml.safe_load(read(name).split("\n", 1)[1]) for name in ("cga_ik.core", "cga_ik_axi.core")]
+    names = "cga_ik.core", "cga_ik_axi.core", "cga_ik_arm.core"
+    cores = [yaml.safe_load(read(name).split("\n", 1)[1]) for name in names]
     listed = [one for core in cores for one in core["filesets"]["rtl"]["files"]]
     included = {name: about["include_path"] for one in listed if isinstance(one, dict) for name, about in one.items()}
     assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
     assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
     assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
-    names = [f"cga-ik:cga:{module}:{__version__}" for module in ("ik_axis", "ik_axi")]
-    assert [core["name"] for core in cores] == names and cores[1]["filesets"]["rtl"]["depend"] == names[:1]
+    names = [f"cga-ik:cga:{module}:{__version__}" for module in ("ik_axis", "ik_axi", "ik_arm")]
+    assert [core["name"] for core in cores] == names
+    assert [core["filesets"]["rtl"]["depend"] for core in cores[1:]] == [names[:1], names[:1]]
     assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == __version__
 
 

@@ -61,6 +61,7 @@ DIV, SQRT, MUL3 = "NW DW SH QW LAT", "NW SH QW LAT", "AW BW SH OW"
 OPERATORS = [
     ("ik_delay", "illegal_N", [{"N": -1}]),
     ("ik_ring", "illegal_N", [{"N": 2}]),
+    ("ik_vector", "illegal_W", [{"W": 4}, {"W": 33}]),
     ("ik_even", "illegal_width", sets_of("VW MW", (2, 20), (33, 20), (66, 34), (64, 51))),
     ("ik_mul", "illegal_width", [{"AW": 36}]),
     ("ik_mul3", "illegal_width", sets_of(MUL3, (36, 33, 31, 33), (33, 36, 30, 33), (1, 9, 4, 9))),

@@ -12,10 +12,10 @@ from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import angles
 from model.dataflow.operations import round_shift
-from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, corners, each, runs, sets_of, signed, some, unsigned
+from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, each, runs, sets_of, signed, some, unsigned
 
 
-def words(W: int, count: int = 2000) -> list[Vector]:
+def words(W: int, count: int = 1000) -> list[Vector]:
     """Return vectors of words in random order: all of them up to EVERY, else ``count``, a quarter along an axis."""
     if 1 << 2 * W <= EVERY:
         return random.sample(list(itertools.product(signed(W), signed(W))), 1 << 2 * W)
@@ -46,7 +46,7 @@ def vector(W: int) -> Tests:
 
 
 def fold_angle(W: int) -> Tests:
-    """The program of a ball joint, again and again: (i, j) to h, (w, k), the angle between both; an elbow after some."""
+    """The program of a ball joint, repeated: (i, j) to h, (w, k), the angle between both, in some an elbow instead."""
     head, last = angles.iterations(W)
     rest = last - head  # iterations of the second stage
 
@@ -151,7 +151,7 @@ def limit(W: int) -> Tests:
 
 
 test_angles = runs(
-    Case("ik_vector", vector, sets_of("W", (7,), (24,)), sets_of("W", (5,), (6,), (16,), (17,), (18,), (31,), (32,))),
-    Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (16,), (17,), (18,), (24,), (31,))),
+    Case("ik_vector", vector, sets_of("W", (6,), (24,)), sets_of("W", (5,), (7,), (17,), (18,), (32,))),
+    Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (17,), (18,), (24,))),
     Case("ik_limit", limit, sets_of("W", (4,), (32,))),
 )
