@@ -9,7 +9,7 @@
 `include "ik_sincos_table.vh"
 
 localparam integer HEAD = (W + 1) / 2 - 1;
-localparam integer LAST = W - 1;
+localparam integer LAST = (HEAD + 16 < W + 1) ? HEAD + 16 : W + 1;
 localparam integer XW = W + 3;
 localparam integer YW = W + 5;
 localparam integer ZW = W + 4;

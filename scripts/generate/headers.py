@@ -153,7 +153,7 @@ def vector_table() -> str:
 `include "ik_sincos_table.vh"
 
 localparam integer HEAD = (W + 1) / 2 - 1;
-localparam integer LAST = W - 1;
+localparam integer LAST = (HEAD + 16 < W + 1) ? HEAD + 16 : W + 1;
 localparam integer XW = W + {angles.GUARD};
 localparam integer YW = W + {angles.GUARD + 2};
 localparam integer ZW = W + {angles.ANGLE};
