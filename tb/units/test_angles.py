@@ -11,6 +11,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import angles
+from model.dataflow.nodes import Latency
 from model.dataflow.operations import round_shift
 from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, each, runs, sets_of, signed, some, unsigned
 
@@ -25,7 +26,7 @@ def words(W: int, count: int = 1000) -> list[Vector]:
 
 def vector(W: int) -> Tests:
     """The length is checked at its own latency."""
-    head, last = angles.iterations(W)
+    clocks = Latency(W)
     inputs = {"x": signed(W + 4), "y": signed(W + 4)}
 
     def of_words():
@@ -42,7 +43,9 @@ def vector(W: int) -> Tests:
         return {f"{name}_{port}": test for port in outputs for name, test in found.items()}
 
     exact = [((x, 0), 0) for x in (0, 8, 1 << W)] + [((x, 0), -(1 << W + 3)) for x in (-8, -(1 << W))]
-    return bench(0, {"length": unsigned(W + 3)}, head + 1, []) | bench(1, {"angle": signed(W + 4)}, last + 1, exact)
+    return bench(0, {"length": unsigned(W + 3)}, clocks["vector_x"], []) | bench(
+        1, {"angle": signed(W + 4)}, clocks["vector"], exact
+    )
 
 
 def fold_angle(W: int) -> Tests:
