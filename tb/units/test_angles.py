@@ -64,7 +64,8 @@ def fold_angle(W: int) -> Tests:
 
         def load(x: int, y: int, rounding: int, negative: int, opposite: int = 0) -> int:
             """Load a vector from `clock` on; return the clock in which its first stage is over."""
-            one, two = clock + random.choice((0, 0, 1)), clock + random.choice((3, 3, 5))
+            one = clock + random.choice((0, 0, 1))
+            two = one + random.choice((2, 2, 4))
             at(one, load_x=1, word=x % (1 << W))
             at(two, load_y=1, word=y % (1 << W), rounding=rounding, negative=negative, opposite=opposite)
             return two + head + 1
