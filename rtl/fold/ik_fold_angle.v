@@ -1,14 +1,17 @@
 // Rounds half up: an angle, or the sum or difference of two, from 4 guard bits. Rounding constant: start of the angle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The CORDIC of ik_vector, bit for bit, one iteration per clock in two stages. The first makes the HEAD iterations that
-// change X; the second makes the others, while the first begins the next vector.
-// x is loaded, taken one clock later, then y is loaded, which starts the iterations. `over` hands the vector over to the
-// second stage at least HEAD + 1 clocks later; it clears X and Y, to which loads add. With `again` the length that was handed
-// over before is the Y of the next vector, which has the present length as its X and starts at once: the angle between
-// (i, j) and (w, k) of a quaternion.
+// The CORDIC of ik_vector, bit for bit, one iteration per clock, in two stages: the HEAD iterations that change X, and the
+// others. While the second stage finishes a vector, the first begins the next.
+//     clock 0         load_x     Y = x
+//     clock 1                    X = |Y|, the sign is kept
+//     clock 2         load_y     Y = y, negated for x < 0; starts the iterations
+//     from HEAD + 3   over       hands the vector over; clears X and Y, to which loads add
+// With `over` and `again`, the next vector is (present length, length handed over before), and starts at once: for a
+// quaternion's (i, j) and then (w, k), its angle is half the tilt. z starts at the rounding constant of the result.
+// The first `over` replaces a reset. Nothing changes, and no input has an effect, while go is low.
 // Throughput: one vector per HEAD + 4 clocks with go high.
-// Latency: LAST - HEAD + 1 clocks from `over` to the angle; it stays until the next one.
+// Latency: LAST - HEAD + 1 clocks from `over` to the angle, which stays until the next `over`.
 `default_nettype none
 
 module ik_fold_angle #(
@@ -16,7 +19,7 @@ module ik_fold_angle #(
 ) (
     input  wire         clk,
     input  wire         go,
-    // Load x or y; with y or `again` also the rounding constant's two bits and the angle's sign
+    // Load x or y; with load_y or again also the highest bits of the rounding constant and the sign of the angle
     input  wire [W-1:0] word,
     input  wire         load_x,
     input  wire         load_y,
@@ -38,10 +41,8 @@ module ik_fold_angle #(
 
   localparam integer GUARD = XW - W;
   localparam integer ANGLE = ZW - W;
-  localparam integer TW = ZW - HEAD;  // angles of the second stage: twice one below 2^-HEAD rad, and the sign
-
-  reg [XW-1:0] x_2;  // length of the vector in the second stage
-
+  localparam integer TW = ZW - HEAD;  // width of the turns of the second stage
+  reg [XW-1:0] x_2;  // X in the second stage: the length
   // ---- first stage ----
 
   reg [XW-1:0] x;
@@ -54,9 +55,9 @@ module ik_fold_angle #(
   wire below = y[YW-1];
   wire [YW-1:0] size = y ^ {YW{below}};  // |Y| as a one's complement
   wire [YW-1:0] step = size >> {i, 1'b0};
-  wire [YW-1:0] x_half = {{(YW - XW + 1) {word[W-1]}}, word, {(GUARD - 1) {1'b0}}};
+  wire [YW-1:0] word_half = {{(YW - XW + 1) {word[W-1]}}, word, {(GUARD - 1) {1'b0}}};
   wire subtract = load ? load_y && (left ^ opposite) : !below;
-  wire [YW-1:0] term = (load ? x_half : {2'b00, x}) ^ {YW{subtract}};
+  wire [YW-1:0] term = (load ? word_half : {2'b00, x}) ^ {YW{subtract}};
   wire [YW-1:0] nearer = y + term + {{(YW - 1) {1'b0}}, subtract};
 
   // The turn of iteration i
@@ -71,7 +72,7 @@ module ik_fold_angle #(
   wire clockwise = below ^ negative_1;
   wire [ZW-1:0] turn_i = turns[i] ^ {ZW{clockwise}};
 
-  // A vector on the x axis keeps the angle at its start.
+  // The angle of a vector on the x axis is exact: its z keeps the initial value.
   wire first = i == 4'd0;
   wire on_axis = first ? y == {YW{1'b0}} : flat;
   localparam integer HEAD_END = HEAD - 1;
