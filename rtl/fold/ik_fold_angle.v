@@ -1,8 +1,8 @@
-// Rounds half up: an angle, or the sum or difference of two, from 4 guard bits. Rounding constant: start of the angle.
+// Rounds half up, from 4 guard bits: an angle, doubled or with another one added or subtracted; one turn = 2^W.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The CORDIC of ik_vector, bit for bit, one iteration per clock, in two stages: the HEAD iterations that change X, and the
-// others. While the second stage finishes a vector, the first begins the next.
+// The CORDIC of ik_vector, bit for bit, one iteration per clock, in two stages: the HEAD iterations that change X, and
+// the others. While the second stage finishes a vector, the first begins the next.
 //     clock 0         load_x     Y = x
 //     clock 1                    X = |Y|, the sign is kept
 //     clock 2         load_y     Y = y, negated for x < 0; starts the iterations
@@ -42,7 +42,9 @@ module ik_fold_angle #(
   localparam integer GUARD = XW - W;
   localparam integer ANGLE = ZW - W;
   localparam integer TW = ZW - HEAD;  // width of the turns of the second stage
+
   reg [XW-1:0] x_2;  // X in the second stage: the length
+
   // ---- first stage ----
 
   reg [XW-1:0] x;
