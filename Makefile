@@ -110,7 +110,7 @@ test: ## quick tests [SIM=icarus, or verilator: simulations only; CORES=behaviou
 	@$(pytest) -m "$(only_sim)$(quick)"
 
 test-all: ## all tests except those marked release [SIM=icarus, or verilator: simulations only; CORES=behavioural|digit]
-	@$(SETUP) checkout $(sort icarus verilator $(SIM)) fpga farm litex arms
+	@$(SETUP) checkout $(sort icarus verilator $(SIM)) fpga farm litex
 	@$(pytest) -m "$(only_sim)"
 
 test-browser: ## test report and playground in headless Chromium [SIM=icarus|verilator ONLY=pattern: slow tests as well]
@@ -188,7 +188,7 @@ check-proofs: # list stale pages of proofs and measurements
 	@exec $(VENV) -m scripts.check_proofs
 
 release-check: ## before a release: fail on stale pages of proofs or measurements; run the tests marked release
-	@$(SETUP) checkout icarus verilator fpga farm
+	@$(SETUP) checkout icarus verilator fpga farm arms
 	@$(VENV) -m scripts.check_proofs --strict
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder -m release
 

@@ -55,8 +55,8 @@ Floats = NDArray[np.float64]
 Order = Literal["wxyz", "xyzw"]
 """Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
 
-CHUNK, HANDS_CHUNK, WORDS_CHUNK = 2048, 8192, 16384
-"""Targets solved at a time, in double precision, with hands, and in words: intermediate arrays stay in the cache."""
+CHUNK, LONG_CHUNK = 2048, 16384
+"""Targets solved at a time: in double precision, where arrays then stay in the cache; with hands or in words."""
 
 Axis = str | Sequence[float] | NDArray[Any]
 """A name of :data:`NAMED_AXES`, or a vector of three, of any length."""
@@ -228,7 +228,7 @@ def solve(
     w, i = (0, 1) if order == "wxyz" else (3, 0)
     qw, found, reached = (np.empty((count if hands else 0, size)) for size in (4, 7, 3))
     over = np.zeros(found.shape, dtype=bool)
-    step = WORDS_CHUNK if width else HANDS_CHUNK if hands else CHUNK
+    step = LONG_CHUNK if width or hands else CHUNK
     for rows in (slice(start, start + step) for start in range(0, count, step)):
         part = table[:, rows]
         if hands and width is None:

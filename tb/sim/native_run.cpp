@@ -4,9 +4,9 @@
 //     Vtop RESULTS < STREAM
 //
 // Built around the wrapper from native_run.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
-// little-endian words: the word length, the numbers of input words, result words and nodes, and clock and width of each; then frames: a count n, followed
-// by columns of n words each: input words, result words, flags, and the nodes, with as many columns as each needs.
-// A frame of 0 targets ends the stream. RESULTS receives columns of each frame: result words (unsigned) and flags.
+// little-endian words: the word length, the numbers of input words, result words and nodes, and clock and width of each
+// node; then frames: a count n, followed by columns of n words each: input words, result words, flags, and the nodes, with
+// as many columns as each needs. A frame of 0 targets ends the stream. RESULTS receives columns of each frame: result words (unsigned) and flags.
 //
 // Prints "done TARGETS LATENCY CLOCKS BITS": clocks from first in to first out, from first in to last out, differing bits;
 // and for the first differences "differs NODE TARGET CLOCK RTL MODEL" with hexadecimal words. A broken stream prints a line

@@ -204,7 +204,7 @@ def other(tmp_path):
     return chain, path, found, joints
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_among_the_solutions_of_eaik(other):
     solver, (chain, _, ends, joints) = pytest.importorskip("eaik.IK_HP"), other
     axes, places = np.array([a for *_, a in chain], dtype=float), np.array([p for p, *_ in [*chain, TIP]], dtype=float)

@@ -171,7 +171,7 @@ def test_rows_of_nan_pass_and_none_is_solved(reachable, width, monkeypatch):
     settings = {"width": width, "order": "xyzw", "axis": (0, -1, 1)}
     alone = solve(points[there], phi[there], **settings)
     monkeypatch.setattr("model.motion.pose.CHUNK", 7)
-    monkeypatch.setattr("model.motion.pose.WORDS_CHUNK", 100)
+    monkeypatch.setattr("model.motion.pose.LONG_CHUNK", 100)
     passed = solve(points, phi, nan="pass", **settings)
     for name in ("qs", "qe", "flags", "elbow", "wrist", "phi"):
         values = getattr(passed, name)
