@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole arm's Verilog, around the core: verilator -F rtl/ik_axis.f -F rtl/ik_arm.f, for example.
+// Operators of the whole arm, which has no top module yet; with the core: verilator -F rtl/ik_axis.f -F rtl/ik_arm.f
 +incdir+include
 fold/ik_fold_angle.v
 lib/ik_limit.v

@@ -64,7 +64,7 @@ class Hands:
         longest = float(np.max(np.abs(self.tool), initial=0.0))
         least = 1 - math.frexp(longest)[1] if longest else exponent
         if least < exponent - HEADROOM_BITS:
-            raise ValueError(f"tool: {longest:.6g} is too long beside the arm")
+            raise ValueError(f"tool: {longest:.6g} is too long for the format that fits this arm")
         return min(exponent, least)
 
     def in_words(self, rows: slice, targets: Targets, exponent: int, width: int, bounds: Floats | None) -> tuple:

@@ -177,10 +177,10 @@ def solve(
     * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
     * branch: bits of :class:`Branch`, one of eight solutions for the joints; a number or (N,)
     * limits (7, 2): lower and upper limit of each joint, rad, for ``over_limit``; the pose is the same, but where
-      th2 or th6 is 0 or pi, limits choose between equivalent pairs of the angles around it; in
-      words they do not, and are rounded inward
+      th2 or th6 is 0 or pi, limits choose between equivalent pairs of the angles around it. Words keep their pair, and
+      limits are rounded inward to words
 
-    An unreachable target gets the nearest pose, and a flag.  Warns of phi beyond a turn, as of degrees.  Raises
+    An unreachable target gets the nearest pose, and a flag.  Warns if phi exceeds a turn, as degrees would.  Raises
     ValueError for shapes that do not broadcast, numbers that are not finite, lengths that are not positive, a hand
     that is no unit quaternion, limits in the wrong order, an unknown width, datapath, order or branch, and (as its
     subclass TargetError) for a target that does not fit the core's format together with the others.
@@ -238,8 +238,8 @@ def solve(
             part = part if frame is None else np.concatenate((targets(*part).core_position.T, part[3:]))
             results, flags[rows] = solve_direct(part) if datapath != "paper" else _by_the_paper(part)
         elif hands:
-            all_of_it = hands.in_words(rows, targets(*part), exponent, width, bounds)
-            results, flags[rows], asked[rows], turn, th, own_over = all_of_it
+            solved = hands.in_words(rows, targets(*part), exponent, width, bounds)
+            results, flags[rows], asked[rows], turn, th, own_over = solved
         else:
             results, flags[rows], asked[rows] = _in_words(targets(*part), width, exponent, datapath)
         turned = results[:4].T if frame is None else multiply(conjugate(frame), results[:4].T)

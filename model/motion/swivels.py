@@ -180,7 +180,7 @@ def _roots(ends, branch, bounds):
         ratio = -c / size
     ratio = np.where(np.abs(ratio) > 1, np.where(np.abs(ratio) < 1 + 1e-12, np.sign(ratio), np.nan), ratio)
     middle, half = np.arctan2(a, b), np.arccos(ratio)
-    # Where the arm is straight along an axis, a + c or a - c is the swivel angle but for a constant.
+    # Where the arm is straight along an axis, a + c or a - c is the swivel angle, up to a constant.
     straight, (centre, width) = [], joints.centred(bounds)
     for ball, first in ((0, 0), (1, 4)):
         w, i, j, k = ends[0][ball]

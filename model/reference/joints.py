@@ -130,8 +130,10 @@ def outside(joints, limits):
 
 
 def settled(joints, limits):
-    """Return joints (7, ...) in which th1, th3 and th5, th7 are within their limits (7, 2) if they can be where th2 or
-    th6 is 0 or pi within STRAIGHT: only the sum or difference of such a pair counts."""
+    """Return joints (7, ...) with th1, th3 and th5, th7 moved into their limits (7, 2) where the pose allows it.
+
+    Where th2 or th6 is 0 or pi within STRAIGHT, only the sum or difference of the pair around it counts.
+    """
     middle, half = centred(limits)
     found, beyond = joints, outside(joints, limits)
     for a, tilt, c in ((0, 1, 2), (4, 5, 6)):
@@ -152,7 +154,7 @@ STRAIGHT = 1e-7
 double's digits."""
 
 SINGULAR = 1e-9
-"""The same along a path."""
+"""The same for paths, where every such pose is changed."""
 
 ROUNDING = 1e-9
 """Tolerance of a limit (rad): a joint that has been put on its limit is within it."""
