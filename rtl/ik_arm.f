@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators of the whole arm, which has no top module yet; with the core: verilator -F rtl/ik_axis.f -F rtl/ik_arm.f
+// The whole arm around the core, read with it: verilator -F rtl/ik_axis.f -F rtl/ik_arm.f
 +incdir+include
+ik_arm.v
+lean/ik_lean_arm.v
+lean/ik_lean_frame.v
+lean/ik_lean_hand.v
+lean/ik_lean_joints.v
 fold/ik_fold_angle.v
 lib/ik_limit.v
 lib/ik_vector.v

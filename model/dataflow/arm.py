@@ -106,9 +106,9 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
         row, wrist = d.nodes[f"r_{axis}"], [*wrist, f"hand_{axis}", f"off_{axis}"]
         L(line).mul3(wrist[-1], row, d.nodes["tool_h"], f.inner, kind="mul3_far", within=OFFSET)
         facts = {"within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
-        L(line).op(axis, wrist[-2:], f.result, partial(ops.target, **shifts), "target", HALF_UP, **facts)
+        L(line).op(axis, wrist[-2:], f.result, partial(ops.target, **shifts), "sum2", HALF_UP, **facts)
     d.at()
-    d.mask("saturated", wrist, partial(ops.outside_format, **shifts), "target")
+    d.mask("saturated", wrist, partial(ops.outside_format, **shifts), "sum2")
     d.words("x", "y", "z")
 
 
@@ -122,7 +122,7 @@ def frame(d: Domain) -> None:
         for name, a, b in terms:
             L(line).mul3(name, a, b, f.inner, kind="mul3_far", within=PART)
         how = partial(ops.four, signs=tuple(1 if sign == "+" else -1 for sign in row[2::4]))
-        L(line).op(f"g_{c}", [name for name, *_ in terms], f.inner, how, "sum3", within=PART, grows=SUM)
+        L(line).op(f"g_{c}", [name for name, *_ in terms], f.inner, how, "sum2", within=PART, grows=SUM)
     for line, (c, other, sign) in enumerate((("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)), start=75):
         products = f"f_{c}{c}", f"f_{c}{other}"
         for name, of, half in zip(products, (c, other), "iw", strict=True):
@@ -142,7 +142,7 @@ def joints(d: Domain) -> None:
     d.at()
     free = -(1 << d.width - 1), (1 << d.width - 1) - 1
     for k, (low, high) in enumerate(d.limits or [free] * 7, start=1):
-        d.mask(f"over_{k}", (f"th{k}",), partial(ops.outside, low=low, high=high, width=d.width), "limit")
+        d.mask(f"over_{k}", (f"th{k}",), partial(ops.outside, low=low, high=high, width=d.width))
 
 
 def _ball(d: Domain, line: int, q: str, names: tuple[str, ...]) -> None:
@@ -160,4 +160,5 @@ def _ball(d: Domain, line: int, q: str, names: tuple[str, ...]) -> None:
 
 def _twice(d: Domain, name: str, half: str) -> None:
     how = partial(ops.twice, drop=ANGLE, width=d.width)
-    d.op(name, (half, NEGATED[name]), d.word(0), how, "sum2", HALF_UP, within=TURN, grows=Growth((2.0, 0.0)))
+    facts = {"within": TURN, "grows": Growth((2.0, 0.0))}
+    d.op(name, (half, NEGATED[name]), d.word(0), how, error=HALF_UP, **facts)

@@ -11,7 +11,7 @@ from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CORE_FLAGS, FLAG_BITS
 from ..io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, FIELDS, RESULT_FIELDS
 from . import arm, lean, paper
 from .fold import program, shown
-from .nodes import WIDTHS
+from .nodes import WIDTHS, Node
 from .operations import TILE
 
 
@@ -27,7 +27,7 @@ class Datapath:
     ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
     ``top`` is the module around it, ``inputs`` and ``results`` are the words of a target and of a result, lowest bits
     first; ``side``: bits of a target above its tag; ``flags``: node -> its bit among the ``flag_bits`` of a result
-    above the tag.
+    above the tag; ``core`` is the instance in the datapath that holds the sections of the lean one, if there is one.
     """
 
     name: str
@@ -46,6 +46,7 @@ class Datapath:
     results: tuple[str, ...] = RESULT_FIELDS
     flags: Mapping[str, int] = field(default_factory=lambda: CORE_FLAGS)
     flag_bits: int = FLAG_BITS
+    core: str = ""
 
     @property
     def parameters(self) -> dict[str, int]:
@@ -66,6 +67,11 @@ class Datapath:
     def folder(self) -> Path:
         """Folder of its Verilog, relative to the repository root."""
         return Path("rtl") / self.rtl
+
+    def instance(self, node: Node) -> str:
+        """Return the instance in the datapath that holds a node's signal, levels joined by dots; none for an input."""
+        inside = self.core and node.instance and node.section in lean.SECTIONS
+        return f"{self.core}.{node.instance}" if inside else node.instance
 
     def module(self, section: str) -> str:
         """Return the Verilog module of a section."""
@@ -94,6 +100,7 @@ tiles of 18x18 or 16x16 bits."""
 ARM = replace(
     LEAN, name="arm", flow=arm.arm, after_guard=arm.after_guard, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
     inputs=ARM_FIELDS, side=BRANCHES, results=ARM_RESULT_FIELDS, flags=ARM_FLAGS, flag_bits=ARM_FLAG_BITS,
+    core="u_lean",
 )  # fmt: skip
 
 MODELS = {**CONFIGURATIONS, "arm": ARM}

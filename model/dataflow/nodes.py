@@ -108,8 +108,6 @@ class Latency:
         "vector": (0, 0, "CORDIC: one iteration a clock, output"),
         "vector_x": (0, 0, "the iterations that change its length, output"),
         "vector_y": (0, 0, "the other iterations"),
-        "target": (0, 2, "subtract and round, saturate"),
-        "limit": (0, 2, "three comparisons, result"),
         "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
     }
 
@@ -227,6 +225,8 @@ class Domain:
     """Operations of a dataflow.  Each creates one or more named nodes.  ``limits``: of the whole arm's joints."""
 
     limits: Limits | None = None
+    since: Node | None = None
+    """Last of :meth:`words`: no later operation starts before its clock."""
 
     def __init__(self, width: int, widths: range = WIDTHS, tile=TILE) -> None:
         if width not in widths:
@@ -275,6 +275,7 @@ class Domain:
         """Record a node that is ready ``latency`` after the last of its operands (and of ``after``)."""
         if name in self.nodes:
             raise ValueError(f"node {name} is made twice")
+        after = after or self.since
         start = max((n.time for n in (*operands, after) if n), default=0)
         time = start + (self.latency[latency] if latency else 0)
         node = Node(
@@ -297,7 +298,8 @@ class Domain:
         """Tighten the length bounds of a case from the nodes so far; only ranges are computed case by case."""
 
     def words(self, *names: str) -> None:
-        """Treat the words of these nodes as exact: what follows is stated for any words."""
+        """Treat the words of these nodes as exact: what follows is stated for any words, and waits for them."""
+        self.since = self.nodes[names[-1]]
 
     def restart(self, *names: str) -> None:
         """Treat the words of these nodes, a plane, as exact: everything after them holds for any plane."""

@@ -378,6 +378,24 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     return np.column_stack([point, targets[:, 3:], np.where(fits, tool, 0), words]).astype(np.int64)
 
 
+def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
+    """Return input words and branch (N, 12) of the whole arm: poses of hands in reach, words without a meaning, and a
+    quarter of wrists anywhere, many outside the format."""
+    random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] % 4
+    anything = any_hands(count, width, seed)
+    poses = hand_poses(random_reachable(count, width, seed), width, seed)
+    rows = np.where(kind < 2, poses, anything)
+    rows[:, 7:] = np.where(kind < 3, rows[:, 7:], poses[:, 7:])
+    return np.column_stack([rows, random.integers(8, size=count)])
+
+
+def arm_limits(width: int) -> list[tuple[int, int]]:
+    """Return limits of seven joints, words: arcs of all lengths, through half a turn, and a joint without limits."""
+    half = 1 << width - 1
+    arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (-1.0, 1.0)
+    return [(round(low * half), min(round(high * half), half - 1)) for low, high in arcs]
+
+
 def any_hands(count: int, width: int, seed: int) -> np.ndarray:
     """Return input words (N, 11) of the whole arm without a meaning: those of :func:`mixed` and any tool and hand, half
     of them words at the ends of the format, 0 or 1."""

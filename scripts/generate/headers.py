@@ -88,7 +88,7 @@ def node_formats(datapath: str) -> str:
         name = node.name.upper()
         waits_for = (*node.operands, node.after) if node.after else node.operands
         clocks = [f"LAT_{node.latency.upper()}"] if node.latency else []
-        if node.operands and any(o.time for o in node.operands):
+        if any(o.time for o in waits_for):
             clocks.insert(0, _start(waits_for, runs))
         parts = [f"F_{name} = {node.format.frac_expr}"] if node.format.signed else []
         parts.append(f"T_{name} = {' + '.join(clocks) or '0'}")
@@ -418,6 +418,7 @@ def texts() -> dict[Path, str]:
     found = {
         "paper_nodes": (node_formats("paper"), f"{model}/paper.py"),
         "lean_nodes": (node_formats("lean"), f"{model}/lean.py"),
+        "arm_nodes": (node_formats("arm"), f"{model}/arm.py and {model}/lean.py"),
         "lean_formats": (lean_formats(), f"{model}/nodes.py"),
         "latency": (latencies(), f"{model}/paper.py and {model}/lean.py"),
         "sincos_table": (sincos_table(), f"{model}/fixed.py"),

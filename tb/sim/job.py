@@ -8,7 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.dataflow import fixed
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Format, Node
+from model.io.stimuli import arm_limits
 
 KEPT = 1000
 """Number of differences kept for the message; all are counted."""
@@ -20,10 +23,17 @@ class SimulationError(Exception):
 
 @dataclass
 class Job:
-    """Targets to run in order: ``words`` (N, 6) are signed input words."""
+    """Targets to run in order: ``words`` (N, 6) are signed input words, of the whole arm (N, 12) with the branch."""
 
     name: str
     words: np.ndarray
+
+
+def answer(words: np.ndarray, width: int, datapath: str) -> fixed.Answer:
+    """Return the model's answer to the targets of a bench, whose joints have the limits of :func:`arm_limits`."""
+    count = len(MODELS[datapath].inputs)
+    branch = words[:, count] if MODELS[datapath].side else 0
+    return fixed.run(words[:, :count], width, datapath, branch, arm_limits(width))
 
 
 @dataclass

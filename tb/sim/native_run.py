@@ -17,11 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import WIDTHS, Node
+from model.io.stimuli import arm_limits
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.job import Difference, Job, Run, SimulationError, report
+from tb.sim.job import Difference, Job, Run, SimulationError, answer, report
 from tb.sim.runner import COMPACT, MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
@@ -41,29 +42,38 @@ def nodes_of(datapath: str, width: int) -> list[Node]:
 
 def wrapper(datapath: str, width: int, digit: int) -> str:
     """Return a top around the core, or around the datapath alone below 16 bits: fields in 32-bit lanes, and every node
-    on one port, aligned to 32 bits."""
-    path = CONFIGURATIONS[datapath]
+    on one port, aligned to 32 bits.  The branch of the whole arm has a lane above the fields."""
+    path = MODELS[datapath]
     core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
-    chosen = ", ".join(f".{key}({value})" for key, value in path.parameters.items())
+    parameters = {**path.parameters, **({"DIGIT": 1} if digit else {})}
+    chosen = ", ".join(f".{key}({value})" for key, value in parameters.items())
     parts, words = [], 0
     for node in nodes_of(datapath, width):
         bits = node.format.width
         pad = -bits % 32
-        signal = ".".join(part for part in (core, node.instance, node.name) if part)
+        signal = ".".join(part for part in (core, path.instance(node), node.name) if part)
         parts.append(f"{{{pad}'d0, {signal}}}" if pad else signal)
         words += (bits + pad) // 32
     lanes, of_answer = range(len(path.inputs)), range(len(path.results))
     pad = f"{32 - width}'d0, " if width < 32 else ""
     asked = ", ".join(f"target[{32 * k + width - 1}:{32 * k}]" for k in reversed(lanes))
+    side, limits = "", ""
+    if path.side:
+        side = f"target[{32 * len(lanes) + len(path.side) - 1}:{32 * len(lanes)}], "
+        ends = zip(*reversed(arm_limits(width)), strict=True)
+        words_of = (", ".join(f"{width}'d{end % (1 << width)}" for end in joints) for joints in ends)
+        limits = "".join(
+            f"\n      .limits_{name}({{{joints}}})," for name, joints in zip(("low", "high"), words_of, strict=True)
+        )
     given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
     lines = ",\n      ".join(reversed(parts))
     if width in WIDTHS:
         instance = f"""\
   {path.top} #(
-      .W({width}), .TAG_W(8), {chosen}, .DIGIT({digit})
+      .W({width}), .TAG_W(8), {chosen}
   ) u_axis (
-      .clk(clk), .rst(rst),
-      .s_axis_tdata({{{asked}}}), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
+      .clk(clk), .rst(rst),{limits}
+      .s_axis_tdata({{{asked}}}), .s_axis_tuser({{{side}tag}}), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(answer), .m_axis_tuser({{out_flags, out_tag}}), .m_axis_tvalid(out_valid), .m_axis_tready(1'b1)
   );"""
     else:  # ik_axis does not support shorter words
@@ -80,7 +90,7 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
 module {TOP} (
     input wire clk, rst, in_valid,
     input wire [7:0] tag,
-    input wire [{32 * len(lanes) - 1}:0] target,
+    input wire [{32 * (len(lanes) + bool(side)) - 1}:0] target,
     output wire in_ready, out_valid,
     output wire [7:0] out_tag,
     output wire [{path.flag_bits - 1}:0] out_flags,
@@ -137,7 +147,7 @@ def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: 
 
     Raises :class:`SimulationError`.
     """
-    path = CONFIGURATIONS[datapath]
+    path = MODELS[datapath]
     digit = CORES.index(cores(kind)) if path.rtl == "paper" else 0
     full = "-".join([datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])])
     try:
@@ -150,7 +160,7 @@ def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.
     """Yield targets and the model's answers in frames."""
     for start in range(0, len(words), FRAME):
         piece = words[start : start + FRAME]
-        yield piece, fixed.run(piece, width, datapath)
+        yield piece, answer(piece, width, datapath)
 
 
 def columns(node: Node) -> Iterator[np.ndarray]:
@@ -176,8 +186,8 @@ def compare(
     ``progress(done)`` is called after each frame. ``root`` is the RTL copy that the program was built from. Raises
     :class:`SimulationError` for lost or reordered results, a changing latency, or a program that stops early.
     """
-    nodes, of = nodes_of(datapath, width), CONFIGURATIONS[datapath]
-    header = [width, len(of.inputs), len(of.results), len(nodes)]
+    nodes, of = nodes_of(datapath, width), MODELS[datapath]
+    header = [width, len(of.inputs) + bool(of.side), len(of.results), len(nodes)]
     header += (fact for node in nodes for fact in (node.time, node.format.width))
     sizes = []
     with coverage.counting(root) as counts, tempfile.NamedTemporaryFile(prefix="ik_") as file:

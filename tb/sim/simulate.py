@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from tb.sim import native_run, runner
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
@@ -41,8 +41,8 @@ def simulate(
     runs without Python in the loop (:mod:`tb.sim.native_run`) with the same results; it needs Verilator, writes no
     waves, and is the default from :data:`LONG` targets on. Raises :class:`SimulationError`.
     """
-    if datapath not in CONFIGURATIONS:
-        raise ValueError(f"datapath {datapath}: there is {', '.join(CONFIGURATIONS)}")
+    if datapath not in MODELS:
+        raise ValueError(f"datapath {datapath}: there is {', '.join(MODELS)}")
     total = sum(len(job.words) for job in jobs)
     if native is None:
         native = simulator == "verilator" and not waves and total >= LONG
@@ -57,9 +57,9 @@ def simulate(
             np.savez(file, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
         command = runner.command(
-            CONFIGURATIONS[datapath].top,
+            MODELS[datapath].top,
             "tb.core.run_targets",
-            parameters={"W": width, **CONFIGURATIONS[datapath].parameters},
+            parameters={"W": width, **MODELS[datapath].parameters},
             sim=simulator,
             env={
                 "IK_JOBS": str(place / "jobs.npz"),

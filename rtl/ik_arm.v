@@ -1,0 +1,143 @@
+// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2) and binary angles.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The whole arm with AXI4-Stream ports: hand pose in, seven joint angles out; one datapath between credit logic and an
+// output FIFO, as in ik_axis.
+//
+// A pose is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is lost,
+// repeated or reordered. tready and tvalid do not depend on each other combinationally.
+// Throughput: one pose per clock.
+// Latency: T_OUT (ik_arm_nodes.vh) plus 2 clocks in the FIFO.
+`default_nettype none
+
+module ik_arm #(
+    parameter integer W        = 32,  // word length, 16 to 32; at most 24 with TILE = 16
+    parameter integer TAG_W    = 8,   // tag width, at least 1
+    parameter integer DATAPATH = 1,   // 1 lean; 2, fold, does not exist yet
+    parameter integer TILE     = 18   // multiplier blocks: 18 for 18x18 bits, 25 for 25x18, 16 for 16x16
+) (
+    // Clock; attributes for block designs of Vivado, which infers the streams from the ports' names
+    (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 clk CLK" *)
+    (* X_INTERFACE_PARAMETER = "ASSOCIATED_BUSIF s_axis:m_axis, ASSOCIATED_RESET rst" *)
+    input  wire                clk,
+    (* X_INTERFACE_INFO = "xilinx.com:signal:reset:1.0 rst RST" *)
+    (* X_INTERFACE_PARAMETER = "POLARITY ACTIVE_HIGH" *)
+    input  wire                rst,  // synchronous, active high: discards all poses
+    // Limits of th1 to th7, lowest bits first: closed arcs from low upwards to high; one turn = 2^W. Static
+    input  wire [     7*W-1:0] limits_low,
+    input  wire [     7*W-1:0] limits_high,
+    // Hand pose: hand_x, hand_y, hand_z, phi, d1, d2, tool, qh_w, qh_i, qh_j, qh_k, lowest bits first; Q2.(W-2), one turn
+    // of phi = 2^W. Above the tag in tuser, lowest first: the branch of shoulder, elbow, wrist
+    input  wire [    11*W-1:0] s_axis_tdata,
+    input  wire [ TAG_W+3-1:0] s_axis_tuser,
+    input  wire                s_axis_tvalid,
+    output wire                s_axis_tready,
+    // Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, qw_w, qw_i, qw_j, qw_k, th1 to th7, lowest bits first; Q2.(W-2), one
+    // turn of th = 2^W. Above the tag in tuser, lowest first: too_far, too_near, on_axis, at_shoulder, bad_length,
+    // saturated, 0, 0, bad_hand, over_1 to over_7
+    output wire [    17*W-1:0] m_axis_tdata,
+    output wire [TAG_W+16-1:0] m_axis_tuser,
+    output wire                m_axis_tvalid,
+    input  wire                m_axis_tready
+);
+
+  `include "ik_arm_nodes.vh"
+
+  function integer clog2(input integer n);
+    begin
+      clog2 = 0;
+      while ((1 << clog2) < n) clog2 = clog2 + 1;
+    end
+  endfunction
+
+  // ---- reject unsupported parameters at elaboration ----
+
+  // An illegal parameter value instantiates an undefined module, named after the parameter:
+  //   ik_arm_illegal_TAG_W     1 or more
+  //   ik_arm_illegal_DATAPATH  1
+  //   ik_arm_illegal_TILE      16, 18 or 25
+  //   ik_arm_illegal_W         16 to 32, at most 24 with TILE = 16
+  localparam TAG_OK = TAG_W >= 1;
+  localparam DATAPATH_OK = DATAPATH == 1;
+  localparam TILE_OK = TILE == 16 || TILE == 18 || TILE == 25;
+  localparam W_OK = W >= 16 && W <= ((TILE == 16) ? 24 : 32);
+  localparam LEGAL = TAG_OK && DATAPATH_OK && TILE_OK && W_OK;
+  generate
+    if (!TAG_OK) begin : g_no_tag
+      ik_arm_illegal_TAG_W u_stop ();
+    end
+    if (!DATAPATH_OK) begin : g_no_datapath
+      ik_arm_illegal_DATAPATH u_stop ();
+    end
+    if (!TILE_OK) begin : g_no_tile
+      ik_arm_illegal_TILE u_stop ();
+    end
+    if (!W_OK) begin : g_no_words
+      ik_arm_illegal_W u_stop ();
+    end
+  endgenerate
+
+  // ---- the datapath ----
+
+  wire admit = s_axis_tvalid && s_axis_tready;
+  wire core_valid;
+  wire [TAG_W-1:0] core_tag;
+  wire [15:0] core_flags;
+  wire [17*W-1:0] core_data;
+  generate
+    if (LEGAL && DATAPATH == 1) begin : g_lean
+      ik_lean_arm #(
+          .W    (W),
+          .TAG_W(TAG_W),
+          .TILE (TILE)
+      ) u_core (
+          .clk        (clk),
+          .rst        (rst),
+          .limits_low (limits_low),
+          .limits_high(limits_high),
+          .in_valid   (admit),
+          .in_tag     (s_axis_tuser[TAG_W-1:0]),
+          .in_branch  (s_axis_tuser[TAG_W+:3]),
+          .in_data    (s_axis_tdata),
+          .out_valid  (core_valid),
+          .out_tag    (core_tag),
+          .out_flags  (core_flags),
+          .out_data   (core_data)
+      );
+    end
+  endgenerate
+
+  // ---- credits and output FIFO; a folded datapath needs neither ----
+
+  // A slot is reserved from admission until the result leaves: pipeline, FIFO, output register.
+  localparam integer LOG2 = clog2(T_OUT + 3);
+
+  generate
+    if (DATAPATH != 2) begin : g_fifo
+      wire leave = m_axis_tvalid && m_axis_tready;
+      reg [LOG2:0] credits;  // unreserved FIFO slots
+      always @(posedge clk) begin
+        if (rst) credits <= {1'b1, {LOG2{1'b0}}};
+        else if (admit && !leave) credits <= credits - 1'b1;
+        else if (leave && !admit) credits <= credits + 1'b1;
+      end
+      assign s_axis_tready = !rst && (credits != 0);
+
+      ik_fifo #(
+          .W   (17 * W + 16 + TAG_W),
+          .LOG2(LOG2)
+      ) u_fifo (
+          .clk    (clk),
+          .rst    (rst),
+          .wr_en  (core_valid),
+          .wr_data({core_flags, core_tag, core_data}),
+          .m_valid(m_axis_tvalid),
+          .m_ready(m_axis_tready),
+          .m_data ({m_axis_tuser, m_axis_tdata})
+      );
+    end
+  endgenerate
+
+endmodule
+
+`default_nettype wire
