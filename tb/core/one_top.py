@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several ``ik_axis`` of different parameters in one top, side by side, each compared with its model."""
+"""Several ``ik_axis`` and ``ik_arm`` of different parameters in one top, side by side, each compared with its model."""
 
 import json
 import os
 
 import cocotb
 
-from model.io.stimuli import mixed
 from tb.core.pipeline import Pipeline, pause
 
 
@@ -19,7 +18,7 @@ async def side_by_side(dut):
     for seed, bench in enumerate(benches):
         bench.source.set_pause_generator(pause("bursts", seed))
         bench.sink.set_pause_generator(pause("bursts", seed + 10))
-        bench.send(mixed(60 if bench.period == 1 else 12, bench.width, seed=seed))
+        bench.send(bench.mixed(60 if bench.period == 1 else 12, seed=seed))
     for bench in benches:
         await bench.drain()
         bench.check()

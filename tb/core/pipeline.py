@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``ik_axis``: clock, reset, stream drivers, monitors, model, and a scoreboard for all nodes.
+"""Bench of ``ik_axis`` and ``ik_arm``: clock, reset, stream drivers, monitors, model, and a scoreboard for all nodes.
 
 ``ik_axis_bytes`` has the same bench, without nodes. Tests build on :class:`Pipeline`. All sampling is done at the
 falling edge of the clock, when inputs and registers have settled in both simulators.
@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import logging
 from collections.abc import Iterable
+from functools import reduce
 
 import cocotb
 import numpy as np
@@ -19,11 +20,12 @@ from cocotb.types import LogicArray
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
+from model.io.stimuli import arm_limits, arm_targets, mixed
 from model.io.words import pack, unpack
 from tb.core import functional_coverage
-from tb.sim.job import KEPT, Difference, report
+from tb.sim.job import KEPT, Difference, answer, report
 
 
 class Scoreboard:
@@ -81,16 +83,18 @@ class Scoreboard:
 
 
 def configuration(dut) -> str:
-    """Return the name of the datapath that ``ik_axis`` is built with."""
+    """Return the name of the datapath that ``ik_axis`` or ``ik_arm`` is built with."""
+    top = "ik_arm" if hasattr(dut, "limits_low") else "ik_axis"
     return next(
         name
-        for name, path in CONFIGURATIONS.items()
-        if all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
+        for name, path in MODELS.items()
+        if path.top == top
+        and all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
     )
 
 
 class Pipeline:
-    """Bench around one ``ik_axis``.
+    """Bench around one ``ik_axis``, or one ``ik_arm`` with the limits of :func:`arm_limits`.
 
     With ``nodes`` every node is compared, otherwise results only. ``results`` holds (words, tag, flags, clock) of every
     output beat in order, ``latencies`` the clocks since admission.
@@ -101,10 +105,13 @@ class Pipeline:
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
         self.datapath = configuration(dut)
-        path, tag = CONFIGURATIONS[self.datapath], self.tag_width
+        path, tag = MODELS[self.datapath], self.tag_width
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
-        assert [len(port) for port in ports] == [data[0], tag, data[1], tag + path.flag_bits]
+        assert [len(port) for port in ports] == [data[0], tag + len(path.side), data[1], tag + path.flag_bits]
+        if path.side:
+            for port, ends in zip((dut.limits_low, dut.limits_high), zip(*arm_limits(self.width)), strict=True):
+                (port.value,) = pack([ends], self.width)
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -119,7 +126,7 @@ class Pipeline:
         self.go = getattr(self.core, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
-        self.words = np.zeros((0, len(path.inputs)), dtype=np.int64)  # all announced targets, in order
+        self.words = np.zeros((0, len(path.inputs) + bool(path.side)), dtype=np.int64)  # announced targets, in order
         self.answer_results: list[tuple[int, ...]] = []
         self.answer_flags: list[int] = []
         self.tags: list[int] = []
@@ -136,8 +143,9 @@ class Pipeline:
 
     def module(self, node: Node):
         """Return the module instance that contains a node."""
-        core = getattr(self.core, f"g_{CONFIGURATIONS[self.datapath].rtl}").u_core
-        return getattr(core, node.instance) if node.instance else core
+        path = MODELS[self.datapath]
+        core = getattr(self.core, f"g_{path.rtl}").u_core
+        return reduce(getattr, filter(None, path.instance(node).split(".")), core)
 
     def _handle(self, node: Node):
         """Return the signal of a node."""
@@ -163,24 +171,36 @@ class Pipeline:
         # A beat queued at the rising edge is driven at once in one simulator and a clock later in the other.
         await FallingEdge(self.dut.clk)
 
+    def mixed(self, count: int, seed: int) -> np.ndarray:
+        """Return targets of every kind."""
+        return (arm_targets if MODELS[self.datapath].side else mixed)(count, self.width, seed)
+
+    def around(self, words: np.ndarray) -> np.ndarray:
+        """Return wrist targets, or poses of the whole arm with these wrists."""
+        path, one = MODELS[self.datapath], 1 << self.width - 2
+        hands = [(0, one, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
+        return np.column_stack([words, hands]) if path.side else words
+
     def announce(self, words: np.ndarray) -> None:
         """Compute the model's results for further targets, which must then be sent in this order."""
-        answer = fixed.run(words, self.width, self.datapath)
+        expected = answer(words, self.width, self.datapath)
         self.words = np.concatenate([self.words, words])
-        self.answer_results += [tuple(r) for r in answer.results.tolist()]
-        self.answer_flags += answer.flags.tolist()
-        self.scoreboard.expect(answer)
+        self.answer_results += [tuple(r) for r in expected.results.tolist()]
+        self.answer_flags += expected.flags.tolist()
+        self.scoreboard.expect(expected)
 
     def send(self, words: np.ndarray) -> None:
-        """Queue targets, (N, words of a target), with incrementing tags."""
+        """Queue targets, (N, words of a target), of the whole arm with their branch, with incrementing tags."""
         self.announce(words)
+        count = len(MODELS[self.datapath].inputs)
+        words, branches = words[:, :count], words[:, count:].sum(axis=1)
         padding = np.random.default_rng(len(words)).integers(1 << self.slot - self.width, size=words.shape)
         half = 1 << self.slot - 1
         padded = ((words & (1 << self.width) - 1 | padding << self.width) ^ half) - half
-        for beat in pack(padded, self.slot):
+        for beat, branch in zip(pack(padded, self.slot), branches.tolist(), strict=True):
             tag = len(self.tags) & ((1 << self.tag_width) - 1)
             self.tags.append(tag)
-            self.source.send_nowait(AxiStreamFrame([beat], tuser=tag))
+            self.source.send_nowait(AxiStreamFrame([beat], tuser=branch << self.tag_width | tag))
 
     async def drain(self, most_clocks: int = 20000) -> None:
         """Wait for all results; fail after ``most_clocks`` clocks without one."""
@@ -257,7 +277,7 @@ class Pipeline:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
             self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
             return
-        path = CONFIGURATIONS[self.datapath]
+        path = MODELS[self.datapath]
         words = tuple(unpack([int(data, 2)], self.slot, len(path.results))[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
@@ -265,7 +285,8 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
-        functional_coverage.sample(flags, path.rtl, self.words[target], self.gaps[target], self.held)
+        if not path.side:
+            functional_coverage.sample(flags, path.rtl, self.words[target], self.gaps[target], self.held)
         self.held = False
         self.latencies.append(self.clock - self.admitted[target])
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from tb.core.test_streams import SETS
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
@@ -26,8 +26,8 @@ STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|
 TOPS = [  # parameters of other tests, whose builds are reused
     *(
         pytest.param(
-            "ik_axis",
-            {"W": width, "TAG_W": tag, **CONFIGURATIONS[path].parameters},
+            MODELS[path].top,
+            {"W": width, "TAG_W": tag, **MODELS[path].parameters},
             STREAMS,
             id=name,
             marks=[] if ICARUS or path == "fold" else [pytest.mark.slow],
@@ -41,7 +41,7 @@ BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n"
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)
 """Initial value of registers; memories have theirs from a loop or a list."""
 BARE = "one_result|after=few|one_record|after_a_reset"
-MODULES = {"ik_axis": "tb.core.stream_tests", "ik_axi": "tb.axi.ik_axi,tb.axi.registers"}
+MODULES = {**dict.fromkeys(("ik_axis", "ik_arm"), "tb.core.stream_tests"), "ik_axi": "tb.axi.ik_axi,tb.axi.registers"}
 
 pytestmark = [pytest.mark.sim, *([] if ICARUS else [pytest.mark.cost(60)])]
 

@@ -6,15 +6,15 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from tb.core import stream_tests
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
 # One set per datapath; tag widths 3 and 8. At W = 23 the paper datapath takes 255 clocks, for which a FIFO of 256 slots
 # would be too short. Streams do not depend on the word length: Icarus, which is slow, runs lean at W = 18, and only the
-# tests in FEW on the paper datapath.
-SETS = {"fold-24": ("fold", 24, 8), "paper-23": ("paper", 23, 3)}
+# tests in FEW on the paper datapath and the whole arm.
+SETS = {"fold-24": ("fold", 24, 8), "paper-23": ("paper", 23, 3), "arm-18": ("arm", 18, 3)}
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
 BYTES = {"bytes-18": ("lean", 18, 3)}
 """Set of ``ik_axis_bytes``."""
@@ -28,11 +28,11 @@ pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
 def failures(request, tmp_path_factory):
     """Run the selected tests of a parameter set; return the messages of those that failed."""
     datapath, width, tag_width = (SETS | BYTES)[request.param]
-    top = "ik_axis_bytes" if request.param in BYTES else "ik_axis"
+    top = "ik_axis_bytes" if request.param in BYTES else MODELS[datapath].top
     chosen = [item.callspec.params for item in request.session.items if item.path == request.path]
     names = [params["name"] for params in chosen if params["failures"] == request.param]
     results = tmp_path_factory.mktemp("streams") / "results.xml"
-    parameters = {"W": width, "TAG_W": tag_width, **CONFIGURATIONS[datapath].parameters}
+    parameters = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
     wanted = "|".join(re.escape(f"stream_tests.{name}") + "$" for name in names)
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("COCOTB_RESULTS_FILE", str(results))
@@ -48,7 +48,8 @@ def failures(request, tmp_path_factory):
     return {name: str(failure.attrib) for name, failure in failed.items() if failure is not None}
 
 
-WHOLE = [key for key in SETS if simulator() != "icarus" or key != "paper-23"]
+LARGE = ("paper-23", "arm-18")
+WHOLE = [key for key in SETS if simulator() != "icarus" or key not in LARGE]
 FEW = ("one_result", "recurrences", "idle=bursts/stall=bursts", "full", "after=out")
 
 
@@ -66,9 +67,9 @@ def test_words_of_whole_bytes(failures, name):
     assert name not in failures, failures[name]
 
 
-if "paper-23" not in WHOLE:
+if simulator() == "icarus":
 
     @pytest.mark.parametrize("name", [name for name in TESTS if any(part in name for part in FEW)])
-    @pytest.mark.parametrize("failures", ["paper-23"], indirect=True)
+    @pytest.mark.parametrize("failures", LARGE, indirect=True)
     def test_some_streams(failures, name):
         assert name not in failures, failures[name]
