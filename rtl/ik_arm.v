@@ -23,9 +23,8 @@ module ik_arm #(
     (* X_INTERFACE_INFO = "xilinx.com:signal:reset:1.0 rst RST" *)
     (* X_INTERFACE_PARAMETER = "POLARITY ACTIVE_HIGH" *)
     input  wire                rst,  // synchronous, active high: discards all poses
-    // Limits of th1 to th7, lowest bits first: closed arcs from low upwards to high; one turn = 2^W. Static
-    input  wire [     7*W-1:0] limits_low,
-    input  wire [     7*W-1:0] limits_high,
+    // Lower and upper limit of th1, .. th7, lowest bits first: arcs from low upwards to high, one turn = 2^W; static
+    input  wire [    14*W-1:0] limits,
     // Hand pose: hand_x, hand_y, hand_z, phi, d1, d2, tool, qh_w, qh_i, qh_j, qh_k, lowest bits first; Q2.(W-2), one turn
     // of phi = 2^W. Above the tag in tuser, lowest first: the branch of shoulder, elbow, wrist
     input  wire [    11*W-1:0] s_axis_tdata,
@@ -91,18 +90,17 @@ module ik_arm #(
           .TAG_W(TAG_W),
           .TILE (TILE)
       ) u_core (
-          .clk        (clk),
-          .rst        (rst),
-          .limits_low (limits_low),
-          .limits_high(limits_high),
-          .in_valid   (admit),
-          .in_tag     (s_axis_tuser[TAG_W-1:0]),
-          .in_branch  (s_axis_tuser[TAG_W+:3]),
-          .in_data    (s_axis_tdata),
-          .out_valid  (core_valid),
-          .out_tag    (core_tag),
-          .out_flags  (core_flags),
-          .out_data   (core_data)
+          .clk      (clk),
+          .rst      (rst),
+          .limits   (limits),
+          .in_valid (admit),
+          .in_tag   (s_axis_tuser[TAG_W-1:0]),
+          .in_branch(s_axis_tuser[TAG_W+:3]),
+          .in_data  (s_axis_tdata),
+          .out_valid(core_valid),
+          .out_tag  (core_tag),
+          .out_flags(core_flags),
+          .out_data (core_data)
       );
     end
   endgenerate

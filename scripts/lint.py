@@ -38,7 +38,11 @@ MODULE_SETS = {
     "ik_fold": [{"W": width} for width in (32, 24, 20)],
     "ik_fold_norm": [{}],
     "icebreaker": [{}, {"BAUD": 115200}],
-    **{f"ik_lean_{part}": [{"W": 32, "N": 35}, {"W": 18, "N": 25}] for part in ("direction", "triangle", "turn")},
+    "ik_arm": [*({"W": width} for width in (32, 24, 18, 16)), {"W": 18, "TILE": 25}, {"W": 24, "TILE": 16}],
+    **{
+        f"ik_lean_{part}": [{"W": 32, "N": 35}, {"W": 18, "N": 25}]
+        for part in ("direction", "triangle", "turn", "hand", "frame")
+    },
 }
 """Module -> its parameter sets; another one is linted at W = 32 and 18, or with its defaults if it has no W. A set also
 lints all modules below with the parameters that they get there."""

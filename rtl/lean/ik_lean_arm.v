@@ -20,9 +20,8 @@ module ik_lean_arm #(
     // Clock
     input  wire             clk,
     input  wire             rst,         // synchronous: discards the poses in flight
-    // Limits of th1 to th7, lowest bits first: lower and upper ends of closed arcs; static
-    input  wire [  7*W-1:0] limits_low,
-    input  wire [  7*W-1:0] limits_high,
+    // Lower and upper limit of th1, .. th7, lowest bits first; static
+    input  wire [ 14*W-1:0] limits,
     // Hand pose
     input  wire             in_valid,
     input  wire [TAG_W-1:0] in_tag,
@@ -161,7 +160,7 @@ module ik_lean_arm #(
       .qs_w(qse_at_qw[0*W+:W]), .qs_i(qse_at_qw[1*W+:W]), .qs_j(qse_at_qw[2*W+:W]), .qs_k(qse_at_qw[3*W+:W]),
       .qe_i(qse_at_qw[5*W+:W]), .minus_qe_w(minus_qe_w), .qw_w(qw_w), .qw_i(qw_i), .qw_j(qw_j), .qw_k(qw_k),
       .shoulder(flags_at_qw[FLAGS_W-3]), .elbow(flags_at_qw[FLAGS_W-2]), .wrist(flags_at_qw[FLAGS_W-1]),
-      .low(limits_low), .high(limits_high),
+      .limits(limits),
       .th1(th1), .th2(th2), .th3(th3), .th4(th4), .th5(th5), .th6(th6), .th7(th7),
       .over_1(over_1), .over_2(over_2), .over_3(over_3), .over_4(over_4), .over_5(over_5), .over_6(over_6),
       .over_7(over_7)

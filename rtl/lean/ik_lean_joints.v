@@ -12,40 +12,39 @@ module ik_lean_joints #(
     parameter integer TILE = 18  // width of the multipliers' longer operand; sets the clock of Qw
 ) (
     // Clock
-    input  wire                  clk,
+    input  wire                   clk,
     // Quaternions
-    input  wire signed [W-1:0]   qs_w,
-    input  wire signed [W-1:0]   qs_i,
-    input  wire signed [W-1:0]   qs_j,
-    input  wire signed [W-1:0]   qs_k,
-    input  wire signed [W-1:0]   qe_i,
-    input  wire signed [W:0]     minus_qe_w,
-    input  wire signed [W-1:0]   qw_w,
-    input  wire signed [W-1:0]   qw_i,
-    input  wire signed [W-1:0]   qw_j,
-    input  wire signed [W-1:0]   qw_k,
+    input  wire signed [   W-1:0] qs_w,
+    input  wire signed [   W-1:0] qs_i,
+    input  wire signed [   W-1:0] qs_j,
+    input  wire signed [   W-1:0] qs_k,
+    input  wire signed [   W-1:0] qe_i,
+    input  wire signed [     W:0] minus_qe_w,
+    input  wire signed [   W-1:0] qw_w,
+    input  wire signed [   W-1:0] qw_i,
+    input  wire signed [   W-1:0] qw_j,
+    input  wire signed [   W-1:0] qw_k,
     // Branch
-    input  wire                  shoulder,
-    input  wire                  elbow,
-    input  wire                  wrist,
-    // Limits of th1 to th7, lowest bits first, static
-    input  wire        [7*W-1:0] low,
-    input  wire        [7*W-1:0] high,
+    input  wire                   shoulder,
+    input  wire                   elbow,
+    input  wire                   wrist,
+    // Lower and upper limit of th1, .. th7, lowest bits first; static
+    input  wire        [14*W-1:0] limits,
     // Results
-    output wire        [  W-1:0] th1,     // (L82) T_TH1
-    output reg         [  W-1:0] th2,     // (L83) T_TH2
-    output wire        [  W-1:0] th3,     // (L84) T_TH1
-    output reg         [  W-1:0] th4,     // (L86) T_TH4
-    output wire        [  W-1:0] th5,     // (L90) T_TH1
-    output reg         [  W-1:0] th6,     // (L91) T_TH2
-    output wire        [  W-1:0] th7,     // (L92) T_TH1
-    output wire                  over_1,  // T_OVER_1
-    output wire                  over_2,
-    output wire                  over_3,
-    output wire                  over_4,
-    output wire                  over_5,
-    output wire                  over_6,
-    output wire                  over_7
+    output wire        [   W-1:0] th1,     // (L82) T_TH1
+    output reg         [   W-1:0] th2,     // (L83) T_TH2
+    output wire        [   W-1:0] th3,     // (L84) T_TH1
+    output reg         [   W-1:0] th4,     // (L86) T_TH4
+    output wire        [   W-1:0] th5,     // (L90) T_TH1
+    output reg         [   W-1:0] th6,     // (L91) T_TH2
+    output wire        [   W-1:0] th7,     // (L92) T_TH1
+    output wire                   over_1,  // T_OVER_1
+    output wire                   over_2,
+    output wire                   over_3,
+    output wire                   over_4,
+    output wire                   over_5,
+    output wire                   over_6,
+    output wire                   over_7
 );
 
   `include "ik_arm_nodes.vh"
@@ -144,25 +143,25 @@ module ik_lean_joints #(
   // ---- limits ----
 
   ik_limit #(.W(W)) u_over_1 (
-      .clk(clk), .th(th1), .low(low[0*W+:W]), .high(high[0*W+:W]), .over(over_1)
+      .clk(clk), .th(th1), .low(limits[0*W+:W]), .high(limits[1*W+:W]), .over(over_1)
   );
   ik_limit #(.W(W)) u_over_2 (
-      .clk(clk), .th(th2), .low(low[1*W+:W]), .high(high[1*W+:W]), .over(over_2)
+      .clk(clk), .th(th2), .low(limits[2*W+:W]), .high(limits[3*W+:W]), .over(over_2)
   );
   ik_limit #(.W(W)) u_over_3 (
-      .clk(clk), .th(th3), .low(low[2*W+:W]), .high(high[2*W+:W]), .over(over_3)
+      .clk(clk), .th(th3), .low(limits[4*W+:W]), .high(limits[5*W+:W]), .over(over_3)
   );
   ik_limit #(.W(W)) u_over_4 (
-      .clk(clk), .th(th4), .low(low[3*W+:W]), .high(high[3*W+:W]), .over(over_4)
+      .clk(clk), .th(th4), .low(limits[6*W+:W]), .high(limits[7*W+:W]), .over(over_4)
   );
   ik_limit #(.W(W)) u_over_5 (
-      .clk(clk), .th(th5), .low(low[4*W+:W]), .high(high[4*W+:W]), .over(over_5)
+      .clk(clk), .th(th5), .low(limits[8*W+:W]), .high(limits[9*W+:W]), .over(over_5)
   );
   ik_limit #(.W(W)) u_over_6 (
-      .clk(clk), .th(th6), .low(low[5*W+:W]), .high(high[5*W+:W]), .over(over_6)
+      .clk(clk), .th(th6), .low(limits[10*W+:W]), .high(limits[11*W+:W]), .over(over_6)
   );
   ik_limit #(.W(W)) u_over_7 (
-      .clk(clk), .th(th7), .low(low[6*W+:W]), .high(high[6*W+:W]), .over(over_7)
+      .clk(clk), .th(th7), .low(limits[12*W+:W]), .high(limits[13*W+:W]), .over(over_7)
   );
 
 endmodule

@@ -84,7 +84,7 @@ class Scoreboard:
 
 def configuration(dut) -> str:
     """Return the name of the datapath that ``ik_axis`` or ``ik_arm`` is built with."""
-    top = "ik_arm" if hasattr(dut, "limits_low") else "ik_axis"
+    top = "ik_arm" if hasattr(dut, "limits") else "ik_axis"
     return next(
         name
         for name, path in MODELS.items()
@@ -110,8 +110,7 @@ class Pipeline:
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
         assert [len(port) for port in ports] == [data[0], tag + len(path.side), data[1], tag + path.flag_bits]
         if path.side:
-            for port, ends in zip((dut.limits_low, dut.limits_high), zip(*arm_limits(self.width)), strict=True):
-                (port.value,) = pack([ends], self.width)
+            (dut.limits.value,) = pack(np.ravel(arm_limits(self.width))[None], self.width)
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import WIDTHS
 from tb.sim.env import ROOT, environment, simulator
 from tb.sim.sources import header, includes, sources
@@ -56,6 +56,13 @@ FOLD = {
     "illegal_TAG_W": [{"TAG_W": 0}],
     "illegal_TILE": [{"TILE": 17}, {"TILE": 25}],
 }
+ARM = {
+    "illegal_TAG_W": [{"TAG_W": 0}],
+    "illegal_DATAPATH": [{"DATAPATH": number} for number in (-1, 0, 3)],
+    "illegal_TILE": [{"TILE": 17}, {"TILE": 26}],
+    "illegal_W": [{"W": 15}, {"W": 33}, *({"W": w, "TILE": 16} for w in (15, 25))],
+}
+LEAN_ARM = {name: sets for name, sets in ARM.items() if name != "illegal_DATAPATH"}
 
 DIV, SQRT, MUL3 = "NW DW SH QW LAT", "NW SH QW LAT", "AW BW SH OW"
 OPERATORS = [
@@ -79,6 +86,8 @@ CORES = (
     ("ik_lean", "ik_lean", LEAN),
     ("ik_paper", "ik_paper", PAPER),
     ("ik_fold", "ik_fold", FOLD),
+    ("ik_arm", "ik_arm", ARM),
+    ("ik_lean_arm", "ik_lean_arm", LEAN_ARM),
 )
 ILLEGAL = [
     # only the first of each name is in the quick gate
@@ -103,6 +112,7 @@ LEGAL = [
     )),
     ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),
     ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}),
+    ("ik_arm", {"W": 16, "TAG_W": 1}), ("ik_arm", {"W": 32}), ("ik_arm", {"W": 24, "TILE": 16}), ("ik_arm", {"TILE": 25}),
     ("ik_fold", {"W": 20, "TAG_W": 1}), ("ik_fold", {"W": 18, "TILE": 16}), ("ik_fold", {"W": 32}),
 ]  # fmt: skip
 
@@ -132,7 +142,7 @@ def title(value) -> str:
 def test_stops_with_its_name(top, parameters, name):
     status, missing = elaborated(top, parameters)
     assert status != 0 and name in missing
-    if top == "ik_axis":
+    if top in ("ik_axis", "ik_arm"):
         assert missing == {name}, "the reason is one name, not all that goes wrong below"
 
 
@@ -142,7 +152,7 @@ def test_elaborates(top, parameters):
     assert elaborated(top, parameters) == (0, set())
 
 
-PARTS = ("ik_axis", "ik_axi", "ik_lean", "ik_paper")
+PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_lean", "ik_lean_arm", "ik_paper")
 """Modules that define T_OUT and LOG2; of the others only the header is compiled."""
 
 
@@ -152,15 +162,17 @@ def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
     With fewer slots the stream has gaps.
     """
     lines, checked = ["module top;"], 0
-    for path in (path for path in CONFIGURATIONS.values() if path.period == 1):
+    for path in (path for path in MODELS.values() if path.period == 1):
         for width in (w for w in path.widths if w in WIDTHS):
             values = ", ".join(f".{k}({v})" for k, v in {"W": width, **path.parameters}.items())
             u, v, checked = f"{path.name}_{width}", f"memory_{path.name}_{width}", checked + 1
             out, slots = f"{u}.g_{path.rtl}.u_core.T_OUT", f"(1 << {u}.LOG2)"
-            equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.LOG2"
+            equal = "1"
+            if path.top == "ik_axis":
+                equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.LOG2"
+                lines.append(f"ik_axi #({values}) {v} ();")
             lines += [
-                f"ik_axis #({values}) {u} ();",
-                f"ik_axi #({values}) {v} ();",
+                f"{path.top} #({values}) {u} ();",
                 f'initial $display("{u} %0d", {out} + 3 <= {slots} && {slots} < 2 * ({out} + 3) && {equal});',
             ]
     (tmp_path / "top.v").write_text("\n".join([*lines, "endmodule", ""]))

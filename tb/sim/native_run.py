@@ -20,6 +20,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import WIDTHS, Node
 from model.io.stimuli import arm_limits
+from model.io.words import pack
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
 from tb.sim.job import Difference, Job, Run, SimulationError, answer, report
@@ -60,11 +61,8 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
     side, limits = "", ""
     if path.side:
         side = f"target[{32 * len(lanes) + len(path.side) - 1}:{32 * len(lanes)}], "
-        ends = zip(*reversed(arm_limits(width)), strict=True)
-        words_of = (", ".join(f"{width}'d{end % (1 << width)}" for end in joints) for joints in ends)
-        limits = "".join(
-            f"\n      .limits_{name}({{{joints}}})," for name, joints in zip(("low", "high"), words_of, strict=True)
-        )
+        (ends,) = pack(np.ravel(arm_limits(width))[None], width)
+        limits = f" .limits({14 * width}'h{ends:x}),"
     given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
     lines = ",\n      ".join(reversed(parts))
     if width in WIDTHS:
