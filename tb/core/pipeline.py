@@ -88,8 +88,7 @@ def configuration(dut) -> str:
     return next(
         name
         for name, path in MODELS.items()
-        if path.top == top
-        and all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
+        if path.top == top and all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
     )
 
 

@@ -112,7 +112,8 @@ LEGAL = [
     )),
     ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),
     ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}),
-    ("ik_arm", {"W": 16, "TAG_W": 1}), ("ik_arm", {"W": 32}), ("ik_arm", {"W": 24, "TILE": 16}), ("ik_arm", {"TILE": 25}),
+    ("ik_arm", {"W": 16, "TAG_W": 1}), ("ik_arm", {"W": 32}), ("ik_arm", {"W": 24, "TILE": 16}),
+    ("ik_arm", {"TILE": 25}),
     ("ik_fold", {"W": 20, "TAG_W": 1}), ("ik_fold", {"W": 18, "TILE": 16}), ("ik_fold", {"W": 32}),
 ]  # fmt: skip
 
