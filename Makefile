@@ -29,7 +29,7 @@ TAKES_mutants  := COUNT SEED ONLY OUT KEEP FARM
 TAKES_fpga     := DATAPATH WIDTH FARM
 TAKES_farm-worker := FARM JOBS
 TAKES_paper    := ONLY
-TAKES_schedule := PERIOD SECONDS
+TAKES_schedule := DATAPATH PERIOD SECONDS
 TAKES_playground := OUT DATAPATH WIDTH
 $(foreach target,setup docs,$(eval TAKES_$(target) := SIM))
 GOALS := $(or $(MAKECMDGOALS),help)
@@ -141,9 +141,10 @@ playground: ## write a page that runs the Verilog: build/playground/index.html; 
 	@exec $(VENV) -m scripts.playground $(call given,OUT,--out="$$CGA_OUT") \
 	  $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH")
 
-schedule: ## reschedule the folded datapath after a change of its dataflow [PERIOD= SECONDS=]
+schedule: ## reschedule a program of the folded datapath after a change of its dataflow [DATAPATH=fold|fold_arm PERIOD= SECONDS=]
 	@$(SETUP) checkout icarus schedule
-	@exec $(VENV) -m scripts.generate.fold_scheduler $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
+	@exec $(VENV) -m scripts.generate.fold_scheduler $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") \
+	  $(call given,PERIOD,--period="$$CGA_PERIOD") $(call given,SECONDS,--seconds="$$CGA_SECONDS")
 
 # Verilator, unless SIM was set: Icarus takes several times as long. FARM= needs what gives work to others.
 farm     = $(call given,FARM, farm)

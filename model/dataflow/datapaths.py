@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CORE_FLAGS, FLAG_BITS
@@ -103,5 +104,11 @@ ARM = replace(
     core="u_lean",
 )  # fmt: skip
 
-MODELS = {**CONFIGURATIONS, "arm": ARM}
-"""Everything that the model computes: the configurations, and the whole arm around the lean datapath."""
+FOLD_ARM = replace(
+    ARM, name="fold_arm", number=2, widths=FOLD.widths, times=partial(shown.times, name="fold_arm"),
+    period=program.schedule("fold_arm").period, behind=0,
+)  # fmt: skip
+FOLD_ARM16 = replace(FOLD_ARM, name="fold_arm16", tile=16, widths=FOLD16.widths)
+
+MODELS = {**CONFIGURATIONS, **{path.name: path for path in (ARM, FOLD_ARM, FOLD_ARM16)}}
+"""Everything that the model computes: the configurations, and the whole arm around the lean datapath, and folded."""

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Schedule the fold datapath: assign a clock to every step of the lean dataflow by constraint programming.
+"""Schedule a program of the fold datapath: assign a clock to every step by constraint programming.
 
-    make schedule [PERIOD=CLOCKS] [SECONDS=N]
+    make schedule [DATAPATH=fold|fold_arm] [PERIOD=CLOCKS] [SECONDS=N]
 
-Writes the schedule of least latency found in the time limit to model/dataflow/fold/schedule.json, the source of the
-program (`python -m scripts.generate.headers`).  Rerun after adding, dropping or renaming a step of the dataflow.
+Writes the schedule of least latency found in the time limit to model/dataflow/fold/schedule.json or schedule_arm.json,
+the source of the program (`python -m scripts.generate.headers`).  Rerun after adding, dropping or renaming a step of
+the dataflow.
 
 Exit status: 0 a schedule was found, 1 none exists or none was found in time, 2 bad input.
 """
@@ -18,8 +19,8 @@ from dataclasses import asdict
 from types import SimpleNamespace
 
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.lowering import Groups, Lowering, lower
-from model.dataflow.fold.program import INPUTS, SCHEDULE, WIDTH, Schedule, encode
+from model.dataflow.fold.lowering import Groups, Lowering
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, WIDTH, Schedule, encode, lower
 from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, command, option, whole
 
@@ -28,74 +29,101 @@ try:
 except ImportError:
     cp_model = None
 
-LATENCY = 140
-"""Largest latency of a target, in clocks."""
+LATENCY, PERIOD = {"fold": 140, "fold_arm": 320}, {"fold": 88, "fold_arm": 140}
+"""Largest latency of a target and default period, in clocks."""
 
 
 class _Problem:
-    """Schedule as variables and constraints: ``model`` and the start of each group."""
+    """Schedule as variables and constraints: ``model`` and the start of each group and vector."""
 
-    def __init__(self, lowering: Lowering, groups: Groups, period: int) -> None:
-        self.lowering, self.model, self.period = lowering, cp_model.CpModel(), period
-        self.loads = {name: self.model.new_int_var(0, period - 1, name) for name in INPUTS}
-        self.starts = {name: self.model.new_int_var(1, LATENCY, name) for name in groups}
-        steps = ((name, Placed(at, step)) for name, group in groups.items() for at, step in group)
-        self.placed = [(self.starts[name], placed) for name, placed in steps]
-        self._resources()
+    def __init__(self, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
+        self.lowering, self.model, self.period, self.latency = lowering, cp_model.CpModel(), period, latency
+        self.at_place: dict[str, list] = {}  # load or start -> whether it has each place of the lap
+        self.loads = {name: self._clock(f"load {name}", 0, period - 1) for name in lowering.INPUTS}
+        vectors = [angle for angle, vector in lowering.vectors.items() if not vector.lengths]
+        self.starts = {name: self._clock(name, 1, latency) for name in [*groups, *vectors]}
+        self.placed = [(name, Placed(at, step)) for name, group in groups.items() for at, step in group]
         self._words()
-        self._results(self._registers())
+        vectors = self._angles()
+        self._results(self._registers(), vectors)
+        self._resources(vectors)
 
-    def _clocks(self, of: Callable[[Placed], Iterable[int]]) -> list:
-        return [start + clock for start, placed in self.placed for clock in of(placed)]
+    def _clock(self, name: str, first: int, last: int):
+        """Return a clock, with a mask of each place in the lap."""
+        clock, place = self.model.new_int_var(first, last, name), self.model.new_int_var(0, self.period - 1, name)
+        lap = self.model.new_int_var(0, last // self.period, name)
+        self.model.add(clock == lap * self.period + place)
+        self.at_place[name] = [self.model.new_bool_var(f"{name} in {n}") for n in range(self.period)]
+        self.model.add_exactly_one(self.at_place[name])
+        self.model.add(place == sum(n * mask for n, mask in enumerate(self.at_place[name])))
+        return clock
 
-    def _in_lap(self, clocks: list, what: str) -> list:
-        """Return each clock modulo the lap length."""
-        places = []
-        for number, clock in enumerate(clocks):
-            lap = self.model.new_int_var(-1, LATENCY // self.period + 1, f"{what} {number}, lap")
-            places.append(self.model.new_int_var(0, self.period - 1, f"{what} {number}"))
-            self.model.add(clock == lap * self.period + places[-1])
-        return places
+    def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
+        """Allow one of these clocks, counted from a load or start, in each place of the lap."""
+        uses = list(uses)
+        for n in range(self.period):
+            self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
 
-    def _resources(self) -> None:
-        """Allow one step issue, one row read and one word write per clock of the lap, and one user of the counter."""
-        writes = self._clocks(lambda placed: [use.at for use in timing.word_writes(placed)])
-        for what, clocks in (
-            ("issue", self._clocks(lambda placed: [placed.at])),
-            ("row", self._clocks(timing.row_reads)),
-            ("write", writes + list(self.loads.values())),
-        ):
-            self.model.add_all_different(self._in_lap(clocks, what))
-        counting = [(start, placed) for start, placed in self.placed if placed.step.count]
-        begins = self._in_lap([start + timing.first_count(placed) for start, placed in counting], "count")
-        intervals = []
-        for begin, (_, placed) in zip(begins, counting, strict=True):
-            clocks = timing.last_count(placed) - timing.first_count(placed) + 1
-            for lap in (0, self.period):  # twice: an interval may wrap around the end of the lap
-                intervals.append(self.model.new_fixed_size_interval_var(begin + lap, clocks, "count"))
-        self.model.add_no_overlap(intervals)
+    def _resources(self, over: dict[str, tuple[str, int]]) -> None:
+        """Allow one step issue, one row read, one word write and one result per clock of the lap, and one user of the
+        counter."""
+        steps, last = self.placed, timing.last_count
+        loads = [(f"load {name}", 0) for name in self.loads]
+        joints = self.lowering.joints.values()
+        shown = [(name, clock + of.shown) for of in joints for name, clock in (over[of.angle],)]
+        self._one_each((name, of.at) for name, of in steps)
+        self._one_each((name, clock) for name, of in steps for clock in timing.row_reads(of))
+        self._one_each(loads + [(name, use.at) for name, of in steps for use in timing.word_writes(of)])
+        self._one_each(shown + [(name, of.at + timing.WRITE) for name, of in steps if of.step.result])
+        counting = [(name, of) for name, of in steps if of.step.count]
+        self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
+
+    def _angles(self) -> dict[str, tuple[str, int]]:
+        """Allow one vector at a time in the angle unit, from the elbow's to the wrist's; return the clock in which each
+        is handed over, counted from a start."""
+        at = {of.step.result: self.starts[name] + of.at + timing.WRITE for name, of in self.placed if of.step.result}
+        early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
+        at |= {step.write.to: at[step.result] for step in early}
+        found: dict[str, tuple[str, int]] = {}
+        order = sorted(self.lowering.vectors.values(), key=lambda vector: not vector.opposite)
+        for before, vector in zip([None, *order], order, strict=False):
+            name, after = (before.angle, timing.AGAIN) if vector.lengths else (vector.angle, 0)
+            found[vector.angle] = name, after
+            if not vector.lengths:
+                x, y, over = at[vector.x], at[vector.y], self.starts[name]
+                self.model.add(y >= x + 2)
+                self.model.add(over >= y + timing.ITERATED)
+                if before:
+                    name, after = found[before.angle]
+                    self.model.add(x > self.starts[name] + after)
+        if order:  # the wrist's is handed over in the lap of the next target's first one, which needs no reset so
+            name, after = found[order[-1].angle]
+            self.model.add(self.starts[name] + after >= self.period)
+            self.model.add(self.starts[name] + after < at[order[0].x] + self.period)
+        return found
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
         """Return word or register -> the clocks in which it is written. by: the writes of a step."""
         found = {name: [self.loads[name]] for name in loaded}
-        for start, placed in self.placed:
+        for name, placed in self.placed:
             for use in by(placed):
-                found.setdefault(use.of, []).append(start + use.at)
+                found.setdefault(use.of, []).append(self.starts[name] + use.at)
         return found
 
     def _words(self) -> None:
         """Constrain reads of a word to lie between its write and the next target's write."""
         written = self._written(timing.word_writes, self.loads)
-        for start, placed in self.placed:
+        for name, placed in self.placed:
             for use in timing.word_reads(placed):
                 for write in written[use.of]:
-                    self.model.add(start + use.at > write)
-                    self.model.add(start + use.at < write + self.period)
+                    self.model.add(self.starts[name] + use.at > write)
+                    self.model.add(self.starts[name] + use.at < write + self.period)
 
     def _registers(self) -> dict[str, list]:
         """Constrain flags and counts, which are registers, in the same way; return the clocks that set them."""
         written = self._written(timing.registers_set, ["phi"])
-        for start, placed in self.placed:
+        for name, placed in self.placed:
+            start = self.starts[name]
             for selector, at in timing.selections(placed):
                 self._needs(written, self.lowering.registers(selector), start + at)
             if placed.step.count:
@@ -108,28 +136,40 @@ class _Problem:
             self.model.add(clock > at)
             self.model.add(clock <= at + self.period)
 
-    def _results(self, registers: dict[str, list]) -> None:
+    def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
         """Flags and tag leave with the first result. The last result precedes the next target's first one and stays
-        clear of the last clocks of a lap, in which the core would begin another lap."""
-        results = [start + placed.at + timing.WRITE for start, placed in self.placed if placed.step.result]
-        first, last, taken = (self.model.new_int_var(0, 2 * LATENCY, name) for name in ("first", "last", "taken"))
+        clear of the last clocks of a lap, in which the core would begin another lap.  A joint's limit is compared in
+        the clock after its angle."""
+        found = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
+        written = {result: clock for result, clock in found if result}
+        over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
+        joints = [over[joint.angle] + joint.shown for joint in self.lowering.joints.values()]
+        results = [clock for name, clock in written.items() if name in self.lowering.RESULTS]
+        first, last, taken = (self.model.new_int_var(0, 2 * self.latency, name) for name in ("first", "last", "taken"))
         self.model.add_min_equality(first, results)
-        self.model.add_max_equality(last, results)
+        self.model.add_max_equality(last, results + [clock + 1 for clock in joints])
         self.model.add_max_equality(taken, list(self.loads.values()))
-        for name in ("clamp", "away", "on_axis"):  # they give the flags
+        flags = [name for name in ("clamp", "away", "on_axis", "bad_hand", "saturated") if name in self.lowering.nodes]
+        for name in flags:
             self._needs(registers, self.lowering.registers(Selector(name)), first)
         self.model.add(first <= taken + self.period)
-        self.model.add(last < first + self.period)
-        (place,) = self._in_lap([last], "last result")
+        self.model.add(last + bool(joints) < first + self.period)
+        if joints:  # the elbow's, by the branch of the target taken last; the others by that of the results
+            self.model.add(written["elbow_w"] > taken)
+            self.model.add(written["elbow_w"] <= taken + self.period)
+        lap, place = self.model.new_int_var(0, 3, "lap"), self.model.new_int_var(0, self.period - 1, "place")
+        self.model.add(last == lap * self.period + place)
         self.model.add(place < self.period - timing.FETCH)
+        self.model.add(last <= self.latency)
         self.model.minimize(last)
 
 
 @command(
     "schedule",
-    "Schedule the folded datapath.",
+    "Schedule a program of the folded datapath.",
     [
-        option("--period", "clocks of a lap", whole(1), default=88, metavar="CLOCKS"),
+        option("--datapath", "program: fold or fold_arm", str, default="fold", metavar="NAME"),
+        option("--period", "clocks of a lap", whole(1), metavar="CLOCKS"),
         option("--seconds", "seconds to search", whole(1), default=240, metavar="N"),
     ],
     fails="no schedule was found",
@@ -137,20 +177,24 @@ class _Problem:
 def main(parsed: SimpleNamespace) -> int:
     if cp_model is None:
         raise InputError("ortools is not installed: use make schedule")
-    lowering, groups = lower(WIDTH)
-    print(f"{sum(map(len, groups.values()))} steps, one target every {parsed.period} clocks", flush=True)
-    problem, solver = _Problem(lowering, groups, parsed.period), cp_model.CpSolver()
+    name = parsed.datapath
+    if name not in PROGRAMS:
+        raise InputError(f"DATAPATH={name}: use {' or '.join(PROGRAMS)}")
+    lowering, groups = lower(WIDTH, name)
+    period, latency = parsed.period or PERIOD[name], LATENCY[name]
+    print(f"{sum(map(len, groups.values()))} steps, one target every {period} clocks", flush=True)
+    problem, solver = _Problem(lowering, groups, period, latency), cp_model.CpSolver()
     solver.parameters.max_time_in_seconds = parsed.seconds
     status = solver.solve(problem.model)
     if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
         none = status == cp_model.INFEASIBLE
-        print(f"no schedule within {LATENCY} clocks" if none else f"none found in {parsed.seconds} s")
+        print(f"no schedule within {latency} clocks" if none else f"none found in {parsed.seconds} s")
         return 1
     found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
-    made = Schedule(parsed.period, *found)
-    encode(groups, made)  # raises where two steps need a field or a place
-    SCHEDULE.write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
-    print(f"wrote {SCHEDULE.name}")
+    made = Schedule(period, *found)
+    encode(lowering, groups, made, name)  # raises where two steps need a field or a place
+    SCHEDULES[name].write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
+    print(f"wrote {SCHEDULES[name].name}")
     return 0
 
 

@@ -14,7 +14,7 @@ from model.dataflow import angles
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, nodes
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.program import CODES, FIELDS, WIDTH, program
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, WIDTH, codes, fields, program
 from model.dataflow.fold.shown import Shown, shown
 from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node, inner_frac
@@ -253,21 +253,19 @@ def _parameters(form: Form, *more: str) -> dict[str, int]:
 
 # -- fold datapath -------------------------------------------------------------------------------------------------
 
-STEP_BITS = sum(FIELDS.values())
-
 FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size in ("small", "long")}
 """Forms (root, sine) of the fold datapath's table."""
 
 
-def fold_codes() -> str:
+def fold_codes(name: str) -> str:
     lines = [
         "// For the body of each module that reads a field of the step: codes of the fields. _BY_: selecting flags.",
         "",
         "/* verilator lint_off UNUSEDPARAM */  // each module uses some of them",
-        f"localparam integer STEP_W = {STEP_BITS};  // bits of a step",
+        f"localparam integer STEP_W = {sum(fields(name).values())};  // bits of a step",
     ]
-    for name, values in CODES.items():
-        start, end = f"localparam [{FIELDS[name] - 1}:0] {name.upper()}_", f" = {FIELDS[name]}'d"
+    for field, values in codes(name).items():
+        start, end = f"localparam [{fields(name)[field] - 1}:0] {field.upper()}_", f" = {fields(name)[field]}'d"
         lines += ["", *(f"{start}{_name(code)}{end}{n};" for n, code in enumerate(values))]
     return "\n".join([*lines, "", "/* verilator lint_on UNUSEDPARAM */"])
 
@@ -277,18 +275,18 @@ def _name(code: str | Selector) -> str:
     return (code.code if isinstance(code, Selector) else code.replace("-", "minus_") or "none").upper()
 
 
-def fold_fields() -> str:
-    lines, at = ["// For the body of ik_fold: the fields of the step.", ""], 0
-    for name, bits in FIELDS.items():
+def fold_fields(name: str) -> str:
+    lines, at = [f"// For the body of ik_{name}: the fields of the step.", ""], 0
+    for field, bits in fields(name).items():
         word, place = (f"[{bits - 1}:0] ", f"{at + bits - 1}:{at}") if bits > 1 else ("", f"{at}")
-        lines.append(f"wire {word}f_{name} = step[{place}];")
+        lines.append(f"wire {word}f_{field} = step[{place}];")
         at += bits
     return "\n".join(lines)
 
 
-def fold_program() -> str:
-    _, made = program(WIDTH)
-    period = made.period
+def fold_program(of: str) -> str:
+    _, made = program(WIDTH, of)
+    period, bits = made.period, sum(fields(of).values())
     notes: list[list[str]] = [[] for _ in range(period)]
     for name, clock in made.loads.items():
         notes[clock].append(f"{name} loaded")
@@ -301,16 +299,18 @@ def fold_program() -> str:
             notes[(at + timing.NORM) % period].append(f"-> {step.norm.to}")
         if step.result:
             notes[(at + timing.WRITE) % period].append(f"-> {step.result}")
-    results = [placed.at + timing.WRITE for placed in made.steps if placed.step.result]
-    laps = {"HOLD": min(results) - 1, "FIRST": min(results), "LAST": max(results)}
-    digits = -(-STEP_BITS // 4)
-    words = (f"{STEP_BITS}'h{made.word(n):0{digits}x};  // {'; '.join(notes[n]) or '-'}" for n in range(period))
+    for name, clock in made.shown.items():
+        notes[clock % period].append(f"-> {name}")
+    first, last = made.results
+    laps, clock = {"HOLD": first - 1, "FIRST": first, "LAST": last}, (period - 1).bit_length()
+    digits = -(-bits // 4)
+    words = (f"{bits}'h{made.word(n):0{digits}x};  // {'; '.join(notes[n]) or '-'}" for n in range(period))
     lines = [
-        "// For the body of ik_fold: the program. The lap, 0 a target's own, 1 the next, in which the datapath may",
+        f"// For the body of ik_{of}: the program. The lap, 0 a target's own, 1 the next, in which the datapath may",
         "// stall before the target's first result (HOLD_LAP), writes it (FIRST_LAP) and writes the last (LAST_LAP).",
         "",
         f"localparam integer PERIOD = {period};  // clocks of a lap",
-        f"localparam [6:0] END = 7'd{period - 1};  // the last of them",
+        f"localparam [{clock - 1}:0] END = {clock}'d{period - 1};  // the last of them",
         *(f"localparam integer {name}_LAP = {clock // period};" for name, clock in laps.items()),
         "",
         '(* rom_style = "block", ram_style = "block" *)',
@@ -383,19 +383,20 @@ localparam [ROW_BITS-1:0] SINE = {{{{(ROW_BITS - 32) {{1'b0}}}}, SINE_ROUNDING}}
 {_rom("(2<<INDEX_BITS)-1", {size: _fold_rows(*forms) for size, forms in FOLD_FORMS.items()})}"""
 
 
-def fold_nodes() -> str:
-    lowering, made = program(WIDTH)
+def fold_nodes(name: str) -> str:
+    lowering, made = program(WIDTH, name)
     blocks: dict[str, list[Shown]] = {}
     for of in shown(lowering, made).values():
         blocks.setdefault(of.node.instance, []).append(of)
-    lines = ["// For the body of ik_fold: every node of the dataflow, in an unread register, for the testbench.", ""]
+    bits = (made.period - 1).bit_length()
+    lines = [f"// For the body of ik_{name}: every node of the dataflow, in an unread register, for the testbench.", ""]
     for block, found in blocks.items():
         pad = "    " if block else ""
         lines += ["generate", f"  if (1) begin : {block}"] if block else []
         lines += [f"{pad}reg {'signed ' * of.node.format.signed}{_range(of.node)}{of.node.name};" for of in found]
         lines += [f"{pad}always @(posedge clk)", f"{pad}  if (go) begin"]
         for of in found:
-            when = " || ".join(f"clock == 7'd{clock % made.period}" for clock in of.clocks)
+            when = " || ".join(f"clock == {bits}'d{clock % made.period}" for clock in of.clocks)
             when = f"({when}) && {of.when}" if of.when else when
             lines.append(f"{pad}    if ({when}) {of.node.name} <= {of.text};{_comment(of.node)}")
         lines += [f"{pad}  end", *(["  end", "endgenerate"] if block else []), ""]
@@ -428,13 +429,17 @@ def texts() -> dict[Path, str]:
         ),
         "trig_table": (quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks"), f"{model}/quadratic.py"),
         "vector_table": (vector_table(), f"{model}/angles.py"),
-        "fold_codes": (fold_codes(), f"{model}/fold/program.py"),
-        "fold_fields": (fold_fields(), f"{model}/fold/program.py"),
         "fold_formats": (fold_formats(), f"{model}/nodes.py"),
-        "fold_nodes": (fold_nodes(), f"{model}/fold/shown.py"),
-        "fold_program": (fold_program(), f"{model}/fold/schedule.json and {model}/lean.py"),
         "fold_table": (fold_table(), f"{model}/quadratic.py"),
     }
+    for name in PROGRAMS:
+        schedule, flow = SCHEDULES[name].name, "arm" if name == "fold_arm" else "lean"
+        found |= {
+            f"{name}_codes": (fold_codes(name), f"{model}/fold/program.py"),
+            f"{name}_fields": (fold_fields(name), f"{model}/fold/program.py"),
+            f"{name}_nodes": (fold_nodes(name), f"{model}/fold/shown.py"),
+            f"{name}_program": (fold_program(name), f"{model}/fold/{schedule} and {model}/{flow}.py"),
+        }
     return {folder / f"ik_{name}.vh": NOTE.format(source=source, text=text) for name, (text, source) in found.items()}
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...io.words import ARMS
+from ...io.words import ARMS, FIELDS, RESULT_FIELDS
 from .. import lean
 from ..nodes import Domain, Node, inner_frac, root_frac
 from ..operations import operation
@@ -32,11 +32,13 @@ from .steps import (
     POWER,
     ZERO,
     Counted,
+    Joint,
     Normal,
     Pick,
     Row,
     Selector,
     Step,
+    Vector,
     Write,
 )
 
@@ -45,6 +47,9 @@ EXACT_WEIGHT = 2
 
 ONE_WEIGHT = 1
 """Weight of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
+
+RESULT_WEIGHT = 1
+"""Weight of a result's first bit."""
 
 POSITION = ("x", "y", "z")
 
@@ -62,10 +67,15 @@ class Sum:
     minus: Selector = NEVER  # the term is subtracted
     inverse: bool = False  # T is the inverted node: the term is subtracted from the addend, not vice versa
     write: Write | None = None
+    result: str = ""
 
 
 class Lowering(Domain):
-    """Lean dataflow as steps: run it, then call :meth:`groups`."""
+    """Lean dataflow as steps: :meth:`build` it, then call :meth:`groups`."""
+
+    INPUTS: tuple[str, ...] = FIELDS
+    SIDE: tuple[str, ...] = ()
+    RESULTS: tuple[str, ...] = RESULT_FIELDS
 
     def __init__(self, width: int) -> None:
         super().__init__(width, lean.WIDTHS)
@@ -80,22 +90,32 @@ class Lowering(Domain):
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
         self.picks: dict[str, Pick] = {}  # place of a squared length, or a word that a flag replaces by 0
+        self.vectors: dict[str, Vector] = {}  # of the angle unit
+        self.joints: dict[str, Joint] = {}
 
-    def inputs(self, value=lambda name, fmt: None, *fields):
-        inputs = super().inputs(value, *fields)
-        self.weight |= dict.fromkeys(inputs, EXACT_WEIGHT)
-        return inputs
+    def build(self) -> None:
+        """Build the whole dataflow."""
+        inputs = self.inputs(lambda name, fmt: None, (*self.INPUTS, *self.SIDE))
+        self.weight |= dict.fromkeys(FIELDS, EXACT_WEIGHT)
+        self.flow(inputs)
+
+    def flow(self, inputs: dict[str, Node]) -> None:
+        lean.lean(self, inputs)
 
     # ---- operations and their operands ---------------------------------------------------------------------------
 
     def op(self, name, operands, fmt, words, *rest, **named):
         node = super().op(name, operands, fmt, words, *rest, **named)
+        kind, parameters = operation(words)
         if fmt == self.bit:
-            self.made_of[name] = set().union(*(self._roots(name, n) for n in node.operands))
+            self.made_of[name] = self._mask(node, kind)
         else:
-            kind, parameters = operation(words)
             getattr(self, f"_{kind}")(node, *(n.name for n in node.operands), **parameters)
         return node
+
+    def _mask(self, node: Node, kind: str) -> set[str]:
+        """Return the registers that a mask depends on."""
+        return set().union(*(self._roots(node.name, n) for n in node.operands))
 
     def _roots(self, mask: str, of: Node) -> set[str]:
         """Return the registers of an operand of a mask: of another mask, the sign of a word, and whether it is 0."""
@@ -173,9 +193,9 @@ class Lowering(Domain):
         self._answer(node, raw, ALWAYS if sign < 0 else NEVER)
 
     def _answer(self, node: Node, raw: str, minus: Selector) -> None:
-        step = self.terms[raw]
-        addend = step.addend.replace("half", "result")
-        self.terms[raw] = replace(step, minus=minus, result=node.name, write=None, addend=addend)
+        step, self.weight[node.name] = self.terms[raw], RESULT_WEIGHT
+        addend, write = step.addend.replace("half", "result"), Write(node.name, source="result")
+        self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
 
     def _shift_up(self, node: Node, value: str, count: str, width: int, left: int = 0, right: int = 0) -> None:
         """Shift to the left, by the normalizer, whose first bit has twice a product's weight."""
@@ -331,12 +351,5 @@ class Lowering(Domain):
             words = term.addend.startswith("half")
             addend = "hold" if number else "T_half" if words else "T"
             carry = "minus" if of.minus and not words and not of.inverse else ""
-            made = replace(term, name=of.name, term=of.term, minus=of.minus, write=of.write)
+            made = replace(term, name=of.name, term=of.term, minus=of.minus, write=of.write, result=of.result)
             self._extend(group, at + 2 + number, replace(made, addend=addend, addend_by=NEVER, carry=carry))
-
-
-def lower(width: int) -> tuple[Lowering, Groups]:
-    """Lower the lean dataflow to steps at an even word length."""
-    lowering = Lowering(width)
-    lean.lean(lowering, lowering.inputs())
-    return lowering, lowering.groups()

@@ -12,17 +12,26 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from ...io.words import FIELDS as INPUTS
-from ...io.words import RESULT_FIELDS
 from . import steps as timing
-from .lowering import Groups, Lowering, lower
+from .arm_lowering import ArmLowering
+from .lowering import Groups, Lowering
 from .steps import ADDENDS, ALWAYS, CUTS, HALF, NEVER, NO_COUNT, NORMS, ONE, POWER, ZERO, Pick, Placed, Selector
+
+PROGRAMS: dict[str, type[Lowering]] = {"fold": Lowering, "fold_arm": ArmLowering}
+"""Programs by name: the core's, and the whole arm's around it."""
+
+
+def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
+    """Lower a program's dataflow to steps at an even word length."""
+    lowering = PROGRAMS[name](width)
+    lowering.build()
+    return lowering, lowering.groups()
 
 
 @dataclass(frozen=True)
 class Schedule:
     """Program schedule: the clocks of a lap, the clock in which each input is loaded, and the clock in which the first
-    step of each group, which names the group, is issued."""
+    step of each group, which names the group, is issued, or a vector of words is handed over in the angle unit."""
 
     period: int
     loads: dict[str, int]
@@ -38,19 +47,25 @@ PLACES = 64
 WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")
 SOURCES = ("none", "sum", "normal", "input")
+MORE_SOURCES = ("result", "wrist")  # of the whole arm
+ROUNDINGS = ("", "twice", "sum")
 FUNCTIONS = ("root", "sine", "cosine")
 PLACED_AS = ("", "root", "angle")
 CARRIES = ("", "minus")
 BASES = ("count", "1", "2", "4", "-2")
 
 
-def codes() -> dict[str, tuple]:
-    """Return field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first."""
-    lowering, groups = lower(WIDTH)
+@cache
+def codes(name: str = "fold") -> dict[str, tuple]:
+    """Return field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first.
+
+    The whole arm's selectors and signs follow the core's, so that both programs' units share the codes.
+    """
+    lowering, groups = lower(WIDTH, name)
     steps = [step for group in groups.values() for _, step in group]
     fixed = (NEVER, ALWAYS, NO_COUNT)
     found = dict.fromkeys(s for step in steps for s in step.selectors if s not in fixed)
-    order = sorted(found, key=lambda selector: selector.node not in INPUTS)
+    order = sorted(found, key=lambda selector: selector.node not in lowering.INPUTS)
 
     def selectors(used, *first: Selector) -> tuple[Selector, ...]:
         return NEVER, *first, *(s for s in order if s in used)
@@ -58,20 +73,28 @@ def codes() -> dict[str, tuple]:
     def picked(operands) -> tuple[Selector, ...]:
         return selectors({o.flag for o in operands if isinstance(o, Pick)})
 
-    signs = [name for name in lowering.nodes if name in {step.sign for step in steps}]
+    signs = [node for node in lowering.nodes if node in {step.sign for step in steps}]
     counts = "", *dict.fromkeys(normal.count for normal, _ in lowering.norms.values() if normal.count)
-    return {
+    joints = lowering.joints.values()
+    made = {
         "a_by": picked(step.a for step in steps), "b_by": picked(step.b for step in steps),
         "w_by": picked(step.write and step.write.to for step in steps),
         "s_by": selectors({step.addend_by for step in steps}),
         "minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT),
         "r_function": FUNCTIONS, "b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS,
-        "last": LASTS, "sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": INPUTS,
-        "result": ("", *RESULT_FIELDS), "e_set": counts, "n_base": BASES, "n_e": counts,
+        "last": LASTS, "sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": lowering.INPUTS,
+        "result": ("", *lowering.RESULTS), "e_set": counts, "n_base": BASES, "n_e": counts,
     }  # fmt: skip
+    if joints:
+        shared = {field: (*of, *(code for code in made[field] if code not in of)) for field, of in codes().items()}
+        made |= {field: of for field, of in shared.items() if field not in ("input", "result")}
+        made["source"] += MORE_SOURCES
+        made["result"] += timing.ELBOW
+        made["rounding"] = ROUNDINGS
+        made["negative_by"] = "", *dict.fromkeys(joint.by for joint in joints if not joint.other)
+        made["half_by"] = "", *dict.fromkeys(joint.by for joint in joints if joint.other)
+    return made
 
-
-CODES = codes()
 
 PLAIN_BITS = {
     "a": 7, "b": 7, "b_count": 1, "r": 6, "a_bend": 1, "b_high": 1, "limit": 1, "w": 6, "n_minus": 1, "n_twice": 1,
@@ -79,24 +102,35 @@ PLAIN_BITS = {
 }  # fmt: skip
 """Numeric field -> bits."""
 
-FIELDS = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in CODES.items()} | PLAIN_BITS
-"""Field -> bits."""
+ANGLE_BITS = dict.fromkeys(("load_x", "load_y", "opposite", "over", "again", "to_h", "less", "twice"), 1)
+"""Numeric field of the angle unit -> bits."""
+
+
+@cache
+def fields(name: str = "fold") -> dict[str, int]:
+    """Return field -> bits."""
+    coded = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in codes(name).items()}
+    return coded | PLAIN_BITS | (ANGLE_BITS if "rounding" in coded else {})
 
 
 @dataclass
 class Program:
     """Program words, one per clock of the lap, and the places of nodes and variables."""
 
+    name: str
     period: int
     clocks: list[dict[str, int]] = field(default_factory=list)
     places: dict[str, int] = field(default_factory=dict)
     steps: list[Placed] = field(default_factory=list)
     loads: dict[str, int] = field(default_factory=dict)
+    results: tuple[int, int] = (0, 0)  # the clocks of the first and the last one
+    turns: dict[str, Turn] = field(default_factory=dict)
+    shown: dict[str, int] = field(default_factory=dict)  # joint -> the clock of its angle
 
     def word(self, clock: int) -> int:
-        """Return the packed fields of a clock, the first of :data:`FIELDS` lowest."""
+        """Return the packed fields of a clock, the first of :func:`fields` lowest."""
         word = at = 0
-        for name, bits in FIELDS.items():
+        for name, bits in fields(self.name).items():
             word |= self.clocks[clock][name] << at
             at += bits
         return word
@@ -119,14 +153,19 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
     return {name: (clock, last.get(name, clock)) for name, clock in first.items()}
 
 
+CONSTANTS = {ONE: range(1, 2), ZERO: range(48, PLACES)}
+"""Constant -> places n of a word for which 2^(1-n) is the constant, 0 in a word of any length."""
+
+
 def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[str, int]:
     """Return variable -> its place; a pair takes an even place and the next.  Pairs are not shared."""
     operands = (o for p in steps for o in (p.step.a, p.step.b, p.step.write and p.step.write.to))
-    doubles = {of.pair for of in operands if isinstance(of, Pick)}
+    picks = {of.pair: of.constant for of in operands if isinstance(of, Pick)}
+    doubles = {name for name, constant in picks.items() if not constant}
     life = lives(steps, loads)
     taken: list[set[int]] = [set() for _ in range(PLACES)]
     places = {}
-    for name in sorted(life, key=lambda n: (n not in doubles, life[n])):
+    for name in sorted(life, key=lambda n: (not picks.get(n), n not in doubles, life[n])):
         first, last = life[name]
         if last - first >= period:
             raise ConflictError(f"{name} lives {last - first} clocks of a lap of {period}")
@@ -134,7 +173,7 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
         if name in doubles:
             wanted = set(range(period))  # its second word may be a constant
         size = 2 if name in doubles else 1
-        for place in range(0, PLACES, size):
+        for place in CONSTANTS.get(picks.get(name, ""), range(0, PLACES, size)):
             if not any(taken[place + k] & wanted for k in range(size)):
                 for k in range(size):
                     taken[place + k] |= wanted
@@ -145,12 +184,34 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
     return places
 
 
-def encode(groups: Groups, of: Schedule) -> Program:
+@dataclass(frozen=True)
+class Turn:
+    """Vector in the angle unit: the clocks in which its words are loaded and it is handed over."""
+
+    vector: timing.Vector
+    loads: tuple[int, int]
+    over: int
+
+
+def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> dict[str, Turn]:
+    """Return the vectors by their angles; one of two lengths follows the one before it, in the dataflow's order."""
+    results = {p.step.result: p.at + timing.WRITE for p in steps if p.step.result}
+    early = (of.step for of in steps if of.step.name in timing.ELBOW and of.step.write)
+    results |= {timing.word_of(step.write.to): results[step.result] for step in early if step.write}
+    found, over = {}, 0
+    for angle, vector in lowering.vectors.items():
+        loads = (over, over) if vector.lengths else (results[vector.x], results[vector.y])
+        over = over + timing.AGAIN if vector.lengths else starts[angle]
+        found[angle] = Turn(vector, loads, over)
+    return found
+
+
+def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold") -> Program:
     """Return the program of a schedule."""
-    steps = [Placed(of.starts[name] + at, step) for name, group in groups.items() for at, step in group]
+    steps = [Placed(of.starts[first] + at, step) for first, group in groups.items() for at, step in group]
     steps.sort(key=lambda placed: placed.at)
-    loads, period = of.loads, of.period
-    program = Program(period, [dict.fromkeys(FIELDS, 0) for _ in range(period)], {}, steps, loads)
+    loads, period, bits, coded = of.loads, of.period, fields(name), codes(name)
+    program = Program(name, period, [dict.fromkeys(bits, 0) for _ in range(period)], {}, steps, loads)
     program.places = allocate(steps, loads, period)
     taken: set[tuple[int, str]] = set()
 
@@ -159,8 +220,8 @@ def encode(groups: Groups, of: Schedule) -> Program:
             if (clock % period, name) in taken:
                 raise ConflictError(f"{name} is needed twice in clock {clock % period}")
             taken.add((clock % period, name))
-            code = CODES[name].index(value) if isinstance(value, str | Selector) else int(value)
-            if code >> FIELDS[name]:
+            code = coded[name].index(value) if isinstance(value, str | Selector) else int(value)
+            if code >> bits[name]:
                 raise ConflictError(f"{name}: {value} has no code")
             program.clocks[clock % period][name] = code
 
@@ -173,8 +234,11 @@ def encode(groups: Groups, of: Schedule) -> Program:
     for name, clock in loads.items():
         put(clock, source="input", input=name, w=program.places[name], w_by=NEVER)
     put(max(loads.values()), last_input=1)
-    results = sorted((p for p in steps if p.step.result), key=lambda p: p.at)
-    first, last = results[0].at + timing.WRITE, results[-1].at + timing.WRITE
+    program.turns = turns(lowering, steps, of.starts)
+    program.shown = {joint.name: program.turns[joint.angle].over + joint.shown for joint in lowering.joints.values()}
+    results = [p.at + timing.WRITE for p in steps if p.step.result in lowering.RESULTS]
+    first, last = min(results), max(results + [clock + 1 for clock in program.shown.values()])
+    program.results = first, last
     put(first - 1, hold=1)
     put(first, first_result=1)
     put(last, last_result=1)
@@ -201,12 +265,13 @@ def encode(groups: Groups, of: Schedule) -> Program:
             limit=bool(w and w.limit),
             last=w.last if w else "inner",
             sign=step.sign,
-            result=step.result,
             norm=step.norm.kind if step.norm else "",
         )
+        if step.result:
+            put(t + timing.WRITE, result=step.result)
         if w:
             place, flag = operand(w.to)
-            put(t + timing.WRITE, source="sum", w=place, w_by=flag)
+            put(t + timing.WRITE, source=w.source, w=place, w_by=flag)
         if step.norm:
             put(t + timing.NORM, source="normal", w=program.places[step.norm.to], w_by=NEVER, e_set=step.norm.count)
         if step.count:
@@ -214,21 +279,39 @@ def encode(groups: Groups, of: Schedule) -> Program:
             for number, (factor, register) in enumerate(step.count.terms):
                 base = str(step.count.base) if number == 0 else "count"
                 put(begin + number, n_base=base, n_e=register, n_minus=factor < 0, n_twice=abs(factor) == 2)
+    by_angle = {joint.angle: joint for joint in lowering.joints.values()}
+    others = {joint.other for joint in by_angle.values()}
+    for angle, turn in program.turns.items():
+        joint = by_angle.get(angle)
+        rounding = {"rounding": "" if not joint else "sum" if joint.other else "twice"}
+        rounding["negative_by"] = "" if not joint or joint.other else joint.by
+        x, y = turn.loads
+        if turn.vector.lengths:
+            put(x, again=1, **rounding)
+        else:
+            put(x, load_x=1)
+            put(y, load_y=1, opposite=turn.vector.opposite, **rounding)
+        put(turn.over, over=1)
+        if angle in others:
+            put(turn.over + timing.SHOWN, to_h=1)
+    for joint in lowering.joints.values():
+        half = joint.by if joint.other else ""
+        put(program.shown[joint.name], result=joint.name, less=joint.minus, twice=not joint.other, half_by=half)
     return program
 
 
-SCHEDULE = Path(__file__).with_name("schedule.json")
-"""Schedule found by `make schedule`."""
+SCHEDULES = {name: Path(__file__).with_name(f"{name.replace('fold', 'schedule')}.json") for name in PROGRAMS}
+"""Schedules found by `make schedule`."""
 
 
 @cache
-def schedule() -> Schedule:
+def schedule(name: str = "fold") -> Schedule:
     """Return the schedule on file."""
-    return Schedule(**json.loads(SCHEDULE.read_text(encoding="utf-8")))
+    return Schedule(**json.loads(SCHEDULES[name].read_text(encoding="utf-8")))
 
 
 @cache
-def program(width: int) -> tuple[Lowering, Program]:
-    """Return the dataflow's steps at a word length, and the program of the schedule on file."""
-    lowering, groups = lower(width)
-    return lowering, encode(groups, schedule())
+def program(width: int, name: str = "fold") -> tuple[Lowering, Program]:
+    """Return a dataflow's steps at a word length, and the program of the schedule on file."""
+    lowering, groups = lower(width, name)
+    return lowering, encode(lowering, groups, schedule(name), name)

@@ -13,8 +13,8 @@ from functools import cache
 from ..nodes import Node
 from . import steps as timing
 from .lowering import Lowering
-from .program import INPUTS, Program, program
-from .steps import DOUBLE, PLAIN, Pick, Placed, Selector, Step
+from .program import Program, program
+from .steps import DOUBLE, ELBOW, PLAIN, Pick, Placed, Selector, Step
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,11 @@ class _Finder:
 
     def of_sum(self, name: str, step: Step) -> str:
         """Return the bits of T that hold the node."""
-        if self.nodes[name].format.width == 2 * self.lowering.width + 2:
+        width = self.nodes[name].format.width
+        if width == 2 * self.lowering.width + 2:
             return "~t" if step.norm and step.norm.kind == "inverse" else "t"
+        if width == 2 * self.lowering.width:
+            return "t[XW-1:2]"
         if step.write and step.write.double_by:
             plain, double = (self.of_window(name, window) for window in (PLAIN, DOUBLE))
             return f"doubled ? {double} : {plain}"
@@ -71,10 +74,10 @@ class _Finder:
             return f"{{{{{above}{{t[XW-1]}}}}, t[XW-1:{last}]}}"
         return self.bits("t", last, name)
 
-    def of_product(self, cut: str) -> str:
+    def of_product(self, name: str, cut: str) -> str:
         """Return the rounded product."""
         if cut == "exact":
-            return "p[2*D-1 -: XW]"
+            return f"p[2*D-1 -: {'2*W' if self.nodes[name].format.width == 2 * self.lowering.width else 'XW'}]"
         return f"p_{cut}[FRAC+2:1]"
 
     def step(self, placed: Placed) -> None:
@@ -85,7 +88,10 @@ class _Finder:
             clock = at + (timing.WRITE if norm else timing.READ)
             self.add(of.node if of.node in self.lowering.counts else "", clock, f"n - 6'd{of.offset & 63}")
         if step.term in self.nodes:
-            self.add(step.term, at + timing.SUM, self.of_product(step.cut))
+            self.add(step.term, at + timing.SUM, self.of_product(step.term, step.cut))
+        if isinstance(step.b, Pick) and step.b.constant:
+            for name in (name for name, pick in self.lowering.picks.items() if pick == step.b):
+                self.add(name, at + timing.READ + 1, self.bits("b", self.place(name), name))
         if norm:
             self.add(norm.to, at + timing.NORM, self.bits("normal", self.place(norm.to), norm.to))
             self.add(norm.count, at + timing.NORM, "pairs - 6'd1" if norm.kind == "arm" else "pairs")
@@ -93,11 +99,11 @@ class _Finder:
             format = self.nodes[write.to].format
             if format.width - 1 - format.frac <= self.lowering.weight[write.to]:
                 self.add(write.to, at + timing.WRITE, self.bits("w", self.place(write.to), write.to))
-        if step.name in self.nodes and step.name not in INPUTS and not (norm and norm.to == step.name):
-            if step.result:
-                self.add(step.name, at + timing.SUM, self.of_product(step.cut))
-            else:
+        if step.name in self.nodes and step.name not in self.lowering.INPUTS and not (norm and norm.to == step.name):
+            if not step.result:
                 self.add(step.name, at + timing.WRITE, self.of_sum(step.name, step))
+            elif step.name != step.result or step.name in ELBOW:
+                self.add(step.name, at + timing.SUM, self.of_product(step.name, step.cut))
         if step.result:
             self.add(step.result, at + timing.WRITE, "answer")
 
@@ -114,11 +120,25 @@ class _Finder:
         for placed in self.program.steps:
             for use in timing.registers_set(placed):
                 set_at[use.of] = max(set_at.get(use.of, 0), use.at)
-        masks = [name for name in self.lowering.made_of if name != "low"]
-        for bit, name in enumerate(masks):  # wires of ik_fold_flags
-            clock = max(set_at[root] for root in self.lowering.registers(Selector(name))) + 1
-            self.add(name, clock, f"flag_nodes[{bit}]")
+        wires = {"bad_hand": "hand_nodes[0]", "saturated": "hand_nodes[1]", "low": ""}
+        joints = {f"over_{name[-1]}": clock for name, clock in self.program.shown.items()}
+        masks = [name for name in self.lowering.made_of if name not in wires and name not in joints]
+        wires |= {name: f"flag_nodes[{bit}]" for bit, name in enumerate(masks)}  # of ik_fold_flags
+        for name in self.lowering.made_of.keys() - joints.keys() - {"low"}:
+            self.add(name, max(set_at[root] for root in self.lowering.registers(Selector(name))) + 1, wires[name])
         self.add("low", set_at["e_q"] + 2, "q_low")
+        for name, clock in joints.items():
+            self.add(name, clock + 1, "over")
+
+    def angles(self) -> None:
+        """Add lengths, before they are handed over, the angles, and the joints."""
+        joints = {joint.angle: 8 if joint.other else 4 for joint in self.lowering.joints.values()}
+        for angle, turn in self.program.turns.items():
+            self.add(turn.vector.length or "", turn.over, "length")
+            half = "1'b0" if turn.vector.lengths else "left"
+            self.add(angle, turn.over + timing.SHOWN, f"angle(4'd{joints.get(angle, 0)}, {half})")
+        for name, clock in self.program.shown.items():
+            self.add(name, clock, "th")
 
 
 def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
@@ -126,8 +146,11 @@ def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
     finder = _Finder(lowering, program)
     for name, clock in program.loads.items():
         finder.add(name, clock, "in")
+    for name in lowering.SIDE:
+        finder.add(name, max(program.loads.values()) + 1, f"branch_in[{lowering.SIDE.index(name)}]")
     finder.pairs()
     finder.flags()
+    finder.angles()
     for placed in program.steps:
         finder.step(placed)
     missing = [name for name in lowering.nodes if name not in finder.found]
@@ -137,8 +160,8 @@ def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
 
 
 @cache
-def times(width: int) -> dict[str, int]:
+def times(width: int, name: str = "fold") -> dict[str, int]:
     """Return the clock at which each node's register is valid, counted from the acceptance of its target."""
-    lowering, made = program(width)
+    lowering, made = program(width, name)
     taken = max(made.loads.values())
     return {name: max(of.time - taken, 1) for name, of in shown(lowering, made).items()}

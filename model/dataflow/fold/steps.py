@@ -66,11 +66,13 @@ NEVER, ALWAYS, NO_COUNT = Selector(), Selector("always"), Selector("n_0")
 @dataclass(frozen=True)
 class Pick:
     """One of two words at adjacent places: the larger and the smaller part of a rotation, which a flag assigns to the
-    first or second place; or a word and 0.  ``second`` selects the second place; the flag swaps the two."""
+    first or second place; or a word and 0.  ``second`` selects the second place; the flag swaps the two.  Or a word and
+    a ``constant``, which is :data:`PLACES` further and needs no second place."""
 
     pair: str
     flag: Selector
     second: bool = False
+    constant: str = ""
 
 
 Operand = str | Pick
@@ -85,6 +87,7 @@ class Write:
     double_by: Selector = NEVER  # selects the double window
     limit: bool = False  # values above the window become the largest word
     last: str = "inner"  # the last place kept: of an inner word, a root, a sine, a slope
+    source: str = "sum"  # or the result word, or the saturated wrist
 
 
 @dataclass(frozen=True)
@@ -157,8 +160,48 @@ and the product's sign; product ready; write T and take its sign; write the norm
 FETCH = 3
 """Clocks from a step's place in the program to its issue."""
 
-ELBOW = ("qe_w", "qe_i")
-"""Results that are constants where there is no elbow."""
+ELBOW = ("elbow_w", "elbow_i")
+"""Steps whose results are constants where there is no elbow."""
+
+
+# ---- angle unit ------------------------------------------------------------------------------------------------------
+
+ITERATED, SHOWN, AGAIN = 16, 17, 18
+"""Clocks of ``ik_fold_angle`` at its longest words: from loading y to handing over; from there to the angle; to handing
+over the vector of two lengths."""
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Vector of two result words, x and y or -y, or of two lengths: those of the two vectors before."""
+
+    angle: str
+    length: str | None
+    x: str
+    y: str
+    opposite: bool
+    lengths: bool
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Joint's angle: of a vector, doubled or with another one added, and the bits of the branch that change it."""
+
+    name: str
+    angle: str
+    other: str = ""  # "": the angle is doubled
+    minus: bool = False
+    branch: tuple[str, ...] = ()
+
+    @property
+    def shown(self) -> int:
+        """Clocks from handing over its vector."""
+        return SHOWN + self.minus
+
+    @property
+    def by(self) -> str:
+        """Name of its branch bits' code."""
+        return "_".join(name.removeprefix("branch_") for name in self.branch)
 
 
 @dataclass(frozen=True)
@@ -211,7 +254,7 @@ def selections(placed: Placed) -> list[tuple[Selector, int]]:
         needs.append((step.write.double_by, at + WRITE))
         if isinstance(step.write.to, Pick):
             needs.append((step.write.to.flag, at + WRITE))
-    if step.result in ELBOW:
+    if step.name in ELBOW and step.result:
         needs += [(Selector("clamp"), at + WRITE), (Selector("fold"), at + WRITE)]
     return needs
 

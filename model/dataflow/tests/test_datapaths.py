@@ -15,10 +15,8 @@ import pytest
 from model.bounds import predict, tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
-from model.dataflow.fold.lowering import lower
-from model.dataflow.fold.program import ConflictError, encode, program, schedule
+from model.dataflow.fold.program import ConflictError, codes, encode, fields, lower, program, schedule
 from model.dataflow.fold.shown import shown
-from model.dataflow.fold.steps import WRITE
 from model.dataflow.nodes import WIDTHS
 from model.io.flags import AT_SHOULDER, CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, corners, edges, mixed, random_reachable, region, unreachable
@@ -243,29 +241,44 @@ def test_the_verilog_has_each_number_at_the_declaration_of_a_node(section):
 # -- the program of the fold datapath
 
 
+PROGRAMS = pytest.mark.parametrize("name", ["fold", "fold_arm"])
+
+
+@PROGRAMS
 @pytest.mark.parametrize("width", CONFIGURATIONS["fold"].widths)
-def test_the_program_is_the_same_at_every_word_length(width):
-    one, other = program(width)[1], program(24)[1]
+def test_the_program_is_the_same_at_every_word_length(width, name):
+    one, other = program(width, name)[1], program(24, name)[1]
     assert [one.word(clock) for clock in range(one.period)] == [other.word(clock) for clock in range(other.period)]
 
 
-def test_steps_in_the_clocks_of_another_step_are_refused():
+def test_the_units_of_both_programs_have_the_same_codes():
+    """ik_fold_arm drives the units of ik_fold, which read the core's codes."""
+    own = "source", "input", "result", "sign", "b_by"
+    for field, of in codes().items():
+        if field not in own[:3]:
+            assert codes("fold_arm")[field][: len(of)] == of and fields("fold_arm")[field] == fields()[field]
+        assert field in own or codes("fold_arm")[field] == of
+
+
+@PROGRAMS
+def test_steps_in_the_clocks_of_another_step_are_refused(name):
     """Two steps that need a field or a place in one clock; a step of another clock that does not conflict shows as
     wrong nodes in the RTL (`tb/core/test_every_node.py`)."""
-    (_, groups), found = lower(24), schedule()
-    first, *others = found.starts
+    (lowering, groups), found = lower(24, name), schedule(name)
+    first, *others = groups
     for other in others[::7]:
         with pytest.raises(ConflictError, match="twice|lives|no place"):
-            encode(groups, replace(found, starts=found.starts | {other: found.starts[first]}))
+            encode(lowering, groups, replace(found, starts=found.starts | {other: found.starts[first]}), name)
 
 
-def test_every_node_is_shown_before_the_result_leaves():
-    lowering, made = program(24)
-    last = max(placed.at + WRITE for placed in made.steps if placed.step.result)
+@pytest.mark.parametrize(("name", "flow"), [("fold", "lean"), ("fold_arm", "arm")])
+def test_every_node_is_shown_before_the_result_leaves(name, flow):
+    lowering, made = program(24, name)
+    _, last = made.results
     found = shown(lowering, made)
-    assert list(found) == list(fixed.nodes("lean", 24))
+    assert list(found) == list(fixed.nodes(flow, 24))
     assert max(of.time for of in found.values()) == last + 1
-    assert fixed.latency("fold", 24) == last + 1 - max(made.loads.values())
+    assert fixed.latency(name, 24) == last + 1 - max(made.loads.values())
     without = replace(made, steps=[placed for placed in made.steps if placed.step.name != "az_tilt_sq"])
     with pytest.raises(LookupError, match="shows no az_tilt_sq"):
         shown(lowering, without)
