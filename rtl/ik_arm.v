@@ -31,7 +31,7 @@ module ik_arm #(
     input  wire [ TAG_W+3-1:0] s_axis_tuser,
     input  wire                s_axis_tvalid,
     output wire                s_axis_tready,
-    // Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, qw_w, qw_i, qw_j, qw_k, th1 to th7, lowest bits first; Q2.(W-2), one
+    // Result: th1 to th7, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, qw_w, qw_i, qw_j, qw_k, lowest bits first; Q2.(W-2), one
     // turn of th = 2^W. Above the tag in tuser, lowest first: too_far, too_near, on_axis, at_shoulder, bad_length,
     // saturated, 0, 0, bad_hand, over_1 to over_7
     output wire [    17*W-1:0] m_axis_tdata,

@@ -39,7 +39,7 @@ BRANCHES = ("branch_shoulder", "branch_elbow", "branch_wrist")
 JOINTS = tuple(f"th{k}" for k in range(1, 8))
 """Joint angles of the whole arm, one turn = 2^width."""
 
-ARM_RESULT_FIELDS = (*RESULT_FIELDS, "qw_w", "qw_i", "qw_j", "qw_k", *JOINTS)
+ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, "qw_w", "qw_i", "qw_j", "qw_k")
 """Fields of a result word of the whole arm, lowest bits first."""
 
 DEFAULT_D1 = 0.33

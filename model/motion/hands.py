@@ -81,7 +81,7 @@ class Hands:
         run = fixed.run(np.hstack((words, more.astype(np.int64))), width, "arm", branch, limits)
         over = run.flags >> 9 + np.arange(7)[:, None] & 1 > 0
         over |= np.array([[last < first] for first, last in limits])  # there is no word within them
-        found, th = result_values(run.results[:, :10], width).T, run.results[:, 10:].T * (2 * np.pi / 2**width)
+        found, th = result_values(run.results[:, 7:], width).T, run.results[:, :7].T * (2 * np.pi / 2**width)
         asked = from_words(words, exponent, width, targets.name).phi
         return found[:6], run.flags & 2 * BAD_HAND - 1, asked, found[6:], th, over
 

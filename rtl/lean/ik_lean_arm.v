@@ -180,7 +180,7 @@ module ik_lean_arm #(
   );
   ik_ring #(.W(W), .N(T_OUT-T_TH4)) u_th4_at_out (.clk(clk), .rst(rst), .d(th4), .q(th4_at_out));
   ik_delay #(.W(2*W), .N(T_OUT-T_TH2)) u_th2_at_out (.clk(clk), .d({th6, th2}), .q({th6_at_out, th2_at_out}));
-  assign out_data = {th7_at_out, th6_at_out, th5_at_out, th4_at_out, th3_at_out, th2_at_out, th1_at_out, words_at_out};
+  assign out_data = {words_at_out, th7_at_out, th6_at_out, th5_at_out, th4_at_out, th3_at_out, th2_at_out, th1_at_out};
 
   wire over_1_at_out, over_3_at_out, over_4_at_out, over_5_at_out, over_7_at_out;
   ik_delay #(.W(4), .N(T_OUT-T_OVER_1)) u_over_1_at_out (
