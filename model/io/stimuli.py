@@ -378,15 +378,29 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     return np.column_stack([point, targets[:, 3:], np.where(fits, tool, 0), words]).astype(np.int64)
 
 
+def arm_corners(width: int) -> np.ndarray:
+    """Return hands (N, 11) of lengths that are just good, or just bad, and with wrists beyond each side of the format."""
+    one, top, half = 1 << width - 2, (1 << width - 1) - 1, round((1 << width - 2) * 0.5**0.5)
+    ends = [one + side * (one >> 8) - less for side in (1, -1) for less in (0, 1)]
+    rows = [(one >> 2, 0, 0, 0, one >> 1, one >> 1, 0, 0, end, 0, 0) for end in ends]
+    along = (half, 0, half, 0), (half, -half, 0, 0), (one, 0, 0, 0)  # the hand's z axis along x, y, z
+    for side in (1, -1):
+        points = side * top * np.eye(3, dtype=np.int64)
+        rows += [(*p, 0, one >> 1, one >> 1, -side * top, *q) for p, q in zip(points, along, strict=True)]
+    return np.array(rows)
+
+
 def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
-    """Return input words and branch (N, 12) of the whole arm: poses of hands in reach, words without a meaning, and a
-    quarter of wrists anywhere, many outside the format."""
+    """Return input words and branch (N, 12) of the whole arm, shuffled: the corners, poses of hands in reach, words
+    without a meaning, and a quarter of wrists anywhere, many outside the format."""
     random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] % 4
-    anything = any_hands(count, width, seed)
+    anything, corners = any_hands(count, width, seed), arm_corners(width)
     poses = hand_poses(random_reachable(count, width, seed), width, seed)
     rows = np.where(kind < 2, poses, anything)
     rows[:, 7:] = np.where(kind < 3, rows[:, 7:], poses[:, 7:])
-    return np.column_stack([rows, random.integers(8, size=count)])
+    if count > 2 * len(corners):
+        rows[: len(corners)] = corners
+    return np.column_stack([random.permutation(rows), random.integers(8, size=count)])
 
 
 def arm_limits(width: int) -> list[tuple[int, int]]:
