@@ -379,7 +379,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 
 def arm_corners(width: int) -> np.ndarray:
-    """Return hands (N, 11) of lengths that are just good, or just bad, and with wrists beyond each side of the format."""
+    """Return hands (N, 11) of lengths that are just good or just bad, and wrists beyond each side of the format."""
     one, top, half = 1 << width - 2, (1 << width - 1) - 1, round((1 << width - 2) * 0.5**0.5)
     ends = [one + side * (one >> 8) - less for side in (1, -1) for less in (0, 1)]
     rows = [(one >> 2, 0, 0, 0, one >> 1, one >> 1, 0, 0, end, 0, 0) for end in ends]
