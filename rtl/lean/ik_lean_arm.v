@@ -31,7 +31,7 @@ module ik_lean_arm #(
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
     output wire [     15:0] out_flags,   // those of ik_lean, with saturated in bit 5; bad_hand, over_1 to over_7
-    output wire [ 17*W-1:0] out_data     // qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, th1 .. th7, lowest bits first
+    output wire [ 17*W-1:0] out_data     // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
 );
 
   `include "ik_arm_nodes.vh"

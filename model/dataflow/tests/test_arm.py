@@ -201,7 +201,9 @@ def test_every_input_has_an_answer(width):
     saturated = answer.flags & SATURATED > 0
     assert saturated[beyond].all() and not saturated[inside].any() and beyond.any()
     # Qw is as long as the product that it is
-    squares = [((answer.results[:, part] / one) ** 2).sum(axis=1) for part in (slice(4), slice(4, 6), slice(6, 10))]
+    squares = [
+        ((answer.results[:, part] / one) ** 2).sum(axis=1) for part in (slice(7, 11), slice(11, 13), slice(13, 17))
+    ]
     assert np.abs(squares[2] - squares[0] * squares[1] * (hand**2).sum(axis=1)).max() <= 3 / one
     assert answer.flags.max() < 512
 
