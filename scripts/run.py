@@ -53,8 +53,9 @@ def score_runs(
     core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
     scored = []
     for item, run in zip(prepared, runs, strict=True):
-        own = {"predicted": hand_bar(item.words, arguments.width, datapath) if predict else None}
-        own["placed"] = placed(item, run, arguments.width) if item.clip else None
+        wrists = item.targets.hand is None
+        own = {"predicted": hand_bar(item.words, arguments.width, datapath) if predict and wrists else None}
+        own |= {"placed": placed(item, run, arguments.width) if item.clip else None, "limits": item.limits}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **own)))
     return scored
 
@@ -68,6 +69,7 @@ def simulated(
         meter(0, "compiling and starting")
         jobs = [Job(item.targets.name, item.words) for item in prepared]
         core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
+        core |= {"limits": prepared[0].limits} if prepared[0].limits else {}
         return simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
 
 
@@ -133,7 +135,9 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 clip = turned(item, ran, result.width)
                 files(path.with_name("clip.bvh")).write_bytes(clip.content())
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
-            for suffix, content in tables(targets, ran, result).items():
+            own = item.robot.positions(result.each.hand.joints).T if item.robot else []
+            more = dict(zip(item.robot.names, own, strict=True)) if item.robot else {}
+            for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))
 
@@ -161,12 +165,12 @@ def _show(done: Done) -> None:
 def main(arguments: SimpleNamespace) -> int:
     """Load, simulate, score, write and print; return the exit status 0 or 1."""
     if arguments.list:
-        for name in trajectories.TRAJECTORIES:
+        for name in (*trajectories.TRAJECTORIES, *trajectories.HANDS):
             print(f"{name:14} {trajectories.describe(name)}")
         return 0
     out = arguments.out
     prepared = prepare(arguments)
-    folders = datapaths(arguments)
+    folders = datapaths(arguments, prepared)
     # For a long file the prediction takes longer than everything else.
     predict = sum(len(item.words) for item in prepared) < LONG
     recorded = WAVES[: 4 if len(prepared) == 1 else 2] if arguments.waves else []  # aligned: for one trajectory
@@ -178,7 +182,7 @@ def main(arguments: SimpleNamespace) -> int:
             runs = simulated(arguments, datapath, prepared, files(vcd) if arguments.waves else None)
             done.append(score_runs(arguments, datapath, prepared, runs, predict))
             if arguments.waves and len(prepared) == 1:
-                align(vcd, prepared[0].words, arguments.width, datapath, files)
+                align(vcd, prepared[0].words, arguments.width, datapath, files, prepared[0].limits)
             elif arguments.waves:
                 write_save_file(files(vcd), datapath, arguments.width, files(vcd.with_suffix(".gtkw")), VCD)
         write_results(files, out, folders.values(), prepared, done)

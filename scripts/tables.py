@@ -65,6 +65,10 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
     rows.append(("hand error / reach, rms", _number(result.hand_error_rms)))
     if result.hand_error_over_bar is not None:
         rows.append(("hand error / limit", f"{result.hand_error_over_bar:.2g}", "1"))
+    if result.orientation_error_max is not None:
+        turn = _number(result.orientation_error_max), _limit(result.orientation_error_bar)
+        rows.append(("orientation error of the hand, largest (rad)", *turn))
+        rows.append(("targets with a joint outside its limits", str(result.over_limit)))
     rows += [
         ("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max)),
         ("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max)),
@@ -78,7 +82,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
     if result.results_per_cycle:
         rows += [(LATENCY, str(result.latency_cycles)), (CLOCKS, str(result.total_cycles))]
         rows.append((RATE, f"{result.results_per_cycle:.3f}"))
-    occurred = int(np.bitwise_or.reduce(flags))
+    occurred = int(np.bitwise_or.reduce(flags)) & (1 << flag_bits.OVER_BIT) - 1
     return [*rows, ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0")]
 
 

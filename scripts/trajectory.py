@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,12 +14,15 @@ import click
 import numpy as np
 from numpy.typing import ArrayLike
 
-from model.dataflow.datapaths import DATAPATHS, DEFAULT
+from model.dataflow.datapaths import ARM, DATAPATHS, DEFAULT
+from model.dataflow.nodes import Limits
 from model.io import trajectories
 from model.io.files import read_csv
 from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, angle_doubt, to_words
+from model.motion import arms
 from model.motion import clip as clips
 from model.motion.clip import SIDES, TORSO, Clip, Motion
+from model.motion.hands import limit_words
 from model.motion.pose import NAMED_AXES, elbow_jumps, hanging, soft_reach, swivel, to_z
 from scripts.console import POSITIVE, Finite, InputError, core_options, option, point, reference_axis, swivel_angle
 from tb.sim.env import CORES
@@ -31,7 +34,7 @@ MOST_DATAPATHS = 3
 @dataclass(frozen=True)
 class Prepared:
     """A trajectory ready to run: its targets and their words (N, 6); scale: metres in a clip's unit of length; notes:
-    warnings, each one line."""
+    warnings, each one line; limits: of the joints of hand poses, words."""
 
     targets: Targets
     words: np.ndarray
@@ -41,6 +44,8 @@ class Prepared:
     twist: str = "clip"
     scale: float = 1.0
     notes: tuple[str, ...] = ()
+    robot: arms.Arm | None = None
+    limits: Limits | None = None
 
 
 # -- the options -----------------------------------------------------------------------------------
@@ -56,8 +61,8 @@ def trajectory_options(
     options.
     """
     trajectory = (
-        "a built-in trajectory (see --list), all of them, a CSV file with a header (x,y,z and optionally phi in rad, "
-        "d1, d2; any unit of length), or a BVH motion-capture clip"
+        "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "
+        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz, tool, branch), or a BVH motion-capture clip"
     )
     cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
     axis = (
@@ -79,6 +84,8 @@ def trajectory_options(
     )
     pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
     soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
+    robot = "arm of hand poses, which are those of its tip in its base frame: lengths, tool and limits of joints"
+    link = "of a URDF file, if its chain is not the only one"
     bar = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
         "the paper datapath near singular poses or below 32 bits)"
@@ -101,15 +108,23 @@ def trajectory_options(
         option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
         option("--pole", pole, point, metavar="X,Y,Z|JOINT"),
         option("--soft", soft, Finite(0, 1), metavar="FRACTION"),
+        option("--robot", robot, os.path.expanduser, metavar="|".join((*arms.ROBOTS, "FILE.urdf"))),
+        option("--base", f"first link {link}", metavar="LINK"),
+        option("--tip", f"last link {link}", metavar="LINK"),
         option("--bar", bar, POSITIVE, metavar="ERROR"),
     ]
 
 
-def datapaths(arguments: SimpleNamespace) -> dict[str, Path]:
+def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[str, Path]:
     """Return the datapaths to run, each with the folder of its results. Without --datapath both dataflows run on the
-    paper's scenario, and lean on anything else."""
+    paper's scenario, arm on hand poses, and lean on anything else. Raises InputError."""
     scenario = arguments.trajectory == trajectories.DEFAULT
     chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
+    chosen = [chosen] if isinstance(chosen, str) else chosen
+    if prepared[0].targets.hand is not None:
+        if "datapath" in arguments.given:
+            raise InputError(f"argument --datapath: hand poses run on {ARM.name}, not on {', '.join(chosen)}")
+        chosen = [ARM.name]
     return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
 
@@ -119,6 +134,7 @@ def datapaths(arguments: SimpleNamespace) -> dict[str, Path]:
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
 GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
+GOES_WITH |= dict.fromkeys(("robot",), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Options that only some kinds of trajectories take."""
 
@@ -127,13 +143,13 @@ OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
 
 def _kind(name: str) -> str:
     """Return the kind of --trajectory. Raises InputError."""
-    if name in ("all", *trajectories.TRAJECTORIES):
+    if name in ("all", *trajectories.TRAJECTORIES, *trajectories.HANDS):
         return BUILT_IN
     if name.lower().endswith(".bvh"):
         return CLIP
     if name.lower().endswith(".csv") or os.sep in name or os.path.exists(name):
         return CSV
-    valid = ", ".join(("all", *trajectories.TRAJECTORIES))
+    valid = ", ".join(("all", *trajectories.TRAJECTORIES, *trajectories.HANDS))
     raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
 
 
@@ -141,12 +157,14 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     """Return the trajectories of --trajectory. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
+    arguments.robot = arguments.robot or trajectories.ROBOTS.get(name)
     for given, kinds in GOES_WITH.items():
         if getattr(arguments, given) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
             raise InputError(f"argument --{given}: applies to a {goes}, not to a {kind} ({name})")
-    if arguments.pole is not None and arguments.phi is not None:
-        raise InputError("--pole and --phi exclude each other")
+    for one, other in (("pole", "phi"), *(("robot", name) for name in ("axis", "d1", "d2"))):
+        if getattr(arguments, one) is not None and getattr(arguments, other) is not None:
+            raise InputError(f"--{one} and --{other} exclude each other")
     if kind == CLIP:
         return [_of_clip(arguments)]
     if isinstance(arguments.pole, str):
@@ -154,30 +172,74 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     for given, word in OF_CLIPS:
         if getattr(arguments, given) == word:
             raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
+    robot = _robot(arguments)
     notes: tuple[str, ...] = ()
     if kind == CSV:
-        phi = hanging(axis) if arguments.phi is None else arguments.phi
+        phi = (None if robot else hanging(axis)) if arguments.phi is None else arguments.phi
         found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
-        if arguments.pole is not None and (found[0].phi != phi).any():
+        if arguments.pole is not None and (found[0].phi != phi).any() and not np.isnan(found[0].phi).any():
             notes = ("POLE= overrides the column phi",)
     else:
         found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
-    turned = (_guided(replace(one, frame=frame), arguments.pole, arguments.soft) for one in found)
+    found = [replace(one, frame=frame) for one in found]
+    if found[0].hand is not None:
+        return [_of_hands(arguments, found[0], robot, notes)]
+    if robot:
+        raise InputError(f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz")
+    turned = (_guided(one, arguments.pole, arguments.soft) for one in found)
     return [Prepared(each, *to_words(each, width), notes=notes) for each in turned]
+
+
+def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
+    """Return the arm of --robot. Raises InputError, and OSError for a file that cannot be read."""
+    name, ends = arguments.robot, (arguments.base, arguments.tip)
+    if name is None or name in arms.ROBOTS:
+        if any(ends):
+            raise InputError("argument --robot: --base and --tip are links of a URDF file")
+        return arms.ROBOTS.get(name)
+    if not name.lower().endswith(".urdf") and not os.path.exists(name):
+        raise InputError(f"argument --robot: unknown robot {name!r}; valid: {', '.join(arms.ROBOTS)}, a URDF file")
+    try:
+        return arms.Arm.from_urdf(name, *ends)
+    except ValueError as error:
+        raise InputError(f"argument --robot: {error}") from None
+
+
+def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
+    """Return hand poses ready to run. Raises InputError or TargetError."""
+    if arguments.soft is not None:
+        raise InputError("argument --soft: applies to wrist targets, not to hand poses")
+    if robot:
+        try:
+            own, given = robot.targets(targets), targets
+        except ValueError as error:
+            raise InputError(f"argument --robot: {error}") from None
+        differ = [name for name in ("d1", "d2") if name not in given.default_arm]
+        differ = [name for name in differ if (getattr(own, name) != getattr(given, name)).any()]
+        differ += ["tool"] if "tool" in given.others and (own.tool != given.tool).any() else []
+        notes = (*notes, *([f"ROBOT= overrides {', '.join(differ)} of the file"] if differ else []))
+        targets = own
+    limits = limit_words(robot.bounds if robot else None, arguments.width)
+    for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
+        if low > high:
+            raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
+    targets = _guided(targets, arguments.pole, None)
+    words = to_words(targets, arguments.width)
+    return Prepared(targets, *words, notes=notes, robot=robot, limits=limits)
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
     """Return the arms of a clip as one stream. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory), arguments.up)
-    arms = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
-    moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in arms)
+    limbs = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
+    moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in limbs)
     own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
     phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
     pole = arguments.pole
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
-        pole = np.stack([at - clip.positions[:, arm.upper] for arm in arms], axis=1).reshape(-1, 3)
+        pole = np.stack([at - clip.positions[:, arm.upper] for arm in limbs], axis=1).reshape(-1, 3)
     targets = _guided(clips.targets(clip, moves, phi, arguments.width), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
     words = to_words(targets, arguments.width)
@@ -188,7 +250,7 @@ def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Tar
     """Return the targets with swivel angles toward a pole, (3,) or (N, 3) from the shoulder, and with a soft reach."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
-        targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_position))
+        targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_wrist))
     if soft is not None:
         x, y, z = soft_reach(targets.position, targets.d1, targets.d2, soft).T
         targets = replace(targets, x=x, y=y, z=z)
@@ -200,7 +262,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     prepared = _load(arguments)
     for item in prepared:
         if item.targets.path is not None:  # not built-in
-            for doubt in (*item.notes, *doubts(item.targets)):
+            for doubt in (*item.notes, *doubts(item.targets, item.robot is None)):
                 print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
     return prepared
 
@@ -210,20 +272,18 @@ def sources(prepared: Iterable[Prepared]) -> list[Path]:
     return [Path(item.targets.path) for item in prepared if item.targets.path is not None]
 
 
-def doubts(targets: Targets) -> Iterator[str]:
-    """Yield a warning for each sign of a wrong unit, and for jumps of the elbow."""
-    distance = np.linalg.norm(targets.position, axis=1)
+def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
+    """Yield a warning for each sign of a wrong unit, and for jumps of the elbow; free: axis and lengths are options."""
+    distance = np.linalg.norm(targets.core_wrist, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
         arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
-        yield (
-            f"{out} of {len(targets)} targets are out of reach of {arms}; "
-            "use one unit of length for x, y, z, d1 and d2; D1= and D2= set another arm"
-        )
+        units = "x, y, z, d1 and d2; D1= and D2= set another arm" if free else "x, y, z as the robot has"
+        yield f"{out} of {len(targets)} targets are out of reach of {arms}; use one unit of length for {units}"
     if doubt := angle_doubt(targets.phi):
         yield doubt
     rows, axis = elbow_jumps(targets)
-    if len(rows):
+    if len(rows) and free:
         kind, names = ("frame", targets.others["frame"]) if targets.rows is None else ("row", targets.rows)
         where = list(dict.fromkeys(str(names[n]) for n in rows))
         more = f" and {len(where) - 3} more" if len(where) > 3 else ""

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings of ``ik_axis``: every node of every target read from a VCD, a VCD with all nodes of a target in one clock,
-and GTKWave save files with signals in groups and fixed-point words shown as real numbers.
+"""Recordings of ``ik_axis`` and ``ik_arm``: every node of every target read from a VCD, a VCD with all nodes of a
+target in one clock, and GTKWave save files with signals in groups and fixed-point words shown as real numbers.
 
     python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
 
 writes a save file for a VCD that a simulator of your own recorded.
 
 Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`), and found by their
-path below ``ik_axis``, which is the same in all simulators.
+path below the top, which is the same in all simulators.
 
 The groups of a save file are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`). A node's
 label carries its equation and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after its admission.
@@ -32,14 +32,14 @@ from vcd.reader import TokenKind, VCDParseError, tokenize
 from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS
-from model.dataflow.nodes import Format, Node
+from model.dataflow.datapaths import MODELS
+from model.dataflow.nodes import Format, Limits, Node
 from model.io.files import Place
-from model.io.words import FIELDS, RESULT_FIELDS, TargetError
+from model.io.words import JOINTS, TargetError
 from scripts.console import WORD_LENGTH, command, output
-from tb.sim.job import Difference
+from tb.sim.job import Difference, answer
 
-TOP = "ik_axis"
+TOPS = sorted({path.top for path in MODELS.values()})
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
 """Files that :func:`write_waves` writes: two recordings and their save files."""
@@ -62,21 +62,22 @@ class Signal:
 
 
 class Signals(dict[tuple[str, ...], Signal]):
-    """The signals below ``ik_axis`` in a VCD by their path from there. Raises TargetError for one that it lacks."""
+    """The signals below the top in a VCD by their path from there. Raises TargetError for one that it lacks."""
 
     def __init__(self, vcd: Path) -> None:
         super().__init__()
-        self.vcd = vcd
+        self.vcd, self.top = vcd, ""
         scopes: list[str] = []
         try:
             with open(vcd, "rb") as stream:
                 for token in tokenize(stream):
                     if token.kind is TokenKind.SCOPE:
                         scopes.append(token.scope.ident)
+                        self.top = self.top or next((top for top in TOPS if top == scopes[-1]), "")
                     elif token.kind is TokenKind.UPSCOPE:
                         scopes.pop()
-                    elif token.kind is TokenKind.VAR and TOP in scopes:
-                        below = scopes[scopes.index(TOP) + 1 :]
+                    elif token.kind is TokenKind.VAR and self.top in scopes:
+                        below = scopes[scopes.index(self.top) + 1 :]
                         name = ".".join([*scopes, token.var.ref_str])
                         self[(*below, token.var.reference)] = Signal(name, token.var.id_code, token.var.size)
                     elif token.kind is TokenKind.TIMESCALE:
@@ -86,10 +87,10 @@ class Signals(dict[tuple[str, ...], Signal]):
         except VCDParseError as error:
             raise TargetError(f"{vcd}: {error}") from None
         if not self:
-            raise TargetError(f"{vcd}: no module {TOP} in this VCD")
+            raise TargetError(f"{vcd}: no module {' or '.join(TOPS)} in this VCD")
 
     def __missing__(self, path: tuple[str, ...]) -> Signal:
-        raise TargetError(f"{self.vcd}: no {'.'.join((TOP, *path))} in this VCD")
+        raise TargetError(f"{self.vcd}: no {'.'.join((self.top, *path))} in this VCD")
 
     def changes(self) -> Iterator[tuple[int, dict[str, str]]]:
         """Yield each time of a change, and the bits of all signals from then on by identifier, in one dictionary."""
@@ -109,8 +110,9 @@ class Signals(dict[tuple[str, ...], Signal]):
 
 
 def place(datapath: str, node: Node) -> tuple[str, ...]:
-    """Return the path of a node's signal below ``ik_axis``."""
-    return (f"g_{CONFIGURATIONS[datapath].rtl}", "u_core", *([node.instance] if node.instance else []), node.name)
+    """Return the path of a node's signal below the top."""
+    path = MODELS[datapath]
+    return (f"g_{path.rtl}", "u_core", *filter(None, path.instance(node).split(".")), node.name)
 
 
 def write_save_file(
@@ -124,21 +126,21 @@ def write_save_file(
     start: int = 0,
     marker: int = -1,
 ) -> None:
-    """Write ``path``, the save file for ``vcd``, a recording of ``ik_axis`` with words of ``width`` bits.
+    """Write ``path``, the save file for ``vcd``, a recording of a datapath with words of ``width`` bits.
 
     ``dumpfile``: the VCD from the save file's folder. GTKWave finds it, as both are named without their folders.
     Raises TargetError for a VCD of another design, OSError if a file cannot be read or written.
     GTKWave opens at the time ``start``; with a ``first`` difference its section is open and its node red.
     ``aligned``: the VCD is one by `write_aligned`, which has no streams.
     """
-    nodes = fixed.nodes(datapath, width)
-    core = f"g_{CONFIGURATIONS[datapath].rtl}", "u_core"
+    nodes, of = fixed.nodes(datapath, width), MODELS[datapath]
+    core = f"g_{of.rtl}", "u_core"
     how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, vcd)
         save.writer.dumpfile(dumpfile, abspath=False)
         save.writer.savefile(Path(dumpfile).stem + ".gtkw", abspath=False)
-        save.writer.comment(f"{TOP}, {datapath} datapath, words of {width} bits: {how}")
+        save.writer.comment(f"{of.top}, {datapath} datapath, words of {width} bits: {how}")
         if first:
             save.writer.comment(f"first difference: {first}")
         save.writer.timestart(start)
@@ -149,17 +151,18 @@ def write_save_file(
         with save.writer.group("target" if aligned else "streams"):
             for name in ("target", "differs") if aligned else ("clk", "rst", *STREAMS[:3], "s_axis_tdata"):
                 save.plain((name,), "dec" if aligned else "hex")
-            for name in FIELDS:
+            for name in of.inputs:
                 save.word(place(datapath, nodes[name]), nodes[name].format, name + " (half turns)" * (name == "phi"))
             if not aligned:
                 for name in (*STREAMS[3:], "m_axis_tdata"):
                     save.plain((name,))
-                for k, name in enumerate(RESULT_FIELDS):
-                    bits = {"lowest": k * width, "of": len(RESULT_FIELDS) * width}
-                    save.word(("m_axis_tdata",), nodes[name].format, name, **bits)
-                for name in ("in_valid", "out_valid") if CONFIGURATIONS[datapath].period == 1 else ("clock", "go"):
+                for k, name in enumerate(of.results):
+                    bits = {"lowest": k * width, "of": len(of.results) * width}
+                    label = name + " (half turns)" * (name in JOINTS)
+                    save.word(("m_axis_tdata",), nodes[name].format, label, **bits)
+                for name in ("in_valid", "out_valid") if of.period == 1 else ("clock", "go"):
                     save.plain((*core, name))
-        for section, what in CONFIGURATIONS[datapath].sections.items():
+        for section, what in of.sections.items():
             with save.writer.group(f"{section}: {what}", closed=not first or first.node.section != section):
                 for node in nodes.values():
                     if node.section == section and node.op != "input":
@@ -169,7 +172,7 @@ def write_save_file(
 
 
 class _Save:
-    """Adds traces to a save file by their path below ``ik_axis``."""
+    """Adds traces to a save file by their path below the top."""
 
     def __init__(self, stream, vcd: Path) -> None:
         self.stream = stream
@@ -286,12 +289,13 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes,
     Names, scopes and times match the VCD of the run. A clock without a target is X. `target` is the number of a
     target, `differs` is 1 for those in `wrong`, with a node that differs from the model.
     """
+    top = MODELS[datapath].top
     with open(path, "w", encoding="ascii", newline="\n") as stream:
-        writer = VCDWriter(stream, timescale=recording.timescale, date="", version="", comment=f"{TOP}, aligned")
+        writer = VCDWriter(stream, timescale=recording.timescale, date="", version="", comment=f"{top}, aligned")
         with writer:
-            number = variable(writer, (TOP, "target"), 32)
-            differs = variable(writer, (TOP, "differs"), 1)
-            lines = [variable(writer, (TOP, *place(datapath, node)), node.format.width) for node in nodes]
+            number = variable(writer, (top, "target"), 32)
+            differs = variable(writer, (top, "differs"), 1)
+            lines = [variable(writer, (top, *place(datapath, node)), node.format.width) for node in nodes]
             end = 0
 
             def blank() -> None:
@@ -333,20 +337,22 @@ def write_waves(
         write_save_file(files(path), datapath, width, save, path.name, path == aligned, first, start, marker)
 
 
-def align(vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path) -> None:
-    """Call `write_waves` for the recording of one trajectory with the targets `words` (N, 6)."""
-    nodes = list(fixed.run(words, width, datapath).bits.nodes.values())
+def align(
+    vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path, limits: Limits | None = None
+) -> None:
+    """Call `write_waves` for the recording of one trajectory with the targets `words`, as in a job."""
+    nodes = list(answer(words, width, datapath, limits).bits.nodes.values())
     recording = read(files(vcd), datapath, nodes)
     write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes, files)
 
 
 @command(
     "waves",
-    "Write a GTKWave save file for a VCD of ik_axis that a simulator of your own recorded. "
-    f"DATAPATH is one of {', '.join(CONFIGURATIONS)}; WIDTH is the word length.",
+    "Write a GTKWave save file for a VCD of ik_axis or ik_arm that a simulator of your own recorded. "
+    f"DATAPATH is one of {', '.join(MODELS)}; WIDTH is the word length.",
     [
         click.Argument(["vcd"], type=Path, metavar="WAVES.vcd"),
-        click.Argument(["datapath"], type=click.Choice(list(CONFIGURATIONS)), metavar="DATAPATH"),
+        click.Argument(["datapath"], type=click.Choice(list(MODELS)), metavar="DATAPATH"),
         click.Argument(["width"], type=WORD_LENGTH),
         click.Argument(["save"], type=Path, metavar="SAVE.gtkw"),
     ],

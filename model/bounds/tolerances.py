@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..dataflow.datapaths import CONFIGURATIONS
+from ..dataflow.datapaths import CONFIGURATIONS, MODELS
 from .predict import hand_bar
 
 LEAN = {
@@ -65,6 +65,18 @@ def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
     return point * reach + WRIST_ULPS, orientation
 
 
+ROUNDED_POSE_ULPS = 3**0.5 / 2 + 3 / 2, 2.0
+"""Further errors of a hand in the user's units: of its point, as three coordinates, d1, d2 and tool are rounded to
+words, and of its orientation, as the four components are."""
+
+
+def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return :func:`arm` for poses in the user's units; across (N,): part of a tool across the hand's z axis, words."""
+    point, orientation = arm(words, width)
+    orientation += ROUNDED_POSE_ULPS[1] * 2.0 ** (2 - width)
+    return point + ROUNDED_POSE_ULPS[0] + orientation * across, orientation
+
+
 def lean(width: int) -> float:
     """Return the largest hand error / reach of the lean datapath at a word length."""
     return LEAN[width]
@@ -95,6 +107,6 @@ def yardstick(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
 
 def norm(width: int, datapath: str) -> float:
     """Return the largest abs(norm^2 - 1) of a quaternion."""
-    lean = CONFIGURATIONS[datapath].equations == "lean"
+    lean = MODELS[datapath].equations == "lean"
     ulps = max(LEAN_NORMS[width]) if lean else PAPER_NORM
     return ulps * 2.0 ** (2 - width)

@@ -14,6 +14,8 @@ from functools import cache
 import mpmath
 import numpy as np
 
+from ..io.words import FIELDS
+from . import arm
 from .angles import TABLE_BITS, atan_table, iterate, vector
 from .datapaths import MODELS
 from .nodes import Domain, Format, Limits, Node, effective_width
@@ -203,6 +205,17 @@ def nodes(datapath: str, width: int) -> dict[str, Node]:
 def latency(datapath: str, width: int) -> int:
     """Return the clocks of ``ik_axis`` from a target's input to its result's output, without stalls."""
     return max(node.time for node in nodes(datapath, width).values()) + MODELS[datapath].behind
+
+
+def of_hands(words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the core's input words (N, 6) for hand poses, input words (N, 11) of the whole arm, and the flags (N,)
+    of the hand."""
+    path, bits = MODELS["arm"], Bits(width, "arm")
+    columns = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
+    arm.hand(bits, bits.inputs(lambda name, fmt: columns[name], path.inputs))
+    value = {k: n.value for k, n in bits.nodes.items()}
+    flags = sum(value[name] * np.int64(flag) for name, flag in path.flags.items() if name in value)
+    return np.stack([value[k] for k in FIELDS], axis=1), flags
 
 
 def answer(words: np.ndarray, bits: Bits, branch=0) -> Answer:

@@ -18,9 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
-from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, TargetError, Targets, cell_error
+from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, LENGTH_TOLERANCE, TargetError, Targets, cell_error
 
 REQUIRED = ("x", "y", "z")
+QUATERNION = ("qw", "qx", "qy", "qz")
+OF_HANDS = (*QUATERNION, "tool", "branch")
+"""Columns of a hand's orientation; with it tool and branch may stand as well."""
+
 SEPARATORS = (",", ";", "\t")
 
 Place = Callable[[Path], Path]
@@ -31,22 +35,27 @@ _NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|i
 
 
 def read_csv(
-    path: str | os.PathLike[str], *, d1: float | None = None, d2: float | None = None, phi: float = math.pi
+    path: str | os.PathLike[str], *, d1: float | None = None, d2: float | None = None, phi: float | None = math.pi
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
-    Columns x, y, z are required; phi (rad), d1 and d2 are optional and default to the arguments (None: the default arm;
-    pi: the elbow below). Columns may be in any order, with names in either case; other columns are kept for the results
-    file, and a column arm names the arm of each row. Cells are separated by commas, semicolons (then a comma may also
-    be the decimal point) or tabs, whichever the header uses. A byte order mark, CRLF, blank lines and lines that begin
-    with # are accepted. Row numbers in messages are line numbers, as in an editor.
+    Columns x, y, z are required; phi (rad), d1 and d2 are optional and default to the arguments (None: the default arm,
+    a phi of nan; pi: the elbow below). Columns may be in any order, with names in either case; other columns are kept
+    for the results file, and a column arm names the arm of each row. With qw, qx, qy, qz, unit quaternions, x, y, z are
+    the hand's points; tool and branch are then optional, and default to 0. Cells are separated by commas, semicolons
+    (then a comma may also be the decimal point) or tabs, whichever the header uses. A byte order mark, CRLF, blank
+    lines and lines that begin with # are accepted. Row numbers in messages are line numbers, as in an editor.
 
     Raises TargetError for any error in the file or in a value.
     """
     path = os.fspath(path)
-    defaults = {"phi": phi, "d1": DEFAULT_D1 if d1 is None else d1, "d2": DEFAULT_D2 if d2 is None else d2}
+    defaults = {
+        "phi": math.nan if phi is None else phi,
+        "d1": DEFAULT_D1 if d1 is None else d1,
+        "d2": DEFAULT_D2 if d2 is None else d2,
+    }
     for column, default in defaults.items():
-        reason = _value_reason(column, default)
+        reason = _value_reason(column, default) if phi is not None or column != "phi" else None
         if reason:
             raise TargetError(f"default of {column}: '{default!r}' {reason}")
 
@@ -59,8 +68,9 @@ def read_csv(
         raise TargetError(f"{path}: row {header_row}: a header but no targets below it")
 
     values = {column: np.full(len(rows) - 1, default) for column, default in defaults.items()}
-    values |= {column: np.empty(len(rows) - 1) for column in columns if column in FIELDS}
-    others: dict[str, list[str]] = {column: [] for column in columns if column not in FIELDS}
+    of_hands = OF_HANDS if set(QUATERNION) <= set(columns) else ()
+    values |= {column: np.empty(len(rows) - 1) for column in columns if column in (*FIELDS, *of_hands)}
+    others: dict[str, list[str]] = {column: [] for column in columns if column not in values}
     for n, (row, cells) in enumerate(rows[1:]):
         if len(cells) != len(columns):
             raise _length_error(path, row, cells, columns)
@@ -72,8 +82,30 @@ def read_csv(
     default_arm = tuple(name for name, given in (("d1", d1), ("d2", d2)) if given is None and name not in columns)
     lines = np.array([row for row, _ in rows[1:]])
     arm = next((np.array(cells) for name, cells in others.items() if name.lower() == "arm"), None)
+    others |= {column: [repr(v) for v in values[column].tolist()] for column in of_hands if column in values}
+    hands = _hands(path, lines, {column: values.pop(column) for column in of_hands if column in values})
     name = Path(path).stem
-    return Targets(name, path=path, rows=lines, default_arm=default_arm, others=others, arm=arm, **values)
+    return Targets(name, path=path, rows=lines, default_arm=default_arm, others=others, arm=arm, **hands, **values)
+
+
+def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the fields of targets with hands from the columns of :data:`OF_HANDS`, if there are any."""
+    if not values:
+        return {}
+    q = np.column_stack([values[column] for column in QUATERNION])
+    with np.errstate(over="ignore"):
+        length = np.sqrt((q**2).sum(axis=1))
+    branch = values.get("branch", np.zeros(len(q)))
+    for wrong, column, reason in (
+        (~(np.abs(length - 1) <= LENGTH_TOLERANCE), "qw", "is part of a quaternion of length {:.6g}, not 1"),
+        (~np.isin(branch, range(8)), "branch", "is not a whole number from 0 to 7"),
+    ):
+        if wrong.any():
+            n = int(wrong.argmax())
+            value = f"{values[column][n]:.12g}"
+            raise cell_error(path, int(rows[n]), column, value, reason.format(length[n]))
+    tool = values.get("tool", np.zeros(len(q)))
+    return {"hand": q / length[:, None], "tool": tool, "branch": branch.astype(np.int64)}
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
@@ -113,14 +145,15 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
     """Return the column names in the file's order, target columns in lower case. Raises TargetError for repeated, empty
     or missing ones."""
     columns = [cell.strip() for cell in header]
-    columns = [column.lower() if column.lower() in FIELDS else column for column in columns]
+    of_hands = OF_HANDS if {column.lower() for column in columns} & set(QUATERNION) else ()
+    columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]
     if not set(columns) & set(REQUIRED):
         reason = f"is not a header; expected {','.join(REQUIRED)} and optionally {','.join(FIELDS[3:])}"
         raise cell_error(path, row, columns[0] or "(no name)", ",".join(columns), reason)
     for n, column in enumerate(columns, 1):
         if columns.count(column) > 1 and column:
             raise cell_error(path, row, column, header[n - 1].strip(), "appears twice in the header")
-    for column in REQUIRED:
+    for column in REQUIRED + QUATERNION * bool(of_hands):
         if column not in columns:
             raise TargetError(f"{path}: row {row}, column {column}: is missing; the header is {','.join(columns)!r}")
     return [column or f"column {n}" for n, column in enumerate(columns, 1)]
@@ -167,10 +200,11 @@ def _value_reason(column: str, value: float) -> str | None:
 
 
 def format_csv(targets: Targets) -> str:
-    """Return the text of a target file: a header with all six columns and one row per target, exact to the last bit."""
-    lines = [",".join(FIELDS)]
-    table = np.column_stack([getattr(targets, field) for field in FIELDS])
-    lines += [",".join(map(repr, row)) for row in table.tolist()]
+    """Return the text of a target file: a header with all six columns, of hands those of :data:`OF_HANDS` as well, and
+    one row per target, exact to the last bit."""
+    cells = {field: [*map(repr, getattr(targets, field).tolist())] for field in FIELDS}
+    cells |= {column: targets.others[column] for column in OF_HANDS if column in targets.others}
+    lines = [",".join(cells), *map(",".join, zip(*cells.values(), strict=True))]
     return "\n".join(lines) + "\n"
 
 

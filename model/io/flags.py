@@ -53,11 +53,14 @@ ARM_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"over_{k}": BAD_HAND << k for k 
 
 ARM_FLAG_BITS = 16
 
+OVER_BIT = 9
+"""Bit of over_1."""
+
 
 def names(flags: int) -> str:
     """Return the names of the set flags, joined by '+'; '-' when none is set. An unnamed bit is 'bitN'."""
-    known = {int(flag): name for name, flag in FLAGS.items()}
-    return "+".join(known.get(1 << n, f"bit{n}") for n in range(FLAG_BITS) if flags >> n & 1) or "-"
+    known = {int(flag): name for name, flag in ARM_FLAGS.items()}
+    return "+".join(known.get(1 << n, f"bit{n}") for n in range(ARM_FLAG_BITS) if flags >> n & 1) or "-"
 
 
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:

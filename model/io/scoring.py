@@ -5,6 +5,7 @@ Comparisons:
 
 * the hand: forward kinematics of the core's quaternions, with the user's arm, against the user's target;
   quantisation of the target therefore counts as an error of the core
+* the hand of a pose: its point and orientation, by forward kinematics of the seven joint angles, against the user's
 * angles and elbow point: against double precision at the core's input words
 * an unreachable target: the hand against the clamped pose's, separately from the reachable targets
 
@@ -28,10 +29,15 @@ from typing import Any
 import numpy as np
 
 from ..bounds import tolerances
+from ..dataflow import fixed
+from ..dataflow.datapaths import MODELS
+from ..dataflow.nodes import Limits
+from ..dataflow.operations import outside
 from ..reference.equations import solve_clamped
-from ..reference.kinematics import angle_between, continuous, forward
+from ..reference.joints import reached
+from ..reference.kinematics import angle_between, continuous, forward, rotate
 from . import flags as flag_bits
-from .words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values
+from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_words, result_values
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
@@ -63,9 +69,20 @@ def singular_distance(targets: Targets) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
+class Hand:
+    """Hands of N poses: point (N, 3) in scaled lengths and the user's frame, joints (N, 7), rad, `over_limit` (N, 7)
+    and the error of the orientation (N,), rad."""
+
+    point: np.ndarray
+    joints: np.ndarray
+    over_limit: np.ndarray
+    orientation_error: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Each:
     """Score components per target: points (N, 3) in scaled lengths and the user's frame, errors (N,) relative to the
-    reach or in rad.
+    reach, that of a hand with its tool, or in rad.
 
     `hand_error` is against the target; for an unreachable one (`clamped`), `judged_error` is against the nearest pose
     instead.
@@ -79,6 +96,7 @@ class Each:
     predicted: np.ndarray | None
     shoulder_angle_error: np.ndarray
     elbow_angle_error: np.ndarray
+    hand: Hand | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +107,8 @@ class Score:
     the unreachable targets. `hand_error_bar` and `clamped_error_bar` are their limits, None without one.
     `hand_error_over_bar` is the largest error in units of its bar. `hand_error_target` is the number of the target with
     the largest error and `hand_error_pose` its distance from the nearest singular pose. `failures` is empty exactly
-    when `passed`, and `outcome` states the requested and the measured accuracy.
+    when `passed`, and `outcome` states the requested and the measured accuracy. Orientations, and `over_limit`, the
+    number of targets with a joint outside its limits, are of hand poses only.
     """
 
     trajectory: str
@@ -105,6 +124,8 @@ class Score:
     hand_error_over_bar: float | None
     hand_error_target: int | None
     hand_error_pose: str | None
+    orientation_error_max: float | None
+    orientation_error_bar: float | None
     angle_error_max: float | None
     shoulder_angle_error_max: float | None
     elbow_angle_error_max: float | None
@@ -117,6 +138,7 @@ class Score:
     total_cycles: int | None
     results_per_cycle: float | None
     flagged: int
+    over_limit: int | None
     scale_exponent: int
     passed: bool
     outcome: str
@@ -141,56 +163,70 @@ def score(
     predicted: np.ndarray | None,
     bar: float | None = None,
     placed: tuple[np.ndarray, np.ndarray] | None = None,
+    limits: Limits | None = None,
 ) -> Score:
     """Score the core's results.
 
     * targets: N of them, in the user's units
-    * words (N, 6), exponent: output of `targets.to_words`
+    * words (N, 6), or of hands (N, 12), exponent: output of `targets.to_words`
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
     * bar: hand error / reach requested by the user, replacing the table of tolerances
     * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units; by default those of forward
       kinematics
+    * limits: of the joints of hand poses, words; none by default
 
     Raises ValueError for arrays whose shapes do not match, since a lost result would otherwise go undetected, and for a
     prediction that is not positive and finite.
     """
-    count = len(targets)
-    shapes = {"words": (count, 6), "results": (count, 6), "flags": (count,), "predicted": (count,)}
+    count, path = len(targets), MODELS[datapath]
+    shapes: dict[str, tuple[int, ...]] = {"words": (count, len(path.inputs) + bool(path.side))}
+    shapes |= {"results": (count, len(path.results)), "flags": (count,), "predicted": (count,)}
     for name, array in {"words": words, "results": run.results, "flags": run.flags, "predicted": predicted}.items():
         if array is not None and np.shape(array) != shapes[name]:
             raise ValueError(f"{targets.name}: {name} has shape {np.shape(array)}, not {shapes[name]}")
     if predicted is not None and not (np.isfinite(predicted) & (np.asarray(predicted) > 0)).all():
         raise ValueError(f"{targets.name}: the predicted hand error is not positive and finite")
 
-    asked = from_words(words, 0, width, targets.name)  # in scaled lengths, as everything below
+    value = dict(zip(path.results, np.asarray(run.results).T, strict=True))
+    core, expected = fixed.of_hands(words[:, :-1], width) if path.side else (words, np.zeros(count, dtype=np.int64))
+    asked = from_words(core, 0, width, targets.name)  # in scaled lengths, as everything below
     d1, d2 = np.ldexp(targets.d1, exponent), np.ldexp(targets.d2, exponent)
     reach = d1 + d2
     pose = solve_clamped(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
     parts = RESULT_FIELDS[:4], RESULT_FIELDS[4:], ("p_e_x", "p_e_y", "p_e_z")
     pose_qs, pose_qe, pose_elbow = (np.column_stack([pose[name] for name in names]) for names in parts)
-    values = result_values(run.results, width)
+    values = result_values(np.column_stack([value[name] for name in RESULT_FIELDS]), width)
     qs, qe = values[:, :4], values[:, 4:]
 
     elbow, wrist = forward(qs, qe, d1, d2)
     if placed is not None:
         elbow, wrist = (np.ldexp(targets.points_to_core(points), exponent) for points in placed)
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
-    hand_error = np.linalg.norm(wrist - np.ldexp(targets.core_position, exponent), axis=1) / reach
-    clamped_error = np.linalg.norm(wrist - pose_wrist, axis=1) / reach
+    end, nearest, size, table, of_hand, turn_bar = wrist, pose_wrist, reach, None, None, None
+    if path.side:
+        of_hand, q = _hand(targets, exponent, value, width, limits)
+        tool, end = np.ldexp(targets.tool, exponent), of_hand.point
+        size, nearest = reach + np.linalg.norm(tool, axis=1), pose_wrist + rotate(targets.core_hand, tool)
+        table, turn_bar = tolerances.pose(words, width, np.ldexp(np.linalg.norm(tool[:, :2], axis=1), width - 2))
+        table = np.ldexp(table, 2 - width) / size
+        expected = expected | (of_hand.over_limit << flag_bits.OVER_BIT + np.arange(len(JOINTS))).sum(axis=1)
+    hand_error = np.linalg.norm(end - np.ldexp(targets.core_position, exponent), axis=1) / size
+    clamped_error = np.linalg.norm(end - nearest, axis=1) / size
     elbow_error = np.linalg.norm(elbow - pose_elbow, axis=1) / reach
     shoulder_angle = angle_between(qs, pose_qs)
     elbow_angle = angle_between(*(np.pad(q, ((0, 0), (0, 2))) for q in (qe, pose_qe)))
     qs_norm = np.abs((qs**2).sum(axis=1) - 1)
     qe_norm = np.abs((qe**2).sum(axis=1) - 1)
 
-    expected = flag_bits.expected_flags(words, width)
-    clamped = (expected & flag_bits.UNREACHABLE) != 0
+    expected = expected | flag_bits.expected_flags(core, width)
+    clamped = (expected & (flag_bits.UNREACHABLE | flag_bits.SATURATED)) != 0
     reachable = ~clamped
     distances = singular_distances(asked)
     distance = np.min(list(distances.values()), axis=0)
-    if bar is None:
+    if bar is None and not path.side:
         bar = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
+    bars = table if bar is None else np.full(count, bar)
     worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
     norm_bar = tolerances.norm(width, datapath)
     everywhere = np.ones(count, dtype=bool)
@@ -202,14 +238,17 @@ def score(
     failures = [
         *([mismatch] if run.bit_mismatches else []),
         *_flag_failures(np.asarray(run.flags), expected),
-        *_bar_failures("hand error", hand_error, bar, reachable),
-        *_bar_failures("error of the clamped hand", clamped_error, bar, clamped),
+        *_bar_failures("hand error", hand_error, bars, reachable),
+        *_bar_failures("error of the clamped hand", clamped_error, bars, clamped),
+        *(_bar_failures("orientation error", of_hand.orientation_error, turn_bar, everywhere) if of_hand else ()),
         *_bar_failures("abs(norm^2-1) of Qs", qs_norm, norm_bar, everywhere),
         *_bar_failures("abs(norm^2-1) of Qe", qe_norm, norm_bar, everywhere),
     ]
     largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
-    each = Each(at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle)
+    if of_hand:
+        of_hand = dataclasses.replace(of_hand, point=at(of_hand.point))
+    each = Each(at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle, of_hand)
     return Score(
         trajectory=targets.name,
         datapath=datapath,
@@ -219,30 +258,47 @@ def score(
         bit_mismatches=int(run.bit_mismatches),
         hand_error_max=largest,
         hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
-        hand_error_bar=bar if reachable.any() else None,
+        hand_error_bar=None if bars is None or worst is None else float(bars[worst]),
         hand_error_predicted=None if predicted is None else _max(predicted, reachable),
-        hand_error_over_bar=None if bar is None or largest is None else largest / bar,
+        hand_error_over_bar=None if bars is None else _max(hand_error / bars, reachable),
         hand_error_target=worst,
         hand_error_pose=None if worst is None else _pose({what: far[worst] for what, far in distances.items()}),
+        orientation_error_max=_max(of_hand.orientation_error, everywhere) if of_hand else None,
+        orientation_error_bar=turn_bar,
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
         shoulder_angle_error_max=_max(shoulder_angle, reachable),
         elbow_angle_error_max=_max(elbow_angle, reachable),
         elbow_point_error_max=_max(elbow_error, reachable),
         norm_error_max=float(np.max([qs_norm, qe_norm])),
         clamped_error_max=furthest,
-        clamped_error_bar=bar if clamped.any() else None,
+        clamped_error_bar=None if bars is None else _max(bars, clamped & (clamped_error == furthest)),
         singular_distance_min=float(distance.min()),
         latency_cycles=run.latency_cycles,
         total_cycles=run.total_cycles,
         # Throughput from the first result to the last, both counted.
         results_per_cycle=None if clocks is None else count / clocks,
-        flagged=int(np.count_nonzero(run.flags)),
+        flagged=int(np.count_nonzero(run.flags & (1 << flag_bits.OVER_BIT) - 1)),
+        over_limit=int(of_hand.over_limit.any(axis=1).sum()) if of_hand else None,
         scale_exponent=int(exponent),
         passed=not failures,
-        outcome=_outcome(not failures, bar, max(error for error in (largest, furthest) if error is not None)),
+        outcome=_outcome(not failures, None if bars is None else float(bars[judged.argmax()]), float(judged.max())),
         failures=tuple(failures),
         each=each,
     )
+
+
+def _hand(
+    targets: Targets, exponent: int, value: dict[str, np.ndarray], width: int, limits: Limits | None
+) -> tuple[Hand, np.ndarray]:
+    """Return the hands by forward kinematics of the results' joints, with points in the core's frame, and their
+    orientations (N, 4)."""
+    words = np.array([value[name] for name in JOINTS])
+    th, free = words * (2 * np.pi / 2**width), [(-(1 << width - 1), (1 << width - 1) - 1)] * len(JOINTS)
+    ends = zip(words, limits or free, strict=True)
+    over = np.array([outside(word, low=low, high=high, width=width) for word, (low, high) in ends])
+    d1, d2, tool = (np.ldexp(length, exponent) for length in (targets.d1, targets.d2, targets.tool))
+    point, q = reached(th, d1, d2, tool)
+    return Hand(point, th.T, over.T, angle_between(q, targets.core_hand)), q
 
 
 def _max(values: np.ndarray, where: np.ndarray) -> float | None:
@@ -277,14 +333,15 @@ def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
     ]
 
 
-def _bar_failures(what: str, error: np.ndarray, bar: float | None, where: np.ndarray) -> list[str]:
-    """Report the target with the largest error above the bar, if any."""
-    above = where & (error > (np.inf if bar is None else bar))
+def _bar_failures(what: str, error: np.ndarray, bar: float | np.ndarray | None, where: np.ndarray) -> list[str]:
+    """Report the target with the largest error above its bar, one for all or (N,), if any."""
+    bars = np.broadcast_to(np.inf if bar is None else bar, error.shape)
+    above = where & (error > bars)
     if not above.any():
         return []
     n = int(np.argmax(np.where(above, error, 0.0)))
     return [
-        f"{what} {error[n]:.3g} at target {n} is {error[n] / bar:.3g} times its bar {bar:.3g}"
+        f"{what} {error[n]:.3g} at target {n} is {error[n] / bars[n]:.3g} times its bar {bars[n]:.3g}"
         f" ({np.count_nonzero(above)} targets above)"
     ]
 
@@ -292,33 +349,47 @@ def _bar_failures(what: str, error: np.ndarray, bar: float | None, where: np.nda
 # -- files -----------------------------------------------------------------------------------------
 
 
-def tables(targets: Targets, run: Any, result: Score) -> dict[str, bytes]:
+def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:
     """Return the contents of results.csv and, with the same data as arrays, of results.npz, by suffix.
 
     CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
-    columns of the target file. Every float is written so that reading it gives the same bits. The bytes depend on the
-    arguments only, so the files of two simulators can be compared.
+    columns of the target file and by `more` (N,). Every float is written so that reading it gives the same bits. The
+    bytes depend on the arguments only, so the files of two simulators can be compared.
 
     Arrays: points, elbow, wrist (N, 3), phi, d1, d2, flags, hand_error (N,), qs, qe (N, 4) as w, i, j, k with signs
-    that make them continuous.
+    that make them continuous; of hand poses also qw, joints and over_limit (N, 7), orientation_error, and `more`.
     """
-    values = result_values(run.results, result.width)
-    qs, qe = targets.from_core(values[:, :4]), values[:, 4:]
-    elbow, wrist = (np.ldexp(points, -result.scale_exponent) for points in (result.each.elbow, result.each.wrist))
-    flags, hand_error = np.asarray(run.flags), result.each.hand_error
-    columns: dict[str, list] = {"n": list(range(len(targets)))}
-    columns |= {field: getattr(targets, field).tolist() for field in FIELDS}
-    columns |= dict(zip(RESULT_FIELDS, np.column_stack((qs, qe)).T.tolist(), strict=True))
-    columns |= {"flags": flags.tolist(), "hand_error": hand_error.tolist()}
-    columns |= dict(zip(("elbow_x", "elbow_y", "elbow_z"), elbow.T.tolist(), strict=True))
-    columns |= {name: cells for name, cells in targets.others.items() if name not in columns}
+    value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
+    qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
+    value |= dict(zip(RESULT_FIELDS[:4], qs.T, strict=True))
+    hand, hand_error, origin = (
+        result.each.hand,
+        result.each.hand_error,
+        0.0 if targets.origin is None else targets.origin,
+    )
+    elbow, wrist = (np.ldexp(at, -result.scale_exponent) + origin for at in (result.each.elbow, result.each.wrist))
+    flags = np.asarray(run.flags) & (1 << flag_bits.OVER_BIT) - 1
+    columns = {"n": np.arange(len(targets))} | {field: getattr(targets, field) for field in FIELDS}
+    columns |= {name: value[name] for name in (*RESULT_FIELDS, *(WRIST_FIELDS if hand else ()))}
+    columns |= dict(zip(JOINTS, hand.joints.T, strict=True)) if hand else {}
+    columns |= {"flags": flags} | ({"over_limit": np.asarray(run.flags) >> flag_bits.OVER_BIT} if hand else {})
+    columns |= {"hand_error": hand_error} | ({"orientation_error": hand.orientation_error} if hand else {})
+    columns |= dict(zip(("elbow_x", "elbow_y", "elbow_z"), elbow.T, strict=True))
+    cells: dict[str, list] = {name: column.tolist() for name, column in columns.items()}
+    cells |= {name: own for name, own in targets.others.items() if name not in cells}
+    cells |= {name: column.tolist() for name, column in (more or {}).items()}
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
-    arrays = {name: getattr(targets, name) for name in ("phi", "d1", "d2")}
+    writer.writerow(cells)
+    writer.writerows(zip(*cells.values(), strict=True))
+    arrays: dict[str, Any] = {name: getattr(targets, name) for name in ("phi", "d1", "d2")} | (more or {})
     arrays |= {"points": targets.position, "elbow": elbow, "wrist": wrist, "flags": flags, "hand_error": hand_error}
-    arrays |= {"qs": continuous(qs, targets.arm), "qe": continuous(np.pad(qe, ((0, 0), (0, 2))), targets.arm)}
+    quaternions = [RESULT_FIELDS[:4], RESULT_FIELDS[4:], *([WRIST_FIELDS] if hand else [])]
+    for name, names in zip(("qs", "qe", "qw"), quaternions, strict=False):
+        q = np.column_stack([value[each] for each in names])
+        arrays[name] = continuous(np.pad(q, ((0, 0), (0, 4 - len(names)))), targets.arm)
+    if hand:
+        arrays |= {"joints": hand.joints, "over_limit": hand.over_limit, "orientation_error": hand.orientation_error}
     data = io.BytesIO()
     np.savez(data, **arrays)
     return {".csv": text.getvalue().encode(), ".npz": data.getvalue()}

@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .files import format_csv
+from .files import QUATERNION, format_csv
 from .words import DEFAULT_D1, DEFAULT_D2, Targets
 
 STEPS = 100
@@ -33,6 +33,12 @@ DEFAULT = "reach"
 TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 """All built-in trajectories by name, in the order in which they are listed and run."""
 
+HANDS: dict[str, Callable[[], Targets]] = {}
+"""Built-in trajectories of hand poses by name."""
+
+ROBOTS = {"pick_and_place": "iiwa14"}
+"""Trajectories in the base frame of a robot."""
+
 REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")
 """Trajectories that keep away from singular poses."""
 
@@ -42,12 +48,12 @@ EXAMPLES = ("reach", "two_arms")
 
 def make(name: str) -> Targets:
     """Return the targets of the built-in trajectory `name`. Raises KeyError for an unknown name."""
-    return TRAJECTORIES[name]()
+    return {**TRAJECTORIES, **HANDS}[name]()
 
 
 def describe(name: str) -> str:
     """Return a one-sentence description of the trajectory `name`. Raises KeyError for an unknown name."""
-    return TRAJECTORIES[name].__doc__ or ""
+    return {**TRAJECTORIES, **HANDS}[name].__doc__ or ""
 
 
 def trajectory(function: Callable[[], tuple]) -> Callable[[], tuple]:
@@ -62,6 +68,23 @@ def trajectory(function: Callable[[], tuple]) -> Callable[[], tuple]:
 
     made.__doc__ = function.__doc__
     TRAJECTORIES[function.__name__] = made
+    return function
+
+
+def hands(function: Callable[[], tuple]) -> Callable[[], tuple]:
+    """Register a trajectory of hand poses (decorator): positions (N, 3) in m, angles (rad), orientations (N, 4) and
+    lengths d1, d2, tool (m)."""
+
+    def made() -> Targets:
+        position, phi, q, d1, d2, tool = function()
+        (x, y, z), q = np.round(position.T, 9), np.round(q, 9)
+        others = {name: [*map(repr, column.tolist())] for name, column in zip(QUATERNION, q.T, strict=True)}
+        others["tool"] = [repr(tool)] * len(q)
+        own = {"hand": q / np.linalg.norm(q, axis=1)[:, None], "tool": tool, "others": others}
+        return Targets(function.__name__, x, y, z, np.round(phi, 9), d1, d2, **own)
+
+    made.__doc__ = function.__doc__
+    HANDS[function.__name__] = made
     return function
 
 
@@ -237,10 +260,30 @@ def out_of_reach() -> tuple:
     return _spherical(position[:, 0], 0.1, -0.1), np.pi - 0.7
 
 
+@hands
+def pick_and_place() -> tuple:
+    """Pick up a part with the flange of a KUKA iiwa14, and put it down elsewhere, turned by a right angle."""
+    over, part, aside, bin_ = (0.5, -0.2, 0.5), (0.6, -0.2, 0.3), (0.4, 0.35, 0.5), (0.4, 0.45, 0.35)
+    rests = [(*over, 0.0), (*part, 0.5), (*part, 0.5), (*over, 0.5), (*aside, 2.07), (*bin_, 2.07), (*aside, 2.07)]
+    position, yaw = _via(rests, [0.0, 0.2, 0.25, 0.4, 0.7, 0.85, 1.0])
+    q = np.column_stack((0 * yaw, np.cos(yaw / 2), np.sin(yaw / 2), 0 * yaw))  # the flange points down
+    return position, -1.0, q, 0.42, 0.4, 0.126
+
+
+@hands
+def writing() -> tuple:
+    """Write a line of small loops on an upright board with a pen that leans, and rocks with each stroke."""
+    stroke = 2 * np.pi * 6 * TIME
+    position = _points(0.45, 0.10 - 0.20 * TIME + 0.015 * np.sin(stroke), -0.05 + 0.02 * np.cos(stroke))
+    lean = np.radians(120 + 5 * np.sin(stroke)) / 2
+    q = np.column_stack((np.cos(lean), 0 * lean, np.sin(lean), 0 * lean))
+    return position, np.pi - 0.05 * TIME, q, DEFAULT_D1, DEFAULT_D2, 0.12
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the named trajectory as CSV."""
     parser = argparse.ArgumentParser("python -m model.io.trajectories", description=main.__doc__)
-    parser.add_argument("name", choices=TRAJECTORIES)
+    parser.add_argument("name", choices=[*TRAJECTORIES, *HANDS])
     sys.stdout.write(format_csv(make(parser.parse_args(arguments).name)))
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,10 @@ BRANCHES = ("branch_shoulder", "branch_elbow", "branch_wrist")
 JOINTS = tuple(f"th{k}" for k in range(1, 8))
 """Joint angles of the whole arm, one turn = 2^width."""
 
-ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, "qw_w", "qw_i", "qw_j", "qw_k")
+WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")
+"""Quaternion of the wrist, with width-2 fraction bits."""
+
+ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 """Fields of a result word of the whole arm, lowest bits first."""
 
 DEFAULT_D1 = 0.33
@@ -47,6 +51,9 @@ DEFAULT_D1 = 0.33
 
 DEFAULT_D2 = 0.27
 """Forearm of the default arm (m)."""
+
+LENGTH_TOLERANCE = 2.0**-8
+"""Largest error of a hand quaternion's length; `ik_arm` flags longer and shorter ones with bad_hand."""
 
 HEADROOM_BITS = 4
 """Maximum number of low bits that the scaling gives up for targets beyond the arm's reach."""
@@ -68,6 +75,10 @@ class Targets:
 
     `frame`, (4,) or (N, 4), is the quaternion of R, which takes the user's frame to the core's, where z is the
     reference axis; None is the core's own frame. `arm` (N,) names the arm of each target; None is one arm.
+
+    With `hand` (N, 4), unit quaternions in the user's frame, x, y, z is the hand's point, `tool` (N, 3) from the wrist
+    in the hand's frame; a number is a length along z. `branch` (N,) selects one of eight solutions for the joints.
+    `origin` (3,) is the shoulder in the user's frame.
     """
 
     name: str
@@ -83,6 +94,10 @@ class Targets:
     others: dict[str, list[str]] = field(default_factory=dict)
     frame: np.ndarray | None = None
     arm: np.ndarray | None = None
+    hand: Any = None
+    tool: Any = 0.0
+    branch: Any = 0
+    origin: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Convert every field to float64 (N,), broadcasting scalars. ValueError for shapes that do not match."""
@@ -92,13 +107,18 @@ class Targets:
             raise ValueError(f"targets are one-dimensional, not of shape {shape}")
         for name, column in zip(FIELDS, columns, strict=True):
             object.__setattr__(self, name, np.broadcast_to(column, shape).copy())
+        if self.hand is not None:
+            tool = np.asarray(self.tool, dtype=np.float64)
+            tool = tool if tool.ndim == 2 else np.multiply.outer(tool, (0.0, 0.0, 1.0))
+            for name, value, wide in (("hand", self.hand, (4,)), ("tool", tool, (3,)), ("branch", self.branch, ())):
+                object.__setattr__(self, name, np.broadcast_to(value, shape + wide))
 
     def __len__(self) -> int:
         return len(self.x)
 
     @property
     def position(self) -> np.ndarray:
-        """Wrist targets, shape (N, 3), user's unit and frame."""
+        """Wrist targets or the hand's points, shape (N, 3), user's unit and frame."""
         return np.column_stack((self.x, self.y, self.z))
 
     @property
@@ -108,8 +128,24 @@ class Targets:
 
     @property
     def core_position(self) -> np.ndarray:
-        """Wrist targets, shape (N, 3), in the core's frame; exact where R only exchanges axes."""
-        return self.points_to_core(self.position)
+        """Positions, shape (N, 3), from the shoulder in the core's frame; exact where R only exchanges axes."""
+        return self.points_to_core(self.position if self.origin is None else self.position - self.origin)
+
+    @property
+    def core_hand(self) -> np.ndarray:
+        """Orientations of the hand, shape (N, 4), in the core's frame."""
+        return self.hand if self.frame is None else multiply(self.frame, self.hand)
+
+    @property
+    def core_wrist(self) -> np.ndarray:
+        """Wrist targets, shape (N, 3), in the core's frame."""
+        return self.core_position if self.hand is None else self.core_position - rotate(self.core_hand, self.tool)
+
+    @property
+    def core_point(self) -> np.ndarray:
+        """Points for the core, shape (N, 3): of a hand those to which its tool leads along z."""
+        across = None if self.hand is None else self.tool * (1.0, 1.0, 0.0)
+        return self.core_position if across is None else self.core_position - rotate(self.core_hand, across)
 
     def points_to_core(self, points: np.ndarray) -> np.ndarray:
         """Return points (N, 3) in the core's frame."""
@@ -130,7 +166,7 @@ class Targets:
 
     def error(self, n: int, column: str, reason: str) -> TargetError:
         """Return the TargetError for the value in `column` of target `n` (counted from 0)."""
-        value = repr(float(getattr(self, column)[n]))
+        value = repr(float(np.ravel(getattr(self, column)[n])[-1]))  # of a tool its length along z
         if self.rows is None:
             return TargetError(f"{self.name}: target {n}, column {column}: '{value}' {reason}")
         return cell_error(self.path, int(self.rows[n]), column, value, reason)
@@ -166,7 +202,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     if not np.isfinite(reach[longest]):
         raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
     largest = 1 - math.frexp(reach[longest])[1]
-    position = targets.core_position
+    position = targets.core_point
     for exponent in range(largest, largest - HEADROOM_BITS - 1, -1):
         scaled = _ldexp(position, exponent)
         outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
@@ -185,7 +221,12 @@ def scale_exponent(targets: Targets, width: int) -> int:
             arm = f"beside the longest arm, {reach[longest]:.6g}{targets.arm_note}"
             reason = f"is too short: {arm}, its word of {width} bits is 0"
             raise targets.error(int(np.argmin(words != 0)), column, reason)
-    return exponent
+    tools = np.zeros(1) if targets.hand is None else np.abs(targets.tool[:, 2])
+    most = int(np.argmax(tools))
+    least = 1 - math.frexp(tools[most])[1] if tools[most] else exponent
+    if least < exponent - HEADROOM_BITS:
+        raise targets.error(most, "tool", "is too long for the format that fits this arm")
+    return min(exponent, least)
 
 
 def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
@@ -208,17 +249,21 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
 
     The words (N, 6) are int64, signed, columns as `FIELDS`; a length word is the length times 2^(e + width - 2) with
     the exponent e, rounded half to even. With `exponent` None, `scale_exponent` chooses it. Angles wrap to one turn.
+    For hands the words are (N, 12), columns as `ARM_FIELDS` and the branch.
     Raises TargetError as `scale_exponent` does.
     """
     if exponent is None:
         exponent = scale_exponent(targets, width)
     words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
-    for name, values in zip(LENGTHS, (*targets.core_position.T, targets.d1, targets.d2), strict=True):
+    for name, values in zip(LENGTHS, (*targets.core_point.T, targets.d1, targets.d2), strict=True):
         words[:, FIELDS.index(name)] = _quantise(np.ldexp(values, exponent), width)
     turns = targets.phi / (2 * np.pi)
     angle = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
     half = 2 ** (width - 1)
     words[:, FIELDS.index("phi")] = (angle + half) % (2 * half) - half
+    if targets.hand is not None:
+        tool = _quantise(np.ldexp(targets.tool[:, 2], exponent), width)
+        words = np.column_stack((words, tool, _quantise(targets.core_hand, width), targets.branch))
     return words, exponent
 
 

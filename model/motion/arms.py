@@ -16,11 +16,11 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..io.words import DEFAULT_D1, DEFAULT_D2
+from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
 from ..reference.kinematics import conjugate, multiply, rotate
 from .hands import Hands, checked_limits
-from .pose import ArmPose, Floats, solve
+from .pose import ArmPose, Floats, hanging, solve
 from .swivels import Swivels, feasible_swivel
 
 UNIT = (1.0, 0.0, 0.0, 0.0)
@@ -76,7 +76,7 @@ class Arm:
         self.upper, self.fore = _vector("upper", upper, 4), _vector("fore", fore, 4)
 
     @property
-    def _bounds(self) -> Floats:
+    def bounds(self) -> Floats:
         """Limits of th1 .. th7, (7, 2)."""
         return np.sort((self.limits - self.offsets[:, None]) * self.signs[:, None], axis=1)
 
@@ -91,6 +91,29 @@ class Arm:
         q = multiply(multiply(conjugate(self.mount), q), conjugate(self.tip))
         return rotate(conjugate(self.mount), np.asarray(points, dtype=np.float64) - self.base) - rotate(q, self.tool), q
 
+    def positions(self, th: ArrayLike) -> Floats:
+        """Return the robot's own positions (N, 7) for angles th1 .. th7, rad; within the limits by whole turns where
+        that is possible."""
+        low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
+        own = joints.wrap(np.asarray(th) * self.signs + self.offsets)
+        for turn in (-2 * np.pi, 2 * np.pi):
+            own = np.where(((own < low) | (own > high)) & (own + turn >= low) & (own + turn <= high), own + turn, own)
+        return own
+
+    def targets(self, poses: Targets) -> Targets:
+        """Return hand poses, of the tip in the base frame, as targets of this arm.  Feasible angles replace nan as phi.
+
+        Raises ValueError for bent links, whose joints `ik_arm` does not compute.
+        """
+        if self._bent:
+            raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
+        phi, q = poses.phi, multiply(poses.hand, conjugate(self.tip))
+        if np.isnan(phi).all():
+            chosen = self.choose_swivel(poses.position, poses.hand, poses.branch, margin=0.1)
+            phi = np.where(np.isnan(chosen), hanging(), chosen)
+        own = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "frame": conjugate(self.mount)}
+        return replace(poses, phi=phi, hand=q, origin=self.base, default_arm=(), **own)
+
     def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:
         """Return the poses of N tips, points (N, 3) and orientations (N, 4), or of one.
 
@@ -104,14 +127,11 @@ class Arm:
             branches = np.broadcast_to(branch, len(pose.qs))
             own = joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branches, *self._bent)
             pose = replace(pose, joints=joints.angles(*own).T)
-        th = joints.settled(pose.joints.T, self._bounds).T
-        low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
-        own = joints.wrap(th * self.signs + self.offsets)
-        for turn in (-2 * np.pi, 2 * np.pi):
-            own = np.where(((own < low) | (own > high)) & (own + turn >= low) & (own + turn <= high), own + turn, own)
+        th = joints.settled(pose.joints.T, self.bounds).T
+        own = self.positions(th)
         elbow, wrist = (self.base + rotate(self.mount, each) for each in (pose.elbow, pose.wrist))
         reached = wrist + rotate(self.mount, rotate(q, self.tool))
-        over = joints.outside(th.T, self._bounds).T
+        over = joints.outside(th.T, self.bounds).T
         qs = multiply(self.mount, pose.qs)
         return replace(pose, qs=qs, elbow=elbow, wrist=wrist, hand=reached, joints=own, over_limit=over)
 
@@ -127,7 +147,7 @@ class Arm:
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
         """Return the swivel angles for which the joints of N tips are within their limits."""
         wrists, q = self._wrists(points, hand)
-        return feasible_swivel(wrists, q, self.d1, self.d2, limits=self._bounds, branch=branch, bent=self._bent)
+        return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
 
     def choose_swivel(
         self,
@@ -142,14 +162,20 @@ class Arm:
         return self.feasible_swivel(points, hand, branch).nearest(near, margin)
 
     @classmethod
-    def from_urdf(cls, path: str | Path, base: str, tip: str) -> Arm:
-        """Return the arm between two links of a URDF file.
+    def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> Arm:
+        """Return the arm between two links of a URDF file, by default the only first and last link of a chain.
 
         Raises OSError, and ValueError for a file that is no URDF, a chain without seven turning joints, and axes that
         do not meet as they have to; the message has their distances.
         """
         try:
-            names, axes, points, limits, end = _chain(ElementTree.parse(path).getroot(), base, tip)
+            robot = ElementTree.parse(path).getroot()
+            parents, children = (
+                {_attributes(joint, side)["link"] for joint in robot.iter("joint") if joint.find(side) is not None}
+                for side in ("parent", "child")
+            )
+            base, tip = base or _only("base", parents - children), tip or _only("tip", children - parents)
+            names, axes, points, limits, end = _chain(robot, base, tip)
             return cls(**_from_axes(np.array(axes), np.array(points), end), limits=limits, names=names)
         except (ElementTree.ParseError, KeyError) as error:
             raise ValueError(f"{path}: not a URDF file: {error}") from None
@@ -192,6 +218,12 @@ def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list,
     if len(names) != 7:
         raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
     return names, axes, points, limits, frame
+
+
+def _only(what: str, links: set[str]) -> str:
+    if len(links) != 1:
+        raise ValueError(f"no link stands out as {what}: {', '.join(sorted(links)) or 'there are no joints'}")
+    return links.pop()
 
 
 def _attributes(joint: ElementTree.Element, part: str) -> dict[str, str]:
@@ -339,3 +371,6 @@ flexes toward the palm and deviates toward the thumb. The hand's frame has x alo
 along the fingers; the tip is in the palm. Limits are the norms of the AAOS, with more room for outward rotation, as it
 is measured with the arm held sideways.
 """
+
+ROBOTS = {"iiwa14": IIWA14, "human": HUMAN}
+"""Built-in arms by name."""

@@ -4,20 +4,28 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..dataflow import fixed
+from ..dataflow.datapaths import MODELS
 from ..io.flags import BAD_HAND
-from ..io.words import HEADROOM_BITS, Targets, from_words, result_values, to_words
+from ..io.words import (
+    JOINTS,
+    LENGTH_TOLERANCE,
+    RESULT_FIELDS,
+    WRIST_FIELDS,
+    Targets,
+    from_words,
+    result_values,
+    to_words,
+)
 from ..reference import joints
 
 Floats = NDArray[np.float64]
-
-LENGTH_TOLERANCE = 2.0**-8
-"""Largest error of a hand quaternion's length; `ik_arm` flags longer and shorter ones with bad_hand."""
 
 
 class Hands:
@@ -59,37 +67,28 @@ class Hands:
         q = q.T[self._from] / length
         return q, joints.tool_offset(q, tool), branch
 
-    def scale_exponent(self, exponent: int) -> int:
-        """Return the exponent of the host's scaling, less where the tool would leave the format.  Raises ValueError."""
-        longest = float(np.max(np.abs(self.tool), initial=0.0))
-        least = 1 - math.frexp(longest)[1] if longest else exponent
-        if least < exponent - HEADROOM_BITS:
-            raise ValueError(f"tool: {longest:.6g} is too long for the format that fits this arm")
-        return min(exponent, least)
-
     def in_words(self, rows: slice, targets: Targets, exponent: int, width: int, bounds: Floats | None) -> tuple:
         """Return what ``ik_arm`` computes for these hands at ``targets``: results of the core (6, n), flags and swivel
         angles (n,), Qw (4, n), joints and whether they are outside their limits (7, n)."""
-        (q, _, branch), high = self.part(rows), 2 ** (width - 1) - 1
-        q = q if targets.frame is None else joints.product(targets.frame, q)
-        tool = self.tool[rows] if self.tool.ndim and len(self.tool) > 1 else self.tool
-        words, _ = to_words(targets, width, exponent)
-        more = np.empty((len(words), 5))
-        more[:, 0], more[:, 1:] = np.ldexp(tool, exponent), q.T
-        more = np.clip(np.rint(np.ldexp(more, width - 2)), -high - 1, high)
+        path, (q, _, branch) = MODELS["arm"], self.part(rows)
+        words, _ = to_words(replace(targets, hand=q.T, tool=self._tool(rows), branch=branch), width, exponent)
         limits = limit_words(bounds, width)
-        run = fixed.run(np.hstack((words, more.astype(np.int64))), width, "arm", branch, limits)
+        run = fixed.run(words[:, :-1], width, path.name, words[:, -1], limits)
         over = run.flags >> 9 + np.arange(7)[:, None] & 1 > 0
         over |= np.array([[last < first] for first, last in limits])  # there is no word within them
-        found, th = result_values(run.results[:, 7:], width).T, run.results[:, :7].T * (2 * np.pi / 2**width)
-        asked = from_words(words, exponent, width, targets.name).phi
-        return found[:6], run.flags & 2 * BAD_HAND - 1, asked, found[6:], th, over
+        value = dict(zip(path.results, result_values(run.results, width).T, strict=True))
+        core, turn, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
+        th *= np.pi / 2  # words of an angle have 1 at a quarter turn
+        asked = from_words(words[:, :6], exponent, width, targets.name).phi
+        return core, run.flags & 2 * BAD_HAND - 1, asked, turn, th, over
+
+    def _tool(self, rows: slice) -> Floats:
+        return self.tool[rows] if self.tool.ndim and len(self.tool) > 1 else self.tool
 
     def reached(self, rows: slice, qs: Floats, qe: Floats, qw: Floats) -> Floats:
         """Return vectors (3, n) from the wrist to the hand's point for Qs (4, n), qe_w and qe_i (2, n), Qw (4, n)."""
         q = joints.product(joints.product(qs, np.array((-qe[1], qe[0], 0 * qe[0], 0 * qe[0]))), qw)
-        tool = self.tool[rows] if self.tool.ndim and len(self.tool) > 1 else self.tool
-        return joints.tool_offset(q / np.linalg.norm(q, axis=0), tool)
+        return joints.tool_offset(q / np.linalg.norm(q, axis=0), self._tool(rows))
 
 
 def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:

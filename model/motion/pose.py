@@ -221,8 +221,8 @@ def solve(
 
     frame = None if isinstance(axis, str) and axis == "z" else to_z(axis)
     targets = partial(Targets, "targets", frame=frame)
-    exponent = scale_exponent(targets(*table), width) if width and count else 0
-    exponent = hands.scale_exponent(exponent) if hands and width else exponent
+    of_hand = {"hand": hands.part(slice(None))[0].T, "tool": hands.tool} if hands else {}
+    exponent = scale_exponent(targets(*table, **of_hand), width) if width and count else 0
     qs, qe, flags, asked = np.empty((count, 4)), np.zeros((count, 4)), np.empty(count, dtype=np.int64), table[3].copy()
     elbow, wrist = np.empty((2, count, 3))
     w, i = (0, 1) if order == "wxyz" else (3, 0)
@@ -349,7 +349,7 @@ def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
     the wrist's distance from the axis, less that move.  Each arm has a path of its own.
     """
     reach = targets.reach.max(initial=1e-300)
-    position, found = targets.core_position / reach, [np.empty(0, dtype=np.intp)]
+    position, found = targets.core_wrist / reach, [np.empty(0, dtype=np.intp)]
     elbow = solve(position, targets.phi % (2 * np.pi), targets.d1 / reach, targets.d2 / reach).elbow
     arms = np.zeros(len(targets)) if targets.arm is None else targets.arm
     for own in (np.flatnonzero(arms == arm) for arm in np.unique(arms)):
@@ -359,8 +359,9 @@ def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
         passed = np.minimum(passed[1:], passed[:-1]) - moved
         found.append(own[1:][(swung > np.maximum(4 * np.maximum(moved, passed), 0.1 * targets.reach[own[1:]] / reach))])
     lines = np.array([line for line in product((0.0, 1.0, -1.0), repeat=3) if line > (0.0, 0.0, 0.0)])
-    near = np.abs(targets.position @ lines.T) / np.linalg.norm(lines, axis=1)
-    toward = (near / np.maximum(np.linalg.norm(targets.position, axis=1), 1e-300)[:, None]).max(axis=0)
+    wrist = targets.points_from_core(targets.core_wrist)
+    near = np.abs(wrist @ lines.T) / np.linalg.norm(lines, axis=1)
+    toward = (near / np.maximum(np.linalg.norm(wrist, axis=1), 1e-300)[:, None]).max(axis=0)
     return np.sort(np.concatenate(found)), lines[np.argmin(toward)].tolist()
 
 

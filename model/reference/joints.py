@@ -17,7 +17,7 @@ from enum import IntFlag
 
 import numpy as np
 
-from .kinematics import conjugate
+from .kinematics import conjugate, rotate
 
 
 class Branch(IntFlag):
@@ -115,6 +115,15 @@ def turned(a, b, c):
     return np.array(
         (np.cos(half) * np.cos(s), np.sin(half) * np.cos(d), np.sin(half) * np.sin(d), np.cos(half) * np.sin(s))
     )
+
+
+def reached(joints, d1, d2, tool):
+    """Return point (N, 3) and orientation (N, 4) of the hand at joints (7, N); tool (N, 3) from the wrist."""
+    upper = turned(*joints[:3])
+    fore = product(upper, turned(0 * joints[3], joints[3], 0 * joints[3]))
+    hand = product(fore, turned(*joints[4:])).T
+    bones = (upper.T, d1), (fore.T, d2)
+    return sum(rotate(q, (0.0, 0.0, 1.0)) * np.reshape(d, (-1, 1)) for q, d in bones) + rotate(hand, tool), hand
 
 
 def centred(limits):

@@ -29,7 +29,7 @@ from model.io import trajectories
 from model.io.scoring import Score
 from model.io.words import from_words, result_values
 from model.reference.equations import swivel_normal
-from scripts.console import command
+from scripts.console import InputError, command
 from scripts.generate.render import TEMPLATES
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
@@ -163,7 +163,9 @@ def page(
 def main(parsed: SimpleNamespace) -> int:
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
-    folders = datapaths(parsed)
+    folders = datapaths(parsed, prepared)
+    if prepared[0].targets.hand is not None:
+        raise InputError("argument --trajectory: the report shows wrist targets, not hand poses")
     with outputs(parsed.out, folders.values(), prepared, path) as files:
         runs = [simulated(parsed, datapath, prepared) for datapath in folders]
         done = [score_runs(parsed, datapath, prepared, ran) for datapath, ran in zip(folders, runs, strict=True)]

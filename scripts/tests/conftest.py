@@ -6,14 +6,13 @@ from functools import partial
 import pytest
 from vcd.writer import VCDWriter
 
-from model.dataflow import fixed
+from model.dataflow.datapaths import MODELS
 from scripts import run
 from scripts.waves import model_bits, place, variable
 from tb.core import random_targets
 from tb.sim import native_run
-from tb.sim.job import Run
+from tb.sim.job import Run, answer
 
-TOP = ("ik_axis",)
 LATENCY = 44
 FIRST, GAP = 6, 3
 """Clock in which the simulator admits target 0; idle clocks between targets 1 and 2."""
@@ -24,8 +23,8 @@ def admissions(count):
     return [FIRST + k + GAP * (k > 1) for k in range(count)]
 
 
-def nodes_of(words, datapath="lean", width=32):
-    return list(fixed.run(words, width, datapath).bits.nodes.values())
+def nodes_of(words, datapath="lean", width=32, limits=None):
+    return list(answer(words, width, datapath, limits).bits.nodes.values())
 
 
 class FakeSimulator:
@@ -45,28 +44,29 @@ class FakeSimulator:
         self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, **others})
         if waves:
             assert waves.is_absolute(), "the simulator runs in another folder"
-            self.record(waves, jobs, datapath, width)
+            self.record(waves, jobs, datapath, width, others.get("limits"))
         runs = []
         for job in jobs:
-            answer = fixed.run(job.words, width, datapath)
-            runs.append(Run(answer.results.copy(), answer.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
+            found = answer(job.words, width, datapath, others.get("limits"))
+            runs.append(Run(found.results.copy(), found.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
         self.spoil(*runs)
         return runs
 
-    def record(self, path, jobs, datapath, width):
+    def record(self, path, jobs, datapath, width, limits=None):
         """Write a VCD, for a single job with its words."""
-        nodes = nodes_of(jobs[0].words, datapath, width)
+        nodes, of = nodes_of(jobs[0].words, datapath, width, limits), MODELS[datapath]
+        top = (of.top,)
         admitted = admissions(len(jobs[0].words)) if len(jobs) == 1 else [0]
-        core = (*TOP, f"g_{datapath}", "u_core")
+        core = (*top, f"g_{of.rtl}", "u_core")
         with open(path, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
             line = partial(variable, writer)
-            plain = {name: line((*TOP, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
-            for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 6 * width)):
-                for side in "sm" if bits > 1 else "m":
-                    line((*TOP, f"{side}_axis_{name}"), bits)
+            plain = {name: line((*top, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
+            for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 0)):
+                for side, words in (("s", of.inputs), ("m", of.results))[bits == 1 :]:
+                    line((*top, f"{side}_axis_{name}"), bits or len(words) * width)
             for name in ("in_valid", "out_valid"):
                 line((*core, name), 1)
-            lines = {node.name: line((*TOP, *place(datapath, node)), node.format.width) for node in nodes}
+            lines = {node.name: line((*top, *place(datapath, node)), node.format.width) for node in nodes}
             for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
                 rise = 10_000 * clock - 5_000
                 bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}

@@ -142,6 +142,23 @@ def test_aligned_vcd(command, simulator):
     assert (dumpfile, savefile) == ('[dumpfile] "aligned.vcd"', '[savefile] "aligned.gtkw"')
 
 
+def test_a_hand_pose(command, simulator):
+    """All nodes of the arm, those of its core within it; limits are the robot's."""
+    simulator.wrong = [("w_1", 2), ("th6", 2)]
+    words = "--trajectory", "pick_and_place", "--target", "2", "--waves", "--out", "o"
+    status, out, _ = command(follow.main, *words)
+    (call,) = simulator.calls
+    nodes = nodes_of(call["jobs"][0].words, "arm", 32, call["limits"])
+    assert status == 1 and call["limits"] != [(-(2**31), 2**31 - 1)] * 7
+    assert [line.split()[4] for line in out if line.startswith("!")] == ["w_1", "th6"]
+    rows = [line for line in out if re.match(r"[ !] +\d+ +\+\d", line)]
+    assert len(rows) == len(nodes) and all(f" {node.name} " in row for node, row in zip(nodes, rows, strict=True))
+    assert "joints: angles" in out
+    check_aligned(Path("o/aligned.vcd"), nodes, admissions(100), simulator.wrong, "arm")
+    labels = {label for label, *_ in traces(Path("o/waves.gtkw"))}
+    assert {"th1 (half turns)", "hand_x", "qh_k"} <= labels
+
+
 def test_x_is_a_difference(tmp_path, simulator):
     """A VCD omits leading digits, so a short X value is extended; after the end of a recording all is X."""
     words = np.stack([reach()[0]] * 3)

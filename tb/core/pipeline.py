@@ -21,11 +21,11 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import Node
+from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits, arm_targets, mixed
 from model.io.words import pack, unpack
 from tb.core import functional_coverage
-from tb.sim.job import KEPT, Difference, answer, report
+from tb.sim.job import KEPT, Difference, answer, limits_port, report
 
 
 class Scoreboard:
@@ -93,13 +93,13 @@ def configuration(dut) -> str:
 
 
 class Pipeline:
-    """Bench around one ``ik_axis``, or one ``ik_arm`` with the limits of :func:`arm_limits`.
+    """Bench around one ``ik_axis``, or one ``ik_arm`` with limits of the joints, by default :func:`arm_limits`.
 
     With ``nodes`` every node is compared, otherwise results only. ``results`` holds (words, tag, flags, clock) of every
     output beat in order, ``latencies`` the clocks since admission.
     """
 
-    def __init__(self, dut, nodes: bool = True) -> None:
+    def __init__(self, dut, nodes: bool = True, limits: Limits | None = None) -> None:
         self.dut, self.core = dut, getattr(dut, "u", dut)  # a wrapper of tb/sim/wrapper_top.py has the core in u
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
@@ -108,8 +108,9 @@ class Pipeline:
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
         assert [len(port) for port in ports] == [data[0], tag + len(path.side), data[1], tag + path.flag_bits]
+        self.limits = limits or arm_limits(self.width)
         if path.side:
-            (dut.limits.value,) = pack(np.ravel(arm_limits(self.width))[None], self.width)
+            dut.limits.value = limits_port(self.limits, self.width)
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
@@ -181,7 +182,7 @@ class Pipeline:
 
     def announce(self, words: np.ndarray) -> None:
         """Compute the model's results for further targets, which must then be sent in this order."""
-        expected = answer(words, self.width, self.datapath)
+        expected = answer(words, self.width, self.datapath, self.limits)
         self.words = np.concatenate([self.words, words])
         self.answer_results += [tuple(r) for r in expected.results.tolist()]
         self.answer_flags += expected.flags.tolist()

@@ -5,6 +5,10 @@ module ik_waves;
   initial
     if ($value$plusargs("waves=%s", file)) begin
       $dumpfile(file);
+`ifdef IK_ARM
+      $dumpvars(5, ik_arm);
+`else
       $dumpvars(4, ik_axis);
+`endif
     end
 endmodule

@@ -10,8 +10,9 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import Format, Node
+from model.dataflow.nodes import Format, Limits, Node
 from model.io.stimuli import arm_limits
+from model.io.words import pack
 
 KEPT = 1000
 """Number of differences kept for the message; all are counted."""
@@ -29,11 +30,17 @@ class Job:
     words: np.ndarray
 
 
-def answer(words: np.ndarray, width: int, datapath: str) -> fixed.Answer:
-    """Return the model's answer to the targets of a bench, whose joints have the limits of :func:`arm_limits`."""
+def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:
+    """Return the model's answer to the targets of a bench, whose joints have limits, by default :func:`arm_limits`."""
     count = len(MODELS[datapath].inputs)
     branch = words[:, count] if MODELS[datapath].side else 0
-    return fixed.run(words[:, :count], width, datapath, branch, arm_limits(width))
+    return fixed.run(words[:, :count], width, datapath, branch, limits or arm_limits(width))
+
+
+def limits_port(limits: Limits, width: int) -> int:
+    """Return the value of ``limits`` of ``ik_arm``, whose words wrap."""
+    half = 1 << width - 1
+    return pack((np.ravel(limits)[None] + half) % (2 * half) - half, width)[0]
 
 
 @dataclass

@@ -7,6 +7,7 @@ targets and the bit-true model's words through the program that Verilator builds
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import subprocess
@@ -18,12 +19,11 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import WIDTHS, Node
+from model.dataflow.nodes import WIDTHS, Limits, Node
 from model.io.stimuli import arm_limits
-from model.io.words import pack
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.job import Difference, Job, Run, SimulationError, answer, report
+from tb.sim.job import Difference, Job, Run, SimulationError, answer, limits_port, report
 from tb.sim.runner import COMPACT, MAKE_ARGS, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
@@ -41,9 +41,9 @@ def nodes_of(datapath: str, width: int) -> list[Node]:
     return list(fixed.nodes(datapath, width).values())
 
 
-def wrapper(datapath: str, width: int, digit: int) -> str:
+def wrapper(datapath: str, width: int, digit: int, bounds: Limits | None = None) -> str:
     """Return a top around the core, or around the datapath alone below 16 bits: fields in 32-bit lanes, and every node
-    on one port, aligned to 32 bits.  The branch of the whole arm has a lane above the fields."""
+    on one port, aligned to 32 bits.  The branch of the whole arm has a lane above the fields; limits are constants."""
     path = MODELS[datapath]
     core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
     parameters = {**path.parameters, **({"DIGIT": 1} if digit else {})}
@@ -61,7 +61,7 @@ def wrapper(datapath: str, width: int, digit: int) -> str:
     side, limits = "", ""
     if path.side:
         side = f"target[{32 * len(lanes) + len(path.side) - 1}:{32 * len(lanes)}], "
-        (ends,) = pack(np.ravel(arm_limits(width))[None], width)
+        ends = limits_port(bounds or arm_limits(width), width)
         limits = f" .limits({14 * width}'h{ends:x}),"
     given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
     lines = ",\n      ".join(reversed(parts))
@@ -140,7 +140,14 @@ def build(
     return folder / "Vtop"
 
 
-def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None) -> Path:
+def program(
+    datapath: str,
+    width: int,
+    root: Path = ROOT,
+    name: str = "",
+    kind: str | None = None,
+    limits: Limits | None = None,
+) -> Path:
     """Build the program of a datapath if necessary; parameters as in :func:`tb.sim.simulate.simulate`.
 
     Raises :class:`SimulationError`.
@@ -148,17 +155,20 @@ def program(datapath: str, width: int, root: Path = ROOT, name: str = "", kind: 
     path = MODELS[datapath]
     digit = CORES.index(cores(kind)) if path.rtl == "paper" else 0
     full = "-".join([datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])])
+    full += f"-{hashlib.sha1(str(limits).encode()).hexdigest()[:10]}" if limits else ""
     try:
-        return build(TOP, HARNESS, {}, root=root, name=full, wrapper=wrapper(datapath, width, digit))
+        return build(TOP, HARNESS, {}, root=root, name=full, wrapper=wrapper(datapath, width, digit, limits))
     except RuntimeError as error:
         raise SimulationError(f"the Verilator build failed: {error}") from None
 
 
-def answered(words: np.ndarray, width: int, datapath: str) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
+def answered(
+    words: np.ndarray, width: int, datapath: str, limits: Limits | None = None
+) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
     """Yield targets and the model's answers in frames."""
     for start in range(0, len(words), FRAME):
         piece = words[start : start + FRAME]
-        yield piece, answer(piece, width, datapath)
+        yield piece, answer(piece, width, datapath, limits)
 
 
 def columns(node: Node) -> Iterator[np.ndarray]:
@@ -227,12 +237,13 @@ def run(
     datapath: str,
     progress: Callable[[int, int], None] | None = None,
     root: Path = ROOT,
+    limits: Limits | None = None,
 ) -> list[Run]:
     """Run each job after its own reset; calls ``progress(done, total)``. Raises :class:`SimulationError`."""
     total, before, runs = sum(len(job.words) for job in jobs), 0, []
     for job in jobs:
         told = (lambda done, since=before: progress(since + done, total)) if progress else None
-        runs.append(compare(path, answered(job.words, width, datapath), width, datapath, told, root))
+        runs.append(compare(path, answered(job.words, width, datapath, limits), width, datapath, told, root))
         before += len(job.words)
     return runs
 

@@ -151,7 +151,9 @@ def simulate(
         "timescale": "1ns/1ps",
     }
     if sim == "icarus":
-        options["toplevel"] = [toplevel, "ik_waves"] if toplevel == "ik_axis" else toplevel
+        recorded = toplevel in ("ik_axis", "ik_arm")
+        options["toplevel"] = [toplevel, "ik_waves"] if recorded else toplevel
+        options["defines"] = ["IK_ARM"] if toplevel == "ik_arm" else []
         options["verilog_sources"].append(str(ROOT / "tb" / "sim" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
     else:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import MODELS
+from model.dataflow.nodes import Limits
 from tb.sim import native_run, runner
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
@@ -33,13 +34,15 @@ def simulate(
     name: str = "",
     cores: str | None = None,
     native: bool | None = None,
+    limits: Limits | None = None,
 ) -> list[Run]:
     """Run all jobs in one simulation and compare every node with the bit-true model.
 
     ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second. ``root`` and ``name``
     select another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`). ``native``
     runs without Python in the loop (:mod:`tb.sim.native_run`) with the same results; it needs Verilator, writes no
-    waves, and is the default from :data:`LONG` targets on. Raises :class:`SimulationError`.
+    waves, and is the default from :data:`LONG` targets on. ``limits`` are words for the whole arm's joints. Raises
+    :class:`SimulationError`.
     """
     if datapath not in MODELS:
         raise ValueError(f"datapath {datapath}: there is {', '.join(MODELS)}")
@@ -49,12 +52,13 @@ def simulate(
     if native:
         if simulator != "verilator" or waves:
             raise ValueError("only Verilator runs natively, and without waves")
-        program = native_run.program(datapath, width, root, name, cores)
-        return native_run.run(program, jobs, width, datapath, progress, root)
+        program = native_run.program(datapath, width, root, name, cores, limits)
+        return native_run.run(program, jobs, width, datapath, progress, root, limits)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
         with naming(place / "jobs.npz") as file:
-            np.savez(file, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
+            given = {"limits": np.array(limits)} if limits else {}
+            np.savez(file, **given, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
         log = place / "log"
         command = runner.command(
             MODELS[datapath].top,

@@ -9,7 +9,7 @@ from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
 from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, any_hands, hand_poses, region
-from model.reference.joints import NEGATED, TURNED, product, turned
+from model.reference.joints import NEGATED, TURNED, reached
 from model.reference.kinematics import angle_between, rotate
 
 TESTED = (16, 18, 24, 27, 32)
@@ -122,19 +122,10 @@ WORST = {
 """Word length -> poses with the largest errors of point and orientation that searches of 20 s found."""
 
 
-def reached(results: np.ndarray, words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return point (N, 3), in words, and orientation (N, 4) of the hand at seven angles."""
-    th = results[:, :7].T * (2 * np.pi / (1 << width))
-    upper = turned(*th[:3])
-    fore = product(upper, turned(0 * th[3], th[3], 0 * th[3]))
-    hand = product(fore, turned(*th[4:]))
-    bones = zip(words[:, 4:7].T, (upper, fore, hand), strict=True)
-    return sum(length[:, None] * rotate(q.T, (0.0, 0.0, 1.0)) for length, q in bones), hand.T
-
-
 def errors(answer: fixed.Answer, words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors of the hand's point and orientation, relative to their tolerances, of poses in reach."""
-    point, hand = reached(answer.results, words, width)
+    th, tool = answer.results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
+    point, hand = reached(th, *words[:, 4:6].T, tool)
     bars = tolerances.arm(words, width)
     found = np.linalg.norm(point - words[:, :3], axis=1) / bars[0], angle_between(hand, words[:, 7:]) / bars[1]
     clamped = answer.flags & (UNREACHABLE | SATURATED | BAD_HAND) != 0

@@ -161,7 +161,7 @@ def test_poses_without_an_answer():
         ({"limits": [*LIMITS[:6], (np.nan, 0.5)]}, "limits of joint 7: nan to 0.5"),
         ({"tool": np.inf}, "tool: not finite"),
         ({"width": 32, "datapath": "paper"}, "datapath 'paper': with hand and width it must be 'lean'"),
-        ({"width": 32, "tool": 20.0}, "tool: 20 is too long"),
+        ({"width": 32, "tool": 20.0}, "column tool: .20.0. is too long"),
         ({"order": "ijkw"}, "order 'ijkw'"),
     ],
 )
